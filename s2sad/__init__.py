@@ -1,0 +1,44 @@
+"""s2sad reads a NumPy function that loops and writes its arrays in place, and writes the source of its derivative.
+
+The names below are loaded when they are first used, so that a generated file, which needs `s2sad.runtime` only, does
+not load the compiler.
+"""
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from s2sad.annotations import (
+        Active as Active, BatchDuplicated as BatchDuplicated, Const as Const, Duplicated as Duplicated,
+        DuplicatedNoNeed as DuplicatedNoNeed, Forward as Forward, ForwardWithPrimal as ForwardWithPrimal,
+        Reverse as Reverse, ReverseWithPrimal as ReverseWithPrimal,
+    )
+    from s2sad.api import Differentiated as Differentiated, autodiff as autodiff, differentiate as differentiate
+    from s2sad.diagnostics import S2sadError as S2sadError, S2sadWarning as S2sadWarning
+    from s2sad.drivers import (
+        gradient as gradient, jvp as jvp, make_zero as make_zero, value_and_gradient as value_and_gradient, vjp as vjp,
+    )
+
+__version__ = "0.1.0"
+_HOMES = {
+    "annotations": ("Active", "BatchDuplicated", "Const", "Duplicated", "DuplicatedNoNeed", "Forward",
+                    "ForwardWithPrimal", "Reverse", "ReverseWithPrimal"),
+    "api": ("Differentiated", "autodiff", "differentiate"),
+    "diagnostics": ("S2sadError", "S2sadWarning"),
+    "drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
+}
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 's2sad' has no attribute {name!r}")
+    value = getattr(import_module(f"s2sad.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

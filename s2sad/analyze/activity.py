@@ -1,0 +1,112 @@
+"""activity: which names carry derivatives from the independents to the dependents.
+
+Requires normal form; establishes `varied` (depends differentiably on an independent), `useful` (a dependent depends
+differentiably on it) and `active`, both. (Hascoet, Naumann, Pascual, FGCS 21, 2005.)
+Numbers are bound once, so one set a function is exact for them; an array is one variable for its whole life.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from s2sad import rules
+from s2sad.analyze.liveness import base_name, targets
+from s2sad.infer.infer import Typing
+from s2sad.rules.operation import operation
+from s2sad.tree import (
+    AST, Assign, AugAssign, BoolOp, Call, Compare, Constant, Expr, FunctionDef, Name, Return, Subscript, Tuple, call_name,
+    walk,
+)
+
+CallEdges = Callable[[Call], list[tuple[int, "int | str"]]]
+
+
+@dataclass(frozen=True)
+class Activity:
+    """The verdicts; `edges` lists (from, to) with the result of the function as "return 0", "return 1", ..."""
+    varied: frozenset[str]
+    useful: frozenset[str]
+    edges: tuple[tuple[str, str], ...]
+
+    @property
+    def active(self) -> frozenset[str]:
+        return self.varied & self.useful
+
+    def verdict(self, name: str) -> str:
+        if name in self.varied:
+            return "active" if name in self.useful else "inactive: it reaches no output"
+        return "inactive: it does not depend on an input"
+
+
+def activity(function: FunctionDef, typing: Typing, independents: set[str], dependents: set[str],
+             call_edges: CallEdges) -> Activity:
+    """The table for one function and one choice of inputs and outputs ("return k" are the results)."""
+    edges = tuple(dict.fromkeys(_edges(function, typing, call_edges)))
+    forwards: dict[str, list[str]] = {}
+    backwards: dict[str, list[str]] = {}
+    for a, b in edges:
+        forwards.setdefault(a, []).append(b)
+        backwards.setdefault(b, []).append(a)
+    return Activity(frozenset(reach(forwards, independents)), frozenset(reach(backwards, dependents)), edges)
+
+
+def reach(arrows: dict[str, list[str]], start: set[str]) -> set[str]:
+    """Everything that can be reached, the start included."""
+    seen, waiting = set(start), sorted(start)
+    while waiting:
+        for name in arrows.get(waiting.pop(), []):
+            if name not in seen:
+                seen.add(name)
+                waiting.append(name)
+    return seen
+
+
+def sources(node: AST, typing: Typing) -> Iterator[str]:
+    """The names on which an expression depends differentiably."""
+    if isinstance(node, (Compare, BoolOp, Constant)):
+        return
+    if isinstance(node, Name):
+        if typing.of(node).is_float and not node.id.startswith(("const.", "numpy.", "math.")):
+            yield node.id
+        return
+    if isinstance(node, Subscript):
+        if typing.of(node).is_float and base_name(node):
+            yield base_name(node)
+        return
+    found = operation(node)
+    if found:
+        rule, operands = found
+        for parameter, operand in operands.items():
+            if parameter not in rule.zero:
+                yield from sources(operand, typing)
+    elif isinstance(node, Call) and rules.constant_result(call_name(node) or "") is None:
+        for argument in node.args:
+            yield from sources(argument, typing)
+
+
+def _edges(function: FunctionDef, typing: Typing, call_edges: CallEdges) -> Iterator[tuple[str, str]]:
+    for statement in walk(function.body):
+        if isinstance(statement, (Assign, AugAssign, Expr)) and isinstance(statement.value, Call) and (
+                call_name(statement.value) or "").startswith("user."):
+            yield from _call(statement, typing, call_edges)
+        elif isinstance(statement, (Assign, AugAssign)):
+            for target in targets(statement):
+                if typing.of(target).is_float:
+                    for source in sources(statement.value, typing):
+                        yield source, base_name(target)
+        elif isinstance(statement, Return) and statement.value is not None:
+            parts = statement.value.elts if isinstance(statement.value, Tuple) else [statement.value]
+            for number, part in enumerate(parts):
+                for source in sources(part, typing):
+                    yield source, f"return {number}"
+
+
+def _call(statement: AST, typing: Typing, call_edges: CallEdges) -> Iterator[tuple[str, str]]:
+    call = statement.value
+    results = [base_name(t) for t in targets(statement)]
+    for start, end in call_edges(call):
+        goal = results[int(end.split()[1])] if isinstance(end, str) and results else base_name(call.args[end]) \
+            if isinstance(end, int) else ""
+        if goal:
+            for source in sources(call.args[start], typing):
+                yield source, goal

@@ -1,0 +1,251 @@
+"""dependence: whether one reference to an array may be to a cell that another one, executed later, overwrites.
+
+Requires the structure table; answers by subscripts that are affine in loop counters and in numbers bound once, with
+the loops' bounds, the order of execution, and negative subscripts counted from the end as NumPy does.
+(Banerjee, Dependence Analysis, 1997; the systems are solved by `affine.feasible`.)
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+from s2sad.analyze.affine import Affine, at_most, equals, feasible
+from s2sad.analyze.structure import Structure
+from s2sad.tree import (
+    AST, Add, Assign, Attribute, BinOp, Constant, For, Mult, Name, Sub, Subscript, Tuple, UnaryOp, USub, call_name,
+    dump, indices,
+)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A use of an array at a statement: an element, or with fewer subscripts a region."""
+    array: str
+    subscripts: tuple[AST, ...]
+    statement: AST
+
+    @classmethod
+    def to(cls, node: AST, statement: AST) -> Reference:
+        if isinstance(node, Name):
+            return cls(node.id, (), statement)
+        assert isinstance(node, Subscript) and isinstance(node.value, Name)
+        kept = [s for s in indices(node) if not (isinstance(s, Constant) and s.value is Ellipsis)]
+        return cls(node.value.id, tuple(kept), statement)
+
+
+class Dependence:
+    """Answers about the references of one function."""
+
+    def __init__(self, structure: Structure):
+        self.structure = structure
+        self.extents: dict[str, list[Affine | None]] = {}
+        self._known: dict[tuple[str, ...], bool] = {}
+
+    # -- affine forms ------------------------------------------------------------------------------------------------
+
+    def form(self, node: AST, depth: int = 0) -> Affine | None:
+        """The affine form of an integer expression, over counters, numbers bound once and shapes."""
+        if isinstance(node, Constant):
+            return Affine((), node.value) if isinstance(node.value, int) else None
+        if isinstance(node, UnaryOp) and isinstance(node.op, USub):
+            inner = self.form(node.operand, depth)
+            return inner and inner.times(-1)
+        if isinstance(node, BinOp):
+            return self._binary(node, depth)
+        if isinstance(node, Name):
+            return self._name(node.id, depth)
+        if call_name(node) == "builtins.len":
+            return self._shape(node.args[0], 0, depth)
+        if isinstance(node, Attribute) and node.attr == "size" and self.structure.typing.of(node.value).rank == 1:
+            return self._shape(node.value, 0, depth)
+        if isinstance(node, Subscript) and isinstance(node.value, Attribute) and node.value.attr == "shape":
+            axis = node.slice.value if isinstance(node.slice, Constant) else None
+            return self._shape(node.value.value, axis, depth) if isinstance(axis, int) else None
+        return None
+
+    def _binary(self, node: BinOp, depth: int) -> Affine | None:
+        left, right = self.form(node.left, depth), self.form(node.right, depth)
+        if left is None or right is None:
+            return None
+        if isinstance(node.op, (Add, Sub)):
+            return left.plus(right, 1 if isinstance(node.op, Add) else -1)
+        if isinstance(node.op, Mult) and not left.terms:
+            return right.times(left.constant)
+        return left.times(right.constant) if isinstance(node.op, Mult) and not right.terms else None
+
+    def _name(self, identifier: str, depth: int) -> Affine | None:
+        if identifier in self.structure.loop_of:
+            return Affine.symbol(identifier)
+        bound = self.structure.bindings.get(identifier, [])
+        if len(bound) > 1 or depth > 20 or "." in identifier and not identifier.startswith("const."):
+            return None
+        if bound and isinstance(bound[0], Assign) and isinstance(bound[0].targets[0], Name):
+            inner = self.form(bound[0].value, depth + 1)
+            if inner is not None and self._stable(inner):
+                return inner
+        return Affine.symbol(identifier)
+
+    def _stable(self, form: Affine) -> bool:
+        return all(s in self.structure.loop_of or len(self.structure.bindings.get(s, [])) <= 1 for s, _ in form.terms)
+
+    def _shape(self, base: AST, axis: int, depth: int) -> Affine | None:
+        if not isinstance(base, Name) or axis < 0:
+            return None
+        return self.extent(base.id, axis, depth)
+
+    def extent(self, array: str, axis: int, depth: int = 0) -> Affine | None:
+        """The size of an axis of an array."""
+        made = self.structure.bindings.get(array, [])
+        if not made or depth > 20:
+            return Affine.symbol(f"{array}.shape[{axis}]")
+        value = made[0].value
+        if (call_name(value) or "").endswith("_like"):
+            return self._shape(value.args[0], axis, depth + 1)
+        shape = value.args[0]
+        if isinstance(shape, Tuple):
+            return self.form(shape.elts[axis], depth + 1)
+        if isinstance(shape, Attribute) and shape.attr == "shape":
+            return self._shape(shape.value, axis, depth + 1)
+        return self.form(shape, depth + 1) if axis == 0 else None
+
+    # -- systems -----------------------------------------------------------------------------------------------------
+
+    def bounds(self, reference: Reference) -> list[Affine]:
+        """What the loops around a statement say of their counters."""
+        system: list[Affine] = []
+        for loop in self.structure.place(reference.statement).loops:
+            if isinstance(loop, For):
+                system += self.loop_bounds(loop)
+        return system
+
+    def loop_bounds(self, loop: For) -> list[Affine]:
+        start, stop, step = range_parts(loop)
+        low, high = self.form(start), self.form(stop)
+        if not isinstance(step, int):
+            return []
+        counter = Affine.symbol(loop.target.id)
+        if step < 0:
+            low, high = (high.shift(1) if high else None), (low.shift(1) if low else None)
+        return ([at_most(low, counter)] if low else []) + ([at_most(counter.shift(1), high)] if high else [])
+
+    def subscript_cases(self, reference: Reference, axis: int) -> list[tuple[Affine | None, list[Affine]]]:
+        """The cell that a subscript names, with what holds then: as it is, or counted from the end."""
+        form = self.form(reference.subscripts[axis])
+        if form is None:
+            return [(None, [])]
+        extent = self.extent(reference.array, axis)
+        bounds = self.bounds(reference)
+        if extent is None:
+            negative = [at_most(form, Affine((), -1))]
+            return [(None, [])] if feasible(bounds + negative) else [(form, [])]
+        inside = [at_most(form.shift(1), extent), at_most(extent.times(-1), form)]
+        cases: list[tuple[Affine | None, list[Affine]]] = [(form, [at_most(Affine(), form), *inside])]
+        negative = [at_most(form, Affine((), -1)), *inside]
+        if feasible(bounds + negative):
+            cases.append((form.plus(extent), negative))
+        return cases
+
+    def may_overwrite(self, first: Reference, later: Reference, within: AST | None = None,
+                      same: bool = False) -> bool:
+        """Whether `later`, executed after `first`, may be to a cell of `first`.
+
+        `within` a loop: only in one iteration of it (and of the loops around it); `same` also counts `later` in the
+        statement of `first`.
+        """
+        if first.array != later.array:
+            return False
+        key = (dump(list(first.subscripts)), dump(list(later.subscripts)), str(id(first.statement)),
+               str(id(later.statement)), str(id(within)), str(same))
+        if key not in self._known:
+            self._known[key] = self._may(first, later, within, same)
+        return self._known[key]
+
+    def _may(self, first: Reference, later: Reference, within: AST | None, same: bool) -> bool:
+        a, b = self.structure.place(first.statement), self.structure.place(later.statement)
+        common = [x for x, y in zip(a.loops, b.loops) if x is y]
+        fixed = common.index(within) + 1 if within is not None and within in common else 0
+        if within is not None and within not in common:
+            return False
+        for level in range(fixed, len(common) + 1):
+            if level == len(common):
+                if not (b.order > a.order or same and a.order == b.order) or _exclusive(a.branches, b.branches):
+                    continue
+            if self._overlap(first, later, common, level):
+                return True
+        return False
+
+    def _overlap(self, first: Reference, later: Reference, common: list[AST], level: int) -> bool:
+        """The case in which the common loops are equal up to `level` and the next one is further on."""
+        primed = self._primed(common[:level], later)
+        cells: list[list[tuple[Affine, Affine, list[Affine]]]] = []
+        for axis in range(min(len(first.subscripts), len(later.subscripts))):
+            options = []
+            for (x, cx), (y, cy) in product(self.subscript_cases(first, axis), self.subscript_cases(later, axis)):
+                if x is None or y is None:
+                    options = []
+                    break
+                options.append((x, y.renamed(primed), [*cx, *(c.renamed(primed) for c in cy)]))
+            if options:
+                cells.append(options)
+        system = self.bounds(first) + [f.renamed(primed) for f in self.bounds(later)]
+        if level < len(common):
+            system += self._further(common[level], primed)
+        return any(feasible(system + [f for x, y, held in choice for f in [*equals(x, y), *held]])
+                   for choice in product(*cells))
+
+    def _further(self, loop: AST, primed: dict[str, str]) -> list[Affine]:
+        if not isinstance(loop, For):
+            return []
+        step = range_parts(loop)[2]
+        here, there = Affine.symbol(loop.target.id), Affine.symbol(primed[loop.target.id])
+        if not isinstance(step, int):
+            return []
+        return [at_most(here.shift(1), there) if step > 0 else at_most(there.shift(1), here)]
+
+    def _primed(self, shared: list[AST], later: Reference) -> dict[str, str]:
+        """Names for the later instance of everything that differs between iterations of loops not shared."""
+        def differs(loops: tuple[AST, ...]) -> bool:
+            return any(not any(loop is s for s in shared) for loop in loops)
+
+        around = self.structure.place(later.statement).loops
+        primed = {loop.target.id: loop.target.id + "'" for loop in around
+                  if isinstance(loop, For) and differs((loop,))}
+        for number, bound in self.structure.bindings.items():
+            if number not in self.structure.loop_of and differs(self.structure.place(bound[0]).loops):
+                primed[number] = number + "'"
+        return primed
+
+    def covers(self, loop: For, store: AST, reference: Reference) -> bool:
+        """Whether a nest of loops, with `loop` the outermost, stores into every cell of an array."""
+        nest = [x for x in self.structure.place(store).loops]
+        nest = nest[nest.index(loop):]
+        if len(nest) != len(reference.subscripts) or self.structure.place(store).branches != \
+                self.structure.place(loop).branches:
+            return False
+        for axis, subscript in enumerate(reference.subscripts):
+            counter = next((x for x in nest if isinstance(x, For) and isinstance(subscript, Name)
+                            and x.target.id == subscript.id), None)
+            if counter is None:
+                return False
+            start, stop, step = range_parts(counter)
+            extent, low, high = self.extent(reference.array, axis), self.form(start), self.form(stop)
+            if step != 1 or extent is None or low != Affine() or high is None or high != extent:
+                return False
+        return True
+
+
+def range_parts(loop: For) -> tuple[AST, AST, int | AST]:
+    """The start, the stop and the step of a loop; the step as a number if it is one."""
+    args = loop.iter.args
+    start, stop = (Constant(0, None), args[0]) if len(args) == 1 else (args[0], args[1])
+    step: int | AST = 1 if len(args) < 3 else args[2]
+    if isinstance(step, UnaryOp) and isinstance(step.op, USub) and isinstance(step.operand, Constant):
+        step = -step.operand.value
+    elif isinstance(step, Constant):
+        step = step.value
+    return start, stop, step
+
+
+def _exclusive(a: tuple[tuple[AST, bool], ...], b: tuple[tuple[AST, bool], ...]) -> bool:
+    """Whether two statements stand in different branches of one If."""
+    return any(x is y and p != q for x, p in a for y, q in b)

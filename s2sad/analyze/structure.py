@@ -1,0 +1,139 @@
+"""structure: where every statement of a function stands.
+
+Requires normal form; establishes an order, the loops and branches around each statement, its block, and in that block
+its segment: a run of statements on numbers and elements, or one statement of another kind (a loop, a call that writes,
+a whole-array statement, an allocation).
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from s2sad.analyze.liveness import targets
+from s2sad.infer.infer import Typing
+from s2sad.normalize.workspace import is_allocation
+from s2sad.tree import (
+    AST, Assign, AugAssign, Call, Expr, For, FunctionDef, If, Name, Subscript, While, call_name, walk,
+)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a statement stands: `order` in the text, `loops` and `branches` (If, whether in its body) around it,
+    outermost first; `block` and `segment` of it (for a statement in a branch of a segment: the segment's); `inside`,
+    the loops and branches around it; `blocks`, all blocks around it, outermost first."""
+    statement: AST
+    order: int
+    loops: tuple[AST, ...]
+    branches: tuple[tuple[AST, bool], ...]
+    block: int
+    segment: int
+    inside: tuple[AST, ...] = ()
+    blocks: tuple[int, ...] = ()
+
+
+@dataclass
+class Structure:
+    """The table: places by `id(statement)`, bindings of numbers by name, blocks with their segments."""
+    function: FunctionDef
+    typing: Typing
+    places: dict[int, Place] = field(default_factory=dict)
+    bindings: dict[str, list[AST]] = field(default_factory=dict)
+    loop_of: dict[str, AST] = field(default_factory=dict)
+    blocks: dict[int, list[list[AST]]] = field(default_factory=dict)
+
+    def place(self, statement: AST) -> Place:
+        return self.places[id(statement)]
+
+    def before(self, a: AST, b: AST) -> bool:
+        return self.place(a).order < self.place(b).order
+
+
+def structure(function: FunctionDef, typing: Typing) -> Structure:
+    """The table of a function."""
+    table = Structure(function, typing)
+    _Walk(table).block(function.body, Around(), None)
+    return table
+
+
+def segments(block: list[AST], typing: Typing) -> list[list[AST]]:
+    """The block cut into runs of simple statements and single compound ones."""
+    cut: list[list[AST]] = []
+    simple = False
+    for statement in block:
+        now = is_simple(statement, typing)
+        if now and simple:
+            cut[-1].append(statement)
+        else:
+            cut.append([statement])
+        simple = now
+    return cut
+
+
+def is_simple(statement: AST, typing: Typing) -> bool:
+    """Whether a statement deals with numbers and elements only, so that it can be run again cheaply."""
+    if isinstance(statement, If):
+        return all(is_simple(s, typing) for s in [*statement.body, *statement.orelse])
+    if isinstance(statement, (For, While, Expr)) or is_allocation(statement):
+        return isinstance(statement, Expr) and not isinstance(statement.value, Call)
+    if isinstance(statement, (Assign, AugAssign)):
+        if any(typing.of(t).is_array for t in targets(statement)):
+            return False
+        return not any(reads_whole(n, typing) for n in walk(statement.value))
+    return True
+
+
+def reads_whole(node: AST, typing: Typing) -> bool:
+    """Whether a call reads whole arrays (and may write them)."""
+    function = call_name(node)
+    if function == "numpy.sum":
+        return True
+    return bool(function) and function.startswith("user.") and any(typing.of(a).is_array for a in node.args)
+
+
+@dataclass(frozen=True)
+class Around:
+    """What is around a block."""
+    loops: tuple[AST, ...] = ()
+    branches: tuple[tuple[AST, bool], ...] = ()
+    inside: tuple[AST, ...] = ()
+    blocks: tuple[int, ...] = ()
+
+
+class _Walk:
+    def __init__(self, table: Structure):
+        self.table = table
+        self.order = 0
+
+    def block(self, block: list[AST], around: Around, segment: tuple[int, int] | None) -> None:
+        around = replace(around, blocks=(*around.blocks, id(block)))
+        if segment is not None:
+            for statement in block:
+                self.statement(statement, around, segment)
+            return
+        cut = self.table.blocks[id(block)] = segments(block, self.table.typing)
+        for number, run in enumerate(cut):
+            for statement in run:
+                self.statement(statement, around, (id(block), number))
+
+    def statement(self, statement: AST, around: Around, segment: tuple[int, int]) -> None:
+        self.order += 1
+        self.table.places[id(statement)] = Place(statement, self.order, around.loops, around.branches, *segment,
+                                                 around.inside, around.blocks)
+        for target in targets(statement):
+            if isinstance(target, Name):
+                self.table.bindings.setdefault(target.id, []).append(statement)
+        inside = (*around.inside, statement)
+        if isinstance(statement, If):
+            own = segment if is_simple(statement, self.table.typing) else None
+            for chosen, block in ((True, statement.body), (False, statement.orelse)):
+                self.block(block, replace(around, branches=(*around.branches, (statement, chosen)), inside=inside),
+                           own)
+        elif isinstance(statement, (For, While)):
+            if isinstance(statement, For):
+                self.table.loop_of.setdefault(statement.target.id, statement)
+            self.block(statement.body, replace(around, loops=(*around.loops, statement), inside=inside), None)
+
+
+def stored_arrays(statement: AST) -> list[AST]:
+    """The array places that a simple store writes."""
+    return [t for t in targets(statement) if isinstance(t, Subscript)]

@@ -1,0 +1,112 @@
+"""uses: what the adjoint of a statement reads of the primal.
+
+Requires normal form and activity. What must be there falls out of the rules: the free names of the partials of the
+operands that are active. Linear uses need nothing. (Hascoet, Naumann, Pascual, FGCS 21, 2005, "to be recorded".)
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from s2sad.analyze.liveness import base_name, targets
+from s2sad.infer.infer import Typing
+from s2sad.rules.operation import operation
+from s2sad.rules.rule import RESULT
+from s2sad.tree import (
+    AST, Assign, AugAssign, Call, Constant, Name, Subscript, call_name, indices, walk,
+)
+
+
+@dataclass
+class Uses:
+    """Numbers by name, elements and whole arrays by reference."""
+    names: set[str] = field(default_factory=set)
+    loads: list[AST] = field(default_factory=list)
+
+    def value(self, node: AST, typing: Typing) -> None:
+        """Everything that computing an expression reads."""
+        for part in walk(node):
+            if isinstance(part, Name) and "." not in part.id:
+                kind = typing.of(part)
+                if kind.is_array:
+                    continue
+                self.names.add(part.id)
+        self.loads.extend(loads_of(node, typing))
+
+    def place(self, node: AST, typing: Typing) -> None:
+        """The subscripts of a reference, not its content."""
+        if isinstance(node, Subscript):
+            for subscript in indices(node):
+                self.value(subscript, typing)
+
+
+def loads_of(node: AST, typing: Typing) -> list[AST]:
+    """The array references that an expression reads: elements, rows and whole arrays, those in subscripts too."""
+    if isinstance(node, Subscript) and isinstance(node.value, Name) and typing.of(node.value).is_array:
+        inner = [part for s in indices(node) for part in loads_of(s, typing)]
+        return [node, *inner]
+    if isinstance(node, Name):
+        return [node] if typing.of(node).is_array else []
+    if type(node).__name__ == "Attribute" or call_name(node) == "builtins.len":
+        return []
+    found: list[AST] = []
+    for name in node._fields:
+        value = getattr(node, name, None)
+        for child in value if isinstance(value, list) else [value]:
+            if isinstance(child, AST):
+                found += loads_of(child, typing)
+    return found
+
+
+def is_active(node: AST, typing: Typing, active: frozenset[str] | set[str]) -> bool:
+    """Whether a derivative flows through an expression."""
+    if isinstance(node, Name):
+        return node.id in active and typing.of(node).is_float
+    if isinstance(node, Subscript):
+        return base_name(node) in active and typing.of(node).is_float
+    found = operation(node)
+    if found:
+        rule, operands = found
+        return any(is_active(o, typing, active) for p, o in operands.items() if p not in rule.zero)
+    return call_name(node) == "numpy.sum" and is_active(node.args[0], typing, active)
+
+
+def uses(statement: AST, typing: Typing, active: frozenset[str],
+         call_uses: Callable[[AST, Uses], None]) -> Uses:
+    """What the adjoint of a simple statement, a whole-array statement or a call reads."""
+    found = Uses()
+    if not isinstance(statement, (Assign, AugAssign)) or (call_name(statement.value) or "").startswith("user."):
+        if isinstance(getattr(statement, "value", None), Call):
+            call_uses(statement, found)
+        return found
+    target = targets(statement)[0]
+    if base_name(target) not in active or not typing.of(target).is_float:
+        return found
+    found.place(target, typing)
+    _pull(statement.value, target.id if isinstance(target, Name) else None, typing, active, found)
+    return found
+
+
+def _pull(node: AST, result: str | None, typing: Typing, active: frozenset[str], found: Uses) -> None:
+    if isinstance(node, (Name, Constant)) or not is_active(node, typing, active):
+        return
+    if isinstance(node, Subscript):
+        found.place(node, typing)
+        return
+    if call_name(node) == "numpy.sum":
+        _pull(node.args[0], None, typing, active, found)
+        return
+    operated = operation(node)
+    assert operated is not None
+    rule, operands = operated
+    for parameter, operand in operands.items():
+        if parameter in rule.zero or not is_active(operand, typing, active):
+            continue
+        for free in sorted(rule.uses(parameter, operands)):
+            if free != RESULT:
+                found.value(operands[free], typing)
+            elif result is not None:
+                found.names.add(result)
+            else:
+                found.value(node, typing)
+        _pull(operand, None, typing, active, found)

@@ -1,0 +1,179 @@
+"""The decorator, and Enzyme's call: derivatives with shadows that the caller owns."""
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from s2sad import pipeline
+from s2sad.annotated import AnnotatedCall
+from s2sad.annotations import Annotation, Mode
+from s2sad.binding import admitted, bind, describe, types as types_of
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.program import Request
+from s2sad.run.compiled import chosen
+from s2sad.selection import Results, names_of, selected_of, selected_wrt
+from s2sad.shadowed import ShadowedCall
+from s2sad.variants import State, derivatives_of
+
+__all__ = ["Differentiated", "autodiff", "differentiate"]
+
+
+def differentiate(function: Callable[..., Any] | None = None, *, wrt: str | Iterable[str] | None = None,
+                  of: str | Iterable[str] | None = None, engine: str = "auto") -> Any:
+    """The function, which still does what it did, with its derivatives as attributes; see `Differentiated`.
+
+    Args: wrt, names of parameters (default: every float array and float scalar); of, names of written arrays and
+    "return" (default: all of them); engine, "auto" (Numba where it is installed), "numba" or "numpy".
+    Raises S2sadError (S405) for an engine that is not there; everything else when a derivative is first asked for.
+
+    >>> @differentiate(wrt="u", engine="numpy")
+    ... def double(u):
+    ...     for i in range(u.size):
+    ...         u[i] *= 2.0
+    >>> double
+    <differentiated double>
+    """
+    chosen(engine)
+    if function is None:
+        return lambda f: Differentiated(f, wrt, of, engine)
+    return Differentiated(function, wrt, of, engine)
+
+
+class Differentiated:
+    """A function with its derivatives; calling it calls the original, untouched.
+
+    Shadows follow one law: on entry a shadow holds the adjoint of its array's exit value, on exit that of its entry
+    value. After `adjoint` and `tangent` what a written argument holds is unspecified, and so is every content when the
+    function raises midway.
+    """
+
+    def __init__(self, function: Callable[..., Any], wrt: str | Iterable[str] | None = None,
+                 of: str | Iterable[str] | None = None, engine: str = "auto"):
+        self.__wrapped_kernel__ = derivatives_of(function).function
+        functools.update_wrapper(self, self.__wrapped_kernel__, updated=())
+        self._original = function
+        self._derivatives = derivatives_of(function)
+        self.wrt, self.of, self.engine = names_of(wrt), names_of(of), engine
+        self.__s2sad_selection__ = (self.wrt, self.of, engine)
+        self._tokens = {mode: f"{mode} {self.__s2sad_selection__!r}" for mode in ("adjoint", "tangent")}
+
+    def __call__(self, *args: Any, **keywords: Any) -> Any:
+        return self._original(*args, **keywords)
+
+    def __get__(self, instance: Any, owner: Any = None) -> Any:
+        return self if instance is None else functools.partial(self, instance)
+
+    def __repr__(self) -> str:
+        return f"<differentiated {self.__wrapped_kernel__.__name__}>"
+
+    def adjoint(self, *args: Any) -> Any:
+        """The adjoints of the float scalar arguments as a tuple, in order (None without any); shadows in place.
+
+        Args: f's arguments, each followed by its shadow (same shape and dtype, writeable) if it has one, then the
+        seeds of the float results. Raises S2sadError, before anything is written: S403 (a shadow that does not fit),
+        S404 (memory shared), S405 (an argument that does not fit); and what f raises.
+        """
+        return self._shadowed("adjoint", args)
+
+    def tangent(self, *args: Any) -> Any:
+        """The tangents of the float results; those of written arrays stand in their shadows.
+
+        Args: f's arguments, each followed by its tangent if it has one. Raises as `adjoint` does.
+        """
+        return self._shadowed("tangent", args)
+
+    def primal(self, *args: Any, **keywords: Any) -> Any:
+        """What f returns, computed by the compiled primal (under NumPy: by f itself)."""
+        state = self._derivatives.state()
+        values = self._values(state, args, keywords)
+        types = types_of(values)
+        function = state.primal(types, self.engine)
+        results = Results.of(state.summary(types))
+        given = function(*values)
+        if not results.aliases:
+            return given
+        by_name = dict(zip(state.parameters, values))
+        if len(results.types) == 1:
+            return by_name[results.aliases[0]]
+        return tuple(by_name[results.aliases[k]] if k in results.aliases else v for k, v in enumerate(given))
+
+    def adjoint_source(self, *args: Any, level: str = "plain", **keywords: Any) -> str:
+        """The generated adjoint module's text for arguments of these types (f's own, without shadows)."""
+        return self._source("adjoint", args, keywords, level)
+
+    def tangent_source(self, *args: Any, level: str = "plain", **keywords: Any) -> str:
+        """The generated tangent module's text for arguments of these types (f's own, without shadows)."""
+        return self._source("tangent", args, keywords, level)
+
+    def compiled(self, mode: str, *args: Any) -> Callable[..., Any]:
+        """The bare function for arguments of these types, compiled: no checks, no conversions, no overhead.
+
+        Args: mode, "adjoint", "tangent" (args as for these) or "primal" (f's own arguments). Arrays that f reads from
+        its module are its last parameters.
+        """
+        state = self._derivatives.state()
+        if mode in ("adjoint", "tangent"):
+            return ShadowedCall(state, mode, args, self.__s2sad_selection__).variant.function
+        if mode != "primal":
+            raise S2sadError(Diagnostic("S405", f"there is no mode {mode!r}", help='"adjoint", "tangent" or "primal"'))
+        values = self._values(state, args, {})
+        if chosen(self.engine) == "numpy":
+            return self.__wrapped_kernel__
+        variant = state.variant(Request("primal", types_of(values), (), ()), self.engine)
+        variant.prepare(variant.assemble(dict(zip(state.parameters, values)), {}, (), state.arrays_by_name()))
+        return variant.function
+
+    def _shadowed(self, mode: str, args: tuple[Any, ...]) -> Any:
+        state = self._derivatives.state()
+        key = (self._tokens[mode], describe(args))
+        entry = state.entries.get(key)
+        if entry is None:
+            entry = state.entries[key] = ShadowedCall(state, mode, args, self.__s2sad_selection__)
+        return entry(args)
+
+    def _values(self, state: State, args: tuple[Any, ...], keywords: dict[str, Any]) -> list[Any]:
+        bound = bind(state.kernel, args, keywords)
+        return [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, bound)]
+
+    def _source(self, mode: str, args: tuple[Any, ...], keywords: dict[str, Any], level: str) -> str:
+        state = self._derivatives.state()
+        types = types_of(self._values(state, args, keywords))
+        name, parameters = state.kernel.name, state.parameters
+        wrt = selected_wrt(name, parameters, types, self.wrt)
+        of = selected_of(name, parameters, types, state.summary(types), self.of)
+        request = Request(mode, types, wrt, of, engine=chosen(self.engine), level=level)
+        return pipeline.derive(state.program, request).text
+
+
+def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = None) -> Any:
+    """Enzyme's call: in reverse a tuple with one derivative for each `Active` argument, forwards the tangent of the
+    returned value; with primal, (that, what f returns).
+
+    Args: mode, `Forward`, `ForwardWithPrimal`, `Reverse` or `ReverseWithPrimal`; annotated, f's arguments, floats and
+    arrays as `Const(x)`, `Active(x)` (a float, in reverse), `Duplicated(x, shadow)` or `DuplicatedNoNeed(x, shadow)`
+    with shadows of the same shape and dtype, everything else as it is or `Const`; seed, the adjoint of the returned
+    value: 1.0 by default if that is a float, required with the same structure if it is an array or a tuple (None
+    where that holds no float).
+    Raises S2sadError before anything is written: S402 (an annotation missing or out of place), S403, S404, S405, S406
+    (an active value stored in a `Const` array); and what f raises, after which all contents are unspecified.
+    Literature: Moses and Churavy, Instead of Rewriting Foreign Code for Machine Learning, NeurIPS 2020.
+
+    >>> from s2sad import Active, Reverse
+    >>> def square(x):
+    ...     return x * x
+    >>> autodiff(Reverse, square, Active(3.0))
+    (6.0,)
+    """
+    if not isinstance(mode, Mode):
+        raise S2sadError(Diagnostic("S402", f"{mode!r} is no mode",
+                                    help="use Forward, ForwardWithPrimal, Reverse or ReverseWithPrimal"))
+    state = derivatives_of(f).state()
+    engine = getattr(f, "__s2sad_selection__", (None, None, "auto"))[2]
+    kinds = tuple([type(a) if isinstance(a, Annotation) else None for a in annotated])
+    values = [a.value if isinstance(a, Annotation) else a for a in annotated]
+    key = (mode, engine, kinds, describe(values))
+    entry = state.entries.get(key)
+    if entry is None:
+        entry = state.entries[key] = AnnotatedCall(state, mode, annotated, engine)
+    return entry(annotated, values, seed)

@@ -1,0 +1,187 @@
+"""Arguments as a caller gives them become values of the kernel's types, or a refusal that names the argument."""
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.infer.types import Type, of_value
+from s2sad.program import Kernel
+
+FLOATS = ("float64", "float32")
+_DTYPES = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", *FLOATS))
+_FLOAT_ANNOTATIONS = ("float", "np.float64", "numpy.float64", "float64", "np.float32", "numpy.float32", "float32")
+
+
+def float_parameters(kernel: Kernel) -> frozenset[str]:
+    """The parameters that are floats by their annotation or their default; an int given there means a float."""
+    annotated = {p for p, text in kernel.annotations.items() if str(text).strip("\"'") in _FLOAT_ANNOTATIONS}
+    return frozenset(annotated | {p for p, value in kernel.defaults.items() if isinstance(value, float)})
+
+
+def bind(kernel: Kernel, args: Sequence[Any], keywords: Mapping[str, Any] | None = None) -> list[Any]:
+    """One value per parameter, in order, defaults filled in; TypeError as Python words it."""
+    names, keywords = kernel.parameters, dict(keywords or {})
+    if len(args) > len(names):
+        raise TypeError(f"{kernel.name}() takes {len(names)} arguments but {len(args)} were given")
+    bound = dict(zip(names, args))
+    for name, value in keywords.items():
+        if name not in names:
+            raise TypeError(f"{kernel.name}() got an unexpected keyword argument '{name}'")
+        if name in bound:
+            raise TypeError(f"{kernel.name}() got multiple values for argument '{name}'")
+        bound[name] = value
+    missing = [n for n in names if n not in bound and n not in kernel.defaults]
+    if missing:
+        raise TypeError(f"{kernel.name}() missing {len(missing)} required argument"
+                        f"{'s' if len(missing) > 1 else ''}: {', '.join(map(repr, missing))}")
+    return [bound[n] if n in bound else kernel.defaults[n] for n in names]
+
+
+def admitted(name: str, value: Any, is_float: bool = False) -> Any:
+    """The value as generated code takes it: an ndarray, float, int, bool, str or None; else S2sadError.
+
+    >>> admitted("x", 3, is_float=True), admitted("n", 3)
+    (3.0, 3)
+    """
+    kind = type(value)
+    if kind is float or value is None or kind is str:
+        return value
+    if kind is np.ndarray or isinstance(value, np.ndarray):
+        return _array(name, value)
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        if not -2 ** 63 <= value < 2 ** 63:
+            raise _unfit(name, f"is {value}, which does not fit 64 bits", "give a float")
+        return float(value) if is_float else int(value)
+    if isinstance(value, np.float32):
+        return value
+    if isinstance(value, (np.float64, float)):
+        return float(value)
+    raise _unfit(name, *_odd(name, value))
+
+
+def coerced(name: str, value: Any, is_float: bool) -> Any:
+    """The function that turns later values of the same type into what `admitted` gave, or None if it keeps them."""
+    kind, given = type(admitted(name, value, is_float)), type(value)
+    if kind is np.ndarray:
+        return None if given is np.ndarray else np.asarray
+    return None if kind is given else kind
+
+
+def types(values: Sequence[Any]) -> tuple[Type, ...]:
+    return tuple(map(of_value, values))
+
+
+def describe(args: Sequence[Any]) -> tuple[Any, ...]:
+    """A key that is equal only for arguments that may take the same compiled function: dtype, rank, layout flags."""
+    array = np.ndarray
+    return tuple([(a.dtype, a.ndim, a.flags.num) if type(a) is array else type(a) for a in args])
+
+
+def is_differentiable(type_: Type) -> bool:
+    """Whether a parameter of this type can have a derivative."""
+    return type_.is_float
+
+
+def written_argument(name: str, value: Any) -> None:
+    """Refuses a read-only array where the kernel writes."""
+    if isinstance(value, np.ndarray) and not value.flags.writeable:
+        raise _unfit(name, "is read-only, and the function writes it", "pass a copy of it")
+
+
+def shadow(name: str, value: Any, primal: str, of: Any) -> Any:
+    """The shadow or tangent of an argument, checked for type, dtype, shape and writability: S403 if it does not fit."""
+    if isinstance(of, np.ndarray):
+        return _shadow_array(name, value, primal, of)
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise misfit(f"'{name}' is {_a(value)}, its primal '{primal}' is a float", "give a float")
+    return np.float32(value) if isinstance(of, np.float32) else float(value)
+
+
+def _shadow_array(name: str, value: Any, primal: str, of: np.ndarray) -> np.ndarray:
+    remedy = f"make one with s2sad.make_zero({primal})"
+    if not isinstance(value, np.ndarray):
+        raise misfit(f"the shadow '{name}' is {_a(value)}, its primal '{primal}' is an array", remedy)
+    if value.dtype != of.dtype:
+        raise misfit(f"the shadow '{name}' has dtype {value.dtype}, its primal '{primal}' has {of.dtype}", remedy)
+    if value.shape != of.shape:
+        raise misfit(f"the shadow '{name}' has shape {value.shape}, its primal '{primal}' has {of.shape}", remedy)
+    if not value.flags.writeable:
+        raise misfit(f"the shadow '{name}' is read-only", remedy)
+    if any(n > 1 and s == 0 for n, s in zip(value.shape, value.strides)):
+        raise misfit(f"the shadow '{name}' overlaps itself (a stride of 0)", remedy)
+    return _array(name, value)
+
+
+def misfit(message: str, remedy: str = "") -> S2sadError:
+    return S2sadError(Diagnostic("S403", message, help=remedy))
+
+
+def _array(name: str, value: np.ndarray) -> np.ndarray:
+    if type(value) is not np.ndarray and not isinstance(value, np.memmap):
+        raise _unfit(name, f"is {_a(value)}", f"pass numpy.asarray({name})")
+    if value.ndim == 0:
+        raise _unfit(name, "is an array of rank 0", f"pass the number, {name}[()], or an array of shape (1,)")
+    if value.dtype.name not in _DTYPES:
+        raise _unfit(name, f"has dtype {value.dtype}", "use float64, float32, an integer type or bool")
+    if not value.dtype.isnative:
+        raise _unfit(name, "has the other byte order", f'pass {name}.astype("{value.dtype.name}")')
+    return value if type(value) is np.ndarray else np.asarray(value)
+
+
+def _odd(name: str, value: Any) -> tuple[str, str]:
+    if isinstance(value, (list, tuple)):
+        return f"is {_a(value)}", f"pass numpy.array({name}, dtype=float)"
+    if isinstance(value, (complex, np.generic)):
+        dtype = np.dtype(type(value))
+        return f"is a number of type {dtype}", "give a float"
+    return f"is {_a(value)}", "give an array, a float, an int, a bool, a str or None"
+
+
+def _a(value: Any) -> str:
+    word = "None" if value is None else type(value).__name__
+    return word if value is None else f"{'an' if word[0] in 'aeio' else 'a'} {word}"
+
+
+def _unfit(name: str, what: str, remedy: str) -> S2sadError:
+    return S2sadError(Diagnostic("S405", f"the argument '{name}' {what}", help=remedy))
+
+
+def make_zero(x: Any) -> Any:
+    """A zero shadow of the same structure as x: arrays and floats zero, everything else as it is.
+
+    Args: x, a float, an array of float64 or float32 of any shape, an integer, bool, str or None, or a tuple, list or
+    dict of such. Raises S2sadError (S405) for other types. The shadows are those of Enzyme (Moses and Churavy,
+    NeurIPS 2020).
+
+    >>> import numpy as np
+    >>> make_zero((np.ones(2), 3.0, 4))
+    (array([0., 0.]), 0.0, 4)
+    """
+    if isinstance(x, (tuple, list)):
+        items = [make_zero(item) for item in x]
+        return type(x)(*items) if hasattr(x, "_fields") else type(x)(items)
+    if isinstance(x, dict):
+        return {key: make_zero(value) for key, value in x.items()}
+    value = admitted("x", x)
+    if isinstance(value, np.ndarray):
+        return np.zeros_like(value) if value.dtype.name in FLOATS else value
+    if isinstance(value, (float, np.float32)):
+        return type(value)(0.0)
+    return x
+
+
+def same_number(a: Any, b: Any) -> bool:
+    """Whether two constants are the same value of the same type, NaN and the sign of zero included."""
+    if a is b:
+        return True
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, float):
+        return (a == b and math.copysign(1.0, a) == math.copysign(1.0, b)) or (math.isnan(a) and math.isnan(b))
+    return isinstance(a, (bool, int, complex, str, np.generic, tuple)) and bool(a == b)

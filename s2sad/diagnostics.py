@@ -1,0 +1,127 @@
+"""What is said to the user: where, what, why, what to do.
+
+A pass collects diagnostics in a `Report` and raises `S2sadError` once, with all of them.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+CODES = {
+    # S1: reading
+    "S101": "the source cannot be had",
+    "S102": "not Python",
+    "S103": "no such function in the file",
+    "S104": "the source has changed since the function was defined",
+    # S2: the language
+    "S201": "a construct outside the supported language",
+    "S202": "a name that is not known",
+    "S203": "types that contradict each other or cannot be inferred",
+    "S204": "recursion",
+    "S205": "an active value takes a way that cannot be differentiated",
+    # S3: rules
+    "S301": "no derivative rule",
+    # S4: what is asked for
+    "S401": "wrt or of names something that cannot be differentiated",
+    "S402": "an annotation that does not fit its argument",
+    "S403": "a shadow or a seed that does not fit its primal",
+    "S404": "arguments that overlap in memory",
+    "S405": "an argument that does not fit its parameter",
+    "S406": "an active value is stored where no derivative is kept",
+    # S9: ourselves
+    "S901": "internal error",
+}
+
+
+@dataclass(frozen=True)
+class Source:
+    """A text with its path as the user knows it; `first` is the number of its first line in the file."""
+    path: str
+    text: str
+    first: int = 1
+
+    def line(self, number: int) -> str:
+        lines = self.text.splitlines()
+        row = number - self.first
+        return lines[row] if 0 <= row < len(lines) else ""
+
+
+@dataclass(frozen=True)
+class Span:
+    """A place: lines as in the file, columns in characters from 0, the end column exclusive."""
+    source: Source
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+
+    @classmethod
+    def of(cls, source: Source, node: Any) -> Span:
+        """The place of a node; gast columns count bytes of UTF-8, these count characters."""
+        line, end_line = node.lineno, getattr(node, "end_lineno", None) or node.lineno
+        end = getattr(node, "end_col_offset", None)
+        column = _characters(source.line(line), node.col_offset)
+        return cls(source, line, column, end_line,
+                   column + 1 if end is None else _characters(source.line(end_line), end))
+
+
+def _characters(line: str, offset: int) -> int:
+    return len(line.encode()[:offset].decode(errors="ignore"))
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """One message; `note` says why (beside the caret), `help` what to do."""
+    code: str
+    message: str
+    span: Span | None = None
+    note: str = ""
+    help: str = ""
+    severity: str = "error"
+
+    def __str__(self) -> str:
+        head = f"{self.severity}[{self.code}]: {self.message}"
+        lines = [head]
+        if self.span is not None:
+            span = self.span
+            text = span.source.line(span.line)
+            end = span.end_column if span.end_line == span.line else len(text)
+            gutter = f"  {span.line} | "
+            caret = " " * (len(gutter) - 2) + "| " + " " * span.column + "^" * max(1, end - span.column)
+            lines = [f"{span.source.path}:{span.line}:{span.column + 1}: {head}", gutter + text,
+                     (caret + " " + self.note).rstrip()]
+        elif self.note:
+            lines.append(f"  note: {self.note}")
+        if self.help:
+            lines.append(f"  help: {self.help}")
+        return "\n".join(lines)
+
+
+class S2sadError(Exception):
+    """Raised with everything that a pass had to say; `diagnostics` holds the parts."""
+
+    def __init__(self, *diagnostics: Diagnostic):
+        self.diagnostics = diagnostics
+        super().__init__("\n".join(map(str, diagnostics)))
+
+
+class S2sadWarning(UserWarning):
+    """Something that is correct and probably not meant."""
+
+
+@dataclass
+class Report:
+    """Collects the diagnostics of one pass over one source."""
+    source: Source
+    found: list[Diagnostic] = field(default_factory=list)
+
+    def error(self, code: str, message: str, node: Any = None, note: str = "", help: str = "") -> None:
+        place = Span.of(self.source, node) if node is not None and getattr(node, "lineno", None) else None
+        new = Diagnostic(code, message, place, note, help)
+        if new not in self.found:
+            self.found.append(new)
+
+    def finish(self) -> None:
+        """Raises S2sadError if anything was found."""
+        if self.found:
+            raise S2sadError(*self.found)

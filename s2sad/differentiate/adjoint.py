@@ -1,0 +1,266 @@
+"""adjoint: a function in normal form becomes its adjoint, statement by statement.
+
+Requires the plan of what is recorded; establishes a function in normal form again, with the forward sweep not yet
+pruned to what the reverse sweep reads (`simplify.dead` does that).
+
+    y[i] = a * x[i]                 seed = y_bar[i]
+                                    y_bar[i] = 0.0
+                                    a_bar += x[i] * seed
+                                    x_bar[i] += a * seed
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from s2sad.analyze.activity import Activity
+from s2sad.analyze.liveness import base_name, targets
+from s2sad.analyze.recorded import Plan
+from s2sad.analyze.structure import Structure
+from s2sad.differentiate.arithmetic import Term
+from s2sad.differentiate.calls import Derive, is_kernel_call, pattern
+from s2sad.differentiate.expression import Pullback
+from s2sad.differentiate.sweeps import Sweeps
+from s2sad.differentiate.tape import Tape
+from s2sad.infer.types import Type
+from s2sad.naming import Names
+from s2sad.normalize.workspace import is_allocation
+from s2sad.tree import (
+    AST, Add, Assign, AugAssign, Constant, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple, assign, at, augment, call,
+    comment, const, copy, function, index, name, tuple_of, walk,
+)
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Which parameters and results: `wrt` and `of` by name ("return 0", ... for results)."""
+    wrt: tuple[str, ...]
+    of: tuple[str, ...]
+    with_primal: bool = False
+
+
+@dataclass
+class Made:
+    """A derivative: the function, the shadow of every name, its parameters as (name, role, primal), its returns."""
+    function: FunctionDef
+    shadows: dict[str, str]
+    parameters: list[tuple[str, str, str]] = field(default_factory=list)
+    returns: list[str] = field(default_factory=list)
+    tape: Tape | None = None
+
+
+def adjoint(structure: Structure, active: Activity, plan: Plan, wanted: Wanted, free: Names, derive: Derive,
+            title: str) -> Made:
+    """The adjoint of a function; `title` is its name."""
+    return _Adjoint(structure, active, plan, wanted, free, derive).made(title)
+
+
+class _Adjoint:
+    def __init__(self, structure: Structure, activity: Activity, plan: Plan, wanted: Wanted, free: Names,
+                 derive: Derive):
+        self.structure, self.typing, self.plan = structure, structure.typing, plan
+        self.active = activity.active
+        self.wanted, self.free, self.derive = wanted, free, derive
+        self.shadows: dict[str, str] = {}
+        self.scopes: dict[int, list[str]] = {}
+        self.tape = Tape(structure, self.typing, free, plan.rerun)
+        self.pullback = Pullback(self.typing, self.active, free, self.bind)
+        self.sweeps = Sweeps(structure, plan, self.tape, free, self.statement, self.zeros)
+        self.parameters = [p.id for p in structure.function.args.args]
+        self.written = {base_name(t) for s in walk(structure.function.body) if isinstance(s, (Assign, AugAssign))
+                        for t in targets(s) if isinstance(t, Subscript)}
+
+    def bind(self, wanted: str, like: AST) -> str:
+        made = self.free.fresh(wanted)
+        self.typing.table[made] = self.typing.of(like)
+        return made
+
+    # -- the function ------------------------------------------------------------------------------------------------
+
+    def made(self, title: str) -> Made:
+        signature, seeds = self.signature()
+        self.seeds = seeds
+        self.find_scopes()
+        added = self.own_shadows()
+        forward = self.sweeps.forward(self.structure.function.body)
+        reverse = self.sweeps.reverse(self.structure.function.body)
+        last = [augment(index(name(p), const(...)), Add(), name(s)) for p, s in added]
+        returned = [p for p in self.wanted.wrt if self.typing.table[p].is_number]
+        values: list[AST] = [name(self.shadow(p)) for p in returned]
+        closing: list[AST] = [Return(tuple_of(*values))] if values else []
+        if self.wanted.with_primal:
+            closing = [Return(tuple_of(self.primal_result(), *values))]
+        zeros = [assign(self.shadow(p), const(0.0)) for p in returned if p not in self.active]
+        body = [comment("forward sweep"), *forward, comment("reverse sweep"), *zeros, *reverse, *last, *closing]
+        made = function(title, [n for n, _, _ in signature], body)
+        return Made(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + returned,
+                    self.tape)
+
+    def primal_result(self) -> AST:
+        last = self.structure.function.body[-1]
+        return const(None) if not isinstance(last, Return) or last.value is None else copy(last.value)
+
+    def signature(self) -> tuple[list[tuple[str, str, str]], dict[int, str]]:
+        """The parameters, and the seeds by the number of the result."""
+        signature: list[tuple[str, str, str]] = []
+        for parameter in self.parameters:
+            signature.append((parameter, "primal", parameter))
+            kind = self.typing.table[parameter]
+            if kind.is_array and kind.is_float and {parameter} & {*self.wanted.wrt, *self.wanted.of}:
+                signature.append((self.shadow(parameter), "shadow", parameter))
+        results = [o for o in self.wanted.of if o.startswith("return ")]
+        single = self.results_count() == 1
+        seeds: dict[int, str] = {}
+        for result in results:
+            number = int(result.split()[1])
+            seeds[number] = self.free.fresh("result_bar" if single else f"result_{number}_bar")
+            self.typing.table[seeds[number]] = self.result_type(number)
+            signature.append((seeds[number], "seed", result))
+        return signature, seeds
+
+    def results(self) -> list[AST]:
+        last = self.structure.function.body[-1] if self.structure.function.body else None
+        if not isinstance(last, Return) or last.value is None:
+            return []
+        return list(last.value.elts) if isinstance(last.value, Tuple) else [last.value]
+
+    def results_count(self) -> int:
+        return sum(self.typing.of(r).is_float for r in self.results())
+
+    def result_type(self, number: int) -> Type:
+        return self.typing.of(self.results()[number])
+
+    def own_shadows(self) -> list[tuple[str, str]]:
+        """Shadows of its own for arrays whose final content is no output, though an input is asked for."""
+        added: list[tuple[str, str]] = []
+        for parameter in self.parameters:
+            if (self.typing.table[parameter].is_array and parameter in self.wanted.wrt
+                    and parameter not in self.wanted.of and parameter in self.written and parameter in self.active):
+                public = self.shadows[parameter]
+                own = self.free.fresh(f"{parameter}_shadow")
+                self.typing.table[own] = self.typing.table[parameter]
+                self.shadows[parameter] = own
+                added.append((public, own))
+        self.own = {own for _, own in added}
+        return added
+
+    def shadow(self, primal: str) -> str:
+        if primal not in self.shadows:
+            self.shadows[primal] = self.free.fresh(f"{primal}_bar")
+            self.typing.table[self.shadows[primal]] = self.typing.table[primal]
+        return self.shadows[primal]
+
+    # -- zeros -------------------------------------------------------------------------------------------------------
+
+    def find_scopes(self) -> None:
+        """For every active name the innermost block around all of its uses."""
+        outermost = (id(self.structure.function.body),)
+        chains: dict[str, list[tuple[int, ...]]] = {p: [outermost] for p in self.parameters if p in self.active}
+        for place in self.structure.places.values():
+            statement = place.statement
+            if isinstance(statement, (Assign, AugAssign, Return)) or is_kernel_call(statement):
+                for part in walk(statement):
+                    if isinstance(part, Name) and part.id in self.active:
+                        chains.setdefault(part.id, []).append(place.blocks)
+        for used, found in chains.items():
+            common = [b for level, b in enumerate(found[0])
+                      if all(len(c) > level and c[level] == b for c in found[1:])]
+            self.scopes.setdefault(common[-1], []).append(used)
+
+    def zeros(self, block: list[AST]) -> list[AST]:
+        made: list[AST] = []
+        for used in self.scopes.get(id(block), []):
+            kind = self.typing.table[used]
+            if kind.is_number and kind.is_float:
+                made.append(assign(self.shadow(used), const(0.0)))
+            elif kind.is_array and (used not in self.parameters or used not in (*self.wanted.wrt, *self.wanted.of)
+                                    or self.shadow(used) in self.own):
+                made.append(assign(self.shadow(used), call("numpy.zeros_like", name(used))))
+        return made
+
+    # -- statements --------------------------------------------------------------------------------------------------
+
+    def place(self, leaf: AST) -> AST:
+        """The shadow's cell, row or whole of a reference."""
+        if isinstance(leaf, Subscript):
+            return Subscript(name(self.shadow(base_name(leaf))), copy(leaf.slice), leaf.ctx)
+        assert isinstance(leaf, Name)
+        shadow = name(self.shadow(leaf.id))
+        return index(shadow, const(...)) if self.typing.of(leaf).is_array else shadow
+
+    def value(self, leaf: AST) -> AST:
+        place = self.place(leaf)
+        whole = isinstance(place, Subscript) and isinstance(place.slice, Constant) and place.slice.value is Ellipsis
+        return place.value if whole else place
+
+    def gained(self, node: AST, seed: Term, result: AST | None = None, region: AST | None = None) -> list[AST]:
+        gains = self.pullback.gains(node, seed, result, region)
+        return [*gains.before, *(augment(self.place(leaf), Sub() if term.negative else Add(), term.tree)
+                                 for leaf, term in gains.sums())]
+
+    def statement(self, statement: AST) -> list[AST]:
+        """The adjoint of a statement that is no loop and no branch."""
+        if is_kernel_call(statement):
+            return [at(s, statement) for s in self.call(statement)]
+        if isinstance(statement, Return):
+            return [s for number, seed in self.seeds.items()
+                    for s in self.gained(self.results()[number], Term(name(seed)))
+                    if not self.typing.of(self.results()[number]).is_array]
+        if not isinstance(statement, (Assign, AugAssign)) or is_allocation(statement):
+            return []
+        target = targets(statement)[0]
+        if base_name(target) not in self.active or not self.typing.of(target).is_float:
+            return []
+        if isinstance(target, Name):
+            return self.number(target, statement)
+        return self.store(target, statement)
+
+    def number(self, target: Name, statement: AST) -> list[AST]:
+        seed = name(self.shadow(target.id))
+        if isinstance(statement, AugAssign):
+            return self.gained(statement.value, Term(seed, isinstance(statement.op, Sub)))
+        made = self.gained(statement.value, Term(seed), name(target.id))
+        if len(self.structure.bindings[target.id]) > 1:
+            made.append(assign(seed, const(0.0)))
+        return made
+
+    def store(self, target: Subscript, statement: AST) -> list[AST]:
+        cell = self.value(target)
+        whole = self.typing.of(target).is_array
+        region = (name(target.value.id) if isinstance(cell, Name) else copy(target)) if whole else None
+        leaves = self.pullback.leaves(statement.value)
+        made: list[AST] = []
+        seed: AST = cell
+        inside = any(isinstance(n, Name) and n.id == base_name(target) for n in walk(statement.value))
+        adds = isinstance(statement, AugAssign)
+        if leaves and (not adds or leaves > 1 or inside):
+            held = self.bind("seed", cell)
+            made.append(assign(held, call("numpy.copy", cell) if whole and (inside or not adds) else cell))
+            seed = name(held)
+        if not adds:
+            made.append(assign(copy(self.place(target)), const(0.0)))
+        negative = adds and isinstance(statement.op, Sub)
+        return made + self.gained(statement.value, Term(copy(seed), negative), None, region)
+
+    def call(self, statement: AST) -> list[AST]:
+        wanted = pattern(statement, self.typing, self.active)
+        if not wanted.arguments and not wanted.results:
+            return []
+        callee = self.derive(wanted)
+        args: list[AST] = []
+        for position, argument in enumerate(statement.value.args):
+            args.append(copy(argument))
+            if position in callee.shadows:
+                args.append(self.value(argument))
+        bound = [base_name(t) for t in targets(statement)]
+        args += [name(self.shadow(bound[k])) for k in callee.seeds]
+        made: list[AST] = []
+        returned = [self.free.fresh("gain") for _ in callee.returns]
+        for held, position in zip(returned, callee.returns):
+            self.typing.table[held] = self.typing.of(statement.value.args[position])
+        called = call(callee.name, *args)
+        made.append(assign(tuple_of(*map(name, returned)), called) if returned else Expr(called))
+        made += [assign(self.shadow(b), const(0.0)) for b in bound
+                 if b in self.active and len(self.structure.bindings[b]) > 1]
+        for held, position in zip(returned, callee.returns):
+            made.append(augment(self.place(statement.value.args[position]), Add(), name(held)))
+        return made

@@ -1,0 +1,65 @@
+"""Calls of other kernels: which derivative of the callee a call needs, and the call of it."""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from s2sad.analyze.liveness import base_name, targets
+from s2sad.analyze.uses import Uses, is_active
+from s2sad.infer.infer import Typing
+from s2sad.infer.types import Type
+from s2sad.tree import AST, Call, call_name
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """What a call asks of the callee's derivative: positions of active arguments and of active results."""
+    kernel: str
+    types: tuple[Type, ...]
+    arguments: tuple[int, ...]
+    results: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Callee:
+    """A derivative that was made: its name, the positions with shadows, with seeds, and with returned adjoints;
+    `reads` and `writes` are the positions of arrays whose content it reads at its start, and overwrites."""
+    name: str
+    shadows: tuple[int, ...]
+    seeds: tuple[int, ...]
+    returns: tuple[int, ...]
+    reads: tuple[int, ...]
+    writes: tuple[int, ...]
+    numbers: tuple[int, ...] = ()
+
+
+Derive = Callable[[Pattern], Callee]
+
+
+def is_kernel_call(statement: AST) -> bool:
+    """Whether a statement calls another kernel."""
+    return (call_name(getattr(statement, "value", None)) or "").startswith("user.")
+
+
+def pattern(statement: AST, typing: Typing, active: frozenset[str]) -> Pattern:
+    """What the call of a statement asks for, given what is active around it."""
+    called: Call = statement.value
+    bound = [base_name(t) for t in targets(statement)]
+    return Pattern((call_name(called) or "").partition(".")[2], tuple(map(typing.of, called.args)),
+                   tuple(k for k, a in enumerate(called.args) if is_active(a, typing, active)),
+                   tuple(k for k, b in enumerate(bound) if b in active and typing.table[b].is_float))
+
+
+def call_uses(statement: AST, typing: Typing, active: frozenset[str], derive: Derive, found: Uses) -> None:
+    """What the adjoint of a call reads: its numbers, and the arrays whose content the callee's adjoint reads."""
+    wanted = pattern(statement, typing, active)
+    if not wanted.arguments and not wanted.results:
+        return
+    callee = derive(wanted)
+    for position, argument in enumerate(statement.value.args):
+        if typing.of(argument).is_array:
+            found.place(argument, typing)
+            if position in callee.reads:
+                found.loads.append(argument)
+        else:
+            found.value(argument, typing)

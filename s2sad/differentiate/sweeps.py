@@ -1,0 +1,270 @@
+"""The two sweeps of an adjoint: control flow, records and restores, around the adjoints of single statements.
+
+The forward sweep is the primal with its pushes. The reverse sweep of a block is that of its segments, last first; of a
+segment: restore the elements that it overwrote, compute again what its adjoints read, then the adjoints, last first.
+At the top of the block stands what later segments read as well.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from s2sad.analyze.dependence import range_parts
+from s2sad.analyze.liveness import targets
+from s2sad.analyze.recorded import Plan, Store
+from s2sad.analyze.structure import Structure, is_simple
+from s2sad.analyze.values import Value
+from s2sad.differentiate.tape import Stack, Tape, shape_of
+from s2sad.infer.types import INT
+from s2sad.naming import Names
+from s2sad.tree import (
+    AST, Add, BinOp, Call, Constant, Expr, For, If, Mult, Name, Return, Sub, While, add, assign, at, augment,
+    call, call_name, const, copy, counted_for, name, walk,
+)
+
+Adjoint = Callable[[AST], list[AST]]
+
+
+class Sweeps:
+    """Writes both sweeps of one function from its plan.
+
+    `adjoint(statement)` gives the adjoint of a simple statement, a whole-array statement or a call;
+    `zeros(block)` what must be zero where the reverse of a block begins.
+    """
+
+    def __init__(self, structure: Structure, plan: Plan, tape: Tape, free: Names, adjoint: Adjoint,
+                 zeros: Callable[[list[AST]], list[AST]]):
+        self.structure, self.plan, self.tape, self.free = structure, plan, tape, free
+        self.typing = structure.typing
+        self.adjoint, self.zeros = adjoint, zeros
+        self.trips: dict[int, str] = {}
+
+    # -- forward -----------------------------------------------------------------------------------------------------
+
+    def forward(self, block: list[AST]) -> list[AST]:
+        made: list[AST] = []
+        for statement in block:
+            made += [at(s, statement) for s in self.forward_statement(statement)]
+        return made
+
+    def forward_statement(self, statement: AST) -> list[AST]:
+        if isinstance(statement, Return) or isinstance(statement, Expr) and call_name(statement.value) == \
+                "builtins.print":
+            return []
+        if isinstance(statement, (For, While)):
+            return self.forward_loop(statement) + self.records(statement)
+        if isinstance(statement, If):
+            made: list[AST] = [If(copy(statement.test), self.forward(statement.body), self.forward(statement.orelse))]
+            return made + self.records(statement)
+        before = [s for store in self.stores_of(statement)
+                  for s in self.tape.push(self.store_stack(store), self.content(store.place))]
+        return [*before, copy(statement), *self.records(statement)]
+
+    def forward_loop(self, loop: AST) -> list[AST]:
+        if id(loop) in self.plan.rerun:
+            return [_without_prints(loop)]
+        body = self.forward(loop.body)
+        carried = [s for key, value in self.plan.recorded.items() if value.kind == "carried" and value.home is loop
+                   for s in self.tape.push(self.value_stack(key, value), name(value.name))]
+        before: list[AST] = []
+        counting: list[AST] = []
+        after: list[AST] = []
+        if id(loop) in self.plan.working and self.counts(loop):
+            trips = self.trip_count(loop)
+            before, counting = [assign(trips, const(0))], [augment(trips, Add(), const(1))]
+            if self.in_loop(loop):
+                after = self.tape.push(self.trip_stack(loop), name(trips))
+        body = [*counting, *carried, *body]
+        made = For(loop.target, copy(loop.iter), body, [], None) if isinstance(loop, For) else \
+            While(copy(loop.test), body, [])
+        return [*self.tape.allocations.pop(id(loop), []), *before, made, *after]
+
+    def records(self, statement: AST) -> list[AST]:
+        """The pushes of what a statement has just bound."""
+        return [s for key, value in self.plan.recorded.items()
+                if value.kind != "carried" and value.home is statement
+                for s in self.tape.push(self.value_stack(key, value), name(value.name))]
+
+    def counts(self, loop: AST) -> bool:
+        """Whether the trips of a loop are known only when it has run."""
+        return isinstance(loop, While) or any(type(n).__name__ == "Break" for n in walk(_own(loop)))
+
+    def trip_count(self, loop: AST) -> str:
+        if id(loop) not in self.trips:
+            self.trips[id(loop)] = self.free.fresh("trips")
+            self.typing.table[self.trips[id(loop)]] = INT
+        return self.trips[id(loop)]
+
+    def in_loop(self, loop: AST) -> bool:
+        loops = self.structure.place(loop).loops
+        return bool(loops) and id(loops[-1]) not in self.plan.rerun
+
+    # -- stacks ------------------------------------------------------------------------------------------------------
+
+    def stores_of(self, statement: AST) -> list[Store]:
+        return [s for s in self.plan.stores.values() if s.statement is statement]
+
+    def store_stack(self, store: Store) -> Stack:
+        place = self.structure.place(store.statement)
+        base = store.place.value if hasattr(store.place, "value") else store.place
+        return self.tape.stack(store.key, base.id, self.typing.of(store.place), place.loops,
+                               shape_of(store.place, self.typing))
+
+    def content(self, place: AST) -> AST:
+        whole = isinstance(getattr(place, "slice", None), Constant) and place.slice.value is Ellipsis
+        return copy(place.value) if whole else copy(place)
+
+    def value_stack(self, key: str, value: Value) -> Stack:
+        loops = self.structure.place(value.home).loops
+        if value.kind == "carried":
+            loops = (*loops, value.home)
+        return self.tape.stack(key, value.name, self.typing.table[value.name], loops, None)
+
+    def trip_stack(self, loop: AST) -> Stack:
+        return self.tape.stack(f"trips {id(loop)}", "trips", INT, self.structure.place(loop).loops, None)
+
+    # -- reverse -----------------------------------------------------------------------------------------------------
+
+    def reverse(self, block: list[AST], loop: AST | None = None) -> list[AST]:
+        """The reverse sweep of a block; `loop` if it is a loop's body, whose carried numbers come back first."""
+        made: list[AST] = self.zeros(block)
+        made += [s for key, value in self.plan.recorded.items() if value.kind == "carried" and value.home is loop
+                 for s in self.tape.pop(self.value_stack(key, value), name(value.name))]
+        keys = set(self.plan.early.get(id(block), []))
+        keys |= {k for k, v in self.plan.recorded.items()
+                 if v.kind != "carried" and self.structure.place(v.home).block == id(block)}
+        if keys:
+            made += self.again(block, keys)
+        cut = self.structure.blocks.get(id(block), [])
+        for number in range(len(cut) - 1, -1, -1):
+            made += self.reverse_segment(cut[number], (id(block), number))
+        return made
+
+    def reverse_segment(self, run: list[AST], where: tuple[int, int]) -> list[AST]:
+        if not is_simple(run[0], self.typing):
+            return [at(s, run[0]) for s in self.reverse_compound(run[0])]
+        made = self.restores(run)
+        late = set(self.plan.late.get(where, []))
+        return made + (self.again(run, late) if late else []) + self.adjoints(run)
+
+    def restores(self, run: list[AST]) -> list[AST]:
+        """The elements that a segment overwrote and that are read, as they were, last first."""
+        made: list[AST] = []
+        for statement in reversed(run):
+            if isinstance(statement, If):
+                body, orelse = self.restores(statement.body), self.restores(statement.orelse)
+                if body or orelse:
+                    made.append(at(If(copy(statement.test), body, orelse), statement))
+            for store in self.stores_of(statement):
+                made += [at(s, statement) for s in self.tape.pop(self.store_stack(store), copy(store.place))]
+        return made
+
+    def again(self, block: list[AST], keys: set[str]) -> list[AST]:
+        """The bindings of the given values, in the order of the text: computed again, reloaded or popped."""
+        made: list[AST] = []
+        for statement in block:
+            if isinstance(statement, If) and is_simple(statement, self.typing):
+                body, orelse = self.again(statement.body, keys), self.again(statement.orelse, keys)
+                if body or orelse:
+                    made.append(at(If(copy(statement.test), body, orelse), statement))
+            elif not isinstance(statement, (For, While, If)):
+                made += [at(s, statement) for s in self.again_statement(statement, keys)]
+            made += [at(s, statement) for key, value in self.plan.recorded.items()
+                     if key in keys and value.home is statement
+                     for s in self.tape.pop(self.value_stack(key, value), name(value.name))]
+        return made
+
+    def again_statement(self, statement: AST, keys: set[str]) -> list[AST]:
+        bound = {t.id for t in targets(statement) if isinstance(t, Name)}
+        for number in sorted(bound & keys - set(self.plan.recorded)):
+            stored = self.plan.reloaded.get(number)
+            if stored is not None:
+                return [assign(number, copy(targets(stored)[0]))]
+            return [copy(statement)]
+        return []
+
+    def adjoints(self, run: list[AST]) -> list[AST]:
+        made: list[AST] = []
+        for statement in reversed(run):
+            if isinstance(statement, If):
+                body, orelse = self.adjoints(statement.body), self.adjoints(statement.orelse)
+                zeros = self.zeros(statement.body), self.zeros(statement.orelse)
+                if body or orelse:
+                    made.append(at(If(copy(statement.test), zeros[0] + body, zeros[1] + orelse), statement))
+            else:
+                made += [at(s, statement) for s in self.adjoint(statement)]
+        return made
+
+    def reverse_compound(self, statement: AST) -> list[AST]:
+        if isinstance(statement, (For, While)):
+            return self.reverse_loop(statement) if id(statement) in self.plan.working else []
+        if isinstance(statement, If):
+            if id(statement) not in self.plan.working:
+                return []
+            return [If(copy(statement.test), self.reverse(statement.body), self.reverse(statement.orelse))]
+        stores = self.stores_of(statement)
+        popped = [s for store in stores for s in self.tape.pop(self.store_stack(store), copy(store.place))]
+        called = isinstance(getattr(statement, "value", None), Call) and (
+            call_name(statement.value) or "").startswith("user.")
+        again = [assign(copy(store.place), self.tape.cell(self.store_stack(store))) for store in stores] \
+            if called else []
+        return [*popped, *self.adjoint(statement), *again]
+
+    def reverse_loop(self, loop: AST) -> list[AST]:
+        before: list[AST] = []
+        rerun = id(loop) in self.plan.rerun
+        body = [*(self.forward(loop.body) if rerun else []), *self.reverse(loop.body, loop)]
+        if rerun:
+            before += self.tape.allocations.pop(id(loop), [])
+        if self.counts(loop) and self.in_loop(loop):
+            before += self.tape.pop(self.trip_stack(loop), name(self.trip_count(loop)))
+        if isinstance(loop, While):
+            counter = self.free.fresh("trip")
+            self.typing.table[counter] = INT
+            return [*before, counted_for(counter, [name(self.trip_count(loop))], body)]
+        assert isinstance(loop, For)
+        trips = name(self.trip_count(loop)) if self.counts(loop) else None
+        return [*before, counted_for(loop.target.id, reversed_bounds(loop, trips), body)]
+
+
+def reversed_bounds(loop: For, trips: AST | None) -> list[AST]:
+    """The bounds of the loop run backwards; `trips` if it was left early."""
+    start, stop, step = range_parts(loop)
+    if trips is None and step == 1:
+        return [sub_one(stop), sub_one(start), const(-1)]
+    if trips is None and step == -1:
+        return [add(copy(stop), const(1)), add(copy(start), const(1))]
+    size = const(step) if isinstance(step, int) else copy(step)
+    trips = trips or call("builtins.len", copy(loop.iter))
+    last = add(copy(start), BinOp(BinOp(trips, Sub(), const(1)), Mult(), size))
+    return [last, BinOp(copy(start), Sub(), size), const(-step) if isinstance(step, int) else BinOp(
+        const(0), Sub(), size)]
+
+
+def sub_one(node: AST) -> AST:
+    return const(node.value - 1) if isinstance(node, Constant) else BinOp(copy(node), Sub(), const(1))
+
+
+def _own(loop: AST) -> list[AST]:
+    """The statements of a loop without those of the loops inside it."""
+    found: list[AST] = []
+    waiting = list(loop.body)
+    while waiting:
+        statement = waiting.pop()
+        if isinstance(statement, If):
+            waiting += [*statement.body, *statement.orelse]
+        elif not isinstance(statement, (For, While)):
+            found.append(statement)
+    return found
+
+
+def _without_prints(statement: AST) -> AST:
+    new = copy(statement)
+    for part in walk(new):
+        for block in ("body", "orelse"):
+            kept = getattr(part, block, None)
+            if isinstance(kept, list):
+                setattr(part, block, [s for s in kept if not (
+                    isinstance(s, Expr) and call_name(s.value) == "builtins.print")])
+    return new
+
+

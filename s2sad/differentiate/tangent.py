@@ -1,0 +1,133 @@
+"""tangent: every statement of a function in normal form, with its tangent beside it.
+
+    y[i] = a * x[i]                 y_dot[i] = x[i] * a_dot + a * x_dot[i]
+                                    y[i] = a * x[i]
+"""
+from __future__ import annotations
+
+from s2sad.analyze.activity import Activity
+from s2sad.analyze.liveness import base_name, targets
+from s2sad.analyze.structure import Structure
+from s2sad.differentiate.adjoint import Made, Wanted
+from s2sad.differentiate.arithmetic import Term
+from s2sad.differentiate.calls import Derive, is_kernel_call, pattern
+from s2sad.differentiate.expression import Pushforward
+from s2sad.naming import Names
+from s2sad.normalize.workspace import is_allocation
+from s2sad.tree import (
+    AST, Add, Assign, AugAssign, Constant, Expr, For, If, Name, Return, Sub, Subscript, Tuple, While, assign, at,
+    augment, call, call_name, const, copy, function, index, name, tuple_of,
+)
+
+
+def tangent(structure: Structure, active: Activity, wanted: Wanted, free: Names, derive: Derive, title: str,
+            flat: bool = False) -> Made:
+    """The tangent of a function; `flat` returns results and tangents side by side, as other tangents call it."""
+    return _Tangent(structure, active, wanted, free, derive, flat).made(title)
+
+
+class _Tangent:
+    def __init__(self, structure: Structure, activity: Activity, wanted: Wanted, free: Names, derive: Derive,
+                 flat: bool):
+        self.structure, self.typing, self.active = structure, structure.typing, activity.active
+        self.wanted, self.free, self.derive, self.flat = wanted, free, derive, flat
+        self.shadows: dict[str, str] = {}
+        self.pushforward = Pushforward(self.typing, self.active, self.value)
+        self.parameters = [p.id for p in structure.function.args.args]
+
+    def made(self, title: str) -> Made:
+        signature: list[tuple[str, str, str]] = []
+        for parameter in self.parameters:
+            signature.append((parameter, "primal", parameter))
+            kind = self.typing.table[parameter]
+            if kind.is_float and (parameter in self.wanted.wrt or kind.is_array and parameter in self.wanted.of):
+                signature.append((self.shadow(parameter), "shadow", parameter))
+        before = [assign(self.shadow(p), call("numpy.zeros_like", name(p))) for p in self.parameters
+                  if p in self.active and self.typing.table[p].is_array and p not in (*self.wanted.wrt,
+                                                                                      *self.wanted.of)]
+        body = before + self.block(self.structure.function.body)
+        results = [o for o in self.wanted.of if o.startswith("return ")]
+        made = function(title, [n for n, _, _ in signature], body)
+        return Made(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + results)
+
+    def shadow(self, primal: str) -> str:
+        if primal not in self.shadows:
+            self.shadows[primal] = self.free.fresh(f"{primal}_dot")
+            self.typing.table[self.shadows[primal]] = self.typing.table[primal]
+        return self.shadows[primal]
+
+    def value(self, leaf: AST) -> AST:
+        if isinstance(leaf, Subscript):
+            whole = isinstance(leaf.slice, Constant) and leaf.slice.value is Ellipsis
+            shadow = name(self.shadow(base_name(leaf)))
+            return shadow if whole else Subscript(shadow, copy(leaf.slice), leaf.ctx)
+        assert isinstance(leaf, Name)
+        return name(self.shadow(leaf.id))
+
+    def block(self, block: list[AST]) -> list[AST]:
+        return [at(made, s) for s in block for made in self.statement(s)]
+
+    def statement(self, statement: AST) -> list[AST]:
+        if isinstance(statement, For):
+            return [For(statement.target, copy(statement.iter), self.block(statement.body), [], None)]
+        if isinstance(statement, While):
+            return [While(copy(statement.test), self.block(statement.body), [])]
+        if isinstance(statement, If):
+            return [If(copy(statement.test), self.block(statement.body), self.block(statement.orelse))]
+        if isinstance(statement, Return):
+            return self.returned(statement)
+        if is_kernel_call(statement):
+            return self.call(statement)
+        if isinstance(statement, Expr) and call_name(statement.value) == "builtins.print":
+            return []
+        if isinstance(statement, (Assign, AugAssign)):
+            return self.assignment(statement)
+        return [copy(statement)]
+
+    def assignment(self, statement: AST) -> list[AST]:
+        target = targets(statement)[0]
+        if base_name(target) not in self.active or not self.typing.of(target).is_float:
+            return [copy(statement)]
+        if is_allocation(statement):
+            return [copy(statement), assign(self.shadow(target.id), call("numpy.zeros_like", name(target.id)))]
+        term = self.pushforward.tangent(statement.value, name(target.id) if isinstance(target, Name) else None)
+        place = self.value(target)
+        if isinstance(target, Subscript) and isinstance(place, Name):
+            place = index(place, const(...))
+        if isinstance(statement, AugAssign):
+            minus = isinstance(statement.op, Sub)
+            moved = [] if term is None else [augment(place, Sub() if term.negative != minus else Add(), term.tree)]
+        else:
+            moved = [assign(place, const(0.0) if term is None else term.expression())]
+        return [copy(statement), *moved] if isinstance(target, Name) else [*moved, copy(statement)]
+
+    def returned(self, statement: Return) -> list[AST]:
+        if statement.value is None:
+            return [Return(tuple_of(const(None)))] if self.wanted.with_primal else []
+        parts = list(statement.value.elts) if isinstance(statement.value, Tuple) else [statement.value]
+        dots: list[AST] = []
+        for result in (o for o in self.wanted.of if o.startswith("return ")):
+            part = parts[int(result.split()[1])]
+            term = self.pushforward.tangent(part) or Term(const(0.0))
+            dots.append(term.expression())
+        if self.wanted.with_primal:
+            first = map(copy, parts) if self.flat else [copy(statement.value)]
+            return [Return(tuple_of(*first, *dots))]
+        return [Return(tuple_of(*dots))] if dots else []
+
+    def call(self, statement: AST) -> list[AST]:
+        wanted = pattern(statement, self.typing, self.active)
+        if not wanted.arguments and not wanted.results:
+            return [copy(statement)]
+        callee = self.derive(wanted)
+        args: list[AST] = []
+        for position, argument in enumerate(statement.value.args):
+            args.append(copy(argument))
+            if position in callee.shadows:
+                args.append(self.value(argument))
+        bound = [base_name(t) for t in targets(statement)]
+        called = call(callee.name, *args)
+        if not bound:
+            return [Expr(called)]
+        dots = [self.shadow(bound[k]) for k in callee.seeds]
+        return [assign(tuple_of(*map(name, [*bound, *dots])), called)]

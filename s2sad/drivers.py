@@ -1,0 +1,128 @@
+"""Gradients and products with Jacobians as functions of values: no argument is ever changed."""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from s2sad.binding import bind, describe, make_zero
+from s2sad.prepared import ForwardCall, ReverseCall, selection_of
+from s2sad.selection import RETURN, names_of
+from s2sad.variants import derivatives_of
+
+__all__ = ["gradient", "jvp", "make_zero", "value_and_gradient", "vjp"]
+
+
+def gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = None) -> Callable[..., Any]:
+    """A function of f's arguments that returns the gradient of the one float that f returns.
+
+    Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or names (default: every float
+    argument). The result is one array (of the argument's shape and dtype) or float for one name, a dict by name for
+    several; arguments are never changed, read-only arrays are fine, and nothing is changed when f raises.
+    Raises S2sadError: S401 (f does not return one float; wrt names nothing that is a float), S404 (a written argument
+    shares memory with another), S405 (an argument of another type); and what f raises. Reverse mode: Griewank and
+    Walther, Evaluating Derivatives, SIAM 2008.
+
+    >>> import numpy as np
+    >>> def norm(u):
+    ...     total = 0.0
+    ...     for i in range(u.size):
+    ...         total += u[i] * u[i]
+    ...     return total
+    >>> gradient(norm)(np.array([1.0, 2.0]))
+    array([2., 4.])
+    """
+    both = value_and_gradient(f, wrt)
+
+    def gradient_of(*args: Any, **keywords: Any) -> Any:
+        return both(*args, **keywords)[1]
+
+    return _named(gradient_of, f, "gradient")
+
+
+def value_and_gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = None) -> Callable[..., Any]:
+    """As `gradient`, but the function returns (value, gradient); `scipy.optimize.minimize(..., jac=True)` takes it.
+
+    Args, errors and literature as for `gradient`; the value is f's float.
+
+    >>> import numpy as np
+    >>> def norm(u):
+    ...     total = 0.0
+    ...     for i in range(u.size):
+    ...         total += u[i] * u[i]
+    ...     return total
+    >>> value_and_gradient(norm)(np.array([1.0, 2.0]))
+    (5.0, array([2., 4.]))
+    """
+    derivatives, names = derivatives_of(f), names_of(wrt)
+
+    def value_and_gradient_of(*args: Any, **keywords: Any) -> Any:
+        state = derivatives.state()
+        if keywords:
+            args = tuple(bind(state.kernel, args, keywords))
+        key = ("gradient", names, describe(args), selection_of(f)[2])
+        entry = state.entries.get(key)
+        if entry is None:
+            entry = state.entries[key] = ReverseCall(state, f, args, (RETURN,), names, with_value=True)
+        return entry.value_and_gradient(args)
+
+    return _named(value_and_gradient_of, f, "value and gradient")
+
+
+def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
+        wrt: str | Sequence[str] | None = None) -> dict[str, Any]:
+    """The gradients, by argument name, of the outputs weighted by `seeds`, at the arguments' entry values.
+
+    Args: args, all of f's positional arguments; seeds by output name: a written argument's name (an array of its
+    shape and dtype: weights of its final content) or "return" (a float, an array, or a tuple for a tuple result, with
+    None for what is no float); wrt, a name or names (default: every float argument). Gradients have the shape and
+    dtype of their arguments; `args` and `seeds` are never changed.
+    Raises S2sadError: S401 (an unknown output or wrt), S403 (a seed that does not fit), S404, S405 as for `gradient`;
+    and what f raises. A zero gradient because no output depends on the argument comes with an S2sadWarning.
+    Literature as for `gradient`.
+
+    >>> import numpy as np
+    >>> def scale(u, c):
+    ...     for i in range(u.size):
+    ...         u[i] = c * u[i]
+    >>> vjp(scale, (np.ones(2), 3.0), {"u": np.ones(2)})
+    {'u': array([3., 3.]), 'c': 2.0}
+    """
+    state = derivatives_of(f).state()
+    args, names = tuple(args), names_of(wrt)
+    key = ("vjp", names, tuple(seeds), describe(args), selection_of(f)[2])
+    entry = state.entries.get(key)
+    if entry is None:
+        entry = state.entries[key] = ReverseCall(state, f, args, tuple(seeds), names)
+    return entry.vjp(args, seeds)
+
+
+def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any],
+        of: str | Sequence[str] | None = None) -> dict[str, Any]:
+    """The tangents of f's outputs, by output name, for `tangents` of its arguments by name.
+
+    Args: args, all of f's positional arguments; tangents, a float for a float, an array of the same shape and dtype
+    for an array; of, output names (default: every written float array, and "return"). The tangent of a tuple result
+    is a tuple, with None for what is no float. `args` and `tangents` are never changed.
+    Raises S2sadError as `vjp` does. Forward mode: Griewank and Walther, Evaluating Derivatives, SIAM 2008.
+
+    >>> import numpy as np
+    >>> def scale(u, c):
+    ...     for i in range(u.size):
+    ...         u[i] = c * u[i]
+    >>> jvp(scale, (np.ones(2), 3.0), {"c": 1.0})
+    {'u': array([1., 1.])}
+    """
+    state = derivatives_of(f).state()
+    args, names = tuple(args), names_of(of)
+    key = ("jvp", names, tuple(tangents), describe(args), selection_of(f)[2])
+    entry = state.entries.get(key)
+    if entry is None:
+        entry = state.entries[key] = ForwardCall(state, f, args, tuple(tangents), names)
+    return entry.jvp(args, tangents)
+
+
+def _named(driver: Callable[..., Any], f: Any, what: str) -> Callable[..., Any]:
+    name = getattr(f, "__name__", "f")
+    driver.__name__ = driver.__qualname__ = f"{what.replace(' ', '_')}_of_{name}"
+    driver.__doc__ = f"The {what} of '{name}'."
+    return driver

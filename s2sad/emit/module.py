@@ -1,0 +1,118 @@
+"""Functions become a whole file: docstring, imports, constants, the functions.
+
+Only what the functions use is imported or defined, and nothing of that shares a name with anything of theirs.
+"""
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping
+from typing import Any
+
+from s2sad import tree
+from s2sad.emit.layout import WIDTH, text
+from s2sad.emit.lines import BREAK, Group, broken
+from s2sad.emit.literals import docstring, escaped
+from s2sad.emit.manner import manners
+from s2sad.emit.paste import pasted
+from s2sad.emit.spelling import BUILTINS, literal, module_spelling
+from s2sad.emit.uses import Uses
+
+
+def module_text(functions: list[tree.FunctionDef], *, header: list[str], constants: Mapping[str, Any],
+                standalone: bool) -> str:
+    """The text of a module with these functions, in this order.
+
+    `header` is its docstring, line by line; `constants` has a value for every `const.` name the functions read.
+    With `standalone` the functions of `s2sad.runtime` that they call are written out, else imported. A function
+    keeps its name unless one that calls it has a local variable of that name; a last `return None` that is the
+    only one is left out.
+
+    >>> [limit] = tree.statements("def limit(a): return G")
+    >>> limit = tree.rename(limit, {"G": "const.G"})
+    >>> print(module_text([limit], header=["A limit."], constants={"G": 9.81}, standalone=False), end="")
+    \"""A limit.\"""
+    <BLANKLINE>
+    G = 9.81
+    <BLANKLINE>
+    <BLANKLINE>
+    def limit(a):
+        return G
+    """
+    uses = Uses.of(functions)
+    values = {key: literal(constants[key]) for key in uses.room("const")}
+    pieces = pasted(uses.room("runtime")) if standalone else []
+    spelling = module_spelling(uses, values, pieces)
+    functions = [_finished(function, spelling.get(f"user.{function.name}", function.name)) for function in functions]
+
+    defined = [text(tree.assign(spelling[f"const.{key}"], value), spelling) for key, value in values.items()]
+    imported = [] if standalone else uses.room("runtime")
+    top = [_docstring(header), _exceptions(functions, [spelling[f"const.{key}"] for key in values]),
+           _imports(spelling, imported), "\n".join(defined)]
+    parts = ["\n\n".join(filter(None, top)), *(piece.text(spelling) for piece in pieces),
+             *(text(function, spelling) for function in functions)]
+    return "\n\n\n".join(filter(None, parts)) + "\n"
+
+
+def _finished(function: tree.FunctionDef, identifier: str) -> tree.FunctionDef:
+    """The function under its final name, without a last `return` that returns nothing."""
+    body = function.body
+    returns = [node for node in tree.walk(body) if isinstance(node, tree.Return)]
+    if body and returns == [body[-1]] and _is_none(returns[0].value):
+        body = body[:-1] or [tree.Pass()]
+    finished = {**{field: getattr(function, field) for field in function._fields}, "name": identifier, "body": body}
+    return tree.FunctionDef(**finished)
+
+
+def _is_none(value: tree.AST | None) -> bool:
+    return value is None or isinstance(value, tree.Constant) and value.value is None
+
+
+def _docstring(header: list[str]) -> str:
+    lines = [line for entry in header for line in _wrapped(entry)]
+    if len(lines) < 2:
+        return "".join(docstring(line) for line in lines)
+    return docstring("\n".join(lines) + "\n")
+
+
+def _wrapped(entry: str) -> list[str]:
+    """The lines of a header's entry, each short enough also when it is escaped and between its quotes."""
+    lines = []
+    for line in entry.expandtabs(4).splitlines() or [""]:
+        room = WIDTH - 6 - (len(escaped(line)) - len(line))
+        indent = " " * (len(line) - len(line.lstrip()) + 4)
+        if len(line) > room:
+            lines += textwrap.wrap(line, max(room, 16), subsequent_indent=indent[:8], break_on_hyphens=False)
+        else:
+            lines.append(line.rstrip())
+    return lines
+
+
+def _imports(spelling: Mapping[str, str], runtime_names: list[str]) -> str:
+    """The import block; `spelling` holds what each library is imported as."""
+    own = [_import(library, spelling[key]) for library, key in (("builtins", BUILTINS), ("math", "math"))
+           if key in spelling]
+    others = [_import("numpy", spelling["numpy"])] if "numpy" in spelling else []
+    blocks = ["\n".join(block) for block in (own, others) if block]
+    if runtime_names:
+        items: list = []
+        for identifier in sorted(runtime_names):
+            alias = spelling[f"runtime.{identifier}"]
+            items += [",", BREAK] if items else []
+            items.append(identifier if alias == identifier else f"{identifier} as {alias}")
+        # skipped, for where it belongs depends on whether the file lies beside s2sad's own sources
+        pieces = ["from s2sad.runtime import ", Group("optional", items), "  # isort: skip"]
+        blocks.append("\n".join(broken(pieces, 0, WIDTH)))
+    return "\n\n".join(blocks)
+
+
+def _import(library: str, alias: str) -> str:
+    return f"import {library}" if alias == library else f"import {library} as {alias}"
+
+
+def _exceptions(functions: list[tree.FunctionDef], constants: list[str]) -> str:
+    """The lines for ruff, if the functions need any; RUF100 because not every ruff has every rule on."""
+    codes = manners(functions)
+    if {"l", "O", "I"}.intersection(constants) and "E741" not in codes:
+        codes = sorted([*codes, "E741"])
+    rows = [", ".join([*codes[first:first + 10], "RUF100"]) for first in range(0, len(codes), 10)]
+    return "\n".join(f"# ruff: noqa: {row}" for row in rows)

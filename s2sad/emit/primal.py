@@ -1,0 +1,51 @@
+"""The kernels that derivatives call, as they are written into the generated file."""
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from s2sad.tree import AST, AugAssign, Call, Expr, For, FunctionDef, Subscript, call_name, copy, function, walk
+from s2sad.units import Unit, Units
+
+
+def kernels_called(functions: Iterable[FunctionDef], units: Units) -> list[str]:
+    """The titles of the units that functions call."""
+    found = [(call_name(n) or "").partition(".")[2] for f in functions for n in walk(f.body) if isinstance(n, Call)]
+    return list(dict.fromkeys(t for t in found if t in units.titled))
+
+
+def primal_functions(units: Units, titles: list[str]) -> list[FunctionDef]:
+    """The functions of these units and of all that they call, callees first."""
+    made: dict[str, FunctionDef] = {}
+
+    def visit(title: str) -> None:
+        if title not in made:
+            body = primal(units.titled[title])
+            for called in kernels_called([body], units):
+                visit(called)
+            made[title] = body
+
+    for title in titles:
+        visit(title)
+    return list(made.values())
+
+
+def primal(unit: Unit) -> FunctionDef:
+    """One kernel: as the user wrote it if it deals with numbers alone, else with views resolved."""
+    original = unit.kernel.tree
+    parameters = [p.id for p in unit.lowered.args.args]
+    made = function(unit.title, parameters, copy(_undocumented(original.body) if _is_plain(unit) else
+                                                 unit.lowered.body))
+    return made
+
+
+def _undocumented(body: list[AST]) -> list[AST]:
+    first = body[0] if body else None
+    text = isinstance(first, Expr) and isinstance(getattr(first.value, "value", None), str)
+    return body[1:] if text else body
+
+
+def _is_plain(unit: Unit) -> bool:
+    simple = all(t.is_number for t in unit.types)
+    tree = unit.kernel.tree
+    calls = any((call_name(n) or "").startswith("user.") for n in walk(tree.body))
+    return simple and not calls and not any(isinstance(n, (Subscript, For, AugAssign)) for n in walk(tree.body))

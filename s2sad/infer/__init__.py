@@ -1,0 +1,1 @@
+"""infer: kind, dtype and rank of every name."""

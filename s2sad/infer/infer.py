@@ -1,0 +1,311 @@
+"""infer: the type of every name of a function in structured or normal form.
+
+Requires the types of the parameters; establishes a table name -> Type, the join over all bindings of a name.
+
+    def f(x, n):                    x: float64[:]   n: int64
+        t = x[n - 1] * 2            t: float64
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from s2sad import rules
+from s2sad.diagnostics import Report
+from s2sad.infer.types import BOOL, FLOAT, INT, NONE, TEXT, UNKNOWN, Type, array, of_value
+from s2sad.tree import (
+    AST, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
+    FunctionDef, If, IfExp, List, LShift, Name, Not, Return, RShift, Slice, Subscript, Tuple, UnaryOp, While,
+    call_name, indices,
+)
+
+CallTypes = Callable[[str, tuple[Type, ...]], tuple[Type, ...]]
+
+_RANKS = ("bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64")
+_ALLOCATIONS = {"numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full"}
+_LIKES = {"numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full_like", "numpy.copy", "numpy.asarray",
+          "numpy.ascontiguousarray", "numpy.array"}
+_CASTS = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": "bool", "numpy.float64": "float64",
+          "numpy.float32": "float32", "numpy.int64": "int64", "numpy.int32": "int32", "numpy.bool_": "bool"}
+
+
+def infer(function: FunctionDef, parameters: Mapping[str, Type], call_types: CallTypes, report: Report,
+          constants: Mapping[str, object] | None = None) -> dict[str, Type]:
+    """The type of every name; what contradicts itself goes into the report."""
+    table = dict(parameters)
+    typing = Typing(table, call_types, report, constants or {})
+    for _ in range(20):
+        before = dict(table)
+        _block(function.body, typing)
+        if table == before:
+            break
+    typing.final = True
+    _block(function.body, typing)
+    return table
+
+
+class Typing:
+    """The types of expressions, given a table of the types of names."""
+
+    def __init__(self, table: dict[str, Type], call_types: CallTypes, report: Report,
+                 constants: Mapping[str, object]):
+        self.table, self.call_types, self.report, self.constants = table, call_types, report, constants
+        self.final = False
+
+    def bind(self, identifier: str, new: Type, place: AST) -> None:
+        old = self.table.get(identifier)
+        joined = new if old is None else join(old, new)
+        if joined is None:
+            if self.final:
+                self.report.error("S203", f"'{identifier}' is bound to {old} and to {new}", place,
+                                  help="give the second one another name")
+            return
+        self.table[identifier] = joined
+
+    def of(self, node: AST) -> Type:
+        method = getattr(self, "_" + type(node).__name__, None)
+        return UNKNOWN if method is None else method(node)
+
+    def call_results(self, node: Call) -> tuple[Type, ...]:
+        name = call_name(node)
+        assert name is not None
+        types = tuple(map(self.of, node.args))
+        return () if UNKNOWN in types else self.call_types(name.partition(".")[2], types)
+
+    def _Name(self, node: Name) -> Type:
+        room, _, rest = node.id.partition(".")
+        if room in ("const", "array") and rest:
+            return of_value(self.constants[rest]) if rest in self.constants else FLOAT
+        if node.id in ("numpy.pi", "numpy.e", "numpy.inf", "numpy.nan", "math.pi", "math.e", "math.inf", "math.nan",
+                       "math.tau", "numpy.euler_gamma"):
+            return FLOAT
+        return self.table.get(node.id, UNKNOWN)
+
+    def _Constant(self, node: Constant) -> Type:
+        return TEXT if isinstance(node.value, str) else of_value(node.value)
+
+    def _Tuple(self, node: Tuple) -> Type:
+        return Type("tuple", items=tuple(map(self.of, node.elts)))
+
+    def _List(self, node: List) -> Type:
+        return self._Tuple(node)
+
+    def _UnaryOp(self, node: UnaryOp) -> Type:
+        operand = self.of(node.operand)
+        if isinstance(node.op, Not):
+            return BOOL
+        return promote(operand, INT) if operand == BOOL else operand
+
+    def _BoolOp(self, node: BoolOp) -> Type:
+        joined: Type | None = self.of(node.values[0])
+        for value in node.values[1:]:
+            joined = joined and join(joined, self.of(value))
+        return joined or UNKNOWN
+
+    def _Compare(self, node: Compare) -> Type:
+        rank = max((t.rank for t in map(self.of, [node.left, *node.comparators])), default=0)
+        return array("bool", rank) if rank else BOOL
+
+    def _IfExp(self, node: IfExp) -> Type:
+        return join(self.of(node.body), self.of(node.orelse)) or UNKNOWN
+
+    def _BinOp(self, node: BinOp) -> Type:
+        left, right = self.of(node.left), self.of(node.right)
+        result = promote(left, right)
+        if isinstance(node.op, (BitAnd, BitOr, BitXor)) and left == right == BOOL:
+            return BOOL
+        if result.dtype == "bool":
+            result = Type(result.kind, "int64", result.rank)
+        if isinstance(node.op, Div) and not result.is_float and result.dtype:
+            return Type(result.kind, "float64", result.rank)
+        if isinstance(node.op, (LShift, RShift)):
+            return left
+        return result
+
+    def _Attribute(self, node: Attribute) -> Type:
+        base = self.of(node.value)
+        if not base.is_array:
+            return UNKNOWN
+        if node.attr == "shape":
+            return Type("tuple", items=(INT,) * base.rank)
+        if node.attr in ("size", "ndim"):
+            return INT
+        return array(base.dtype, base.rank) if node.attr == "T" else UNKNOWN
+
+    def _Subscript(self, node: Subscript) -> Type:
+        base = self.of(node.value)
+        if base.kind == "tuple":
+            if isinstance(node.slice, Constant) and isinstance(node.slice.value, int) and base.items:
+                return base.items[node.slice.value] if node.slice.value < len(base.items) else UNKNOWN
+            return base.items[0] if base.items and len(set(base.items)) == 1 else UNKNOWN
+        if not base.is_array:
+            if self.final and base.kind not in ("unknown",):
+                self.report.error("S203", f"a {base} cannot be indexed", node)
+            return UNKNOWN
+        subscripts = indices(node)
+        dropped = sum(not isinstance(s, Slice) and not (isinstance(s, Constant) and s.value is Ellipsis)
+                      for s in subscripts)
+        if dropped > base.rank:
+            if self.final:
+                self.report.error("S203", f"{len(subscripts)} subscripts for {base}", node,
+                                  help="the types are taken from the arguments: check their ranks")
+            return UNKNOWN
+        return array(base.dtype, base.rank - dropped) if base.rank > dropped else Type("number", base.dtype)
+
+    def _Call(self, node: Call) -> Type:
+        name = call_name(node)
+        if name is None:
+            return self._method(node)
+        if name.startswith("user."):
+            results = self.call_results(node)
+            return UNKNOWN if not results else results[0] if len(results) == 1 else Type("tuple", items=results)
+        if name in _ALLOCATIONS:
+            return self._allocation(name, node)
+        if name in _LIKES:
+            return self._like(name, node)
+        types = [self.of(a) for a in node.args]
+        if name in _CASTS:
+            rank = types[0].rank if types else 0
+            return array(_CASTS[name], rank) if rank else Type("number", _CASTS[name])
+        if name in ("numpy.sum", "builtins.sum") and types:
+            return Type("number", "int64" if types[0].dtype == "bool" else types[0].dtype)
+        if name in ("builtins.len", "numpy.size", "numpy.ndim"):
+            return INT
+        if name in ("numpy.shape",):
+            return Type("tuple", items=(INT,) * types[0].rank) if types else UNKNOWN
+        return self._function(name, types)
+
+    def _function(self, name: str, types: list[Type]) -> Type:
+        if not types:
+            return UNKNOWN
+        result = types[0]
+        for other in types[1:]:
+            result = promote(result, other)
+        kind = rules.constant_result(name)
+        if kind in ("int", "bool"):
+            return Type(result.kind, "int64" if kind == "int" else "bool", result.rank)
+        if name in ("builtins.abs", "builtins.min", "builtins.max", "numpy.abs", "numpy.absolute", "numpy.minimum",
+                    "numpy.maximum", "numpy.square") or kind == "same":
+            return result
+        if result.kind == "unknown" or result.is_float:
+            return result if not name.startswith("math.") or not result.dtype else Type(result.kind, "float64")
+        return Type(result.kind, "float64", result.rank)
+
+    def _method(self, node: Call) -> Type:
+        if not isinstance(node.func, Attribute):
+            return UNKNOWN
+        base = self.of(node.func.value)
+        if node.func.attr in ("copy",):
+            return base
+        if node.func.attr == "sum":
+            return Type("number", base.dtype)
+        return UNKNOWN if node.func.attr != "fill" else NONE
+
+    def _dtype(self, node: Call, position: int, default: str) -> str:
+        given = next((k.value for k in node.keywords if k.arg == "dtype"), None)
+        if given is None and len(node.args) > position:
+            given = node.args[position]
+        return default if given is None else dtype_of(given) or self._inherited(given) or default
+
+    def _inherited(self, node: AST) -> str | None:
+        if isinstance(node, Attribute) and node.attr == "dtype":
+            return self.of(node.value).dtype
+        return None
+
+    def _allocation(self, name: str, node: Call) -> Type:
+        if not node.args:
+            return UNKNOWN
+        shape = node.args[0]
+        kind = self.of(shape)
+        rank = len(shape.elts) if isinstance(shape, (Tuple, List)) else len(kind.items) if kind.kind == "tuple" else 1
+        if kind.kind == "unknown":
+            return UNKNOWN
+        if name == "numpy.full":
+            return array(self._dtype(node, 2, self.of(node.args[1]).dtype), rank)
+        return array(self._dtype(node, 1, "float64"), rank)
+
+    def _like(self, name: str, node: Call) -> Type:
+        base = self.of(node.args[0])
+        if base.kind == "tuple":
+            items = base.items
+            joined = items[0] if items else FLOAT
+            for item in items[1:]:
+                joined = promote(joined, item)
+            return array(self._dtype(node, 1, joined.dtype or "float64"), joined.rank + 1)
+        if not base.is_array:
+            return UNKNOWN
+        return array(self._dtype(node, 2 if name == "numpy.full_like" else 1, base.dtype), base.rank)
+
+
+def dtype_of(node: AST) -> str | None:
+    """The dtype that an expression names: `np.float32`, `float`, `"float32"`; None if it is none of these."""
+    if isinstance(node, Name):
+        if node.id in _CASTS:
+            return _CASTS[node.id]
+        room, _, last = node.id.rpartition(".")
+        return last if room == "numpy" and last in _RANKS else None
+    if isinstance(node, Constant) and node.value in _RANKS:
+        return str(node.value)
+    return None
+
+
+def promote(a: Type, b: Type) -> Type:
+    """NumPy's promotion: arrays decide over numbers of the same kind, wider ranks over narrower."""
+    if "unknown" in (a.kind, b.kind) or not a.dtype or not b.dtype:
+        return UNKNOWN
+    if a.is_array != b.is_array:
+        arr, number = (a, b) if a.is_array else (b, a)
+        kind = arr.dtype if arr.is_float or not number.is_float else "float64"
+        return array(kind, arr.rank)
+    dtype = max(a.dtype, b.dtype, key=_RANKS.index)
+    return Type(a.kind, dtype, max(a.rank, b.rank))
+
+
+def join(a: Type, b: Type) -> Type | None:
+    """The type of a name that is bound to both, or None if there is none."""
+    if a == b or b.kind == "unknown":
+        return a
+    if a.kind == "unknown":
+        return b
+    if a.is_number and b.is_number:
+        return promote(a, b)
+    if a.kind == b.kind == "tuple" and len(a.items) == len(b.items):
+        items = [join(x, y) for x, y in zip(a.items, b.items)]
+        return None if None in items else Type("tuple", items=tuple(i for i in items if i is not None))
+    return None
+
+
+def _block(block: list[AST], typing: Typing) -> None:
+    for statement in block:
+        _statement(statement, typing)
+
+
+def _statement(statement: AST, typing: Typing) -> None:
+    if isinstance(statement, Assign):
+        _assignment(statement, typing)
+    elif isinstance(statement, AugAssign) and isinstance(statement.target, Name):
+        target = typing.table.get(statement.target.id, UNKNOWN)
+        if not target.is_array:
+            typing.bind(statement.target.id, typing._BinOp(BinOp(statement.target, statement.op, statement.value)),
+                        statement)
+    elif isinstance(statement, For):
+        typing.bind(statement.target.id, INT, statement)
+        _block(statement.body, typing)
+    elif isinstance(statement, While):
+        _block(statement.body, typing)
+    elif isinstance(statement, If):
+        _block(statement.body, typing)
+        _block(statement.orelse, typing)
+    elif typing.final and isinstance(statement, Return) and statement.value is not None:
+        typing.of(statement.value)
+
+
+def _assignment(statement: Assign, typing: Typing) -> None:
+    target = statement.targets[0]
+    if isinstance(target, Name):
+        typing.bind(target.id, typing.of(statement.value), statement)
+    elif isinstance(target, Tuple) and isinstance(statement.value, Call):
+        results = typing.call_results(statement.value)
+        for item, kind in zip(target.elts, results):
+            typing.bind(item.id, kind, statement)
+        if typing.final and results and len(results) != len(target.elts):
+            typing.report.error("S203", f"{len(target.elts)} names for {len(results)} results", statement)

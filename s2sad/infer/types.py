@@ -1,0 +1,71 @@
+"""The types of names: kind, dtype and rank, and nothing else."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Type:
+    """A number (`rank` 0), an array, a tuple of types, or one of the odd ones.
+
+    kind is "number", "array", "tuple", "none", "text" or "unknown"; dtype is NumPy's name
+    ("float64", "float32", "int64", "bool", ...) for numbers and arrays.
+    """
+    kind: str
+    dtype: str = ""
+    rank: int = 0
+    items: tuple[Type, ...] = ()
+
+    @property
+    def is_float(self) -> bool:
+        return self.kind in ("number", "array") and self.dtype.startswith("float")
+
+    @property
+    def is_array(self) -> bool:
+        return self.kind == "array"
+
+    @property
+    def is_number(self) -> bool:
+        return self.kind == "number"
+
+    @property
+    def is_integer(self) -> bool:
+        return self.kind == "number" and self.dtype.startswith(("int", "uint", "bool"))
+
+    def __str__(self) -> str:
+        if self.kind == "array":
+            return f"{self.dtype}[{', '.join(':' * self.rank)}]"
+        if self.kind == "tuple":
+            return f"({', '.join(map(str, self.items))})"
+        return self.dtype or self.kind
+
+
+FLOAT, INT, BOOL = Type("number", "float64"), Type("number", "int64"), Type("number", "bool")
+NONE, TEXT, UNKNOWN = Type("none"), Type("text"), Type("unknown")
+
+
+def array(dtype: str, rank: int) -> Type:
+    return Type("array", dtype, rank)
+
+
+def of_value(value: object) -> Type:
+    """The type of a Python value, as an argument or a constant of the kernel's module."""
+    if value is None:
+        return NONE
+    if isinstance(value, (bool, np.bool_)):
+        return BOOL
+    if isinstance(value, int):
+        return INT
+    if isinstance(value, float) and not isinstance(value, np.floating):
+        return FLOAT
+    if isinstance(value, np.generic):
+        return Type("number", value.dtype.name)
+    if isinstance(value, np.ndarray):
+        return array(value.dtype.name, value.ndim) if value.ndim else Type("array", value.dtype.name, 0)
+    if isinstance(value, str):
+        return TEXT
+    if isinstance(value, tuple):
+        return Type("tuple", items=tuple(map(of_value, value)))
+    return UNKNOWN

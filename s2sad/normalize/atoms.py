@@ -1,0 +1,172 @@
+"""atoms: what the adjoint needs by itself gets a name.
+
+Requires one name a binding; establishes that in every statement which computes floats
+- a load from an array that the function writes is a statement of its own (a copy of the element),
+- an operation whose partial reads its own result (a quotient, exp, sqrt, ...) is the root of its statement,
+- a sum over an array, a kernel's call and the test of a branch have names.
+
+    a[i, j] = a[i, j] / a[j, j]     held = a[i, j]
+                                    pivot = a[j, j]
+                                    ratio = held / pivot
+                                    a[i, j] = ratio
+
+`simplify.fold` takes the names out again where they are not needed.
+"""
+from __future__ import annotations
+
+
+from s2sad import rules
+from s2sad.analyze.liveness import base_name
+from s2sad.infer.infer import Typing
+from s2sad.infer.types import BOOL
+from s2sad.naming import Names
+from s2sad.tree import (
+    AST, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, For, FunctionDef, If, Name, Pow, Return,
+    Subscript, Tuple, UnaryOp, USub, While, assign, at, augment, call, call_name, copy,
+    dump, name, walk,
+)
+
+
+def atoms(function: FunctionDef, typing: Typing, free: Names, written: set[str]) -> FunctionDef:
+    """The function with those names; `written` are the arrays that it writes."""
+    new = copy(function)
+    new.body = _Atoms(typing, free, written).block(function.body)
+    return new
+
+
+def reads_result(node: AST) -> bool:
+    """Whether an operation's partials read its result."""
+    if isinstance(node, BinOp):
+        if isinstance(node.op, Div):
+            return not isinstance(node.right, Constant)
+        return isinstance(node.op, Pow) and not _is_integer(node.right)
+    rule = rules.find(call_name(node) or "")
+    return rule is not None and any("y" in rule.uses(p) for p in rule.parameters)
+
+
+def _is_integer(node: AST) -> bool:
+    if isinstance(node, UnaryOp) and isinstance(node.op, USub):
+        return _is_integer(node.operand)
+    return isinstance(node, Constant) and isinstance(node.value, int)
+
+
+class _Atoms:
+    def __init__(self, typing: Typing, free: Names, written: set[str]):
+        self.typing, self.free, self.written = typing, free, written
+
+    def block(self, block: list[AST]) -> list[AST]:
+        return [at(made, s) for s in block for made in self.statement(s)]
+
+    def statement(self, statement: AST) -> list[AST]:
+        before: list[AST] = []
+        if isinstance(statement, For):
+            bounds = [self.bound(b, before) for b in statement.iter.args]
+            return [*before, For(statement.target, call("builtins.range", *bounds), self.block(statement.body), [],
+                                 None)]
+        if isinstance(statement, While):
+            return [While(statement.test, self.block(statement.body), [])]
+        if isinstance(statement, If):
+            return self.branch(statement)
+        if isinstance(statement, Assign):
+            root = self.root(statement, before)
+            return [*before, assign(statement.targets[0], root)]
+        if isinstance(statement, AugAssign):
+            value = self.inner(statement.value, before) if self.is_float(statement.value) else statement.value
+            return [*before, augment(statement.target, statement.op, value)]
+        if isinstance(statement, Return) and statement.value is not None:
+            parts = statement.value.elts if isinstance(statement.value, Tuple) else [statement.value]
+            new = [self.simple(p, before, "result") for p in parts]
+            value = Tuple(new, statement.value.ctx) if isinstance(statement.value, Tuple) else new[0]
+            return [*before, Return(value)]
+        return [statement]
+
+    def bound(self, node: AST, before: list[AST]) -> AST:
+        """A bound of a range; one that reads an array which is written gets a name."""
+        loads = any(isinstance(n, Subscript) and base_name(n) in self.written for n in walk(node))
+        return name(self.bind("bound", node, before)) if loads else node
+
+    def branch(self, statement: If) -> list[AST]:
+        before: list[AST] = []
+        test = statement.test
+        if not isinstance(test, Name):
+            held = self.bind("taken", test, before)
+            test = name(held)
+            self.typing.table[held] = BOOL
+        return [*before, If(test, self.block(statement.body), self.block(statement.orelse))]
+
+    def root(self, statement: Assign, before: list[AST]) -> AST:
+        value, target = statement.value, statement.targets[0]
+        if not self.is_float(value):
+            return value
+        if isinstance(target, Name):
+            if isinstance(value, Subscript) or call_name(value) == "numpy.sum":
+                return value
+            if (call_name(value) or "").startswith("user."):
+                return self.call(value, before)
+            if reads_result(value):
+                return self.children(value, before)
+        elif (call_name(value) or "").startswith("user."):
+            return self.call(value, before)
+        return self.inner(value, before)
+
+    def call(self, node: Call, before: list[AST]) -> Call:
+        args = [self.simple(a, before, "argument") if self.is_float(a) and not self.typing.of(a).is_array else a
+                for a in node.args]
+        return Call(node.func, args, [])
+
+    def simple(self, node: AST, before: list[AST], wanted: str) -> AST:
+        if isinstance(node, (Name, Constant)) or not self.is_float(node):
+            return node
+        if self.typing.of(node).is_array:
+            return node
+        return name(self.bind(wanted, self.root(assign(name("_"), node), before), before))
+
+    def inner(self, node: AST, before: list[AST]) -> AST:
+        """The expression with everything that wants a name replaced by one, left to right."""
+        kind = self.typing.of(node)
+        if isinstance(node, (Compare, BoolOp)) or not (kind.is_float or kind.dtype):
+            return node
+        if isinstance(node, Subscript) and base_name(node) in self.written and not kind.is_array:
+            return name(self.load(node, before))
+        if isinstance(node, (Subscript, Name, Constant)) or type(node).__name__ == "Attribute":
+            return node
+        if call_name(node) == "numpy.sum":
+            return name(self.bind("total", node, before))
+        new = self.children(node, before)
+        if reads_result(node) and kind.is_float and not kind.is_array:
+            return name(self.bind(_wanted(node), new, before))
+        return new
+
+    def children(self, node: AST, before: list[AST]) -> AST:
+        if isinstance(node, BinOp):
+            return BinOp(self.inner(node.left, before), node.op, self.inner(node.right, before))
+        if isinstance(node, UnaryOp):
+            return UnaryOp(node.op, self.inner(node.operand, before))
+        if isinstance(node, Call):
+            return Call(node.func, [self.inner(a, before) for a in node.args], node.keywords)
+        return node
+
+    def load(self, node: Subscript, before: list[AST]) -> str:
+        for made in before:
+            if isinstance(made, Assign) and dump(made.value) == dump(node):
+                return made.targets[0].id
+        return self.bind(f"{base_name(node)}_here", node, before)
+
+    def bind(self, wanted: str, value: AST, before: list[AST]) -> str:
+        made = self.free.fresh(wanted)
+        self.typing.table[made] = self.typing.of(value)
+        before.append(assign(made, copy(value)))
+        return made
+
+    def is_float(self, node: AST) -> bool:
+        kind = self.typing.of(node)
+        return kind.is_float or kind.kind == "tuple" and any(i.is_float for i in kind.items) or (
+            call_name(node) or "").startswith("user.")
+
+
+def _wanted(node: AST) -> str:
+    if isinstance(node, BinOp):
+        return "ratio" if isinstance(node.op, Div) else "power"
+    return (call_name(node) or "value").rpartition(".")[2] + "_value"
+
+

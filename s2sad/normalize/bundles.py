@@ -1,0 +1,93 @@
+"""Names that hold several results become one name per result.
+
+    r = f(x)             ->  r_0, r_1 = f(x)
+    y = r[0]                 y = r_0
+    return r                 return (r_0, r_1)
+
+Requires resolved names. Establishes that no single name is bound to a function's several results. A name is
+taken apart when every binding is a tuple of one length and every reading an index, an unpacking or a return;
+a tuple that is spelled out and used otherwise (`shape = (n, n)`) stays; one that comes from a call is refused.
+"""
+from __future__ import annotations
+
+from s2sad.normalize.calls import result_count, user_call
+from s2sad.normalize.hoist import constant_index
+from s2sad.normalize.memory import parameters
+from s2sad.normalize.scope import Scope
+from s2sad.tree import (
+    AST, Assign, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign, at, name, rebuild, tuple_of,
+    walk,
+)
+
+
+def bundles(function: FunctionDef, scope: Scope) -> FunctionDef:
+    parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in _bundled(function, scope).items()}
+    return rebuild(function, lambda node: _taken_apart(node, parts)) if parts else function
+
+
+def _bundled(function: FunctionDef, scope: Scope) -> dict[str, int]:
+    counts: dict[str, list[int]] = {}
+    called: set[str] = set()
+    stores: dict[str, int] = {}
+    for node in walk(function.body):
+        if isinstance(node, Name) and isinstance(node.ctx, Store):
+            stores[node.id] = stores.get(node.id, 0) + 1
+        if isinstance(node, Assign) and len(node.targets) == 1 and isinstance(node.targets[0], Name):
+            count = _length(node.value, scope)
+            counts.setdefault(node.targets[0].id, []).append(count)
+            if count and user_call(node.value) is not None:
+                called.add(node.targets[0].id)
+    found = {}
+    for n, lengths in counts.items():
+        if not any(lengths):
+            continue
+        bad = _odd_use(function, n, lengths[0])
+        regular = len(set(lengths)) == 1 and stores[n] == len(lengths) and n not in parameters(function)
+        if regular and bad is None:
+            found[n] = lengths[0]
+        elif n in called:
+            place = bad if bad is not None else function
+            scope.refuse(place, f"{n!r} holds several results", help="unpack them where they come: a, b = f(...)")
+    return found
+
+
+def _length(value: AST, scope: Scope) -> int:
+    """The number of items of a tuple that is spelled out or returned by a call, else 0."""
+    if isinstance(value, Tuple):
+        return 0 if any(isinstance(v, Starred) for v in value.elts) else len(value.elts)
+    kernel = user_call(value)
+    count = result_count(kernel, scope.program) if kernel is not None else 1
+    return count if count > 1 else 0
+
+
+def _odd_use(function: FunctionDef, identifier: str, count: int) -> AST | None:
+    """The first reading that is no constant index, no unpacking and no return."""
+    regular = {id(node) for parent in walk(function.body) for node in [_read(parent, identifier, count)] if node}
+    return next((n for n in walk(function.body) if isinstance(n, Name) and n.id == identifier
+                 and not isinstance(n.ctx, Store) and id(n) not in regular), None)
+
+
+def _read(node: AST, identifier: str, count: int) -> AST | None:
+    """The name itself, where the node reads it as a bundle."""
+    value = getattr(node, "value", None)
+    if not (isinstance(value, Name) and value.id == identifier):
+        return None
+    if isinstance(node, Subscript):
+        position = constant_index(node)
+        fits = not isinstance(node.ctx, Store) and position is not None and -count <= position < count
+    elif isinstance(node, Assign):
+        fits = len(node.targets) == 1 and isinstance(node.targets[0], (Tuple, List))
+    else:
+        fits = isinstance(node, Return)
+    return value if fits else None
+
+
+def _taken_apart(node: AST, parts: dict[str, list[str]]) -> AST | None:
+    if isinstance(node, Subscript) and isinstance(node.value, Name) and node.value.id in parts:
+        return at(name(parts[node.value.id][constant_index(node)]), node)
+    if isinstance(node, Assign) and isinstance(node.targets[0], Name) and node.targets[0].id in parts:
+        value = rebuild(node.value, lambda n: _taken_apart(n, parts))
+        return at(assign(tuple_of(*map(name, parts[node.targets[0].id])), value), node)
+    if isinstance(node, Name) and node.id in parts and not isinstance(node.ctx, Store):
+        return at(tuple_of(*map(name, parts[node.id])), node)
+    return None

@@ -1,0 +1,164 @@
+"""Every `for` counts: `for name in range(...)`, the name bound nowhere else and not read after the loop.
+
+    for k, v in enumerate(x): s += k * v    ->    for k in range(len(x)):
+                                                      v = x[k]
+                                                      s += k * v
+
+    for i in range(n): last = i             ->    for i_index in range(n):
+    return i                                          i = i_index
+                                                      ...
+
+Requires what jumps establishes. A sequence that is spelled out (`for w in (u, v)`) is written out; the loops of
+`np.ndindex` are nested. Bounds that the body changes are held in names before the loop.
+"""
+from __future__ import annotations
+
+from s2sad.normalize.exits import BREAK, exits
+from s2sad.normalize.indices import IndexLoops, is_index_loop
+from s2sad.normalize.live import live_after_loops
+from s2sad.normalize.memory import Memory, bindings, parameters
+from s2sad.normalize.scope import Scope
+from s2sad.normalize.sequences import literal, sequence
+from s2sad.normalize.unpack import unpack
+from s2sad.tree import (
+    AST, Assign, AugAssign, Break, Constant, For, FunctionDef, If, Name, Not, Tuple, UnaryOp, While, assign, at,
+    call_name, const, copy, counted_for, function, name, names, stored_names, tuple_of, walk,
+)
+
+LONGEST = 16                            # the longest sequence that is written out
+
+
+def loops(tree: FunctionDef, scope: Scope) -> FunctionDef:
+    scope.memory = Memory(tree, scope.program)
+    body = _Loops(tree, scope).block(tree.body)
+    return at(function(tree.name, parameters(tree), body), tree)
+
+
+class _Loops:
+    """The loops of one function; names in `_copied` cannot be counters."""
+
+    def __init__(self, tree: FunctionDef, scope: Scope):
+        self._scope = scope
+        self._bound = list(bindings(tree))
+        self._live = live_after_loops(tree.body)
+        self._copied = _copied(tree, self._live)
+
+    def block(self, statements: list[AST]) -> list[AST]:
+        new: list[AST] = []
+        for node in statements:
+            if isinstance(node, If):
+                new.append(at(If(node.test, self.block(node.body), self.block(node.orelse)), node))
+            elif isinstance(node, While):
+                new.append(at(While(node.test, self.block(node.body), []), node))
+            elif isinstance(node, For):
+                new += [at(s, node) for s in self._for(node)]
+            else:
+                new.append(node)
+        return new
+
+    def _for(self, node: For) -> list[AST]:
+        body = self.block(node.body)
+        before: list[AST] = []
+        if is_index_loop(node):
+            unsafe = stored_names(node.target)[0] in self._live[id(node)]
+            return IndexLoops(node, self._scope, self._hold(node, before), self._copied).nested(body, before, unsafe)
+        items = self._spelled_out(node.iter)
+        if items is not None:
+            return self._written_out(node, items, body)
+        found = sequence(node.iter, self._hold(node, before), self._scope)
+        if found is None:
+            return []
+        counter = _counter_of(node)
+        if counter is None or counter in self._copied:
+            wanted = node.target.id if isinstance(node.target, Name) else counter
+            counter = self._scope.fresh(f"{wanted}_index" if wanted else "index")
+        bound = _without_counter(node.target, found.item(name(counter)), counter)
+        if bound is not None:
+            body = [*(at(s, node) for s in unpack([bound[0]], bound[1], self._scope)), *body]
+        return [*before, counted_for(counter, found.bounds, body)] if body else before
+
+    def _hold(self, node: For, before: list[AST]):
+        """How an expression keeps its value throughout the loop: as it is, or through a name before it."""
+        stored = set(stored_names(node.body)) | set(stored_names(node.target))
+        written = self._scope.memory.written(node.body)
+
+        def hold(value: AST, wanted: str) -> AST:
+            changes = stored & set(names(value)) or self._scope.memory.affected(value, written)
+            if changes or (wanted == "items" and not isinstance(value, Name)):
+                return self._scope.held(value, wanted, before)
+            return value
+        return hold
+
+    def _spelled_out(self, iterable: AST) -> list[AST] | None:
+        """The items of a tuple written in place, or of constants under a name that is bound once."""
+        if isinstance(iterable, Name):
+            values = [v for t, v in self._bound if iterable.id in stored_names(t)]
+            items = literal(values[0]) if len(values) == 1 else None
+            return items if items is not None and all(isinstance(i, Constant) for i in items) else None
+        return literal(iterable)
+
+    def _written_out(self, node: For, items: list[AST], body: list[AST]) -> list[AST]:
+        if len(items) > LONGEST:
+            self._scope.refuse(node.iter, f"a loop over {len(items)} spelled-out items",
+                               help="put them into an array: np.array([...])")
+            return []
+        before: list[AST] = []
+        hold = self._hold(node, before)
+        items = [tuple_of(*[hold(i, "held") for i in item.elts]) if isinstance(item, Tuple) else hold(item, "held")
+                 for item in items]
+        stopped = self._scope.fresh("stopped") if BREAK in exits(body) else ""
+        rest: list[AST] = []
+        for item in reversed(items):
+            bound = [at(s, node) for s in unpack([copy(node.target)], copy(item), self._scope)]
+            this_round = [*bound, *(_flagged(copy(body), stopped) if stopped else copy(body))]
+            rest = [*this_round, at(If(UnaryOp(Not(), name(stopped)), rest, []), node)] if stopped and rest \
+                else this_round + rest
+        return [*before, *([assign(stopped, const(False))] if stopped else []), *rest]
+
+
+def _counter_of(node: For) -> str | None:
+    """The user's name that counts this loop: i in `for i in range(n)` and `for i, v in enumerate(x)`."""
+    called, target = call_name(node.iter), node.target
+    reverse = called == "builtins.reversed" and node.iter.args and call_name(node.iter.args[0]) == "builtins.range"
+    if isinstance(target, Name):
+        return target.id if called == "builtins.range" or reverse else None
+    plain = called == "builtins.enumerate" and len(node.iter.args) == 1 and not node.iter.keywords
+    first = target.elts[0] if isinstance(target, Tuple) and len(target.elts) == 2 else None
+    return first.id if plain and isinstance(first, Name) else None
+
+
+def _copied(tree: FunctionDef, live: dict[int, set[str]]) -> set[str]:
+    """The names that something other than a loop's count binds, or that are read after their loop."""
+    found = set(parameters(tree))
+    for node in walk(tree.body):
+        if isinstance(node, (Assign, AugAssign)):
+            found |= set(stored_names(node))
+        elif isinstance(node, For):
+            targets = stored_names(node.target)
+            counting = targets if is_index_loop(node) else [n for n in [_counter_of(node)] if n is not None]
+            found |= {n for n in targets if n not in counting or targets.count(n) > 1}
+            found |= set(counting) & (live[id(node)] | set(stored_names(node.body)))
+    return found
+
+
+def _without_counter(target: AST, value: AST, counter: str) -> tuple[AST, AST] | None:
+    """What is left to bind where the counter is a target itself."""
+    if isinstance(target, Name) and isinstance(value, Name) and target.id == value.id:
+        return None
+    if isinstance(target, Tuple) and isinstance(target.elts[0], Name) and target.elts[0].id == counter \
+            and isinstance(value, Tuple) and len(value.elts) == 2:
+        return target.elts[1], value.elts[1]
+    return target, value
+
+
+def _flagged(statements: list[AST], flag: str) -> list[AST]:
+    """The breaks of a loop that is no longer one set a flag."""
+    new: list[AST] = []
+    for node in statements:
+        if isinstance(node, Break):
+            new.append(at(assign(flag, const(True)), node))
+        elif isinstance(node, If):
+            new.append(at(If(node.test, _flagged(node.body, flag), _flagged(node.orelse, flag)), node))
+        else:
+            new.append(node)
+    return new

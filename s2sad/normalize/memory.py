@@ -1,0 +1,188 @@
+"""Which names may share memory, which name numbers for certain, and what a call of a user's function may write.
+
+Nothing is known about types yet, so `row = x[i]` may be a view and is taken for one. Two parameters are
+taken to be apart: arguments that overlap are refused at the call if either is written.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from s2sad.program import Program
+from s2sad.tree import (
+    AST, AnnAssign, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, IfExp,
+    List, Name, Store, Subscript, Tuple, UnaryOp, call_name, stored_names, walk,
+)
+
+# The results of these share no memory with their arguments.
+FRESH = {"builtins." + f for f in "range len int float bool abs round".split()} | {
+    "numpy." + f for f in "zeros ones empty full zeros_like ones_like empty_like full_like array copy arange linspace "
+    "sqrt exp log sin cos tan tanh sum dot mean abs maximum minimum where".split()}
+FRESH_METHODS = {"copy", "sum", "mean", "min", "max", "item", "dot", "prod"}
+STABLE = {"shape", "size", "ndim", "dtype"}             # what a store into an array cannot change
+GLOBAL = "array."
+
+
+def fresh_value(value: AST) -> bool:
+    """Whether an expression's value certainly shares no memory with anything it reads."""
+    if isinstance(value, (Constant, BinOp, UnaryOp, Compare)):
+        return True
+    if isinstance(value, Attribute):
+        return value.attr in STABLE
+    if isinstance(value, Subscript):
+        return isinstance(value.value, Attribute) and value.value.attr in STABLE
+    if isinstance(value, (Tuple, List)):
+        return all(map(fresh_value, value.elts))
+    called = call_name(value)
+    if called is not None:
+        return called in FRESH or called.startswith("math.")
+    return isinstance(value, Call) and isinstance(value.func, Attribute) and value.func.attr in FRESH_METHODS
+
+
+def parameters(function: FunctionDef) -> list[str]:
+    return [a.id for a in (*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs)]
+
+
+def bindings(function: FunctionDef) -> Iterable[tuple[AST, AST]]:
+    """Every (target, value) of the function; a loop binds its target to what it goes through."""
+    for node in walk(function.body):
+        if isinstance(node, Assign):
+            yield from ((target, node.value) for target in node.targets)
+        elif isinstance(node, AnnAssign) and node.value is not None:
+            yield node.target, node.value
+        elif isinstance(node, For):
+            yield node.target, node.iter
+
+
+class Memory:
+    """Classes of names that may share memory, in one function; `bind` adds what a new statement binds."""
+
+    def __init__(self, function: FunctionDef, program: Program):
+        self._parent: dict[str, str] = {}
+        self._program = program
+        self._writers: dict[str, bool] = {}
+        for target, value in bindings(function):
+            self.bind(stored_names(target), value)
+        self._scalars = _scalars(function)
+
+    def bind(self, targets: list[str], value: AST) -> None:
+        if fresh_value(value):
+            return
+        for target in targets:
+            for source in _names(value):
+                self._parent[self._class(target)] = self._class(source)
+
+    def _class(self, identifier: str) -> str:
+        while identifier in self._parent and self._parent[identifier] != identifier:
+            identifier = self._parent[identifier]
+        return identifier
+
+    def written(self, statements: list[AST]) -> set[str]:
+        """The classes whose memory these statements may write."""
+        found: set[str] = set()
+        for node in walk(statements):
+            if isinstance(node, Subscript) and isinstance(node.ctx, Store):
+                found |= {self._class(n) for n in _names(node.value)}
+            elif isinstance(node, AugAssign) and isinstance(node.target, Name):
+                found.add(self._class(node.target.id))
+            elif (call_name(node) or "").startswith("user.") and self.writes(call_name(node)[len("user."):]):
+                found |= {self._class(n) for n in _names(node.args + node.keywords)} | {GLOBAL}
+        return found
+
+    def affected(self, expression: AST, written: set[str]) -> bool:
+        """Whether the expression, evaluated after these writes, may have another value than before them."""
+        if not written or isinstance(expression, (Name, Constant)):
+            return False
+        if isinstance(expression, (Tuple, List)):
+            return any(self.affected(item, written) for item in expression.elts)
+        return any(GLOBAL in written if n.startswith(GLOBAL) else self._class(n) in written
+                   for n in _names(expression) if n not in self._scalars)
+
+    def writes(self, kernel: str) -> bool:
+        """Whether a call of the kernel may write memory that it did not allocate itself."""
+        if kernel not in self._writers:
+            self._writers[kernel] = True                # what a recursive call is taken for
+            given = self._program.kernels.get(kernel)
+            self._writers[kernel] = given is None or self._tree_writes(given.tree)
+        return self._writers[kernel]
+
+    def _tree_writes(self, function: FunctionDef) -> bool:
+        own = set(stored_names(function.body)) - set(parameters(function))
+        for target, value in bindings(function):
+            if not fresh_value(value):
+                own -= set(stored_names(target))
+        for node in walk(function.body):
+            if isinstance(node, AugAssign) and isinstance(node.target, Name) and node.target.id not in own:
+                return True
+            if isinstance(node, Subscript) and isinstance(node.ctx, Store) and not set(_names(node.value)) <= own:
+                return True
+            called = call_name(node) or ""
+            if called.startswith("user.") and self.writes(called[len("user."):]):
+                return True
+            if isinstance(node, Call) and _writing_call(node):
+                return True
+        return False
+
+
+def _writing_call(node: Call) -> bool:
+    method = isinstance(node.func, Attribute) and node.func.attr in ("fill", "sort", "resize", "put", "itemset")
+    return method or call_name(node) == "numpy.copyto" or any(k.arg == "out" for k in node.keywords)
+
+
+def _names(node: AST | list[AST]) -> list[str]:
+    """The names whose content an expression reads: kernel names and global arrays, but not for their shape."""
+    found: list[str] = []
+    stack = list(node) if isinstance(node, list) else [node]
+    while stack:
+        current = stack.pop()
+        if isinstance(current, Attribute) and current.attr in STABLE and isinstance(current.value, Name):
+            continue
+        if call_name(current) == "builtins.len" and current.args and isinstance(current.args[0], Name):
+            continue
+        if isinstance(current, Name) and ("." not in current.id or current.id.startswith(GLOBAL)):
+            found.append(current.id)
+        stack.extend(child for child in walk_children(current))
+    return found
+
+
+def walk_children(node: AST) -> list[AST]:
+    """The nodes directly below, in the order of the text."""
+    found: list[AST] = []
+    for field in node._fields:
+        value = getattr(node, field)
+        found += [v for v in (value if isinstance(value, list) else [value]) if isinstance(v, AST)]
+    return found
+
+
+def _scalars(function: FunctionDef) -> set[str]:
+    """The names that are bound to numbers only, as far as the text shows it."""
+    bound = list(bindings(function))
+    found = set(stored_names(function.body)) - set(parameters(function))
+    while True:
+        lost = {n for target, value in bound if not (isinstance(target, Name) and _number(value, found))
+                for n in stored_names(target)} & found
+        if not lost:
+            return found
+        found -= lost
+
+
+def _number(value: AST, scalars: set[str]) -> bool:
+    if isinstance(value, Constant):
+        return True
+    if isinstance(value, Name):
+        return value.id in scalars or value.id.startswith(("const.", "numpy.", "math."))
+    if isinstance(value, BinOp):
+        return _number(value.left, scalars) and _number(value.right, scalars)
+    if isinstance(value, UnaryOp):
+        return _number(value.operand, scalars)
+    if isinstance(value, BoolOp):
+        return all(_number(v, scalars) for v in value.values)
+    if isinstance(value, Compare):
+        return all(_number(v, scalars) for v in [value.left, *value.comparators])
+    if isinstance(value, IfExp):
+        return _number(value.body, scalars) and _number(value.orelse, scalars)
+    if isinstance(value, Attribute):
+        return value.attr in ("size", "ndim")
+    if isinstance(value, Subscript):
+        return isinstance(value.value, Attribute) and value.value.attr == "shape"
+    called = call_name(value) or ""
+    return called in ("builtins.len", "builtins.int", "builtins.float", "builtins.range") or called.startswith("math.")

@@ -1,0 +1,156 @@
+"""What a `for` goes through, as a length and the item at a position.
+
+    enumerate(x, 1)      length len(x), item (k + 1, x[k])
+    zip(u, v)            length min(len(u), len(v)), item (u[k], v[k])
+    reversed(range(n))   range(n - 1, -1, -1)
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from s2sad.normalize.scope import Scope, atomic
+from s2sad.tree import (
+    AST, Call, Constant, List, Starred, Tuple, UnaryOp, USub, add, call, call_name, const,
+    copy, dump, index, mult, negate, sub, tuple_of,
+)
+
+_NOT_NESTED = ("numpy.ndindex", "numpy.ndenumerate", "numpy.nditer")
+Hold = Callable[[AST, str], AST]        # an expression that keeps its value throughout the loop, with a wanted name
+
+
+@dataclass(frozen=True)
+class Sequence:
+    """`bounds` are the arguments of the range to count; `item` gives what the target is bound to at a count."""
+    bounds: list[AST]
+    item: Callable[[AST], AST]
+
+
+def literal(iterable: AST) -> list[AST] | None:
+    """The items that are spelled out, or None if the sequence is not a literal one."""
+    if isinstance(iterable, (Tuple, List)):
+        return None if any(isinstance(item, Starred) for item in iterable.elts) else list(iterable.elts)
+    called, parts = call_name(iterable), getattr(iterable, "args", [])
+    if called in ("builtins.reversed", "builtins.list", "builtins.tuple") and len(parts) == 1:
+        items = literal(parts[0])
+        return items[::-1] if items is not None and called == "builtins.reversed" else items
+    if called == "builtins.zip" and parts:
+        columns = [literal(p) for p in parts]
+        return None if any(c is None for c in columns) else [tuple_of(*map(copy, row)) for row in zip(*columns)]
+    if called == "builtins.enumerate" and parts:
+        items, start = literal(parts[0]), _start(iterable)
+        return None if items is None else [tuple_of(_plus(const(k), start), item) for k, item in enumerate(items)]
+    return None
+
+
+def sequence(iterable: AST, hold: Hold, scope: Scope) -> Sequence | None:
+    """The sequence of a loop's iterable; None, and a diagnostic, if it is none that is known."""
+    called = call_name(iterable)
+    if called == "builtins.range":
+        bounds = [hold(b, w) for b, w in zip(iterable.args, _roles(iterable))]
+        return Sequence(bounds, lambda k: k)
+    if called == "builtins.reversed" and len(iterable.args) == 1:
+        return _reversed(iterable.args[0], hold, scope)
+    found = _column(iterable, hold, scope)
+    return None if found is None else Sequence([found[0]], found[1])
+
+
+def _roles(node: Call) -> list[str]:
+    return ["stop"] if len(node.args) == 1 else ["start", "stop", "step"]
+
+
+def _rows(array: AST) -> tuple[AST, Callable[[AST], AST]]:
+    return call("builtins.len", array), lambda k: index(copy(array), k)
+
+
+def _start(node: Call) -> AST:
+    given = [*node.args[1:], *(k.value for k in node.keywords if k.arg == "start")]
+    return given[0] if given else const(0)
+
+
+def _column(node: AST, hold: Hold, scope: Scope) -> tuple[AST, Callable[[AST], AST]] | None:
+    """Length and item of one sequence, counted from 0."""
+    called = call_name(node)
+    if called == "builtins.range" and node.args:
+        return _counted(node, hold)
+    if called == "builtins.enumerate" and node.args:
+        inner, start = _column(node.args[0], hold, scope), hold(_start(node), "start")
+        return None if inner is None else (inner[0], lambda k: tuple_of(_plus(copy(k), copy(start)), inner[1](k)))
+    if called == "builtins.zip" and node.args and not _strict(node):
+        columns = [_column(a, hold, scope) for a in node.args]
+        if any(c is None for c in columns):
+            return None
+        return _least([c[0] for c in columns]), lambda k: tuple_of(*[c[1](copy(k)) for c in columns])
+    if called == "builtins.reversed" and len(node.args) == 1:
+        inner = _column(node.args[0], hold, scope)
+        if inner is None or call_name(node.args[0]) in ("builtins.enumerate", "builtins.zip"):
+            scope.refuse(node, "reversed() of this", help="reverse a range or an array")
+            return None
+        return inner[0], lambda k: inner[1](sub(sub(copy(inner[0]), const(1)), k))
+    if (called or "").startswith("builtins.") or isinstance(node, (Tuple, List, Constant)):
+        scope.refuse(node, "this cannot be looped over here", help="loop over a range, an array, enumerate or zip")
+        return None
+    if called in _NOT_NESTED:
+        scope.refuse(node, f"{called} inside another iterator", help="write the loops out with range")
+        return None
+    return _rows(hold(node, "items"))
+
+
+def _strict(node: Call) -> bool:
+    return any(not (isinstance(k.value, Constant) and k.value.value is False) for k in node.keywords)
+
+
+def _counted(node: Call, hold: Hold) -> tuple[AST, Callable[[AST], AST]]:
+    held = [hold(b, w) for b, w in zip(node.args, _roles(node))]
+    start = held[0] if len(held) > 1 else const(0)
+    if len(held) < 3:
+        return _minus(held[-1] if len(held) == 1 else held[1], start), lambda k: _plus(k, copy(start))
+    step = held[2] if atomic(held[2]) or _number(held[2]) is not None else hold(held[2], "step")
+    return call("builtins.len", call("builtins.range", *held)), lambda k: add(copy(start), mult(k, copy(step)))
+
+
+def _reversed(node: AST, hold: Hold, scope: Scope) -> Sequence | None:
+    if call_name(node) == "builtins.range" and node.args:
+        held = [hold(b, w) for b, w in zip(node.args, _roles(node))]
+        start, stop = (const(0), held[0]) if len(held) == 1 else (held[0], held[1])
+        step = held[2] if len(held) == 3 else const(1)
+        if _number(step) in (1, -1):
+            unit = const(_number(step))
+            return Sequence([_minus(stop, unit), _minus(copy(start), copy(unit)), const(-_number(step))], lambda k: k)
+        steps = sub(call("builtins.len", call("builtins.range", start, stop, step)), const(1))
+        last = _plus(mult(steps, copy(step)), copy(start))
+        return Sequence([last, sub(copy(start), copy(step)), negate(copy(step))], lambda k: k)
+    if call_name(node) in ("builtins.enumerate", "builtins.zip"):
+        scope.refuse(node, "reversed() of this", help="reverse a range or an array")
+        return None
+    inner = _column(node, hold, scope)
+    return None if inner is None else Sequence([_minus(inner[0], const(1)), const(-1), const(-1)], inner[1])
+
+
+# -- arithmetic on bounds, as a person would write it -----------------------------------------------------------------
+
+def _number(node: AST) -> int | None:
+    if isinstance(node, UnaryOp) and isinstance(node.op, USub):
+        inner = _number(node.operand)
+        return None if inner is None else -inner
+    whole = isinstance(node, Constant) and isinstance(node.value, int) and not isinstance(node.value, bool)
+    return node.value if whole else None
+
+
+def _plus(a: AST, b: AST) -> AST:
+    if _number(a) is not None and _number(b) is not None:
+        return const(_number(a) + _number(b))
+    return a if _number(b) == 0 else b if _number(a) == 0 else add(a, b)
+
+
+def _minus(a: AST, b: AST) -> AST:
+    if _number(a) is not None and _number(b) is not None:
+        return const(_number(a) - _number(b))
+    if _number(b) is not None and _number(b) < 0:
+        return add(a, const(-_number(b)))
+    return a if _number(b) == 0 else sub(a, b)
+
+
+def _least(items: list[AST]) -> AST:
+    distinct = list({dump(item): item for item in items}.values())
+    return distinct[0] if len(distinct) == 1 else call("builtins.min", *distinct)

@@ -1,0 +1,330 @@
+"""views: every array reference names its base array and all of its subscripts.
+
+Requires structured form and types; establishes that an array name is bound once, by an allocation, and that no name
+stands for a part of another array. What a view's index was when it was bound is frozen. Names of tuples go too.
+
+    row = x[i]                      x[i, j] = 2.0 * x[i, 0]
+    row[j] = 2.0 * row[0]
+    y[:] = 0.0                      y[...] = 0.0
+    u += v                          assert u.shape == v.shape
+                                    u[...] += v
+    w = u.copy()                    w = np.empty_like(u)
+                                    w[...] = u
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from s2sad.diagnostics import Report
+from s2sad.infer.infer import Typing
+from s2sad.infer.types import Type
+from s2sad.naming import Names
+from s2sad.normalize.allocations import Allocations
+from s2sad.tree import (
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Constant, Eq, Expr, For, FunctionDef, If, Name, Return,
+    Slice, Store, Subscript, Tuple, While, assign, at, attribute, augment, call, call_name, compare, const, copy, dump, index,
+    indices, mult, name, names, rebuild, tuple_of, walk,
+)
+
+View = tuple[str, tuple[AST, ...]]
+_AMBIGUOUS: View = ("", ())
+
+
+def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free: Names,
+          report: Report) -> FunctionDef:
+    """The function with views resolved; what cannot be resolved goes into the report."""
+    bound = [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
+    pass_ = _Views(types, typing, free, report, bound)
+    pass_.seen = {p.id: (p.id, ()) for p in function.args.args if types[p.id].is_array}
+    pass_.parameters = set(pass_.seen)
+    new = copy(function)
+    new.body = pass_.block(function.body)
+    return new
+
+
+class _Views:
+    def __init__(self, types: Mapping[str, Type], typing: Typing, free: Names, report: Report, bound: list[str]):
+        self.types, self.typing, self.free, self.report = types, typing, free, report
+        self.seen: dict[str, View] = {}
+        self.tuples: dict[str, AST] = {}
+        self.parameters: set[str] = set()
+        self.bound = bound
+        self.versions: set[str] = set()
+        self.allocations = Allocations(typing, report, bound)
+
+    # -- statements --------------------------------------------------------------------------------------------------
+
+    def block(self, block: list[AST]) -> list[AST]:
+        new: list[AST] = []
+        for statement in block:
+            for made in self.statement(statement):
+                new.append(at(made, statement))
+        return new
+
+    def statement(self, statement: AST) -> list[AST]:
+        if isinstance(statement, Assign):
+            return self.assignment(statement)
+        if isinstance(statement, AugAssign):
+            return self.augmented(statement)
+        if isinstance(statement, (If, For, While)):
+            return [self.compound(statement)]
+        if isinstance(statement, Expr):
+            return self.effect(statement)
+        if isinstance(statement, Return) and statement.value is not None:
+            return [Return(self.returned(statement.value))]
+        return [self.resolve(statement)]
+
+    def compound(self, statement: AST) -> AST:
+        if isinstance(statement, If):
+            test, before = self.resolve(statement.test), dict(self.seen)
+            body, after = self.block(statement.body), self.seen
+            self.seen = before
+            orelse = self.block(statement.orelse)
+            self.seen = _merged(after, self.seen)
+            return If(test, body, orelse)
+        inside = {t.id for s in walk(statement.body) if isinstance(s, Assign) for t in s.targets
+                  if isinstance(t, Name) and t.id in self.types and self.types[t.id].is_array}
+        before = dict(self.seen)
+        self.seen = {n: _AMBIGUOUS if n in inside else v for n, v in self.seen.items()}
+        if isinstance(statement, For):
+            new: AST = For(statement.target, self.resolve(statement.iter), self.block(statement.body), [], None)
+        else:
+            new = While(self.resolve(statement.test), self.block(statement.body), [])
+        self.seen = {n: v if n not in inside or n not in before else _AMBIGUOUS for n, v in self.seen.items()}
+        return new
+
+    def assignment(self, statement: Assign) -> list[AST]:
+        target, value = statement.targets[0], statement.value
+        if isinstance(target, Subscript):
+            return self.store(target, value)
+        if isinstance(target, Tuple) or self.types.get(target.id, None) is None:
+            self.refuse_array_results(statement)
+            return [assign(target, self.resolve(value))]
+        kind = self.types[target.id]
+        if kind.kind == "tuple" and call_name(value) is None:
+            self.tuples[target.id] = self.resolve(value)
+            return []
+        if not kind.is_array:
+            return [assign(target, self.resolve(value))]
+        return self.bind_array(target.id, value, statement)
+
+    def refuse_array_results(self, statement: Assign) -> None:
+        for target in getattr(statement.targets[0], "elts", []):
+            kind = self.types.get(target.id)
+            if kind is not None and kind.is_array:
+                self.report.error("S201", "a kernel that returns an array", statement,
+                                  help="pass the array as an argument and write into it")
+
+    def bind_array(self, target: str, value: AST, statement: AST) -> list[AST]:
+        if isinstance(value, (Name, Subscript)) and self.viewed(value):
+            base, prefix = self.viewed(value) or _AMBIGUOUS
+            frozen, before = self.freeze(prefix, target)
+            self.seen[target] = (base, frozen)
+            return before
+        if (call_name(value) or "").startswith("user."):
+            self.report.error("S201", "a kernel that returns an array", statement,
+                              help="pass the array as an argument and write into it")
+            return []
+        if isinstance(value, Attribute) or isinstance(value, Name):
+            self.report.error("S201", f"'{target}' would be a view that is not supported", statement,
+                              help="copy it with np.empty and a loop")
+            return []
+        new = self.version(target)
+        made = self.allocations.allocate(new, self.types[target], self.resolve(value), statement)
+        self.seen[target] = (new, ())
+        self.typing.table[new] = self.types[target]
+        return made
+
+    def version(self, target: str) -> str:
+        if target in self.versions or target in self.parameters:
+            return self.free.fresh(f"{target}_{sum(v.startswith(target) for v in self.versions) + 1}")
+        self.versions.add(target)
+        return target
+
+    def freeze(self, prefix: tuple[AST, ...], target: str) -> tuple[tuple[AST, ...], list[AST]]:
+        """The indices as expressions that stay what they are now, and the bindings that this needs."""
+        frozen: list[AST] = []
+        before: list[AST] = []
+        for subscript in prefix:
+            simple = not any(isinstance(n, (Subscript, Call)) for n in walk(subscript))
+            if simple and all(self.bound.count(n) <= 1 for n in names(subscript)):
+                frozen.append(subscript)
+            else:
+                held = self.free.fresh(f"{target}_at")
+                before.append(assign(held, subscript))
+                frozen.append(name(held))
+        return tuple(frozen), before
+
+    def augmented(self, statement: AugAssign) -> list[AST]:
+        target = statement.target
+        if isinstance(target, Name) and not self.typing.of(target).is_array:
+            return [augment(target, statement.op, self.resolve(statement.value))]
+        place = self.place(target)
+        value = self.resolve(statement.value)
+        checks = self.checks(place, value) if self.is_region(place) else []
+        if type(statement.op).__name__ in ("Add", "Sub"):
+            return [*checks, augment(place, statement.op, value)]
+        return [*checks, assign(place, BinOp(self.load(place), statement.op, value))]
+
+    def store(self, target: Subscript, value: AST) -> list[AST]:
+        place, new = self.place(target), self.resolve(value)
+        checks = self.checks(place, new) if self.is_region(place) else []
+        return [*checks, assign(place, new)]
+
+    def effect(self, statement: Expr) -> list[AST]:
+        value = statement.value
+        if isinstance(value, Call) and isinstance(value.func, Attribute):
+            if value.func.attr == "fill":
+                return self.store(index(value.func.value, const(...)), value.args[0])
+            self.report.error("S201", f"the method '{value.func.attr}'", statement, help="write it as a loop")
+            return []
+        return [Expr(self.resolve(value))]
+
+    def returned(self, value: AST) -> AST:
+        parts = value.elts if isinstance(value, Tuple) else [value]
+        for part in parts:
+            if self.typing.of(part).is_array and self.viewed(part) not in [(p, ()) for p in self.parameters]:
+                self.report.error("S201", "a kernel that returns an array", part if hasattr(part, "lineno") else value,
+                                  help="pass the array as an argument and write into it")
+        new = [self.resolve(part) for part in parts]
+        return tuple_of(*new) if isinstance(value, Tuple) else new[0]
+
+    # -- places and expressions --------------------------------------------------------------------------------------
+
+    def viewed(self, node: AST) -> View | None:
+        """The base and the indices that an array expression names, or None if it names no array."""
+        if isinstance(node, Name):
+            if not self.typing.of(node).is_array:
+                return None
+            view = self.seen.get(node.id)
+            if view is None and node.id.startswith("array."):
+                return node.id, ()
+            if view is None or view == _AMBIGUOUS:
+                self.report.error("S201", f"'{node.id}' may stand for different arrays here", node,
+                                  help="copy into one array with x[...] = ..., or use two names")
+                return None
+            return view
+        if isinstance(node, Subscript):
+            inner = self.viewed(node.value)
+            if inner is None:
+                return None
+            added = [self.resolve(s) for s in indices(node) if not _is_full(s)]
+            if any(_is_full(s) for s in indices(node)[:-1]) and added:
+                self.report.error("S201", "a slice in front of an index", node, help="write a loop")
+            return inner[0], (*inner[1], *added)
+        return None
+
+    def place(self, target: AST) -> Subscript:
+        base, subscripts = self.viewed(target) or ("_", ())
+        if base.startswith("array."):
+            self.report.error("S201", f"the global array '{base[6:]}' is written", target,
+                              help="pass it as an argument")
+        new = index(name(base), *(subscripts or (const(...),)))
+        return at(new, target) if hasattr(target, "lineno") else new
+
+    def is_region(self, place: Subscript) -> bool:
+        return self.typing.of(place).is_array
+
+    def load(self, place: Subscript) -> AST:
+        subscripts = indices(place)
+        return name(place.value.id) if _is_full(subscripts[0]) and len(subscripts) == 1 else copy(place)
+
+    def resolve(self, node: AST) -> AST:
+        def change(n: AST) -> AST | None:
+            if isinstance(n, Name) and n.id in self.tuples:
+                return copy(self.tuples[n.id])
+            if isinstance(n, Subscript) and isinstance(n.value, Name) and n.value.id in self.tuples:
+                return _item(self.tuples[n.value.id], self.resolve(n.slice))
+            if isinstance(n, Attribute) and self.typing.of(n.value).is_array:
+                return self.attribute(n)
+            if isinstance(n, Call) and isinstance(n.func, Attribute):
+                return self.method(n)
+            if call_name(n) == "builtins.len" and self.typing.of(n.args[0]).is_array:
+                return self.shape_of(n.args[0], 0) if self.prefix(n.args[0]) else None
+            if isinstance(n, (Name, Subscript)) and (view := self.viewed(n)) is not None:
+                base, subscripts = view
+                return at(index(name(base), *map(copy, subscripts)) if subscripts else name(base), n) \
+                    if hasattr(n, "lineno") else index(name(base), *subscripts) if subscripts else name(base)
+            return None
+        return rebuild(node, change)
+
+    def prefix(self, node: AST) -> int:
+        return len((self.viewed(node) or _AMBIGUOUS)[1])
+
+    def shape_of(self, node: AST, axis: int) -> AST:
+        base, subscripts = self.viewed(node) or ("_", ())
+        return index(attribute(name(base), "shape"), const(axis + len(subscripts)))
+
+    def attribute(self, node: Attribute) -> AST | None:
+        skip, rank = self.prefix(node.value), self.typing.of(node.value).rank
+        base = name((self.viewed(node.value) or ("_", ()))[0])
+        if node.attr == "ndim":
+            return const(rank)
+        if node.attr == "size" and skip:
+            sizes = [self.shape_of(node.value, k) for k in range(rank)]
+            product = sizes[0]
+            for size in sizes[1:]:
+                product = mult(product, size)
+            return product
+        if node.attr == "shape" and skip:
+            return tuple_of(*(self.shape_of(node.value, k) for k in range(rank)))
+        if node.attr in ("shape", "size", "dtype"):
+            return attribute(base, node.attr)
+        self.report.error("S201", f"the attribute '{node.attr}' of an array", node, help="write a loop")
+        return base
+
+    def method(self, node: Call) -> AST | None:
+        assert isinstance(node.func, Attribute)
+        if node.func.attr == "sum" and not node.args and not node.keywords:
+            return call("numpy.sum", self.resolve(node.func.value))
+        if node.func.attr == "copy":
+            return call("numpy.copy", self.resolve(node.func.value))
+        self.report.error("S201", f"the method '{node.func.attr}'", node, help="write it as a loop")
+        return const(0.0)
+
+    def checks(self, place: Subscript, value: AST) -> list[AST]:
+        """Guards that the arrays of a whole-array statement have the shape of what it stores into."""
+        made: list[AST] = []
+        rank = self.typing.of(place).rank
+        whole = self.load(place)
+        for part in array_operands(value, self.typing):
+            if self.typing.of(part).rank != rank:
+                self.report.error("S201", "broadcasting between arrays of different rank", place, help="write a loop")
+            elif not self.allocations.same_shape(whole, part):
+                test = compare(self.allocations.shape(whole), Eq(), self.allocations.shape(part))
+                made.append(Assert(test, None))
+        unique = {dump(m): m for m in made}
+        return list(unique.values())
+
+
+def array_operands(node: AST, typing: Typing) -> list[AST]:
+    """The array references (whole or partly indexed) that an elementwise expression reads, outermost only."""
+    if isinstance(node, (Name, Subscript)) and typing.of(node).is_array:
+        return [node]
+    if isinstance(node, (Attribute, Name, Constant)) or call_name(node) == "numpy.sum" or isinstance(node, Subscript):
+        return []
+    children = [c for f in node._fields for c in _children(getattr(node, f, None))]
+    return [part for c in children for part in array_operands(c, typing)]
+
+
+def _children(value: object) -> list[AST]:
+    if isinstance(value, list):
+        return [v for v in value if isinstance(v, AST)]
+    return [value] if isinstance(value, AST) else []
+
+
+def _is_full(node: AST) -> bool:
+    if isinstance(node, Slice):
+        return node.lower is None and node.upper is None and node.step is None
+    return isinstance(node, Constant) and node.value is Ellipsis
+
+
+def _item(value: AST, position: AST) -> AST:
+    if isinstance(value, Tuple) and isinstance(position, Constant):
+        return copy(value.elts[position.value])
+    return index(copy(value), position)
+
+
+def _merged(a: dict[str, View], b: dict[str, View]) -> dict[str, View]:
+    return {n: a[n] if n in a and n in b and repr(a[n]) == repr(b[n]) else
+            a.get(n) or b[n] if (n in a) != (n in b) else _AMBIGUOUS for n in {**a, **b}}

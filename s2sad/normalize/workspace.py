@@ -1,0 +1,81 @@
+"""workspace: allocations move out of the loops and branches in which their shape does not change.
+
+Requires resolved views; establishes that an allocation left inside a loop has a shape that changes there.
+
+    for i in range(n):              w = np.empty(m)
+        w = np.zeros(m)             for i in range(n):
+        ...                             w[...] = 0.0
+                                        ...
+"""
+from __future__ import annotations
+
+from s2sad.tree import (
+    AST, Assign, For, FunctionDef, If, Name, Subscript, While, assign, at, call, call_name, const, copy, index, name,
+    names, stored_names, walk,
+)
+
+_STARTS = {"numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like"}
+
+
+def workspace(function: FunctionDef) -> FunctionDef:
+    """The function with its allocations as far out as their shapes allow."""
+    new = copy(function)
+    known = {p.id for p in function.args.args}
+    new.body = _block(function.body, known)
+    return new
+
+
+def _block(block: list[AST], known: set[str]) -> list[AST]:
+    """The block with the allocations that its compound statements let go; `known` are names bound before it."""
+    new: list[AST] = []
+    bound = set(known)
+    for statement in block:
+        if isinstance(statement, (For, While, If)):
+            freed: list[AST] = []
+            statement = _compound(statement, bound, freed)
+            new.extend(freed)
+        new.append(statement)
+        bound |= set(stored_names(statement))
+    return new
+
+
+def _compound(statement: AST, bound: set[str], freed: list[AST]) -> AST:
+    changed = set(stored_names(statement))
+    looping = isinstance(statement, (For, While))
+
+    def strip(block: list[AST], inner: set[str]) -> list[AST]:
+        new: list[AST] = []
+        for item in _block(block, inner):
+            if not is_allocation(item) or not _may_leave(item, bound, changed):
+                new.append(item)
+                continue
+            target = item.targets[0].id
+            zeros = "zeros" in (call_name(item.value) or "")
+            freed.append(at(_emptied(item) if looping and zeros else item, item))
+            if looping and zeros:
+                new.append(at(assign(index(name(target), const(...)), const(0.0)), item))
+        return new
+
+    if isinstance(statement, If):
+        return at(If(statement.test, strip(statement.body, bound), strip(statement.orelse, bound)), statement)
+    if isinstance(statement, For):
+        inner = bound | {statement.target.id}
+        return at(For(statement.target, statement.iter, strip(statement.body, inner), [], None), statement)
+    return at(While(statement.test, strip(statement.body, bound), []), statement)
+
+
+def is_allocation(statement: AST) -> bool:
+    """Whether a statement in normal form binds a name to a new array."""
+    return (isinstance(statement, Assign) and isinstance(statement.targets[0], Name)
+            and call_name(statement.value) in _STARTS)
+
+
+def _may_leave(item: Assign, bound: set[str], changed: set[str]) -> bool:
+    needed = set(names(item.value))
+    loads = any(isinstance(n, Subscript) and isinstance(n.value, Name) for n in walk(item.value))
+    return needed <= bound and not needed & changed and not loads
+
+
+def _emptied(item: Assign) -> Assign:
+    start = "numpy.empty_like" if "like" in (call_name(item.value) or "") else "numpy.empty"
+    return assign(item.targets[0], call(start, *item.value.args))

@@ -1,0 +1,77 @@
+"""The pipeline: a program and a request in, a generated module out. Read this first.
+
+    read        a function becomes a tree with places and resolved names        (the caller has done it)
+    normalize   structured -> views -> workspace -> scalarize -> rename -> atoms     (units.Units._prepared)
+    infer       the types of names, before views and after rename
+    analyze     structure, activity, uses, dependence, recorded                      (units.Units._adjoint)
+    differentiate   adjoint or tangent
+    simplify    merge, dead, coalesce, fold, algebra
+    emit        origin comments, the header, the text
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from s2sad.differentiate.adjoint import Wanted
+from s2sad.emit.header import header
+from s2sad.emit.module import module_text
+from s2sad.emit.origins import with_origins
+from s2sad.emit.primal import kernels_called, primal_functions
+from s2sad.infer.types import Type, of_value
+from s2sad.normalize.hidden import hidden, hidden_arrays, hidden_name
+from s2sad.program import Generated, Parameter, Program, Request
+from s2sad.report.facts import facts
+from s2sad.units import Unit, Units
+
+__all__ = ["Summary", "derive", "summary"]
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What an entry writes and returns: names of parameters, types of results, results that are written arguments."""
+    written: tuple[str, ...]
+    results: tuple[Type, ...]
+    returned: dict[int, str]
+
+
+def summary(program: Program, types: tuple[Type, ...]) -> Summary:
+    """What the program's entry writes and returns for arguments of these types."""
+    _, unit = entry(program, types, "numpy")
+    parameters = [p.id for p in unit.function.args.args]
+    return Summary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, unit.summary.returned)
+
+
+def derive(program: Program, request: Request) -> Generated:
+    """The generated module that a request asks for; raises S2sadError with everything that is refused."""
+    units, unit = entry(program, request.types, request.engine)
+    if request.mode == "primal":
+        parameters = tuple(Parameter(hidden_name(p.id, units.program), "primal", p.id, t)
+                           for p, t in zip(unit.function.args.args, unit.types))
+        text = module_text(primal_functions(units, [unit.title]), header=[f"The primal of {unit.kernel.name}."],
+                           constants=program.constants, standalone=request.standalone)
+        return Generated(text, unit.title, parameters, ("result",))
+    wanted = Wanted(request.wrt, expanded(request.of, unit), request.with_primal)
+    derived = units.derive(request.mode, unit, wanted)
+    made = [d.function for d in units.derived.values()]
+    functions = primal_functions(units, kernels_called(made, units)) + [
+        with_origins(d.function, d.unit.kernel.source) for d in units.derived.values()]
+    text = module_text(functions, header=header(derived, request), constants=program.constants,
+                       standalone=request.standalone)
+    parameters = tuple(Parameter(hidden_name(n, units.program) if role == "primal" else n, role,
+                                 hidden_name(p, units.program), derived.types[n])
+                       for n, role, p in derived.made.parameters)
+    return Generated(text, derived.function.name, parameters, tuple(derived.made.returns), facts(derived, request))
+
+
+def entry(program: Program, types: tuple[Type, ...], engine: str) -> tuple[Units, Unit]:
+    """The units of a program and the one of its entry; arrays from outside have become parameters."""
+    program = hidden(program)
+    units = Units(program, engine)
+    outside = tuple(of_value(program.arrays[a]) for a in hidden_arrays(program))
+    return units, units.unit(program.entry, types + outside)
+
+
+def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:
+    """The outputs, "return" as the numbers of the float results."""
+    results = tuple(f"return {k}" for k, t in enumerate(unit.summary.results) if t.is_number and t.is_float)
+    return tuple(o for name in of for o in (results if name == "return" else (name,)))

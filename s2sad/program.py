@@ -1,0 +1,76 @@
+"""The nouns that the rooms hand to each other: a kernel, a program, a request, and what was generated."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from s2sad.diagnostics import Source
+from s2sad.infer.types import Type
+from s2sad.tree import FunctionDef
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """One user's function as read: its name in the program, its tree with resolved names, its source.
+
+    `parameters` in order; `defaults` by name (Python values); `annotations` by name (their text).
+    """
+    name: str
+    tree: FunctionDef
+    source: Source
+    parameters: tuple[str, ...]
+    defaults: dict[str, Any] = field(default_factory=dict)
+    annotations: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Program:
+    """A kernel and every kernel that it calls, by name, callees before callers; `entry` is the last one's name.
+
+    `constants` holds the numbers that kernels read from their module or closure, by the name behind
+    `const.`; `arrays` the arrays read likewise, which become hidden parameters of every kernel on the way.
+    """
+    entry: str
+    kernels: dict[str, Kernel]
+    constants: dict[str, Any] = field(default_factory=dict)
+    arrays: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked for: `mode` is "adjoint", "tangent" or "primal"; types by position.
+
+    `wrt` and `of` are names of parameters; `of` may hold "return". `engine` is "numpy" or "numba", `level`
+    "plain" or "fast". `with_primal` also returns the primal's result.
+    """
+    mode: str
+    types: tuple[Type, ...]
+    wrt: tuple[str, ...]
+    of: tuple[str, ...]
+    engine: str = "numpy"
+    level: str = "plain"
+    with_primal: bool = False
+    standalone: bool = False
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a generated function: `role` is "primal", "shadow" (of `primal`) or "seed"."""
+    name: str
+    role: str
+    primal: str
+    type: Type
+
+
+@dataclass(frozen=True)
+class Generated:
+    """A generated module: its text, the entry function's name and signature, and what is to be reported.
+
+    `returns` names what the function returns, in order: the parameters whose adjoints come back (adjoint),
+    preceded by "result" with `with_primal`; for a tangent the results' tangents.
+    """
+    text: str
+    entry: str
+    parameters: tuple[Parameter, ...]
+    returns: tuple[str, ...]
+    facts: dict[str, Any] = field(default_factory=dict)

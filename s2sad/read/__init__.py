@@ -1,0 +1,62 @@
+"""A function or a file becomes a tree with places.
+
+    capture   a live function's source, proven to be the function's
+    modules   a file's names, without running it     (fold: constant arithmetic)
+    meaning   what a name from outside can mean
+    fence     the supported language
+    resolve   every outside name becomes a dotted one
+    link      the kernels of a program, callees first
+"""
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Callable
+from typing import Any
+
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.program import Program
+from s2sad.read.capture import not_a_function, python_function
+from s2sad.read.link import Linker
+from s2sad.read.meaning import Function
+from s2sad.read.modules import FileModule
+
+__all__ = ["load", "load_file", "load_watched", "python_function"]
+
+
+def load(function: Any) -> Program:
+    """The program of a live function: a plain one, a differentiated one or a Numba dispatcher.
+
+    Raises S2sadError: S101 without source, S104 if the source has changed, S201 for what is outside the language, S202
+    for unknown names, S204 for recursion.
+    """
+    return load_watched(function)[0]
+
+
+def load_watched(function: Any) -> tuple[Program, dict[str, Callable[[], Any]]]:
+    """`load`, with a function for each `const.` and `array.` name that gives its value as it is now."""
+    plain = python_function(function)
+    if plain is None:
+        raise S2sadError(not_a_function(function))
+    return Linker().program(Function(plain.__name__, ("live", id(plain)), "", plain))
+
+
+def load_file(path: str | os.PathLike[str], function: str) -> Program:
+    """The program of a function in a file, which is read and not run.
+
+    Raises S2sadError: S101 if the file cannot be read, S102 if it is not Python, S103 if the function is not in it, and
+    as `load`.
+    """
+    module = FileModule(os.fspath(path), {})
+    meaning = module.meanings.get(function) and module.lookup(function)
+    if not isinstance(meaning, Function):
+        raise S2sadError(_no_function(module, function))
+    return Linker().program(meaning)[0]
+
+
+def _no_function(module: FileModule, function: str) -> Diagnostic:
+    there = list(dict.fromkeys(module.definitions))
+    close = difflib.get_close_matches(function, there, 1)
+    listed = f"the file defines: {', '.join(there)}" if there else "the file defines no function at module level"
+    help = f"did you mean '{close[0]}'? {listed}" if close else listed
+    return Diagnostic("S103", f"{module.path}: no function '{function}' at module level", help=help)

@@ -1,0 +1,187 @@
+"""The fence around the supported language: every construct outside it, found and said, with what to write instead.
+
+    fence.check(captured, report)    before names are resolved; puts one S201 per construct into the report
+
+Nothing is looked at inside a construct that is refused (`opaque`): one message for it is enough.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from s2sad import tree
+from s2sad.diagnostics import Report
+from s2sad.tree import AST
+
+_NOT = "is not supported in a kernel"
+_COMPREHENSION = "allocate an array before and fill it in a for loop"
+_STRINGS = "write a plain string; print takes several values: print('step', i)"
+_ASYNC = "write a plain function with plain loops"
+
+# construct: (what it is called, what to write instead)
+_REFUSED = {
+    "Try": ("try", "test for the bad case with an if before it happens; errors that are raised pass through"),
+    "TryStar": ("try", "test for the bad case with an if before it happens; errors that are raised pass through"),
+    "With": ("with", "open and lock outside the kernel, and give it the arrays as arguments"),
+    "AsyncWith": ("async with", _ASYNC),
+    "AsyncFor": ("async for", _ASYNC),
+    "AsyncFunctionDef": ("async def", _ASYNC),
+    "Await": ("await", _ASYNC),
+    "Yield": ("yield", "write the values to an array argument, one element for each yield"),
+    "YieldFrom": ("yield from", "write the values to an array argument, one element for each yield"),
+    "Lambda": ("lambda", "write a function at module level, with def, and call it by its name"),
+    "FunctionDef": ("a nested function", "write it at module level and pass what it reads as arguments (planned: "
+                    + "nested functions that only read)"),
+    "ClassDef": ("a class", "pass what it would hold as arguments, numbers and arrays"),
+    "Global": ("global", "return the new value, or keep it in an element of an array argument"),
+    "Nonlocal": ("nonlocal", "return the new value, or keep it in an element of an array argument"),
+    "Delete": ("del", "leave the line out: local arrays are freed when the kernel returns"),
+    "Import": ("import inside a function", "move the import to the top of the module"),
+    "ImportFrom": ("import inside a function", "move the import to the top of the module"),
+    "Match": ("match", "write if, elif and else"),
+    "TypeAlias": ("type", "move it to module level"),
+    "ListComp": ("a list comprehension", _COMPREHENSION),
+    "SetComp": ("a set comprehension", _COMPREHENSION),
+    "DictComp": ("a dict comprehension", _COMPREHENSION),
+    "GeneratorExp": ("a generator expression", "write a for loop that adds to a name"),
+    "Dict": ("a dict", "use one name, or one array element, for each value"),
+    "Set": ("a set", "use an array, or compare with each value in turn"),
+    "JoinedStr": ("an f-string", _STRINGS),
+    "TemplateStr": ("a t-string", _STRINGS),
+    "NamedExpr": ("an assignment inside an expression (:=)", "write the assignment as a statement of its own before"),
+    "Starred": ("a starred expression", "write the elements out, one by one"),
+}
+
+
+def opaque(node: AST) -> bool:
+    """Whether the fence refuses the node as a whole, whatever is inside."""
+    return type(node).__name__ in _REFUSED
+
+
+def check(function: AST, report: Report) -> None:
+    """Reports every construct of a function's parameters and body that is outside the supported language."""
+    if type(function).__name__ == "AsyncFunctionDef":
+        _refuse(function, report)
+        return
+    for star, starred in (("*", function.args.vararg), ("**", function.args.kwarg)):
+        if starred is not None:
+            report.error("S201", f"{star}{starred.id} {_NOT}", starred,
+                         help="give each argument a parameter of its own")
+    for statement in function.body:
+        _visit(statement, report)
+
+
+def _refuse(node: AST, report: Report) -> None:
+    what, help = _REFUSED[type(node).__name__]
+    report.error("S201", f"{what} {_NOT}", node, help=help)
+
+
+def _visit(node: AST, report: Report) -> None:
+    if opaque(node):
+        _refuse(node, report)
+        return
+    seen = _CHECKS.get(type(node).__name__, lambda *_: None)(node, report)
+    for child in tree.children(node) if seen is None else seen:
+        _visit(child, report)
+
+
+# -- checks: each may report, and may say which children are left to look at (None: all) ------------------------------
+
+def _attribute(node: AST, report: Report) -> list[AST] | None:
+    if isinstance(node.ctx, tree.Store):
+        target = f"{node.value.id}.{node.attr}" if isinstance(node.value, tree.Name) else f".{node.attr}"
+        if node.attr == "shape":
+            help = "bind the new shape to a new name: y = x.reshape(...)"
+        else:
+            help = "return the value, or write it to an element of an array argument"
+        report.error("S201", f"an assignment to the attribute {target} {_NOT}", node, help=help)
+        return []
+    if _is_string(node.value):
+        report.error("S201", f"a method of a string {_NOT}", node, help=_STRINGS)
+        return []
+    return None
+
+
+def _annotated(node: AST, report: Report) -> list[AST] | None:
+    return [child for child in (node.target, node.value) if child is not None]
+
+
+def _binary(node: AST, report: Report) -> list[AST] | None:
+    if _is_string(node.left) or _is_string(node.right):
+        report.error("S201", f"arithmetic on strings {_NOT}", node, help=_STRINGS)
+        return []
+    return None
+
+
+def _is_string(node: AST) -> bool:
+    return isinstance(node, tree.Constant) and isinstance(node.value, str)
+
+
+def _call(node: AST, report: Report) -> list[AST] | None:
+    for given in node.keywords:
+        if given.arg is None:
+            report.error("S201", f"** in a call {_NOT}", given.value, help="write the keyword arguments out")
+    return [node.func, *node.args, *(given.value for given in node.keywords if given.arg is not None)]
+
+
+def _comparison(node: AST, report: Report) -> list[AST] | None:
+    for op, right in zip(node.ops, node.comparators):
+        if isinstance(op, (tree.Is, tree.IsNot)):
+            word = "is not" if isinstance(op, tree.IsNot) else "is"
+            none = isinstance(right, tree.Constant) and right.value is None
+            report.error("S201", f"'{word}' {_NOT}", node, help="write one kernel with the argument and one without it"
+                         if none else f"compare values: {'!=' if word == 'is not' else '=='}")
+        if isinstance(op, (tree.In, tree.NotIn)):
+            word = "not in" if isinstance(op, tree.NotIn) else "in"
+            report.error("S201", f"'{word}' {_NOT}", node, help="write the comparisons out: x != a and x != b"
+                         if word == "not in" else "write the comparisons out: x == a or x == b")
+    return None
+
+
+def _constant(node: AST, report: Report) -> list[AST] | None:
+    if isinstance(node.value, complex):
+        report.error("S201", f"a complex number {_NOT}", node, help="keep the real and the imaginary part in two names")
+    elif isinstance(node.value, bytes):
+        report.error("S201", f"a bytes string {_NOT}", node, help="use an array of integers")
+    elif node.value is Ellipsis:
+        report.error("S201", f"... {_NOT} except as x[...]", node, help="write x[...] for the whole array, or a loop")
+    return None
+
+
+def _subscript(node: AST, report: Report) -> list[AST] | None:
+    if _is_string(node.value):
+        report.error("S201", f"a subscript of a string {_NOT}", node, help=_STRINGS)
+        return []
+    items = tree.indices(node)
+    if len(items) == 1 and isinstance(items[0], tree.Constant) and items[0].value is Ellipsis:
+        return [node.value]
+    if all(map(_is_full, items)) and items:
+        return [node.value]
+    if any(isinstance(item, tree.Slice) for item in items):
+        _slice(node, items, report)
+    for item in items:
+        if isinstance(item, tree.Constant) and item.value is None:
+            new_axis(item, report)
+    return [node.value, *(i for i in items if not isinstance(i, tree.Slice)
+                          and not (isinstance(i, tree.Constant) and i.value is None))]
+
+
+def _is_full(item: AST) -> bool:
+    return isinstance(item, tree.Slice) and item.lower is item.upper is item.step is None
+
+
+def _slice(node: AST, items: list[AST], report: Report) -> None:
+    row = ", x[i] for a row" if len(items) > 1 else ""
+    report.error("S201", f"a slice of a part {_NOT} yet (planned)", node,
+                 help=f"write a loop over the elements; use x[:] or x[...] for the whole array{row}")
+
+
+def new_axis(item: AST, report: Report) -> None:
+    """Refuses a new axis, spelled None or np.newaxis."""
+    report.error("S201", f"a new axis in a subscript {_NOT} yet (planned)", item,
+                 help="write a loop over the elements with x[i, j]")
+
+
+_CHECKS: dict[str, Callable[[AST, Report], list[AST] | None]] = {
+    "AnnAssign": _annotated, "Attribute": _attribute, "BinOp": _binary, "Call": _call, "Compare": _comparison,
+    "Constant": _constant, "Subscript": _subscript,
+}

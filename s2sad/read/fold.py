@@ -1,0 +1,67 @@
+"""Constant arithmetic of a file that is not run: `G = 9.81`, `K = 2 * G`, `R = math.sqrt(G) * np.pi`."""
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numpy
+
+from s2sad import tree
+from s2sad.read.meaning import AST, Library, Meaning, NotConstant, Number, Text, is_number, library_value
+
+_OPERATORS: dict[str, Callable[..., Any]] = {
+    "Add": operator.add, "Sub": operator.sub, "Mult": operator.mul, "Div": operator.truediv, "Mod": operator.mod,
+    "FloorDiv": operator.floordiv, "Pow": operator.pow, "LShift": operator.lshift, "RShift": operator.rshift,
+    "BitAnd": operator.and_, "BitOr": operator.or_, "BitXor": operator.xor,
+    "USub": operator.neg, "UAdd": operator.pos, "Invert": operator.invert, "Not": operator.not_,
+}
+_CALLS = ("builtins.abs", "builtins.float", "builtins.int", "builtins.max", "builtins.min", "builtins.round")
+_BITS = 4096  # an integer power or shift that gives more than this is nobody's constant
+
+
+def folded(node: AST, meaning: Callable[[AST], Meaning | None]) -> Any:
+    """The value of a constant expression; raises NotConstant for any other. `meaning` tells what a name is."""
+    if isinstance(node, tree.Constant):
+        return node.value
+    known = meaning(node) if isinstance(node, (tree.Name, tree.Attribute)) else None
+    if isinstance(known, (Number, Text)):
+        return known.value
+    if isinstance(known, Library) and is_number(library_value(known.path)):
+        return library_value(known.path)
+    try:
+        if isinstance(node, tree.UnaryOp):
+            return _OPERATORS[type(node.op).__name__](_number(folded(node.operand, meaning)))
+        if isinstance(node, tree.BinOp):
+            left, right = (_number(folded(side, meaning)) for side in (node.left, node.right))
+            return _binary(type(node.op).__name__, left, right)
+        if isinstance(node, tree.Call) and not node.keywords:
+            function = meaning(node.func)
+            if isinstance(function, Library) and _is_arithmetic(function.path):
+                arguments = [_number(folded(argument, meaning)) for argument in node.args]
+                return _number(library_value(function.path)(*arguments))
+    except (ArithmeticError, ValueError, TypeError, KeyError):
+        raise NotConstant from None
+    raise NotConstant
+
+
+def _number(value: Any) -> Any:
+    if not is_number(value):
+        raise NotConstant
+    return value
+
+
+def _is_arithmetic(path: str) -> bool:
+    value = library_value(path)
+    if path.startswith("math."):
+        return callable(value) and value not in (math.factorial, math.comb, math.perm)
+    return path in _CALLS or isinstance(value, numpy.ufunc) or (path.startswith("numpy.") and isinstance(value, type)
+                                                                and issubclass(value, (numpy.number, numpy.bool_)))
+
+
+def _binary(op: str, left: Any, right: Any) -> Any:
+    integers = isinstance(left, int) and isinstance(right, int)
+    if integers and (op == "Pow" and left.bit_length() * abs(right) > _BITS or op == "LShift" and right > _BITS):
+        raise NotConstant
+    return _number(_OPERATORS[op](left, right))

@@ -1,0 +1,179 @@
+"""What a name from outside a kernel can mean, whether it was looked up in a live function or in a file's text."""
+from __future__ import annotations
+
+import builtins
+import math
+import types
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy
+
+from s2sad.diagnostics import Source
+from s2sad.tree import AST, FunctionDef
+
+BUILTIN_CALLS = ("abs", "bool", "enumerate", "float", "int", "len", "max", "min", "pow", "print", "range", "reversed",
+                 "round", "sum", "zip")
+_NUMBERS = ("pi", "e", "tau", "inf", "nan")
+
+
+@dataclass(frozen=True)
+class Library:
+    """Something of a library, by its dotted path: a function, a type, a constant."""
+    path: str
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of a module or closure; `current` looks it up again."""
+    name: str
+    value: Any
+    current: Callable[[], Any] | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True)
+class Array:
+    """An array of a module or closure; `current` looks it up again."""
+    name: str
+    value: Any
+    current: Callable[[], Any] | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True)
+class Text:
+    value: str
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function of the user's: `handle` is what `capture` takes, `key` tells one from another."""
+    name: str
+    key: Hashable
+    path: str
+    handle: Any = field(compare=False)
+
+
+@dataclass(frozen=True)
+class Unusable:
+    """A known name that a kernel cannot use: what it is, and what to do."""
+    what: str
+    help: str
+
+
+class Scope(Protocol):
+    """The names around a kernel, or those of a module."""
+
+    def lookup(self, name: str) -> Meaning | None: ...
+
+    def known(self) -> list[str]: ...
+
+
+@dataclass(frozen=True)
+class Space:
+    """A module: its names are reached as attributes."""
+    name: str
+    scope: Scope = field(compare=False)
+
+
+Meaning = Library | Number | Array | Text | Function | Unusable | Space
+
+
+@dataclass(frozen=True)
+class Captured:
+    """A function's definition with its surroundings; `defaults` are the evaluated ones of a live function."""
+    name: str
+    tree: FunctionDef
+    source: Source
+    scope: Scope
+    default: Callable[[str, AST], Any]
+
+
+class NotConstant(Exception):
+    """A default or a module's value that is not a plain constant."""
+
+
+class LibraryScope:
+    """The names of numpy and math, checked to exist; of other libraries every name is taken for there."""
+
+    def __init__(self, path: str):
+        self.path = path
+
+    def lookup(self, name: str) -> Meaning | None:
+        path = f"{self.path}.{name}"
+        if self.path.startswith("numba") and name == "prange":
+            return Library("builtins.range")
+        if self.path == "s2sad.runtime":
+            return Library(f"runtime.{name}")
+        if path.partition(".")[0] not in ("numpy", "math"):
+            return Space(path, LibraryScope(path))
+        owner = library_value(self.path)
+        if not hasattr(owner, name):
+            return None
+        if isinstance(getattr(owner, name), types.ModuleType):
+            return Space(path, LibraryScope(path))
+        return Library(path)
+
+    def known(self) -> list[str]:
+        root = self.path.partition(".")[0]
+        return [n for n in dir(library_value(self.path)) if n[0] != "_"] if root in ("numpy", "math") else []
+
+
+def library_value(path: str) -> Any:
+    """The object at a dotted path of numpy, math or builtins; None if there is none."""
+    root, *rest = path.split(".")
+    value: Any = {"numpy": numpy, "math": math, "builtins": builtins}.get(root)
+    for part in rest:
+        value = getattr(value, part, None)
+    return value
+
+
+def library_path(name: str, value: Any) -> str | None:
+    """The dotted path of a value that numpy, math or builtins define, called `name` by the user."""
+    if type(value) is float:
+        # `from math import pi` binds the library's own object; the same number written out is another object
+        paths = (f"{m.__name__}.{n}" for m in (math, numpy) for n in _NUMBERS if getattr(m, n, None) is value)
+        return next(paths, None)
+    if not callable(value):
+        return None
+    own = getattr(value, "__name__", "")
+    for module in (builtins, math, numpy, numpy.linalg):
+        for candidate in (name, own):
+            if candidate and getattr(module, candidate, None) is value:
+                return f"{module.__name__}.{candidate}"
+    home = str(getattr(value, "__module__", ""))
+    if home.partition(".")[0] == "numpy" and getattr(library_value(home), own, None) is value:
+        return f"{home}.{own}"
+    return None
+
+
+def dotted(meaning: Meaning | None) -> str | None:
+    """The path of something of a library; None for anything else."""
+    return meaning.path if isinstance(meaning, Library) else meaning.name if isinstance(meaning, Space) else None
+
+
+def is_number(value: Any) -> bool:
+    return isinstance(value, (bool, int, float, numpy.bool_, numpy.integer, numpy.floating))
+
+
+def kind_of(value: Any) -> str:
+    """A value's type as one says it: `a list`, `an object`."""
+    word = type(value).__name__
+    return f"{'an' if word[0].lower() in 'aeiou' else 'a'} {word}"
+
+
+def value_meaning(name: str, value: Any, current: Callable[[], Any] | None = None) -> Meaning:
+    """What a number, string, array or other plain value means."""
+    if is_number(value):
+        return Number(name, value, current)
+    if isinstance(value, numpy.ndarray) and value.dtype.kind in "biuf":
+        return Array(name, value, current)
+    if isinstance(value, str):
+        return Text(value)
+    if isinstance(value, (complex, numpy.complexfloating)):
+        return Unusable("a complex number", "keep the real and the imaginary part as two numbers")
+    if isinstance(value, numpy.ndarray):
+        return Unusable(f"an array of {value.dtype}", "use an array of floats, integers or bools")
+    if isinstance(value, type):
+        return Unusable("a class", "pass its fields as arguments of the kernel, numbers and arrays")
+    return Unusable(kind_of(value), "pass it as an argument, or make it a number or a NumPy array")

@@ -1,0 +1,292 @@
+"""What the names of a file mean, without running it: imports, functions and plain constants at module level.
+
+Statements are followed in order, as Python would run them on import. A name that is bound under a condition, in a
+loop or by an expression that is not constant arithmetic is known, but unusable, and says so.
+"""
+from __future__ import annotations
+
+import builtins
+import os
+import tokenize
+import warnings
+from typing import Any
+
+from s2sad import tree
+from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
+from s2sad.read.capture import source_of
+from s2sad.read.fold import folded
+from s2sad.read.meaning import (
+    AST, Captured, Function, Library, LibraryScope, Meaning, NotConstant, Number, Space, Unusable, dotted, is_number,
+    value_meaning,
+)
+
+LIBRARIES = ("numpy", "math", "numba", "s2sad", "builtins")
+
+
+def read_text(path: str) -> str:
+    """A Python file's text; raises S2sadError (S101) where there is none."""
+    def fail(message: str, help: str) -> S2sadError:
+        return S2sadError(Diagnostic("S101", f"{path}: {message}", help=help))
+    if os.path.isdir(path):
+        raise fail("this is a directory", "give a Python file: kernel.py:function")
+    try:
+        with tokenize.open(path) as file:
+            return file.read()
+    except FileNotFoundError:
+        raise fail("no such file", "check the path, which is relative to the working directory") from None
+    except UnicodeDecodeError as error:
+        raise fail(f"not UTF-8 (byte 0x{error.object[error.start]:02x})", "save the file as UTF-8, or name its "
+                   "encoding in the first line: # -*- coding: latin-1 -*-") from None
+    except SyntaxError:
+        raise fail("not UTF-8, or an unknown encoding is named in its first lines", "save the file as UTF-8") from None
+    except OSError as error:
+        raise fail(f"cannot be read ({error.strerror})", "check the file's permissions") from None
+
+
+def parsed(source: Source, text: str) -> tree.Module:
+    """The tree of a file's text; raises S2sadError (S102), with the place, if it is not Python."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            compile(text, source.path, "exec", dont_inherit=True)
+            return tree.parse(text)
+    except SyntaxError as error:
+        line = error.lineno or 1
+        column = max(0, (error.offset or 1) - 1)
+        end = error.end_offset - 1 if error.end_offset and error.end_lineno == line else column + 1
+        place = Span(source, line, column, line, max(end, column + 1))
+        raise S2sadError(Diagnostic("S102", f"not Python: {error.msg}", place, help=_SYNTAX_HELP)) from None
+    except (ValueError, RecursionError, MemoryError):
+        raise S2sadError(Diagnostic("S102", f"{source.path}: not Python: a null byte, or nesting too deep",
+                                    help=_SYNTAX_HELP)) from None
+
+
+_SYNTAX_HELP = "correct the line; the file must be one that Python itself can read"
+
+
+class FileModule:
+    """A file's module-level names and what they mean; also the scope of its functions."""
+
+    def __init__(self, path: str, cache: dict[str, FileModule]):
+        self.path, self.cache = path, cache
+        cache[os.path.realpath(path)] = self
+        self.name = os.path.splitext(os.path.basename(path))[0]
+        text = read_text(path)
+        self.source = source_of(path, text)
+        self.meanings: dict[str, Meaning | _Member] = {}
+        self.definitions: list[str] = []
+        module = parsed(self.source, text)
+        for statement in module.body:
+            self._follow(statement)
+        for node in tree.walk(module):
+            if type(node).__name__ == "Global":
+                for name in node.names:
+                    self.meanings[name] = Unusable("changed by a function through 'global'", _PASS_IT)
+
+    def lookup(self, name: str) -> Meaning | None:
+        meaning = self.meanings.get(name)
+        if isinstance(meaning, _Member):
+            meaning = self.meanings[name] = meaning.found()
+        if meaning is None and hasattr(builtins, name):
+            return Library(f"builtins.{name}")
+        return meaning
+
+    def known(self) -> list[str]:
+        return list(self.meanings)
+
+    # -- statements ---------------------------------------------------------------------------------------------------
+
+    def _follow(self, statement: AST) -> None:
+        kind = type(statement).__name__
+        if kind in ("FunctionDef", "AsyncFunctionDef"):
+            self.definitions.append(statement.name)
+            self.meanings[statement.name] = Function(statement.name, ("file", self.path, statement.lineno),
+                                                     f"{self.name}.{statement.name}", FileFunction(self, statement))
+        elif kind == "ClassDef":
+            self.meanings[statement.name] = Unusable("a class", "pass its fields as arguments, numbers and arrays")
+        elif kind == "Import":
+            self._import(statement)
+        elif kind == "ImportFrom":
+            self._import_from(statement)
+        elif kind in ("Assign", "AnnAssign") and statement.value is not None:
+            targets = statement.targets if kind == "Assign" else [statement.target]
+            self._assign(targets, statement.value)
+        elif kind in ("Try", "TryStar"):
+            self._try(statement)
+        else:
+            self._unclear(statement, "set under a condition, in a loop or by more than an assignment")
+
+    def _try(self, statement: AST) -> None:
+        """`try: from numba import prange / except ImportError: ...` means what it imports."""
+        before = dict(self.meanings)
+        for inner in statement.body:
+            self._follow(inner)
+        imported = {n for n, m in self.meanings.items() if before.get(n) is not m
+                    and any(_binds(i, n) for i in statement.body if type(i).__name__.startswith("Import"))}
+        for part in (*statement.handlers, *statement.orelse, *statement.finalbody):
+            self._unclear(part, "set under a condition", imported)
+
+    def _unclear(self, node: AST, why: str, except_for: set[str] | frozenset[str] = frozenset()) -> None:
+        for name in _bound(node):
+            if name not in except_for:
+                self.meanings[name] = Unusable(why, _PASS_IT)
+
+    def _assign(self, targets: list[AST], value: AST) -> None:
+        for target in targets:
+            if isinstance(target, (tree.Tuple, tree.List)) and isinstance(value, (tree.Tuple, tree.List)) \
+                    and len(target.elts) == len(value.elts):
+                meanings = [self._value(item, each) for item, each in zip(target.elts, value.elts)]
+                pairs = list(zip(target.elts, meanings))
+            else:
+                pairs = [(target, self._value(target, value))]
+            for item, meaning in pairs:
+                if isinstance(item, tree.Name):
+                    self.meanings[item.id] = meaning
+                else:
+                    self._unclear(item, "not set by a plain assignment")
+
+    def _value(self, target: AST, value: AST) -> Meaning:
+        name = target.id if isinstance(target, tree.Name) else ""
+        alias = self.path_meaning(value)
+        if isinstance(alias, Number):
+            return Number(name, alias.value)
+        if alias is not None:
+            return alias
+        if isinstance(value, tree.Call):
+            maker = self.path_meaning(value.func) or (self._value(target, value.func)
+                                                      if isinstance(value.func, tree.Call) else None)
+            if maker is not None and dropped_decorator(dotted(maker) or ""):
+                inner = self.path_meaning(value.args[0]) if len(value.args) == 1 else None
+                return inner if isinstance(inner, Function) else maker
+        try:
+            return value_meaning(name, folded(value, self.path_meaning))
+        except NotConstant:
+            return Unusable("not constant arithmetic, and the file is read without being run", _PASS_IT)
+
+    def path_meaning(self, node: AST) -> Meaning | None:
+        """The meaning of a name or dotted path, None for anything else."""
+        if isinstance(node, tree.Name):
+            return self.lookup(node.id)
+        if isinstance(node, tree.Attribute):
+            base = self.path_meaning(node.value)
+            return base.scope.lookup(node.attr) if isinstance(base, Space) else None
+        return None
+
+    # -- imports ------------------------------------------------------------------------------------------------------
+
+    def _import(self, statement: AST) -> None:
+        for alias in statement.names:
+            if alias.asname:
+                self.meanings[alias.asname] = _Member(self, alias.name, 0, None)
+            else:
+                # `import a.b` binds a, from which b is reached
+                self.meanings[alias.name.partition(".")[0]] = _Member(self, alias.name.partition(".")[0], 0, None)
+
+    def _import_from(self, statement: AST) -> None:
+        for alias in statement.names:
+            if alias.name != "*":
+                self.meanings[alias.asname or alias.name] = _Member(self, statement.module or "", statement.level or 0,
+                                                                    alias.name)
+                continue
+            space = self.space(statement.module or "", statement.level or 0)
+            for name in space.scope.known():
+                if not name.startswith("_"):
+                    self.meanings[name] = _Member(self, statement.module or "", statement.level or 0, name)
+
+    def space(self, module: str, level: int) -> Space:
+        """An imported module: a library's, a file beside this one (or in its package), or a foreign one."""
+        if not level and module.partition(".")[0] in LIBRARIES:
+            return Space(module, LibraryScope(module))
+        path = next((p for folder in self._folders(level) if (p := _file(folder, module))), None)
+        if path is None:
+            return Space(module, LibraryScope("." * level + module))
+        found = self.cache.get(os.path.realpath(path)) or FileModule(path, self.cache)
+        return Space(module, PackageScope(found))
+
+    def _folders(self, level: int) -> list[str]:
+        folder = os.path.dirname(self.path)
+        if level:
+            return [os.path.join(folder, *[".."] * (level - 1))]
+        folders = [folder]
+        while os.path.exists(os.path.join(folder, "__init__.py")) and folder != os.path.dirname(folder):
+            folder = os.path.dirname(folder)
+            folders.append(folder)
+        return folders
+
+
+_PASS_IT = "pass it to the kernel as an argument, or write it at module level as a plain number"
+
+
+class PackageScope:
+    """The names of an imported file, not those of builtins; a package's files are reached as attributes, too."""
+
+    def __init__(self, module: FileModule):
+        self.module = module
+
+    def lookup(self, name: str) -> Meaning | None:
+        if name in self.module.meanings:
+            return self.module.lookup(name)
+        if os.path.basename(self.module.path) == "__init__.py":
+            path = _file(os.path.dirname(self.module.path), name)
+            if path:
+                cache = self.module.cache
+                return Space(name, PackageScope(cache.get(os.path.realpath(path)) or FileModule(path, cache)))
+        return None
+
+    def known(self) -> list[str]:
+        return self.module.known()
+
+
+class _Member:
+    """An imported name, looked up when it is first used: imports may go round in circles."""
+
+    def __init__(self, importer: FileModule, module: str, level: int, name: str | None):
+        self.importer, self.module, self.level, self.name = importer, module, level, name
+
+    def found(self) -> Meaning:
+        space = self.importer.space(self.module, self.level)
+        if self.name is None:
+            return space
+        return space.scope.lookup(self.name) or Unusable(f"not in the module '{space.name}'", "correct the import")
+
+
+class FileFunction:
+    """A definition in a file that is not run."""
+
+    def __init__(self, module: FileModule, definition: AST):
+        self.module, self.definition = module, definition
+
+    def captured(self) -> Captured:
+        def default(parameter: str, node: AST) -> Any:
+            value = folded(node, self.module.path_meaning)
+            if value is None or isinstance(value, str) or is_number(value):
+                return value
+            raise NotConstant
+        return Captured(self.definition.name, self.definition, self.module.source, self.module, default)
+
+
+def dropped_decorator(path: str) -> bool:
+    """Whether a decorator, by its dotted path, leaves the function's meaning alone: Numba's jit and all of s2sad's."""
+    root, _, rest = path.partition(".")
+    return root == "s2sad" or (root == "numba" and rest.rpartition(".")[2] in ("jit", "njit"))
+
+
+def _file(folder: str, module: str) -> str | None:
+    base = os.path.join(folder, *module.split(".")) if module else folder
+    return next((p for p in (base + ".py", os.path.join(base, "__init__.py")) if os.path.isfile(p)), None)
+
+
+def _binds(statement: AST, name: str) -> bool:
+    return any((alias.asname or alias.name.partition(".")[0]) == name for alias in statement.names)
+
+
+def _bound(node: AST) -> list[str]:
+    """The names that a statement may bind in its module, at any depth outside functions."""
+    kind = type(node).__name__
+    if kind in ("FunctionDef", "AsyncFunctionDef", "ClassDef"):
+        return [node.name]
+    if kind in ("Import", "ImportFrom"):
+        return [alias.asname or alias.name.partition(".")[0] for alias in node.names]
+    if isinstance(node, tree.Name):
+        return [node.id] if isinstance(node.ctx, tree.Store) else []
+    return [name for child in tree.children(node) for name in _bound(child)]

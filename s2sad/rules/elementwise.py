@@ -1,0 +1,108 @@
+"""The rules of the functions that work number by number.
+
+Where an identity offers several forms of a partial, the one is written that neither overflows nor cancels: for
+`tanh` the square of 1 / cosh (1 - y * y has no correct digit left at x = 20), for `arcsin` (1 - x) * (1 + x)
+(1 - x * x has lost half of them near 1), for `log(exp(a) + exp(b))` a difference of a and b. `singular` marks
+partials that are infinite somewhere: a zero seed has to contribute an exact zero there.
+"""
+from __future__ import annotations
+
+from s2sad.rules.rule import elementwise
+
+# -- arithmetic -----------------------------------------------------------------------------------------------------
+elementwise("a + b", a="1.0", b="1.0", also=("numpy.add",), result="same")
+elementwise("a - b", a="1.0", b="-1.0", also=("numpy.subtract",), result="same")
+elementwise("a * b", a="b", b="a", also=("numpy.multiply",), result="same")
+elementwise("a / b", a="1.0 / b", b="-y / b", also=("numpy.divide", "numpy.true_divide"), singular=("a", "b"),
+            domain={"b": (0.3, 3.0)})
+# the quotient a // b is computed as the remainder is, so that it jumps where the remainder does
+elementwise("a % b", a="1.0", b="-(a // b)", also=("numpy.mod", "numpy.remainder"), result="same",
+            domain={"a": (1.1, 1.9), "b": (0.61, 0.94)}, kink="a % b jumps where a is a multiple of b")
+elementwise("numpy.fmod(a, b)", a="1.0", b="numpy.rint((y - a) / b)", also=("math.fmod",), result="same",
+            domain={"a": (1.1, 1.2), "b": (0.61, 0.94)}, kink="fmod(a, b) jumps where a is a multiple of b")
+elementwise("math.remainder(a, b)", a="1.0", b="numpy.rint((y - a) / b)",
+            domain={"a": (1.1, 1.2), "b": (0.9, 1.05)}, kink="remainder(a, b) jumps halfway between multiples of b")
+elementwise("-a", a="-1.0", also=("numpy.negative",), result="same")
+elementwise("+a", a="1.0", also=("numpy.positive",), result="same")
+elementwise("numpy.square(x)", x="2.0 * x", result="same")
+elementwise("numpy.reciprocal(x)", x="-y * y", singular=("x",), domain={"x": (0.3, 3.0)}, result="same")
+elementwise("builtins.float(x)", x="1.0", also=("numpy.float64", "numpy.float32"))
+
+# -- choices: at a tie the first argument is the one that is followed ------------------------------------------------
+_ABS = "the derivative of abs at 0 is taken as 0"
+elementwise("numpy.absolute(x)", x="numpy.sign(x)", also=("numpy.abs", "builtins.abs"), result="same", kink=_ABS)
+elementwise("numpy.fabs(x)", x="numpy.sign(x)", also=("math.fabs",), kink=_ABS)
+elementwise("numpy.copysign(a, b)", a="numpy.sign(a) * numpy.copysign(1.0, b)", b="0.0", also=("math.copysign",),
+            domain={"a": (0.2, 2.0), "b": (0.2, 2.0)}, kink="the derivative of copysign(0, b) is taken as 0")
+elementwise("numpy.maximum(a, b)", a="numpy.where(b > a, 0.0, 1.0)", b="numpy.where(b > a, 1.0, 0.0)",
+            also=("builtins.max",), result="same", kink="at a tie max(a, b) is a")
+elementwise("numpy.minimum(a, b)", a="numpy.where(b < a, 0.0, 1.0)", b="numpy.where(b < a, 1.0, 0.0)",
+            also=("builtins.min",), result="same", kink="at a tie min(a, b) is a")
+# fmax and fmin pass over a nan in their first argument
+elementwise("numpy.fmax(a, b)", a="numpy.where((b > a) | (a != a), 0.0, 1.0)", result="same",
+            b="numpy.where((b > a) | (a != a), 1.0, 0.0)", kink="at a tie fmax(a, b) is a")
+elementwise("numpy.fmin(a, b)", a="numpy.where((b < a) | (a != a), 0.0, 1.0)", result="same",
+            b="numpy.where((b < a) | (a != a), 1.0, 0.0)", kink="at a tie fmin(a, b) is a")
+elementwise("numpy.clip(x, low, high)", x="numpy.where((x < low) | (x > high), 0.0, 1.0)",
+            low="numpy.where((x < low) & (low <= high), 1.0, 0.0)",
+            high="numpy.where(numpy.maximum(x, low) > high, 1.0, 0.0)", result="same",
+            domain={"x": (-2.0, 2.0), "low": (-1.3, -0.7), "high": (0.7, 1.3)}, kink="at its bounds clip(x) is x")
+
+# -- exponentials and logarithms ------------------------------------------------------------------------------------
+# exp is marked singular for 1 / (1 + exp(-x)): where exp overflows the seed is 0 and the product must be, too
+elementwise("numpy.exp(x)", x="y", also=("math.exp",), singular=("x",))
+elementwise("numpy.exp2(x)", x="0.6931471805599453 * y", also=("math.exp2",), singular=("x",))
+elementwise("numpy.expm1(x)", x="numpy.exp(x)", also=("math.expm1",), singular=("x",))
+_POSITIVE = {"x": (0.05, 4.0)}
+elementwise("numpy.log(x)", x="1.0 / x", also=("math.log",), singular=("x",), domain=_POSITIVE)
+elementwise("numpy.log2(x)", x="1.4426950408889634 / x", also=("math.log2",), singular=("x",), domain=_POSITIVE)
+elementwise("numpy.log10(x)", x="0.4342944819032518 / x", also=("math.log10",), singular=("x",), domain=_POSITIVE)
+elementwise("numpy.log1p(x)", x="1.0 / (1.0 + x)", also=("math.log1p",), singular=("x",), domain={"x": (-0.9, 3.0)})
+elementwise("numpy.logaddexp(a, b)", a="1.0 / (1.0 + numpy.exp(b - a))", b="1.0 / (1.0 + numpy.exp(a - b))",
+            singular=("a", "b"))
+elementwise("numpy.logaddexp2(a, b)", a="1.0 / (1.0 + numpy.exp2(b - a))", b="1.0 / (1.0 + numpy.exp2(a - b))",
+            singular=("a", "b"))
+
+# -- roots ----------------------------------------------------------------------------------------------------------
+elementwise("numpy.sqrt(x)", x="0.5 / y", also=("math.sqrt",), singular=("x",), domain=_POSITIVE,
+            kink="the derivative of sqrt at 0 is infinite")
+elementwise("numpy.cbrt(x)", x="1.0 / (3.0 * y * y)", also=("math.cbrt",), singular=("x",), domain=_POSITIVE,
+            kink="the derivative of cbrt at 0 is infinite")
+elementwise("numpy.hypot(a, b)", a="a / numpy.where(y == 0, 1.0, y)", b="b / numpy.where(y == 0, 1.0, y)",
+            also=("math.hypot",), kink="the derivatives of hypot at (0, 0) are taken as 0")
+
+# -- angles ---------------------------------------------------------------------------------------------------------
+_UNIT = {"x": (-0.95, 0.95)}
+elementwise("numpy.sin(x)", x="numpy.cos(x)", also=("math.sin",))
+elementwise("numpy.cos(x)", x="-numpy.sin(x)", also=("math.cos",))
+elementwise("numpy.tan(x)", x="1.0 + y * y", also=("math.tan",), domain={"x": (-1.3, 1.3)})
+elementwise("numpy.arcsin(x)", x="1.0 / numpy.sqrt((1.0 - x) * (1.0 + x))", also=("numpy.asin", "math.asin"),
+            singular=("x",), domain=_UNIT)
+elementwise("numpy.arccos(x)", x="-1.0 / numpy.sqrt((1.0 - x) * (1.0 + x))", also=("numpy.acos", "math.acos"),
+            singular=("x",), domain=_UNIT)
+elementwise("numpy.arctan(x)", x="1.0 / (1.0 + x * x)", also=("numpy.atan", "math.atan"))
+elementwise("numpy.arctan2(a, b)", a="b / numpy.hypot(a, b) / numpy.hypot(a, b)", singular=("a", "b"),
+            b="-a / numpy.hypot(a, b) / numpy.hypot(a, b)", also=("numpy.atan2", "math.atan2"),
+            domain={"a": (-2.0, 2.0), "b": (0.3, 2.0)}, kink="arctan2 jumps across b < 0, a = 0")
+elementwise("numpy.deg2rad(x)", x="0.017453292519943295", also=("numpy.radians", "math.radians"))
+elementwise("numpy.rad2deg(x)", x="57.29577951308232", also=("numpy.degrees", "math.degrees"))
+# near 0 the closed form is a difference of equal numbers: the series up to x ** 9
+elementwise("numpy.sinc(x)", x="""numpy.where(
+    numpy.abs(x) < 0.1,
+    numpy.pi ** 2 * x * (-1 / 3 + (numpy.pi * x) ** 2 * (1 / 30 + (numpy.pi * x) ** 2 * (-1 / 840
+        + (numpy.pi * x) ** 2 * (1 / 45360 - (numpy.pi * x) ** 2 / 3991680)))),
+    (numpy.cos(numpy.pi * x) - y) / numpy.where(x == 0, 1.0, x))""")
+
+# -- hyperbolic functions -------------------------------------------------------------------------------------------
+elementwise("numpy.sinh(x)", x="numpy.cosh(x)", also=("math.sinh",))
+elementwise("numpy.cosh(x)", x="numpy.sinh(x)", also=("math.cosh",))
+elementwise("numpy.tanh(x)", x="(1.0 / numpy.cosh(x)) ** 2", also=("math.tanh",))
+elementwise("numpy.arcsinh(x)", x="1.0 / numpy.hypot(1.0, x)", also=("numpy.asinh", "math.asinh"))
+elementwise("numpy.arccosh(x)", x="1.0 / (numpy.sqrt(x - 1.0) * numpy.sqrt(x + 1.0))", singular=("x",),
+            also=("numpy.acosh", "math.acosh"), domain={"x": (1.05, 4.0)})
+elementwise("numpy.arctanh(x)", x="1.0 / ((1.0 - x) * (1.0 + x))", also=("numpy.atanh", "math.atanh"),
+            singular=("x",), domain=_UNIT)
+
+# -- error functions ------------------------------------------------------------------------------------------------
+elementwise("math.erf(x)", x="1.1283791670955126 * numpy.exp(-x * x)")
+elementwise("math.erfc(x)", x="-1.1283791670955126 * numpy.exp(-x * x)")

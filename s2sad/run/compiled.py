@@ -1,0 +1,147 @@
+"""The Numba engine: every function of a generated module becomes a compiled one in the module's own namespace.
+
+`error_model="numpy"` everywhere, fastmath nowhere, primal and derivatives with the same flags. Numba's disk cache
+knows a function's own file only, so what else the machine code depends on (the runtime's text, flags, versions)
+names the folder in which the module's file lies.
+"""
+from __future__ import annotations
+
+import ast
+import hashlib
+import importlib
+import importlib.util
+import os
+import pickle
+import platform
+from collections.abc import Sequence
+from functools import cache, lru_cache
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any
+
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.run.load import load
+
+_RUNTIME = "s2sad.runtime"
+
+
+@lru_cache(maxsize=1)
+def available() -> bool:
+    """Whether Numba can be imported."""
+    return importlib.util.find_spec("numba") is not None
+
+
+def chosen(engine: str) -> str:
+    """"numpy" or "numba" for "auto", "numpy" or "numba"; S2sadError if Numba is asked for and absent."""
+    if engine == "auto":
+        return "numba" if available() else "numpy"
+    if engine == "numba" and not available():
+        raise S2sadError(Diagnostic("S405", 'engine="numba" needs Numba, which is not installed',
+                                    help='pip install "s2sad[jit]", or use engine="auto"'))
+    if engine not in ("numpy", "numba"):
+        raise S2sadError(Diagnostic("S405", f"there is no engine {engine!r}", help='use "auto", "numpy" or "numba"'))
+    return engine
+
+
+def always_checked() -> bool:
+    """Whether $S2SAD_BOUNDSCHECK asks for bounds checks in everything that is compiled."""
+    return os.environ.get("S2SAD_BOUNDSCHECK", "0") not in ("", "0")
+
+
+def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ...] = ()) -> ModuleType:
+    """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left."""
+    bounds = bounds or always_checked()
+    module = load(text, name, _key(bounds))
+    if not getattr(module, "__compiled__", False):
+        space = vars(module)
+        for identifier, value in list(space.items()):
+            if not isinstance(value, FunctionType) or identifier in plain:
+                continue
+            if value.__module__ == module.__name__:
+                space[identifier] = _jit(value, bounds, on_disk=True)
+            elif (value.__module__ or "").startswith(_RUNTIME):
+                space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
+        space["__compiled__"] = True
+    return module
+
+
+def quiet(text: str) -> str:
+    """A text without its `print` statements: for a run that only looks whether indices stay in bounds.
+
+    >>> quiet("def f(x):\\n    print(x)\\n    return x")
+    'def f(x):\\n    pass\\n    return x'
+    """
+    return ast.unparse(_Silence().visit(ast.parse(text))) if "print(" in text else text
+
+
+class _Silence(ast.NodeTransformer):
+    def visit_Expr(self, node: ast.Expr) -> ast.AST:
+        call = node.value
+        says = isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "print"
+        return ast.Pass() if says else node
+
+
+def prepare(dispatcher: Any, args: Sequence[Any], what: str) -> None:
+    """Compiles a function for the types of `args`, or reads it from Numba's disk cache; runs nothing."""
+    if not hasattr(dispatcher, "typeof_pyval"):
+        return
+    numba_errors = importlib.import_module("numba.core.errors")
+    signature = tuple(map(dispatcher.typeof_pyval, args))
+    try:
+        try:
+            dispatcher.compile(signature)
+        except (pickle.UnpicklingError, EOFError, AttributeError, ImportError, IndexError, ValueError):
+            _forget(dispatcher)  # a damaged cache file: drop it and compile again
+            dispatcher.compile(signature)
+    except numba_errors.NumbaError as error:
+        reason = str(error).strip()
+        raise S2sadError(Diagnostic("S901", f"internal error: Numba cannot compile {what}", note=reason,
+                                    help='engine="numpy" runs the same text without Numba')) from error
+
+
+def _forget(dispatcher: Any) -> None:
+    function = dispatcher.py_func
+    folder = Path(dispatcher.stats.cache_path or Path(function.__code__.co_filename).parent / "__pycache__")
+    for path in folder.glob(f"{Path(function.__code__.co_filename).stem}.*.nb[ic]"):
+        path.unlink(missing_ok=True)
+
+
+def _jit(function: FunctionType, bounds: bool, on_disk: bool) -> Any:
+    numba = importlib.import_module("numba")
+    flags = {"error_model": "numpy", "boundscheck": bounds, "nogil": True, "fastmath": False}
+    try:
+        return numba.njit(cache=on_disk, **flags)(function)
+    except RuntimeError:  # Numba finds no place for its cache files
+        return numba.njit(**flags)(function)
+
+
+@cache
+def _runtime(module_name: str, bounds: bool) -> dict[str, Any]:
+    """A compiled copy of a runtime module's names; not cached on disk, for it is inlined into what is."""
+    source = vars(importlib.import_module(module_name))
+    space = dict(source)
+    for identifier, value in source.items():
+        if not isinstance(value, FunctionType):
+            continue
+        if value.__module__ == module_name:
+            copy = FunctionType(value.__code__, space, value.__name__, value.__defaults__, value.__closure__)
+            copy.__qualname__, copy.__module__ = value.__qualname__, value.__module__
+            space[identifier] = _jit(copy, bounds, on_disk=False)
+        elif (value.__module__ or "").startswith(_RUNTIME):
+            space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
+    return space
+
+
+@cache
+def _key(bounds: bool) -> str:
+    """A short name for all that machine code depends on beside its own text."""
+    numba, numpy = importlib.import_module("numba"), importlib.import_module("numpy")
+    digest = hashlib.sha256()
+    found = importlib.util.find_spec(_RUNTIME)
+    if found is not None and found.origin:
+        origin = Path(found.origin)
+        for path in sorted(origin.parent.rglob("*.py")) if origin.name == "__init__.py" else [origin]:
+            digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    versions = (numba.__version__, numpy.__version__, platform.python_version(), numba.config.BOUNDSCHECK)
+    digest.update(repr(versions).encode())
+    return f"numba-{digest.hexdigest()[:12]}{'-bounds' if bounds else ''}"

@@ -1,0 +1,134 @@
+"""Whether arrays may be handed to a generated function: shapes, and memory that must lie apart.
+
+A `Check` is made once for a signature. Under Numba it asks one small compiled function, which sees bounding intervals
+only; where they meet, and under NumPy, the exact test runs in Python. Nothing has been written when it raises.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.run.compiled import compiled, prepare
+
+_MAX_WORK = 100_000
+
+
+@dataclass(frozen=True)
+class Slot:
+    """One array argument: its name, its role ("primal", "shadow" or "seed"), the name of its primal (its own if it
+    is one), and whether the function may write it."""
+    name: str
+    role: str
+    primal: str
+    written: bool
+
+
+class Check:
+    """`check(arrays)` raises S2sadError unless they fit; it returns the positions of the shadows that share memory
+    with an earlier one because their primals, which are only read, do (they need a private sum)."""
+
+    def __init__(self, slots: Sequence[Slot], engine: str):
+        self.slots = tuple(slots)
+        place = {slot.name: k for k, slot in enumerate(slots) if slot.role == "primal"}
+        self.shapes = [(k, place[s.primal]) for k, s in enumerate(slots) if s.role == "shadow" and s.primal in place]
+        self.pairs = [(i, j) for i, j in combinations(range(len(slots)), 2) if _matters(slots[i], slots[j])]
+        self.quick: Callable[..., int] | None = None
+        if engine == "numba" and (self.pairs or self.shapes):
+            self.quick = compiled(self._text(), "check").check
+
+    def prepare(self, arrays: Sequence[Any]) -> None:
+        """Compiles for the types of these arrays."""
+        if self.quick is not None:
+            prepare(self.quick, tuple(arrays), "the argument check")
+
+    def __call__(self, arrays: Sequence[Any]) -> tuple[int, ...]:
+        if self.quick is not None and self.quick(*arrays) == 0:
+            return ()
+        return self.exact(arrays)
+
+    def exact(self, arrays: Sequence[Any]) -> tuple[int, ...]:
+        for shadow, primal in self.shapes:
+            if arrays[shadow].shape != arrays[primal].shape:
+                raise S2sadError(shape_mismatch(self.slots[shadow].name, arrays[shadow].shape,
+                                                self.slots[primal].name, arrays[primal].shape))
+        where = {slot.name: arrays[k] for k, slot in enumerate(self.slots) if slot.role == "primal"}
+        shared = []
+        for i, j in self.pairs:
+            if not overlap(arrays[i], arrays[j]):
+                continue
+            a, b = self.slots[i], self.slots[j]
+            if not _may_share(a, b, where, {s.name for s in self.slots if s.written}):
+                raise S2sadError(_overlapping(a, b))
+            shared.append(j)
+        return tuple(sorted(set(shared)))
+
+    def _text(self) -> str:
+        names = [f"a{k}" for k in range(len(self.slots))]
+        lines = [_EXTENT, f"def check({', '.join(names)}):"]
+        lines += [f"    if a{i}.shape != a{j}.shape:\n        return 1" for i, j in self.shapes]
+        lines += [f"    low{k}, high{k} = extent(a{k})" for k in sorted({k for pair in self.pairs for k in pair})]
+        lines += [f"    if low{i} < high{j} and low{j} < high{i}:\n        return 2" for i, j in self.pairs]
+        return "\n".join([*lines, "    return 0", ""])
+
+
+_EXTENT = '''"""Are the arrays of one call of the right shapes, and apart in memory? 0 if they are."""
+import numpy as np
+
+
+def extent(a):
+    low = high = np.intp(a.ctypes.data)
+    for k in range(a.ndim):
+        step = (a.shape[k] - 1) * a.strides[k]
+        if a.shape[k] == 0:
+            return low, low
+        if step < 0:
+            low += step
+        else:
+            high += step
+    return low, high + a.itemsize
+
+
+'''
+
+
+def overlap(a: np.ndarray, b: np.ndarray) -> bool:
+    """Whether two arrays have a byte in common; taken to be so where that is too hard to say."""
+    if not np.may_share_memory(a, b):
+        return False
+    try:
+        return np.shares_memory(a, b, max_work=_MAX_WORK)  # pyright: ignore[reportArgumentType]
+    except np.exceptions.TooHardError:
+        return True
+
+
+def shape_mismatch(shadow: str, shape: tuple[int, ...], primal: str, wanted: tuple[int, ...]) -> Diagnostic:
+    return Diagnostic("S403", f"the shadow '{shadow}' has shape {shape}, its primal '{primal}' has {wanted}",
+                      help=f"make one with s2sad.make_zero({primal})")
+
+
+def _matters(a: Slot, b: Slot) -> bool:
+    if a.role == b.role == "primal":
+        return a.written or b.written
+    return True
+
+
+def _may_share(a: Slot, b: Slot, primals: dict[str, Any], written: set[str]) -> bool:
+    """Shadows may share memory where their primals, only read, do."""
+    if a.role != "shadow" or b.role != "shadow" or a.primal in written or b.primal in written:
+        return False
+    return a.primal in primals and b.primal in primals and overlap(primals[a.primal], primals[b.primal])
+
+
+def _overlapping(a: Slot, b: Slot) -> Diagnostic:
+    if a.role == b.role == "primal":
+        writer = a.name if a.written else b.name
+        return Diagnostic("S404", f"the arguments '{a.name}' and '{b.name}' share memory, and '{writer}' is written",
+                          help="pass a copy of one of them")
+    kind = {"shadow": "shadow", "seed": "seed", "primal": "argument"}
+    return Diagnostic("S404", f"the {kind[a.role]} '{a.name}' and the {kind[b.role]} '{b.name}' share memory",
+                      help="give each shadow memory of its own: s2sad.make_zero(x)")

@@ -1,0 +1,155 @@
+"""What is differentiated with respect to what: defaults, and the refusal of names that cannot be meant."""
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from s2sad.binding import misfit
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.infer.types import Type
+
+RETURN = "return"
+
+
+@dataclass(frozen=True)
+class Results:
+    """The returned values: `floats` are the positions that have derivatives, `own` those that are no written
+    argument, `aliases` the written argument at each other position."""
+    types: tuple[Type, ...]
+    floats: tuple[int, ...]
+    own: tuple[int, ...]
+    aliases: dict[int, str]
+
+    @classmethod
+    def of(cls, summary: Any) -> Results:
+        types = tuple(summary.results)
+        floats = tuple(k for k, t in enumerate(types) if t.is_float)
+        aliases = {k: name for k, name in summary.returned.items() if k in floats}
+        return cls(types, floats, tuple(k for k in floats if k not in aliases), aliases)
+
+    def places(self, names: Sequence[str]) -> tuple[int, ...]:
+        """The positions that the seeds or tangents with these names stand for."""
+        for candidates in (self.own, self.floats):
+            if len(names) == len(candidates):
+                return candidates
+        numbers = [re.search(r"\d+", name) for name in names]
+        return tuple(int(n.group()) for n in numbers if n)
+
+    def structure(self, by_place: dict[int, Any]) -> Any:
+        """The tangent of the returned value: as the value is, 0.0 where it depends on nothing, None where no float."""
+        items = tuple(by_place.get(k, 0.0) if k in self.floats else None for k in range(len(self.types)))
+        return items if len(items) > 1 else items[0] if items else None
+
+
+def structured(results: Results, seed: Any) -> dict[int, Any]:
+    """The seed of the returned value by position: a tuple of the same length for a tuple."""
+    count = len(results.types)
+    if count == 1:
+        return {0: seed}
+    if not isinstance(seed, tuple) or len(seed) != count:
+        what = f"a tuple of {len(seed)}" if isinstance(seed, tuple) else f"of type {type(seed).__name__}"
+        raise misfit(f"the seed of 'return' is {what}, the result is a tuple of {count}",
+                     "give a tuple of the same length, with None for what is no float")
+    for place, item in enumerate(seed):
+        if place not in results.floats and item is not None:
+            raise misfit(f"the seed of 'return' has a value at {place}, where the result is no float",
+                         "give None there")
+    return {place: seed[place] for place in results.floats}
+
+
+def number_seed(seed: Any, name: str = RETURN) -> float:
+    """The seed of a float result, or the tangent of a float argument."""
+    if isinstance(seed, (bool, np.bool_)) or not isinstance(seed, (int, float, np.integer, np.floating)):
+        raise misfit(f"the seed of '{name}' is of type {type(seed).__name__}, not a float", "give a float")
+    return float(seed)
+
+
+def array_seed(name: str, given: Any, like: np.ndarray) -> np.ndarray:
+    """A private copy of an array seed, which must have the dtype and shape of its output."""
+    if not isinstance(given, np.ndarray):
+        raise misfit(f"the seed of '{name}' is of type {type(given).__name__}, its output is an array",
+                     f"give an array of {like.dtype} of shape {like.shape}")
+    if given.dtype != like.dtype or given.shape != like.shape:
+        raise misfit(f"the seed of '{name}' is an array of {given.dtype} of shape {given.shape}, its output one of "
+                     f"{like.dtype} of shape {like.shape}", f"give an array of {like.dtype} of shape {like.shape}")
+    return np.array(given, order="C")
+
+
+def names_of(chosen: str | Iterable[str] | None) -> tuple[str, ...] | None:
+    """One name or several as a tuple."""
+    return (chosen,) if isinstance(chosen, str) else None if chosen is None else tuple(chosen)
+
+
+def selected_wrt(function: str, parameters: Sequence[str], types: Sequence[Type],
+                 wrt: tuple[str, ...] | None) -> tuple[str, ...]:
+    """The independents in the order of the signature; default: every float array and float scalar."""
+    kinds = dict(zip(parameters, types))
+    if wrt is None:
+        found = tuple(p for p in parameters if kinds[p].is_float)
+        if not found:
+            raise _refused(f"'{function}' has no float argument to differentiate with respect to", "")
+        return found
+    for name in wrt:
+        if name not in kinds:
+            raise _refused(f"wrt names '{name}', which is no parameter of '{function}'",
+                           f"its parameters are {', '.join(parameters)}")
+        if not kinds[name].is_float:
+            raise _refused(f"wrt names '{name}', which is {_described(kinds[name])}", _remedy(name, kinds[name]))
+    return tuple(p for p in parameters if p in wrt)
+
+
+def selected_of(function: str, parameters: Sequence[str], types: Sequence[Type], summary: Any,
+                of: tuple[str, ...] | None) -> tuple[str, ...]:
+    """The dependents: names of written float arrays, in order, then "return" for results of their own; a returned
+    argument goes by its name."""
+    results = Results.of(summary)
+    written = [p for p, t in zip(parameters, types) if p in summary.written and t.is_float and t.is_array]
+    if of is None:
+        found = (*written, *((RETURN,) if results.own else ()))
+        if not found:
+            raise _refused(f"'{function}' has nothing to differentiate: it writes no float array and returns no float",
+                           "")
+        return found
+    for name in of:
+        _check_output(function, name, parameters, written, results)
+    wanted = set(of)
+    if RETURN in of:
+        wanted.update(results.aliases.values())
+        if not results.own:
+            wanted.discard(RETURN)
+    return (*(p for p in written if p in wanted), *((RETURN,) if RETURN in wanted else ()))
+
+
+def _check_output(function: str, name: str, parameters: Sequence[str], written: Sequence[str],
+                  results: Results) -> None:
+    known = [*written, *([RETURN] if results.floats else [])]
+    remedy = f"its outputs are {', '.join(known)}" if known else f"'{function}' has no float output"
+    if name == RETURN:
+        if not results.floats:
+            raise _refused(f"'{function}' returns no float", remedy)
+    elif name not in parameters:
+        raise _refused(f"'{name}' is no output of '{function}'", remedy)
+    elif name not in written:
+        raise _refused(f"'{name}' is no output of '{function}': it is not a float array that is written", remedy)
+
+
+def _described(type_: Type) -> str:
+    if type_.is_array:
+        return f"an array of {type_.dtype}"
+    if type_.is_integer:
+        return "a bool" if type_.dtype == "bool" else "an integer"
+    return {"none": "None", "text": "a str"}.get(type_.kind, f"of type {type_}")
+
+
+def _remedy(name: str, type_: Type) -> str:
+    if type_.is_array:
+        return f"pass {name}.astype(float) if it holds real quantities"
+    return "give a float (3.0, not 3) if it is a real quantity" if type_.is_integer else ""
+
+
+def _refused(message: str, remedy: str) -> S2sadError:
+    return S2sadError(Diagnostic("S401", message, help=remedy))

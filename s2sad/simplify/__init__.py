@@ -1,0 +1,89 @@
+"""simplify: the derivative becomes shorter and computes the same.
+
+In order: zeros merged with the first addition, dead statements out, versions of a variable under one name, names folded
+into their one use, arithmetic with constants.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from s2sad.analyze.liveness import Liveness, base_name, targets
+from s2sad.infer.infer import Typing
+from s2sad.naming import Names
+from s2sad.simplify.algebra import algebra
+from s2sad.simplify.coalesce import coalesce
+from s2sad.simplify.dead import dead
+from s2sad.simplify.fold import fold
+from s2sad.simplify.merge import merge
+from s2sad.tree import Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, walk
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Of a function that was made: the positions of arrays that it reads and writes, and whether it may be dropped."""
+    reads: frozenset[int]
+    writes: frozenset[int]
+    pure: bool
+
+
+@dataclass
+class Effects:
+    """The effects of the functions of a module that is being made."""
+    table: dict[str, Effect] = field(default_factory=dict)
+
+    def of(self, called: Call) -> Effect | None:
+        return self.table.get((call_name(called) or "").partition(".")[2])
+
+    def writes(self, called: Call) -> list[str]:
+        effect = self.of(called)
+        if effect is None:
+            return []
+        return [b for k, a in enumerate(called.args) if k in effect.writes and (b := base_name(a))]
+
+    def unread(self, called: Call) -> set[str]:
+        effect = self.of(called)
+        if effect is None:
+            return set()
+        bases = [(k, base_name(a)) for k, a in enumerate(called.args)]
+        read = {b for k, b in bases if k in effect.reads}
+        return {b for _, b in bases if b} - read
+
+    def pure(self, called: Call) -> bool:
+        effect = self.of(called)
+        return (call_name(called) or "") != "builtins.print" and (effect is None or effect.pure)
+
+    def add(self, function: FunctionDef, typing: Typing) -> None:
+        """Registers a finished function."""
+        parameters = [p.id for p in function.args.args]
+        live = Liveness(function, set(), self.writes, self.pure, strong=False, unread=self.unread)
+        reads = {k for k, p in enumerate(parameters) if p in live.start}
+        written: set[str] = set()
+        pure = True
+        for node in walk(function.body):
+            if isinstance(node, (Assign, AugAssign)):
+                written |= {base_name(t) for t in targets(node) if isinstance(t, Subscript)}
+                written |= {base_name(node.target)} if isinstance(node, AugAssign) else set()
+            if isinstance(node, Call):
+                written |= set(self.writes(node))
+                pure = pure and self.pure(node)
+            pure = pure and not isinstance(node, (Assert, Raise))
+        self.table[function.name] = Effect(
+            frozenset(reads), frozenset(k for k, p in enumerate(parameters) if p in written and typing.table[p].is_array),
+            pure)
+
+
+def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], live_out: set[str], effects: Effects,
+             names: Names, kept: set[str]) -> FunctionDef:
+    """The function simplified; `live_out` are the arrays whose content the caller reads, `kept` the names that are
+    not folded away."""
+    fixed = {p.id for p in function.args.args}
+    function = merge(function)
+    function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
+    function, renamed = coalesce(function, dict(family), live_out, effects.writes, fixed, names)
+    function = fold(function, fixed | {renamed.get(n, n) for n in kept}, effects.writes)
+    function = merge(algebra(function))
+    return dead(function, live_out, effects.writes, effects.pure, effects.unread)
+
+
+__all__ = ["Effect", "Effects", "simplify"]

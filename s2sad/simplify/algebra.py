@@ -1,0 +1,115 @@
+"""algebra: arithmetic with constants is done, and what it leaves is written as one would by hand.
+
+    x ** (2 - 1)   ->   x           range(n - 1, 0 - 1, -1)   ->   range(n - 1, -1, -1)
+    y + -1.0 * z   ->   y - z       i + 1 - 1                 ->   i
+
+Only what is exact in floating point: integers are computed, factors one and double signs go.
+"""
+from __future__ import annotations
+
+from s2sad.tree import (
+    AST, Add, Assign, AugAssign, BinOp, Constant, Expr, For, FunctionDef, If, Mult, Pow, Return, Sub, UnaryOp, USub,
+    While, at, augment, call_name, const, copy,
+)
+
+
+def algebra(function: FunctionDef) -> FunctionDef:
+    """The function with simple arithmetic."""
+    new = copy(function)
+    new.body = [_statement(s) for s in function.body]
+    return new
+
+
+def _statement(statement: AST) -> AST:
+    if isinstance(statement, For):
+        made: AST = For(statement.target, simple(statement.iter), list(map(_statement, statement.body)), [], None)
+    elif isinstance(statement, While):
+        made = While(simple(statement.test), list(map(_statement, statement.body)), [])
+    elif isinstance(statement, If):
+        made = If(simple(statement.test), list(map(_statement, statement.body)), list(map(_statement, statement.orelse)))
+    elif isinstance(statement, AugAssign):
+        value, op = simple(statement.value), statement.op
+        if isinstance(op, (Add, Sub)) and isinstance(value, UnaryOp) and isinstance(value.op, USub):
+            value, op = value.operand, Sub() if isinstance(op, Add) else Add()
+        made = augment(simple(statement.target), op, value)
+    elif isinstance(statement, (Assign, Return, Expr)):
+        made = copy(statement)
+        if isinstance(statement, Assign):
+            made.targets = [simple(statement.targets[0])]
+        if statement.value is not None:
+            made.value = simple(statement.value)
+    else:
+        return statement
+    return at(made, statement)
+
+
+def integer(node: AST) -> int | None:
+    if isinstance(node, UnaryOp) and isinstance(node.op, USub):
+        inner = integer(node.operand)
+        return None if inner is None else -inner
+    if isinstance(node, Constant) and isinstance(node.value, int) and not isinstance(node.value, bool):
+        return node.value
+    return None
+
+
+def simple(node: AST, integers: bool = False) -> AST:
+    """The expression with its arithmetic done, innermost first; sums are reordered only among integers."""
+    integers = integers or call_name(node) == "builtins.range"
+    new = type(node)(*[_field(getattr(node, f), integers or f == "slice") for f in node._fields])
+    if hasattr(node, "lineno"):
+        at(new, node)
+    if isinstance(new, UnaryOp) and isinstance(new.op, USub) and isinstance(new.operand, UnaryOp) and isinstance(
+            new.operand.op, USub):
+        return new.operand.operand
+    return _binary(new, integers) if isinstance(new, BinOp) else new
+
+
+def _field(value: object, integers: bool) -> object:
+    if isinstance(value, list):
+        return [_field(v, integers) for v in value]
+    return simple(value, integers) if isinstance(value, AST) else value
+
+
+def _binary(node: BinOp, integers: bool) -> AST:
+    left, right = integer(node.left), integer(node.right)
+    if isinstance(node.op, (Add, Sub)) and (integers or left is not None and right is not None):
+        return _sum(node, left, right)
+    if isinstance(node.op, (Add, Sub)):
+        return _signed(node)
+    if isinstance(node.op, Mult) and left is not None and right is not None:
+        return const(left * right)
+    if isinstance(node.op, Mult) and (left == 1 or right == 1):
+        return node.right if left == 1 else node.left
+    if isinstance(node.op, Pow) and right == 1:
+        return node.left
+    return node
+
+
+def _sum(node: BinOp, left: int | None, right: int | None) -> AST:
+    plus = isinstance(node.op, Add)
+    if left is not None and right is not None:
+        return const(left + right if plus else left - right)
+    if right is not None:
+        shift = right if plus else -right
+        inner = node.left
+        if isinstance(inner, BinOp) and isinstance(inner.op, (Add, Sub)) and (known := integer(inner.right)) is not None:
+            return shifted(inner.left, shift + (known if isinstance(inner.op, Add) else -known))
+        return shifted(inner, shift)
+    if left == 0 and plus:
+        return node.right
+    return _signed(node)
+
+
+def _signed(node: BinOp) -> AST:
+    value = node.right
+    if isinstance(value, UnaryOp) and isinstance(value.op, USub):
+        return BinOp(node.left, Sub() if isinstance(node.op, Add) else Add(), value.operand)
+    return node
+
+
+def shifted(node: AST, shift: int) -> AST:
+    if shift == 0:
+        return node
+    return BinOp(node, Add() if shift > 0 else Sub(), const(abs(shift)))
+
+

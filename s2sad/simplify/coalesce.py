@@ -1,0 +1,113 @@
+"""coalesce: versions of one variable that are never needed at once share a name, and the copies between them go.
+
+Requires a structured function and the families of names; establishes the shortest names: the variable's own for the
+first version, then `_1`, `_2`, ... (Chaitin et al., Computer Languages 6, 1981; the structured program gives the lives.)
+
+    g = guess                       for i in range(n):
+    for i in range(n):                  guess = f(guess)
+        g_1 = f(g)
+        g = g_1
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from s2sad.analyze.liveness import Liveness, targets
+from s2sad.naming import Names
+from s2sad.simplify.rebuild import with_blocks
+from s2sad.tree import (
+    AST, Assign, AugAssign, Call, For, FunctionDef, Name, rename, walk,
+)
+
+
+def coalesce(function: FunctionDef, family: Mapping[str, str], live_out: set[str],
+             writes: Callable[[Call], list[str]], fixed: set[str], names: Names
+             ) -> tuple[FunctionDef, dict[str, str]]:
+    """The function with shared names, and every name's new one; `fixed` (its parameters) keep theirs."""
+    live = Liveness(function, live_out, writes, lambda call: False, strong=False)
+    clash = _clashes(function, live, family)
+    classes = {n: n for n in family}
+    for a, b in _copies(function, family):
+        ra, rb = _root(classes, a), _root(classes, b)
+        if ra != rb and rb not in clash.get(ra, set()) and not (ra in fixed and rb in fixed):
+            keep, gone = (rb, ra) if rb in fixed else (ra, rb)
+            classes[gone] = keep
+            clash.setdefault(keep, set()).update(clash.get(gone, set()))
+            for other in clash.get(gone, set()):
+                clash.setdefault(other, set()).add(keep)
+    roots = {n: _root(classes, n) for n in family}
+    shared = rename(function, {n: r for n, r in roots.items() if n != r})
+    shared.body = _without_self(shared.body)
+    short = _short(shared, family, fixed, names)
+    return rename(shared, short), {n: short.get(r, r) for n, r in roots.items()}
+
+
+def _root(classes: dict[str, str], name: str) -> str:
+    while classes[name] != name:
+        name = classes[name]
+    return name
+
+
+def _clashes(function: FunctionDef, live: Liveness, family: Mapping[str, str]) -> dict[str, set[str]]:
+    found: dict[str, set[str]] = {}
+
+    def define(name: str, after: set[str], source: str | None) -> None:
+        for other in after:
+            if other != name and other != source and family.get(other) == family[name]:
+                found.setdefault(name, set()).add(other)
+                found.setdefault(other, set()).add(name)
+
+    for parameter in function.args.args:
+        if parameter.id in family:
+            define(parameter.id, live.start, None)
+    for statement in walk(function.body):
+        if not isinstance(statement, (Assign, AugAssign, For)):
+            continue
+        source = statement.value.id if isinstance(statement, Assign) and isinstance(statement.value, Name) else None
+        after = live.after[id(statement)] if not isinstance(statement, For) else live.entry.get(id(statement), set())
+        for target in targets(statement):
+            if isinstance(target, Name) and target.id in family:
+                define(target.id, after, source)
+    return found
+
+
+def _copies(function: FunctionDef, family: Mapping[str, str]) -> list[tuple[str, str]]:
+    """The copies between versions of one variable, those in the innermost loops first."""
+    found: list[tuple[int, int, str, str]] = []
+
+    def visit(block: list[AST], depth: int) -> None:
+        for statement in block:
+            if isinstance(statement, Assign) and isinstance(statement.value, Name) and isinstance(
+                    statement.targets[0], Name):
+                a, b = statement.targets[0].id, statement.value.id
+                if a in family and family.get(b) == family[a]:
+                    found.append((-depth, len(found), a, b))
+            for inner in ("body", "orelse"):
+                visit(getattr(statement, inner, None) or [], depth + (not hasattr(statement, "test")))
+    visit(function.body, 0)
+    return [(a, b) for _, _, a, b in sorted(found)]
+
+
+def _without_self(block: list[AST]) -> list[AST]:
+    kept = [with_blocks(s, _without_self) for s in block]
+    return [s for s in kept if not (isinstance(s, Assign) and isinstance(s.targets[0], Name)
+                                    and isinstance(s.value, Name) and s.targets[0].id == s.value.id)]
+
+
+def _short(function: FunctionDef, family: Mapping[str, str], fixed: set[str], names: Names) -> dict[str, str]:
+    """New names in the order of appearance: the variable's own, then numbered ones."""
+    order = list(dict.fromkeys(n.id for n in walk(function.body) if isinstance(n, Name) and n.id in family
+                               and n.id not in fixed))
+    present = {n.id for n in walk(function) if isinstance(n, Name)}
+    taken = (present - set(order)) | fixed | (names.taken - set(family))
+    mapping: dict[str, str] = {}
+    for name in order:
+        wanted, number = family[name], 0
+        while wanted in taken:
+            number += 1
+            wanted = f"{family[name]}_{number}"
+        taken.add(wanted)
+        mapping[name] = wanted
+    return {a: b for a, b in mapping.items() if a != b}
+
+

@@ -1,0 +1,250 @@
+"""The tree: Python syntax as gast nodes, and the few functions that build and walk it.
+
+This is the one module that touches gast. A name that was resolved to something outside the kernel has a
+dotted id, which no user's name can have:
+
+    numpy.exp, math.sqrt, builtins.range    a library's function or constant
+    user.limit                              another kernel of the same program
+    const.G                                 a constant of the kernel's module or closure
+    runtime.grow                            a function of s2sad.runtime
+
+Emission prints them as `np.exp`, `limit`, `G`, `grow`.
+"""
+from __future__ import annotations
+
+import ast as _ast
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import gast
+from gast import (
+    AST, Add, And, AnnAssign, Assert, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Break,
+    Call, Compare, Constant, Continue, Div, Eq, Expr, FloorDiv, For, FunctionDef, Gt, GtE, If, IfExp, In, Invert, Is,
+    IsNot, List, Load, LShift, Lt, LtE, MatMult, Mod, Module, Mult, Name, Not, NotEq, NotIn, Or, Pass, Pow, Raise,
+    Return, RShift, Slice, Starred, Store, Sub, Subscript, Tuple, UAdd, UnaryOp, USub, While, arguments, expr,
+    keyword,
+)
+
+__all__ = [
+    "AST", "Add", "And", "AnnAssign", "Assert", "Assign", "Attribute", "AugAssign", "BinOp", "BitAnd", "BitOr",
+    "BitXor", "BoolOp", "Break", "Call", "Compare", "Constant", "Continue", "Div", "Eq", "Expr", "FloorDiv", "For",
+    "FunctionDef", "Gt", "GtE", "If", "IfExp", "In", "Invert", "Is", "IsNot", "List", "Load", "LShift", "Lt", "LtE",
+    "MatMult", "Mod", "Module", "Mult", "Name", "Not", "NotEq", "NotIn", "Or", "Pass", "Pow", "Raise", "Return",
+    "RShift", "Slice", "Starred", "Store", "Sub", "Subscript", "Tuple", "UAdd", "UnaryOp", "USub", "While",
+    "arguments", "keyword", "add", "assign", "at", "attribute", "augment", "binary", "call", "call_name", "children",
+    "comment",
+    "compare", "const", "copy", "counted_for", "dump", "equal", "expr", "expression", "function", "index", "indices", "is_comment", "mult",
+    "name", "names", "negate", "parse", "rebuild", "rename", "statements", "stored_names", "sub", "substitute", "tuple_of",
+    "walk",
+]
+
+_LOAD, _STORE = Load(), Store()
+
+
+def parse(text: str) -> Module:
+    """The tree of a module's text; raises SyntaxError as Python does."""
+    return gast.ast_to_gast(_ast.parse(text))
+
+
+def statements(text: str) -> list[AST]:
+    """The statements of a piece of text."""
+    return parse(text).body
+
+
+def expression(text: str) -> AST:
+    """The tree of one expression."""
+    return parse(text).body[0].value
+
+
+# -- building -------------------------------------------------------------------------------------------------------
+
+def name(identifier: str) -> Name:
+    return Name(identifier, _LOAD, None, None)
+
+
+def const(value: Any) -> AST:
+    """A constant; a negative number is spelled as Python parses it, a minus before a constant."""
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and (value < 0 or str(value) == "-0.0"):
+        return UnaryOp(USub(), Constant(-value, None))
+    return Constant(value, None)
+
+
+def comment(text: str) -> Expr:
+    """A comment line, as a statement that does nothing."""
+    return Expr(Constant(text, "comment"))
+
+
+def is_comment(node: AST) -> bool:
+    """Whether a statement is a comment line."""
+    return isinstance(node, Expr) and isinstance(node.value, Constant) and node.value.kind == "comment"
+
+
+def attribute(value: AST, attr: str) -> Attribute:
+    return Attribute(value, attr, _LOAD)
+
+
+def call(function_name: str, *args: AST, **keywords: AST) -> Call:
+    return Call(name(function_name), list(args), [keyword(k, v) for k, v in keywords.items()])
+
+
+def index(base: AST, *subscripts: AST) -> Subscript:
+    return Subscript(base, subscripts[0] if len(subscripts) == 1 else Tuple(list(subscripts), _LOAD), _LOAD)
+
+
+def tuple_of(*items: AST) -> Tuple:
+    return Tuple(list(items), _LOAD)
+
+
+def binary(left: AST, op: AST, right: AST) -> BinOp:
+    return BinOp(left, op, right)
+
+
+def add(left: AST, right: AST) -> BinOp:
+    return BinOp(left, Add(), right)
+
+
+def sub(left: AST, right: AST) -> BinOp:
+    return BinOp(left, Sub(), right)
+
+
+def mult(left: AST, right: AST) -> BinOp:
+    return BinOp(left, Mult(), right)
+
+
+def negate(operand: AST) -> UnaryOp:
+    return UnaryOp(USub(), operand)
+
+
+def compare(left: AST, op: AST, right: AST) -> Compare:
+    return Compare(left, [op], [right])
+
+
+def _target(node: AST) -> AST:
+    if isinstance(node, Name):
+        return Name(node.id, _STORE, None, None)
+    if isinstance(node, Subscript):
+        return Subscript(node.value, node.slice, _STORE)
+    if isinstance(node, (Tuple, List)):
+        return type(node)([_target(item) for item in node.elts], _STORE)
+    return node
+
+
+def assign(target: AST | str, value: AST) -> Assign:
+    return Assign([_target(name(target) if isinstance(target, str) else target)], value, None)
+
+
+def augment(target: AST | str, op: AST, value: AST) -> AugAssign:
+    return AugAssign(_target(name(target) if isinstance(target, str) else target), op, value)
+
+
+def counted_for(variable: str, bounds: list[AST], body: list[AST]) -> For:
+    """`for variable in range(*bounds)`."""
+    return For(_target(name(variable)), call("builtins.range", *bounds), body, [], None)
+
+
+def function(identifier: str, parameters: list[str], body: list[AST]) -> FunctionDef:
+    args = [Name(p, gast.Param(), None, None) for p in parameters]
+    return FunctionDef(identifier, arguments(args, [], None, [], [], None, []), body, [], None, None, [])
+
+
+def at(node: AST, origin: AST) -> AST:
+    """The node, with the place of the statement that it comes from (on itself and on what has none)."""
+    for child in gast.walk(node):
+        if getattr(child, "lineno", None) is None and "lineno" in getattr(child, "_attributes", ()):
+            gast.copy_location(child, origin)
+    return node
+
+
+# -- reading --------------------------------------------------------------------------------------------------------
+
+def walk(node: AST | list[AST]) -> Iterator[AST]:
+    """Every node below, the given one first, in the order of the text."""
+    stack = list(reversed(node)) if isinstance(node, list) else [node]
+    while stack:
+        current = stack.pop()
+        yield current
+        stack.extend(reversed(list(gast.iter_child_nodes(current))))
+
+
+def children(node: AST) -> list[AST]:
+    """The nodes directly below, in the order of the text."""
+    return list(gast.iter_child_nodes(node))
+
+
+def names(node: AST | list[AST]) -> list[str]:
+    """The undotted names that are read, in order, each once."""
+    found = (n.id for n in walk(node) if isinstance(n, Name) and not isinstance(n.ctx, Store) and "." not in n.id)
+    return list(dict.fromkeys(found))
+
+
+def stored_names(node: AST | list[AST]) -> list[str]:
+    """The names that are bound, in order, each once (element stores do not bind)."""
+    return list(dict.fromkeys(n.id for n in walk(node) if isinstance(n, Name) and isinstance(n.ctx, Store)))
+
+
+def call_name(node: AST) -> str | None:
+    """The resolved name of the function that a call calls, or None if the node is no such call."""
+    return node.func.id if isinstance(node, Call) and isinstance(node.func, Name) else None
+
+
+def indices(node: Subscript) -> list[AST]:
+    """The subscripts of `x[i, j]` as a list."""
+    return list(node.slice.elts) if isinstance(node.slice, Tuple) else [node.slice]
+
+
+def dump(node: AST | list[AST]) -> str:
+    """A text that is the same for equal trees, and only for them; places and contexts do not count."""
+    if isinstance(node, list):
+        return "[" + ", ".join(map(dump, node)) + "]"
+    if isinstance(node, Constant):
+        return f"{type(node.value).__name__} {node.value!r}"
+    if not isinstance(node, AST):
+        return repr(node)
+    fields = (f for f in node._fields if f not in ("ctx", "type_comment", "annotation", "kind"))
+    return f"{type(node).__name__}({', '.join(dump(getattr(node, f)) for f in fields)})"
+
+
+def equal(a: AST, b: AST) -> bool:
+    return dump(a) == dump(b)
+
+
+# -- changing -------------------------------------------------------------------------------------------------------
+
+def _rebuild(node: Any, change: Callable[[AST], AST | None]) -> Any:
+    if isinstance(node, list):
+        return [_rebuild(item, change) for item in node]
+    if not isinstance(node, AST):
+        return node
+    changed = change(node)
+    if changed is not None:
+        return changed
+    new = type(node)(*[_rebuild(getattr(node, f), change) for f in node._fields])
+    return gast.copy_location(new, node) if "lineno" in getattr(node, "_attributes", ()) else new
+
+
+def copy(node: Any) -> Any:
+    """A deep copy, places included."""
+    return _rebuild(node, lambda n: None)
+
+
+def substitute(node: Any, mapping: Mapping[str, AST]) -> Any:
+    """A copy in which names that are read are replaced by expressions."""
+    def change(n: AST) -> AST | None:
+        if isinstance(n, Name) and n.id in mapping and not isinstance(n.ctx, Store):
+            return copy(mapping[n.id])
+        return None
+    return _rebuild(node, change)
+
+
+def rename(node: Any, mapping: Mapping[str, str]) -> Any:
+    """A copy in which names have other identifiers, where read and where bound."""
+    def change(n: AST) -> AST | None:
+        if isinstance(n, Name) and n.id in mapping:
+            return gast.copy_location(Name(mapping[n.id], n.ctx, None, None), n)
+        return None
+    return _rebuild(node, change)
+
+
+def rebuild(node: Any, change: Callable[[AST], AST | None]) -> Any:
+    """A copy in which every node for which `change` gives another is replaced by that, outermost first."""
+    return _rebuild(node, change)

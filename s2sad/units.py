@@ -1,0 +1,283 @@
+"""Units: the kernels of a program in normal form, one per set of argument types, and their derivatives, each made once.
+
+A unit's summary says what a call of it writes, what depends on what, and whether it may be left out.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from s2sad.analyze.activity import Activity, activity, reach
+from s2sad.analyze.dependence import Dependence
+from s2sad.analyze.liveness import Liveness, base_name, targets
+from s2sad.analyze.recorded import Plan, Question, recorded
+from s2sad.analyze.structure import Structure, structure
+from s2sad.analyze.uses import Uses, uses
+from s2sad.diagnostics import Report
+from s2sad.differentiate.adjoint import Made, Wanted, adjoint
+from s2sad.differentiate.calls import Callee, Pattern, call_uses, is_kernel_call
+from s2sad.differentiate.tangent import tangent
+from s2sad.infer.infer import Typing, infer
+from s2sad.infer.types import Type
+from s2sad.naming import Names
+from s2sad.normalize import structured
+from s2sad.normalize.atoms import atoms
+from s2sad.normalize.rename import rename
+from s2sad.normalize.scalarize import scalarize
+from s2sad.normalize.views import views
+from s2sad.normalize.workspace import is_allocation, workspace
+from s2sad.program import Kernel, Program
+from s2sad.simplify import Effects, simplify
+from s2sad.tree import (
+    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, Tuple, call_name, copy, name,
+    walk,
+)
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a call of a unit does: positions written, pairs (argument, argument or "return k") of dependence."""
+    written: tuple[int, ...]
+    results: tuple[Type, ...]
+    returned: dict[int, str]
+    edges: tuple[tuple[int, int | str], ...]
+    pure: bool
+
+
+@dataclass
+class Unit:
+    """A kernel for given types, in normal form."""
+    kernel: Kernel
+    title: str
+    types: tuple[Type, ...]
+    function: FunctionDef
+    typing: Typing
+    family: dict[str, str]
+    names: Names
+    lowered: FunctionDef
+    structure: Structure
+    summary: Summary
+
+    def first_use(self, parameter: str) -> bool:
+        """Whether the kernel may read what an array held at its start."""
+        live = Liveness(self.function, set(), lambda call: [], lambda call: False, strong=False)
+        return parameter in live.start
+
+
+@dataclass
+class Derived:
+    """A derivative made: its function, what a caller must know, and what is to be reported."""
+    callee: Callee
+    function: FunctionDef
+    made: Made
+    unit: Unit
+    activity: Activity
+    types: dict[str, Type]
+    plan: Plan | None = None
+
+
+@dataclass
+class Units:
+    """Everything made for one program and one engine."""
+    program: Program
+    engine: str
+    made: dict[tuple[str, tuple[Type, ...]], Unit] = field(default_factory=dict)
+    titled: dict[str, Unit] = field(default_factory=dict)
+    derived: dict[tuple, Derived] = field(default_factory=dict)
+    effects: Effects = field(default_factory=Effects)
+    titles: Names = field(default_factory=Names)
+
+    def __post_init__(self) -> None:
+        self.titles.taken |= set(self.program.kernels)
+
+    # -- normal form -------------------------------------------------------------------------------------------------
+
+    def unit(self, kernel: str, types: tuple[Type, ...]) -> Unit:
+        """The unit of a kernel, or of a unit's title, for these types."""
+        if kernel in self.titled and self.titled[kernel].types == types:
+            return self.titled[kernel]
+        key = (kernel, types)
+        if key not in self.made:
+            others = sum(k == kernel for k, _ in self.made)
+            title = self.titles.fresh(f"{kernel}_{others + 1}") if others else kernel
+            self.made[key] = self.titled[title] = self._prepared(self.program.kernels[kernel], types, title)
+        return self.made[key]
+
+    def _prepared(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
+        """The passes of `normalize` and `infer`, in order."""
+        report = Report(kernel.source)
+        names = Names()
+        values = {**self.program.constants, **self.program.arrays}
+        tree = structured(kernel, names, self.program)
+        given = dict(zip((p.id for p in tree.args.args), types))
+        table = infer(tree, given, self.call_types, report, values)
+        report.finish()
+        typing = Typing(table, self.call_types, report, values)
+        typing.final = True
+        tree = workspace(views(tree, table, typing, names, report))
+        report.finish()
+        tree = self.with_titles(tree, typing)
+        if self.engine == "numba":
+            tree = scalarize(tree, typing, names)
+        lowered = tree
+        renamed = rename(tree, typing.table, names, self.call_writes)
+        table = infer(renamed.function, given, self.call_types, report, values)
+        report.finish()
+        typing = Typing(table, self.call_types, report, values)
+        tree = atoms(renamed.function, typing, names, written_arrays(renamed.function, self))
+        return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
+                    self._summary(tree, typing))
+
+    def _summary(self, tree: FunctionDef, typing: Typing) -> Summary:
+        parameters = [p.id for p in tree.args.args]
+        written = written_arrays(tree, self)
+        arrows: dict[str, list[str]] = {}
+        for a, b in activity(tree, typing, set(), set(), self.call_edges).edges:
+            arrows.setdefault(a, []).append(b)
+        edges: list[tuple[int, int | str]] = []
+        for position, parameter in enumerate(parameters):
+            found = reach(arrows, {parameter})
+            edges += [(position, k) for k, p in enumerate(parameters) if p in found and p in written]
+            edges += [(position, f) for f in sorted(found) if f.startswith("return ")]
+        last = tree.body[-1] if tree.body else None
+        value = last.value if isinstance(last, Return) else None
+        parts = [] if value is None else list(value.elts) if isinstance(value, Tuple) else [value]
+        guards = any(isinstance(n, (Assert, Raise)) or call_name(n) == "builtins.print" for n in walk(tree.body))
+        calls = [n for n in walk(tree.body) if isinstance(n, Call) and (call_name(n) or "").startswith("user.")]
+        return Summary(tuple(k for k, p in enumerate(parameters) if p in written), tuple(map(typing.of, parts)),
+                       {k: p.id for k, p in enumerate(parts) if isinstance(p, Name) and typing.of(p).is_array},
+                       tuple(edges), not guards and all(self.of_call(c, typing).summary.pure for c in calls))
+
+    # -- calls -------------------------------------------------------------------------------------------------------
+
+    def of_call(self, called: Call, typing: Typing) -> Unit:
+        return self.unit((call_name(called) or "").partition(".")[2], tuple(map(typing.of, called.args)))
+
+    def call_types(self, kernel: str, types: tuple[Type, ...]) -> tuple[Type, ...]:
+        return self.unit(kernel, types).summary.results
+
+    def with_titles(self, tree: FunctionDef, typing: Typing) -> FunctionDef:
+        """The tree with every kernel's call naming the unit for the types of its arguments."""
+        new = copy(tree)
+        for node in walk(new.body):
+            if isinstance(node, Call) and (call_name(node) or "").startswith("user."):
+                node.func = name(f"user.{self.of_call(node, typing).title}")
+        return new
+
+    def called(self, node: Call) -> Unit | None:
+        return self.titled.get((call_name(node) or "").partition(".")[2])
+
+    def call_writes(self, node: Call) -> list[str]:
+        """The arrays that a call may write."""
+        unit = self.called(node)
+        return [] if unit is None else [base_name(node.args[p]) for p in unit.summary.written]
+
+    def call_edges(self, node: Call) -> list[tuple[int, int | str]]:
+        unit = self.called(node)
+        return [] if unit is None else list(unit.summary.edges)
+
+    def writes(self, statement: AST) -> list[AST]:
+        """The array places that a statement itself overwrites."""
+        found: list[AST] = [t for t in targets(statement) if isinstance(t, Subscript)]
+        if is_kernel_call(statement) and (unit := self.called(statement.value)) is not None:
+            found += [statement.value.args[p] for p in unit.summary.written]
+        return found
+
+    # -- derivatives -------------------------------------------------------------------------------------------------
+
+    def derive(self, mode: str, unit: Unit, wanted: Wanted, flat: bool = False) -> Derived:
+        key = (mode, unit.title, wanted, flat)
+        if key not in self.derived:
+            others = sum(k[0] == mode and k[1] == unit.title for k in self.derived)
+            title = self.titles.fresh(f"{unit.title}_{mode}" + (f"_{others + 1}" if others else ""))
+            made = self._adjoint(unit, wanted, title) if mode == "adjoint" else self._tangent(unit, wanted, title, flat)
+            self.derived[key] = made
+        return self.derived[key]
+
+    def activity(self, unit: Unit, wanted: Wanted) -> Activity:
+        return activity(unit.function, unit.typing, set(wanted.wrt), set(wanted.of), self.call_edges)
+
+    def fresh(self, unit: Unit) -> tuple[Typing, Names]:
+        """Tables of their own for one derivative, so that its names do not depend on what was made before."""
+        typing = Typing(dict(unit.typing.table), self.call_types, unit.typing.report, unit.typing.constants)
+        return typing, Names(unit.names.taken | set(unit.typing.table))
+
+    def _adjoint(self, unit: Unit, wanted: Wanted, title: str) -> Derived:
+        found = self.activity(unit, wanted)
+        typing, names = self.fresh(unit)
+        table = structure(unit.function, typing)
+        deriving = self.for_calls("adjoint")
+
+        def reads_of(statement: AST) -> Uses:
+            return uses(statement, typing, found.active,
+                        lambda s, u: call_uses(s, typing, found.active, deriving, u) if is_kernel_call(s) else None)
+
+        question = Question(table, Dependence(table), lambda s: is_active_statement(s, typing, found), reads_of,
+                            self.writes)
+        plan = recorded(question)
+        made = adjoint(table, found, plan, wanted, names, deriving, title)
+        return self._finished(unit, wanted, made, found, typing, names, plan)
+
+    def _tangent(self, unit: Unit, wanted: Wanted, title: str, flat: bool) -> Derived:
+        found = self.activity(unit, wanted)
+        typing, names = self.fresh(unit)
+        made = tangent(structure(unit.function, typing), found, wanted, names, self.for_calls("tangent"), title, flat)
+        return self._finished(unit, wanted, made, found, typing, names, None)
+
+    def _finished(self, unit: Unit, wanted: Wanted, made: Made, found: Activity, typing: Typing, names: Names,
+                  plan: Plan | None) -> Derived:
+        function = scalarize(made.function, typing, names) if self.engine == "numba" else made.function
+        arrays = {n for n, role, _ in made.parameters if role == "shadow" and typing.table[n].is_array}
+        if plan is None:
+            arrays |= {n for n, role, _ in made.parameters if role == "primal" and typing.table[n].is_array}
+        family = {**unit.family, **{s: f"{unit.family.get(p, p)}_{'bar' if plan else 'dot'}"
+                                    for p, s in made.shadows.items() if typing.table[s].is_number}}
+        kept = set(unit.family) | {made.shadows[v] for v in unit.family if v in made.shadows}
+        function = simplify(function, typing, family, arrays, self.effects, names, kept)
+        self.effects.add(function, typing)
+        parameters = made.parameters
+        shadows = [k for k, (_, role, primal) in enumerate(parameters) if role == "shadow"]
+        order = [p for p, role, _ in parameters if role == "primal"]
+        effect = self.effects.table[function.name]
+        position = {n: k for k, (n, _, _) in enumerate(parameters)}
+        callee = Callee(
+            f"user.{function.name}", tuple(order.index(parameters[k][2]) for k in shadows),
+            tuple(int(o.split()[1]) for o in wanted.of if o.startswith("return ")),
+            tuple(order.index(p) for p in wanted.wrt if typing.table[p].is_number),
+            tuple(k for k, p in enumerate(order) if position[p] in effect.reads),
+            tuple(k for k, p in enumerate(order) if position[p] in effect.writes))
+        return Derived(callee, function, made, unit, found, dict(typing.table), plan)
+
+    def for_calls(self, mode: str):
+        def made(pattern: Pattern) -> Callee:
+            unit = self.unit(pattern.kernel, pattern.types)
+            parameters = [p.id for p in unit.function.args.args]
+            arguments = tuple(parameters[k] for k in pattern.arguments)
+            written = {parameters[k] for k in unit.summary.written}
+            of = tuple(p for p in arguments if p in written) + tuple(f"return {k}" for k in pattern.results)
+            return self.derive(mode, unit, Wanted(arguments, of, mode == "tangent"), mode == "tangent").callee
+        return made
+
+
+def written_arrays(tree: FunctionDef, units: Units) -> set[str]:
+    """The arrays whose elements a function may write."""
+    found: set[str] = set()
+    for statement in walk(tree.body):
+        if isinstance(statement, (Assign, AugAssign)):
+            found |= {base_name(t) for t in targets(statement) if isinstance(t, Subscript)}
+        if isinstance(statement, (Assign, AugAssign, Expr)) and is_kernel_call(statement):
+            found |= set(units.call_writes(statement.value))
+    return found
+
+
+def is_active_statement(statement: AST, typing: Typing, found: Activity) -> bool:
+    """Whether a statement has an adjoint."""
+    if isinstance(statement, Return):
+        return True
+    if is_kernel_call(statement):
+        bound = [base_name(t) for t in targets(statement)]
+        return any(b in found.active for b in bound) or any(
+            typing.of(a).is_array and base_name(a) in found.active for a in statement.value.args)
+    if not isinstance(statement, (Assign, AugAssign)) or is_allocation(statement):
+        return False
+    target = targets(statement)[0]
+    return base_name(target) in found.active and typing.of(target).is_float

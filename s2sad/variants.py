@@ -1,0 +1,238 @@
+"""The derivatives of one function: derived once for what is asked, compiled, and kept.
+
+A `Derivatives` hangs on the function itself. It has one `State` for each set of values of the constants that the
+function reads, and a state one `Variant` for each (mode, types, wrt, of, engine).
+"""
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from operator import itemgetter
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from s2sad import pipeline, read
+from s2sad.binding import float_parameters, same_number, types as types_of
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.infer.types import Type, of_value
+from s2sad.program import Generated, Kernel, Parameter, Program, Request
+from s2sad.run.compiled import chosen, compiled, prepare, quiet
+from s2sad.run.load import load
+from s2sad.run.overlap import Check, Slot
+from s2sad.watch import Watch, plain_function
+
+_LOCK = threading.RLock()
+HIDDEN = "array."
+_KEPT = 31  # states: a global that changes at every call must not fill the memory
+
+
+def derivatives_of(f: Any) -> Derivatives:
+    """The derivatives of a plain function, a differentiated one or a Numba dispatcher."""
+    function = plain_function(f)
+    if not isinstance(function, FunctionType):
+        raise S2sadError(Diagnostic("S101", f"{f!r} is not a function whose Python source can be read",
+                                    help="define it with `def` in a file"))
+    with _LOCK:
+        kept = vars(function).get("__s2sad__")
+        if not isinstance(kept, Derivatives) or kept.function is not function:  # functools.wraps copies attributes
+            kept = function.__s2sad__ = Derivatives(function)  # type: ignore[attr-defined]
+        return kept
+
+
+class Derivatives:
+    """All that was derived from one function."""
+
+    def __init__(self, function: FunctionType):
+        self.function = function
+        self._states: list[State] = []
+        self._watch: Watch | None = None
+        self._current: State | None = None
+
+    def state(self) -> State:
+        """The state for the values that the function's constants have now."""
+        if self._current is not None and self._watch is not None and self._watch.unchanged():
+            return self._current
+        with _LOCK:
+            watch = Watch(self.function)
+            program = read.load(self.function)
+            self._current = self._state_of(program)
+            self._watch = watch
+            return self._current
+
+    def _state_of(self, program: Program) -> State:
+        for state in self._states:
+            if state.serves(program):
+                state.arrays = tuple(program.arrays.values())
+                return state
+        del self._states[:-_KEPT]
+        self._states.append(State(program, self.function))
+        return self._states[-1]
+
+
+class State:
+    """A program whose constants are known, and what was derived from it. `entries` keeps prepared calls by their
+    callers' keys."""
+
+    def __init__(self, program: Program, function: FunctionType):
+        self.program, self.function = program, function
+        self.kernel: Kernel = program.kernels[program.entry]
+        self.parameters = self.kernel.parameters
+        self.floats = float_parameters(self.kernel)
+        self.arrays = tuple(program.arrays.values())
+        self.entries: dict[Any, Any] = {}
+        self._variants: dict[Any, Variant] = {}
+        self._summaries: dict[tuple[Type, ...], Any] = {}
+
+    def serves(self, program: Program) -> bool:
+        """Whether what was derived here holds for another reading of the same function."""
+        ours, theirs = self.program, program
+        return (list(ours.constants) == list(theirs.constants) and list(ours.arrays) == list(theirs.arrays)
+                and all(same_number(v, theirs.constants[k]) for k, v in ours.constants.items())
+                and all(of_value(v) == of_value(theirs.arrays[k]) for k, v in ours.arrays.items())
+                and list(ours.kernels) == list(theirs.kernels)
+                and all(k.source == theirs.kernels[name].source for name, k in ours.kernels.items()))
+
+    def summary(self, types: tuple[Type, ...]) -> Any:
+        """What the pipeline says of the kernel's writes and results for these types."""
+        if types not in self._summaries:
+            self._summaries[types] = pipeline.summary(self.program, types)
+        return self._summaries[types]
+
+    def variant(self, request: Request, engine: str) -> Variant:
+        """The generated function for a request, made once; `engine` may be "auto"."""
+        engine = chosen(engine)
+        key = (request, engine)
+        with _LOCK:
+            if key not in self._variants:
+                request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
+                                  request.with_primal)
+                generated = pipeline.derive(self.program, request)
+                written = frozenset(self.summary(request.types).written)
+                self._variants[key] = Variant(generated, engine, written, self.kernel.name)
+            return self._variants[key]
+
+    def primal(self, types: tuple[Type, ...], engine: str) -> Callable[..., Any]:
+        """The primal for positional values: the function itself under NumPy, compiled under Numba."""
+        if chosen(engine) == "numpy":
+            return self.function
+        variant = self.variant(Request("primal", types, (), ()), engine)
+        hidden = tuple(p.name for p in variant.generated.parameters if p.name.startswith(HIDDEN))
+        values = dict(zip((HIDDEN + x for x in self.program.arrays), self.arrays))
+        return _with_trailing(variant.function, tuple(values[h] for h in hidden)) if hidden else variant.function
+
+    def first_run(self, values: Sequence[Any], engine: str) -> None:
+        """Runs the primal with bounds checks on copies, so that an index out of bounds raises before any write."""
+        types = types_of(values)
+        key = ("first run", types)
+        if chosen(engine) == "numpy" or key in self.entries:
+            return
+        variant = self.variant(Request("primal", types, (), ()), engine)
+        text = quiet(variant.generated.text)
+        function = getattr(compiled(text, variant.generated.entry, bounds=True), variant.generated.entry)
+        copies = dict(zip(self.parameters, self.copied(values, types)))
+        arguments = variant.assemble(copies, {}, (), self.arrays_by_name())
+        prepare(function, arguments, f"'{self.kernel.name}'")
+        function(*arguments)
+        self.entries[key] = True
+
+    def copied(self, values: Sequence[Any], types: tuple[Type, ...]) -> list[Any]:
+        """The values, with copies of the arrays that the function may write."""
+        written = self.summary(types).written
+        return [np.array(v, order="C") if name in written and isinstance(v, np.ndarray) else v
+                for name, v in zip(self.parameters, values)]
+
+    def result_at(self, place: int, values: Sequence[Any], types: tuple[Type, ...], engine: str) -> Any:
+        """One of the values that the primal returns, computed on copies."""
+        returned = self.primal(types, engine)(*self.copied(values, types))
+        return returned[place] if len(self.summary(types).results) > 1 else returned
+
+    def arrays_by_name(self) -> dict[str, Any]:
+        return dict(zip((HIDDEN + x for x in self.program.arrays), self.arrays))
+
+
+def _with_trailing(function: Callable[..., Any], trailing: tuple[Any, ...]) -> Callable[..., Any]:
+    return lambda *args: function(*args, *trailing)
+
+
+class Variant:
+    """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked."""
+
+    def __init__(self, generated: Generated, engine: str, written: frozenset[str], kernel: str):
+        self.generated, self.engine, self.kernel = generated, engine, kernel
+        self.parameters: tuple[Parameter, ...] = generated.parameters
+        plain = tuple(generated.facts.get("wrappers", ()))
+        module = (compiled(generated.text, generated.entry, plain=plain) if engine == "numba"
+                  else load(generated.text, generated.entry))
+        self.function: Callable[..., Any] = getattr(module, generated.entry)
+        self.shadows = {p.primal: p for p in self.parameters if p.role == "shadow"}
+        self.seeds = tuple(p for p in self.parameters if p.role == "seed")
+        self._written = written
+        self._check: Check | None = None
+        self.array_places = tuple(k for k, p in enumerate(self.parameters) if p.type.is_array)
+        self._pick = itemgetter(*self.array_places) if len(self.array_places) > 1 else None
+
+    @property
+    def check(self) -> Check:
+        """The check of shapes and memory for the array arguments, in the order of the signature."""
+        if self._check is None:
+            slots = []
+            for k in self.array_places:
+                p = self.parameters[k]
+                slots.append(Slot(p.name, p.role, p.primal or p.name,
+                                  p.role != "primal" or (p.primal or p.name) in self._written))
+            self._check = Check(slots, self.engine)
+        return self._check
+
+    def assemble(self, values: Mapping[str, Any], shadows: Mapping[str, Any], seeds: Sequence[Any],
+                 hidden: Mapping[str, Any]) -> list[Any]:
+        """The positional arguments of the generated function."""
+        remaining = iter(seeds)
+        arguments = []
+        for p in self.parameters:
+            if p.role == "shadow":
+                arguments.append(shadows[p.primal])
+            elif p.role == "seed":
+                arguments.append(next(remaining))
+            elif p.name.startswith(HIDDEN):
+                arguments.append(hidden[p.name])
+            else:
+                arguments.append(values[p.name])
+        return arguments
+
+    def checked(self, arguments: Sequence[Any]) -> tuple[int, ...]:
+        """Raises unless shapes fit and memory lies apart; the places of shadows that need memory of their own."""
+        if self._pick is None:
+            return ()
+        shared = self.check(self._pick(arguments))
+        return tuple(self.array_places[k] for k in shared)
+
+    def prepare(self, arguments: Sequence[Any]) -> None:
+        """Compiles for the types of these arguments, or reads Numba's cache."""
+        if self.engine == "numba":
+            prepare(self.function, arguments, f"'{self.generated.entry}' of '{self.kernel}'")
+            if self._pick is not None:
+                self.check.prepare(self._pick(arguments))
+
+    def run(self, arguments: Sequence[Any], shared: tuple[int, ...] = ()) -> tuple[Any, ...]:
+        """Calls the generated function; always a tuple, in the order of `generated.returns`."""
+        if shared:
+            returned = self.apart(arguments, shared)
+        else:
+            returned = self.function(*arguments)
+        if returned is None:
+            return ()
+        alike = isinstance(returned, tuple) and len(returned) == len(self.generated.returns)
+        items = returned if alike else (returned,)
+        return tuple([float(v) if type(v) is np.float64 else v for v in items])
+
+    def apart(self, arguments: Sequence[Any], shared: tuple[int, ...]) -> Any:
+        """Calls it with private shadows for arguments that are one array, and adds these to the caller's."""
+        own = list(arguments)
+        for place in shared:
+            own[place] = np.zeros_like(arguments[place])
+        returned = self.function(*own)
+        for place in shared:
+            arguments[place][...] += own[place]
+        return returned

@@ -1,0 +1,27 @@
+"""What all tests share: the reference kernels on the path, quiet floating point, Hypothesis profiles."""
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, settings
+
+ROOT = Path(__file__).resolve().parent.parent
+for folder in (ROOT, ROOT.parent / "shared" / "kernels"):
+    if folder.is_dir() and str(folder) not in sys.path:
+        sys.path.insert(0, str(folder))
+
+_SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
+settings.register_profile("ci", max_examples=300, deadline=None, derandomize=True, suppress_health_check=_SLOW)
+settings.register_profile("quick", max_examples=40, deadline=None, suppress_health_check=_SLOW)
+settings.load_profile("ci" if os.environ.get("CI") else "quick")
+
+
+@pytest.fixture(autouse=True)
+def quiet_floating_point():
+    """Edges are tested on purpose: infinities and nans are compared, not warned about."""
+    with np.errstate(all="ignore"):
+        yield

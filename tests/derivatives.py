@@ -1,0 +1,266 @@
+"""The instrument that every derivative is measured with: `check_derivatives`.
+
+It uses the public interface only. The kernel is called as plain Python on shifted copies of its arguments, the
+central differences are extrapolated (Richardson), and every derivative comes with an estimate of its own
+error. Where that estimate is poor (a kink or a jump within reach), `UnreliableDifferences` is raised, which is no
+failure: tests on generated programs skip such a point.
+"""
+from __future__ import annotations
+
+import copy
+import inspect
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import s2sad
+
+Values = dict[str, Any]
+
+
+class UnreliableDifferences(Exception):
+    """The differences do not converge here: there is a kink or a jump within the smallest step."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """How far apart things were, each as a fraction of the sum of magnitudes."""
+    dot_product: float
+    directional: float
+    coordinates: float
+
+
+# -- values as flat vectors -----------------------------------------------------------------------------------------
+def _flat(value: Any) -> np.ndarray:
+    """Every float in a value, in order, as float64; integers, bools and None do not count."""
+    if isinstance(value, (tuple, list)):
+        return np.concatenate([np.zeros(0), *map(_flat, value)])
+    if isinstance(value, np.ndarray):
+        return value.astype("float64").ravel() if value.dtype.kind == "f" else np.zeros(0)
+    return np.array([float(value)]) if isinstance(value, (float, np.floating)) else np.zeros(0)
+
+
+def _shaped(like: Any, flat: np.ndarray) -> Any:
+    """The inverse of `_flat`, with the structure and dtype of `like`."""
+    if isinstance(like, (tuple, list)):
+        parts, at = [], 0
+        for item in like:
+            size = _flat(item).size
+            parts.append(_shaped(item, flat[at:at + size]) if size else None)
+            at += size
+        return tuple(parts)
+    if isinstance(like, np.ndarray):
+        return flat.reshape(like.shape).astype(like.dtype)
+    return float(flat[0])
+
+
+def _vector(values: Mapping[str, Any], names: tuple[str, ...]) -> np.ndarray:
+    return np.concatenate([np.zeros(0), *(_flat(values[n]) for n in names)])
+
+
+def _split(like: Mapping[str, Any], names: tuple[str, ...], flat: np.ndarray) -> Values:
+    found, at = {}, 0
+    for n in names:
+        size = _flat(like[n]).size
+        found[n] = _shaped(like[n], flat[at:at + size])
+        at += size
+    return found
+
+
+def _wide(value: Any) -> Any:
+    """float32 as float64: the differences of a float32 kernel are taken in double precision."""
+    return value.astype("float64") if isinstance(value, np.ndarray) and value.dtype.kind == "f" else value
+
+
+class Subject:
+    """A kernel as a mathematical function: from the floats of `wrt` to the floats of `of`."""
+
+    def __init__(self, function: Callable, arguments: tuple, wrt: tuple[str, ...], of: tuple[str, ...]):
+        self.function = getattr(function, "py_func", function)
+        bound = inspect.signature(self.function).bind(*arguments)
+        bound.apply_defaults()
+        self.given: Values = dict(bound.arguments)
+        self.wrt, self.of = tuple(wrt), tuple(of)
+        self.x = _vector(self.given, self.wrt)
+        self.outputs = self.run(self.given)
+
+    def run(self, given: Values) -> Values:
+        """The contents of the outputs after a call on copies."""
+        given = copy.deepcopy(given)
+        with np.errstate(all="ignore"):
+            result = self.function(*given.values())
+        found = {**given, "return": result}
+        return {n: found[n] for n in self.of}
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        wide = {n: _wide(copy.deepcopy(v)) for n, v in self.given.items()}
+        return _vector(self.run({**wide, **_split(wide, self.wrt, x)}), self.of)
+
+    def scales(self) -> np.ndarray:
+        """A natural step for every input: its own size, or its argument's where it is small."""
+        parts = [np.zeros(0)]
+        for n in self.wrt:
+            size = np.abs(_flat(self.given[n]))
+            top = size.max(initial=0.0) or 1.0
+            parts.append(np.maximum(size, 0.1 * top))
+        return np.concatenate(parts)
+
+
+# -- differences ----------------------------------------------------------------------------------------------------
+def _tableau(subject: Subject, direction: np.ndarray, step: float, levels: int) -> tuple[np.ndarray, np.ndarray]:
+    """Extrapolated central differences from one first step, by output, with estimates of their errors."""
+    steps = [step / 2 ** k for k in range(levels)]
+    ups = [subject(subject.x + h * direction) for h in steps]
+    downs = [subject(subject.x - h * direction) for h in steps]
+    centre = subject(subject.x)
+    rows = [(u - d) / (2 * h) for u, d, h in zip(ups, downs, steps)]
+    best, error = rows[-1], np.full(rows[-1].shape, math.inf)
+    rounding = 4 * np.finfo(float).eps * np.abs(centre) / steps[-1]
+    for order in range(1, levels):
+        new = [fine + (fine - coarse) / (4 ** order - 1) for coarse, fine in zip(rows, rows[1:])]
+        for previous, fine in zip(rows[1:], new):
+            found = np.abs(previous - fine) + rounding
+            best, error = np.where(found < error, fine, best), np.minimum(found, error)
+        rows = new
+    # at a kink the second difference over h stays; where the function is smooth it falls with h
+    bends = [np.abs(u - 2 * centre + d) / h for u, d, h in zip(ups, downs, steps)]
+    kinked = (bends[-1] > 0.6 * bends[0]) & (bends[-1] > 1e-5 * (np.abs(best) + 1e-3 * np.abs(best).max(initial=0.0)))
+    error = np.where(kinked & (bends[-1] > 100 * rounding), math.inf, error)
+    return best, np.where(np.isfinite(best), error, math.inf)
+
+
+def differences(subject: Subject, direction: np.ndarray, wanted: float = 1e-9) -> tuple[np.ndarray, np.ndarray]:
+    """The derivative along a direction by output, with estimates of the errors, from several first steps."""
+    best, error = np.zeros(0), np.zeros(0)
+    for step in (1e-2, 2e-3, 3e-4, 4e-5):
+        found, estimate = _tableau(subject, direction, step, 5)
+        if not best.size:
+            best, error = found, estimate
+        else:
+            best, error = np.where(estimate < error, found, best), np.minimum(estimate, error)
+        if np.all(error <= wanted * (np.abs(best) + 1e-3 * np.abs(best).max(initial=0.0))):
+            break
+    return best, error
+
+
+# -- the check ------------------------------------------------------------------------------------------------------
+def _unchanged(before: tuple, after: tuple, what: str) -> None:
+    for k, (a, b) in enumerate(zip(before, after)):
+        assert np.array_equal(np.asarray(a), np.asarray(b), equal_nan=np.asarray(a).dtype.kind == "f"), (
+            f"{what} changed argument {k}: {a} became {b}")
+
+
+def _same_shape(gradients: Values, subject: Subject) -> None:
+    assert tuple(gradients) == subject.wrt or set(gradients) == set(subject.wrt), f"gradients for {tuple(gradients)}"
+    for n in subject.wrt:
+        given, found = subject.given[n], gradients[n]
+        assert np.shape(found) == np.shape(given), f"gradient of {n}: shape {np.shape(found)}, not {np.shape(given)}"
+        if isinstance(given, np.ndarray):
+            assert found.dtype == given.dtype, f"gradient of {n}: {found.dtype}, not {given.dtype}"
+
+
+def _close(found: float, expected: float, magnitude: float, error: float, rtol: float, what: str) -> float:
+    """Raises unless they agree; gives the distance as a fraction of the magnitude."""
+    if math.isnan(expected) or error > 1e-5 * magnitude + 1e-11:
+        raise UnreliableDifferences(f"{what}: error {error:.1e} at magnitude {magnitude:.1e}")
+    assert abs(found - expected) <= rtol * magnitude + 10 * error + 1e-14, (
+        f"{what}: s2sad has {found!r}, differences have {expected!r} +- {error:.1e} (magnitude {magnitude:.3g})")
+    return abs(found - expected) / (magnitude or 1.0)
+
+
+def _primal_values(differentiated: Any, subject: Subject, rtol: float) -> None:
+    given = copy.deepcopy(subject.given)
+    result = differentiated(*given.values())
+    found = {**given, "return": result}
+    for n in subject.of:
+        expected = _flat(subject.outputs[n])
+        np.testing.assert_allclose(_flat(found[n]), expected, rtol=1e-3 * rtol, atol=1e-12, err_msg=f"primal {n}")
+
+
+def check_derivatives(function: Callable, arguments: tuple, wrt: tuple[str, ...], of: tuple[str, ...],
+                      engine: str = "numpy", rtol: float = 1e-7, dot_tol: float = 1e-12, seed: int = 0,
+                      coordinates: int = 60, directions: int = 2) -> Measured:
+    """Measures the adjoint and the tangent of `function` at `arguments` against each other and differences.
+
+    Every output in `of` (an argument's final content by its name, or "return") gets a random seed. Checked:
+    the dot product of tangent and adjoint, the tangent by output and the adjoint along random directions, the
+    gradient of up to `coordinates` single inputs, the primal's values, and that no argument is changed.
+    Raises AssertionError where they disagree, UnreliableDifferences where nothing can be said. float32
+    arguments relax the tolerances to what float32 can hold.
+    """
+    subject = Subject(function, arguments, wrt, of)
+    if any(isinstance(v, np.ndarray) and v.dtype == np.float32 for v in subject.given.values()):
+        rtol, dot_tol = max(rtol, 2e-3), max(dot_tol, 1e-4)
+    if not np.all(np.isfinite(_vector(subject.outputs, subject.of))):
+        raise UnreliableDifferences("the outputs are not finite")
+    rng = np.random.default_rng(seed)
+    differentiated = s2sad.differentiate(function, engine=engine)
+    _primal_values(differentiated, subject, rtol)
+    args = tuple(copy.deepcopy(subject.given).values())
+    before = copy.deepcopy(args)
+    bars = rng.uniform(0.5, 1.5, _vector(subject.outputs, subject.of).size) * rng.choice([-1.0, 1.0])
+    bars *= np.where(rng.random(bars.size) < 0.3, -1.0, 1.0)
+    seeds = _split(subject.outputs, subject.of, bars)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", s2sad.S2sadWarning)      # a generated output may depend on nothing
+        gradients = s2sad.vjp(differentiated, args, seeds, wrt=subject.wrt)
+    _unchanged(before, args, "vjp")
+    _same_shape(gradients, subject)
+    x_bar, bars = _vector(gradients, subject.wrt), _vector(seeds, subject.of)
+    dot = along = 0.0
+    for _ in range(directions):
+        direction = _rounded(subject, rng.standard_normal(subject.x.size) * subject.scales())
+        tangents = s2sad.jvp(differentiated, args, _split(subject.given, subject.wrt, direction), of=subject.of)
+        _unchanged(before, args, "jvp")
+        y_dot = _vector(tangents, subject.of)
+        dot = max(dot, _dot_product(bars, y_dot, x_bar, direction, dot_tol))
+        along = max(along, _along(subject, direction, bars, y_dot, x_bar, rtol))
+    single = _single_inputs(subject, bars, x_bar, rtol, coordinates, rng)
+    return Measured(dot, along, single)
+
+
+def _rounded(subject: Subject, direction: np.ndarray) -> np.ndarray:
+    """The direction as the tangents' dtypes can hold it."""
+    return _vector(_split(subject.given, subject.wrt, direction), subject.wrt)
+
+
+def _dot_product(bars: np.ndarray, y_dot: np.ndarray, x_bar: np.ndarray, x_dot: np.ndarray, tolerance: float) -> float:
+    magnitude = float(np.abs(bars * y_dot).sum() + np.abs(x_bar * x_dot).sum())
+    distance = abs(math.fsum(bars * y_dot) - math.fsum(x_bar * x_dot))
+    assert distance <= tolerance * magnitude, (
+        f"dot product: tangent {math.fsum(bars * y_dot)!r}, adjoint {math.fsum(x_bar * x_dot)!r}, apart by "
+        f"{distance / magnitude:.1e} of {magnitude:.3g}")
+    return distance / (magnitude or 1.0)
+
+
+def _along(subject: Subject, direction: np.ndarray, bars: np.ndarray, y_dot: np.ndarray, x_bar: np.ndarray,
+           rtol: float) -> float:
+    """The tangent by output, and the adjoint, against differences along one direction."""
+    expected, error = differences(subject, direction)
+    top = float(np.abs(expected).max(initial=0.0))
+    for k in range(expected.size):
+        _close(y_dot[k], expected[k], abs(expected[k]) + 1e-2 * top, error[k], rtol, f"tangent of output {k}")
+    magnitude = float(np.abs(bars * expected).sum() + np.abs(x_bar * direction).sum())
+    return _close(math.fsum(x_bar * direction), math.fsum(bars * expected), magnitude,
+                  float(np.abs(bars * error).sum()), rtol, "adjoint along a direction")
+
+
+def _single_inputs(subject: Subject, bars: np.ndarray, x_bar: np.ndarray, rtol: float, count: int,
+                   rng: np.random.Generator) -> float:
+    """The gradient of single inputs: all of them where they are few."""
+    worst, scales = 0.0, subject.scales()
+    chosen = rng.permutation(subject.x.size)[:count]
+    top = float(np.abs(x_bar * scales).max(initial=0.0))
+    owners = [f"{n}[{k}]" for n in subject.wrt for k in range(_flat(subject.given[n]).size)]
+    for j in sorted(chosen):
+        direction = np.zeros(subject.x.size)
+        direction[j] = scales[j]
+        expected, error = differences(subject, direction)
+        magnitude = float(np.abs(bars * expected).sum() + abs(x_bar[j] * scales[j]) + 1e-2 * top)
+        worst = max(worst, _close(x_bar[j] * scales[j], math.fsum(bars * expected), magnitude,
+                                  float(np.abs(bars * error).sum()), rtol, f"gradient of {owners[j]} (scaled)"))
+    return worst

@@ -1,0 +1,351 @@
+"""The table of rules, without the compiler: names, values against differences, edges, overflow."""
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import gast
+import numpy as np
+import pytest
+
+from s2sad import rules, tree
+from s2sad.rules.rule import Table, signature, template
+
+NAMES = rules.names()
+EPSILON = {"float64": 2.0 ** -52, "float32": 2.0 ** -23}
+
+
+def spelled(node: tree.AST) -> str:
+    """An expression of a rule as Python text, `numpy` by its own name."""
+    return gast.unparse(node)
+
+
+def scalar_form(node: tree.AST) -> tree.AST:
+    """`numpy.where` as a conditional expression, as the differentiator writes it for numbers."""
+    def change(n: tree.AST) -> tree.AST | None:
+        if tree.call_name(n) == "numpy.where":
+            condition, a, b = (scalar_form(argument) for argument in n.args)
+            return tree.IfExp(condition, a, b)
+        return None
+    return tree.rebuild(node, change)
+
+
+def compiled(parameters: tuple[str, ...], node: tree.AST) -> Callable:
+    text = f"lambda {', '.join(parameters)}: {spelled(node)}"
+    return eval(text, {"numpy": np, "math": math})
+
+
+def primal(name: str) -> Callable:
+    rule = rules.find(name)
+    if "." in name:
+        module, function = name.split(".")
+        if not hasattr({"numpy": np, "math": math, "builtins": __builtins__}[module], function) \
+                and module != "builtins":
+            pytest.skip(f"this version has no {name}")
+        return compiled(rule.parameters, tree.call(name, *map(tree.name, rule.parameters))) \
+            if module != "builtins" else eval(function)
+    return compiled(rule.parameters, tree.expression(name))
+
+
+def partial(name: str, parameter: str, scalar: bool = False, **known: tree.AST) -> Callable:
+    """The partial as a function of the parameters and the result."""
+    rule = rules.find(name)
+    arguments = {p: known.get(p, tree.name(p)) for p in rule.parameters}
+    node = rule.partial(parameter, arguments, tree.name("y"))
+    return compiled((*rule.parameters, "y"), scalar_form(node) if scalar else node)
+
+
+def points(name: str, count: int = 7) -> list[dict[str, float]]:
+    """Points in the domain, away from ties: no two parameters take the same values."""
+    rule = rules.find(name)
+    found = []
+    for k in range(count):
+        point = {}
+        for place, p in enumerate(rule.parameters):
+            low, high = rule.domain.get(p, (-2.0, 2.0))
+            point[p] = low + (high - low) * ((0.37 + 0.29 * place + 0.618 * (k + place * 0.13)) % 1.0)
+        found.append(point)
+    return found
+
+
+def slope(function: Callable, point: dict[str, float], parameter: str) -> tuple[float, float]:
+    """The derivative by Richardson extrapolation of central differences, with an estimate of its error."""
+    def central(h: float) -> float:
+        up, down = dict(point), dict(point)
+        up[parameter] += h
+        down[parameter] -= h
+        return (float(function(*up.values())) - float(function(*down.values()))) / (up[parameter] - down[parameter])
+    best, error = math.nan, math.inf
+    for start in (1e-2, 3e-3):
+        row = [central(start / 2 ** k) for k in range(5)]
+        for order in range(1, 5):
+            new = [b + (b - a) / (4 ** order - 1) for a, b in zip(row, row[1:])]
+            for a, b in zip(row[1:], new):
+                if abs(a - b) < error:
+                    best, error = b, abs(a - b)
+            row = new
+    return best, error
+
+
+TABLE_ROWS = [(name, p) for name in NAMES for p in rules.find(name).parameters]
+
+
+@pytest.mark.parametrize(("name", "parameter"), TABLE_ROWS)
+def test_partial_agrees_with_differences(name, parameter):
+    function = primal("builtins.float" if name == "numpy.float32" else name)  # float32 has too few digits to differ
+    for point in points(name):
+        expected, error = slope(function, point, parameter)
+        y = function(*point.values())
+        for scalar in (False, True):
+            actual = float(partial(name, parameter, scalar)(*point.values(), y))
+            assert actual == pytest.approx(expected, rel=1e-9, abs=1e-11 + 10 * error), (point, scalar)
+
+
+@pytest.mark.parametrize(("name", "parameter"), [row for row in TABLE_ROWS if not row[0].startswith("math.")])
+def test_float32_and_arrays(name, parameter):
+    if name.startswith("builtins.") and name != "builtins.abs" or name in ("numpy.float64", "numpy.float_power"):
+        pytest.skip("takes numbers only, or widens")
+    function = primal(name)
+    columns = {p: np.array([point[p] for point in points(name)]) for p in rules.find(name).parameters}
+    wide = partial(name, parameter)(*columns.values(), function(*columns.values()))
+    narrow_columns = [c.astype("float32") for c in columns.values()]
+    result = function(*narrow_columns)
+    assert result.dtype == np.float32
+    narrow = partial(name, parameter)(*narrow_columns, result)
+    # the inputs are rounded: the second derivative enters
+    np.testing.assert_allclose(narrow, wide, rtol=400 * EPSILON["float32"], atol=20 * EPSILON["float32"])
+    each = [partial(name, parameter, scalar=True)(*row, function(*row)) for row in zip(*columns.values())]
+    np.testing.assert_allclose(np.broadcast_to(wide, len(each)), each, rtol=1e-14, atol=1e-300)
+
+
+# -- far out and near the edges: the true value in closed form -------------------------------------------------------
+E = math.e
+TRUE_VALUES = [
+    ("numpy.tanh(x)", "x", (20.0,), 4 * math.exp(-40.0)),
+    ("numpy.tanh(x)", "x", (-300.0,), 4 * math.exp(-600.0)),
+    ("numpy.tanh(x)", "x", (900.0,), 0.0),
+    ("numpy.expm1(x)", "x", (-50.0,), math.exp(-50.0)),
+    ("numpy.expm1(x)", "x", (-1e-12,), 1 - 1e-12),
+    ("numpy.log1p(x)", "x", (1e300,), 1e-300),
+    ("numpy.log1p(x)", "x", (-1 + 2.0 ** -52,), 2.0 ** 52),
+    ("numpy.log(x)", "x", (1e-300,), 1e300),
+    ("numpy.sqrt(x)", "x", (1e-300,), 0.5e150),
+    ("numpy.cbrt(x)", "x", (1e-300,), 1e200 / 3),
+    ("numpy.cbrt(x)", "x", (1e300,), 1e-200 / 3),
+    ("numpy.cbrt(x)", "x", (-8.0,), 1 / 12),
+    ("numpy.hypot(a, b)", "a", (3e300, 4e300), 0.6),
+    ("numpy.hypot(a, b)", "b", (3e-310, 4e-310), 0.8),
+    ("numpy.hypot(a, b)", "a", (0.0, 0.0), 0.0),
+    ("numpy.hypot(a, b)", "a", (0.0, 2.0), 0.0),
+    ("numpy.arctan2(a, b)", "a", (3e200, 4e200), 0.16e-200),
+    ("numpy.arctan2(a, b)", "b", (3e-200, 4e-200), -0.12e200),
+    ("numpy.arctan2(a, b)", "a", (0.0, -1.0), -1.0),
+    ("numpy.arctan(x)", "x", (1e160,), 0.0),
+    ("numpy.arcsin(x)", "x", (1 - 2.0 ** -53,), 1 / math.sqrt(2.0 ** -53 * (2 - 2.0 ** -53))),
+    ("numpy.arccos(x)", "x", (-1 + 2.0 ** -53,), -1 / math.sqrt(2.0 ** -53 * (2 - 2.0 ** -53))),
+    ("numpy.arctanh(x)", "x", (1 - 2.0 ** -53,), 1 / (2.0 ** -53 * (2 - 2.0 ** -53))),
+    ("numpy.arcsinh(x)", "x", (1e300,), 1e-300),
+    ("numpy.arccosh(x)", "x", (1e300,), 1e-300),
+    ("numpy.arccosh(x)", "x", (1 + 2.0 ** -52,), 1 / math.sqrt(2.0 ** -52 * (2 + 2.0 ** -52))),
+    ("numpy.logaddexp(a, b)", "a", (1000.0, 1010.0), 1 / (1 + math.exp(10.0))),
+    ("numpy.logaddexp(a, b)", "a", (-600.0, 0.0), math.exp(-600.0)),
+    ("numpy.logaddexp(a, b)", "a", (-math.inf, 0.0), 0.0),
+    ("numpy.logaddexp(a, b)", "b", (-math.inf, 0.0), 1.0),
+    ("numpy.logaddexp2(a, b)", "a", (-900.0, 0.0), 2.0 ** -900),
+    ("numpy.reciprocal(x)", "x", (1e-150,), -1e300),
+    ("numpy.sinc(x)", "x", (0.0,), 0.0),
+    ("numpy.sinc(x)", "x", (1e-9,), -math.pi ** 2 / 3 * 1e-9),
+    ("numpy.sinc(x)", "x", (2.0,), 0.5),
+    ("a / b", "b", (1e200, 1e300), -1e-400),
+    ("a / b", "b", (1e300, 1e160), -1e-20),
+    ("math.erfc(x)", "x", (10.0,), -2 / math.sqrt(math.pi) * math.exp(-100.0)),
+    ("numpy.absolute(x)", "x", (0.0,), 0.0),
+    ("numpy.maximum(a, b)", "a", (1.0, 1.0), 1.0),
+    ("numpy.maximum(a, b)", "b", (1.0, 1.0), 0.0),
+    ("numpy.minimum(a, b)", "a", (1.0, 1.0), 1.0),
+    ("numpy.maximum(a, b)", "a", (math.nan, 1.0), 1.0),
+    ("numpy.fmax(a, b)", "a", (math.nan, 1.0), 0.0),
+    ("numpy.fmax(a, b)", "b", (math.nan, 1.0), 1.0),
+    ("numpy.fmin(a, b)", "a", (1.0, math.nan), 1.0),
+    ("numpy.clip(x, low, high)", "high", (0.5, 2.0, 1.0), 1.0),
+    ("numpy.clip(x, low, high)", "low", (0.5, 2.0, 1.0), 0.0),
+    ("numpy.clip(x, low, high)", "x", (0.5, 2.0, 1.0), 0.0),
+    ("a % b", "b", (5.0, 1.0), -5.0),
+    ("a % b", "b", (-0.5, 1.0), 1.0),
+    ("a % b", "b", (6.0 - 2.0 ** -50, 0.1), -59.0),
+    ("a ** b", "a", (0.0, 0.0), 0.0),
+    ("a ** b", "a", (0.0, 1.0), 1.0),
+    ("a ** b", "a", (0.0, 0.5), math.inf),
+    ("a ** b", "a", (1e-300, 1.5), 1.5e-150),
+    ("a ** b", "b", (0.0, 2.0), 0.0),
+    ("a ** b", "b", (-2.0, 3.0), 0.0),
+    ("a ** b", "b", (1e300, 0.5), 1e150 * math.log(1e300)),
+    ("numpy.sqrt(x)", "x", (0.0,), math.inf),
+    ("numpy.log(x)", "x", (0.0,), math.inf),
+]
+
+
+@pytest.mark.parametrize(("text", "parameter", "values", "expected"), TRUE_VALUES)
+def test_true_values_far_out(text, parameter, values, expected):
+    name, _ = signature(text)
+    numbers = [np.float64(v) for v in values]
+    y = np.float64(primal(name)(*numbers))
+    for scalar in (False, True):
+        actual = partial(name, parameter, scalar)(*numbers, y)
+        assert actual == pytest.approx(expected, rel=5e-14, abs=1e-307 if expected == 0.0 else 0.0)
+
+
+@pytest.mark.parametrize(("name", "parameter"), TABLE_ROWS)
+def test_nan_is_not_masked(name, parameter):
+    """A partial that depends on its operands is nan where they are, unless it is a choice between 0 and 1."""
+    rule = rules.find(name)
+    reads = rule.uses(parameter)
+    choices = ("maximum", "minimum", "max", "min", "fmax", "fmin", "clip")
+    if not reads or name.split(".")[-1] in choices:
+        return
+    numbers = [np.float64("nan")] * len(rule.parameters)
+    assert math.isnan(partial(name, parameter)(*numbers, np.float64("nan")))
+    assert math.isnan(partial(name, parameter, scalar=True)(*numbers, np.float64("nan")))
+
+
+@pytest.mark.parametrize(("name", "parameter"), TABLE_ROWS)
+def test_infinite_partials_are_marked_singular(name, parameter):
+    """At the edges of what the primal takes, a partial that is not finite belongs to a singular parameter."""
+    rule = rules.find(name)
+    if parameter in rule.singular:
+        return
+    edges = [0.0, 1.0, -1.0, 0.5, 1e-300, 1e300, -1e300]
+    for value in edges:
+        for other in edges:
+            numbers = [np.float64(value), np.float64(other), np.float64(1.0)][:len(rule.parameters)]
+            try:
+                y = np.float64(primal(name)(*numbers))
+            except (ValueError, OverflowError, ZeroDivisionError):
+                continue
+            if math.isfinite(y):
+                slopes = [np.float64(partial(name, parameter, scalar)(*numbers, y)) for scalar in (False, True)]
+                # a slope beyond the largest number is not the rule's doing
+                assert not any(map(math.isnan, slopes)), numbers
+
+
+# -- powers ---------------------------------------------------------------------------------------------------------
+POWERS = [
+    ("3", "3.0 * x ** 2"), ("2", "2.0 * x"), ("1", "1.0"), ("0", "0.0"), ("-1", "-1.0 * x ** (-2)"),
+    ("2.0", "2.0 * x"), ("0.5", "0.5 / r"), ("-1.5", "-1.5 * r / x"), ("1.5", "1.5 * x ** 0.5"),
+]
+
+
+@pytest.mark.parametrize(("exponent", "expected"), POWERS)
+def test_power_of_a_known_exponent(exponent, expected):
+    c = tree.expression(exponent)
+    node = rules.power_partial("a", tree.name("x"), c, tree.name("r"))
+    assert tree.equal(node, tree.expression(expected))
+    arguments = {"a": tree.name("x"), "b": c}
+    rule = rules.find("a ** b")
+    assert tree.equal(node, rule.partial("a", arguments, tree.name("r")))
+    assert rule.uses("a", arguments) == {{"x": "a", "r": "y"}[n] for n in tree.names(node)}
+
+
+@pytest.mark.parametrize("exponent", [3, 2, 1, 0, -1, -2, 0.5, -0.5, 1.5, -1.5, 2.0, 4.0, 7])
+def test_power_values(exponent):
+    c = tree.const(exponent)
+    for base in (0.3, 1.0, 2.7):
+        y = base ** exponent
+        actual = partial("a ** b", "a", b=c)(base, exponent, y)
+        assert actual == pytest.approx(exponent * base ** (exponent - 1), rel=1e-15)
+
+
+def test_singular_depends_on_the_arguments():
+    divide, power = rules.find("a / b"), rules.find("a ** b")
+    x, y = tree.name("x"), tree.name("y")
+    assert divide.is_singular("a", {"a": x, "b": y})
+    assert not divide.is_singular("a", {"a": x, "b": tree.const(9.0)})
+    assert divide.is_singular("b", {"a": tree.const(1.0), "b": x})
+    assert not power.is_singular("a", {"a": x, "b": tree.const(3)})
+    assert not power.is_singular("a", {"a": x, "b": tree.const(1.5)})
+    assert power.is_singular("a", {"a": x, "b": tree.const(0.5)})
+    assert power.is_singular("a", {"a": x, "b": tree.const(-2)})
+    assert power.is_singular("a", {"a": x, "b": y})
+    assert not rules.find("numpy.sin").is_singular("x", {"x": x})
+
+
+# -- what a rule says of itself -------------------------------------------------------------------------------------
+def test_uses_linear_and_zero():
+    assert rules.find("a * b").uses("a") == {"b"}
+    assert rules.find("a * b").linear == {"a", "b"}
+    assert rules.find("a / b").linear == {"a"}
+    assert rules.find("numpy.exp").uses("x") == {"y"}
+    assert rules.find("numpy.exp").linear == frozenset()
+    assert rules.find("numpy.copysign").zero == {"b"}
+    assert rules.find("math.exp").name == "math.exp"
+    assert rules.find("numpy.linalg.det") is None
+
+
+def test_substitution_fills_in_operands_once():
+    node = rules.find("a / b").partial("b", {"a": tree.name("b"), "b": tree.expression("a + y")}, tree.name("r"))
+    assert tree.equal(node, tree.expression("-r / (a + y)"))
+
+
+def test_constant_results():
+    for name, kind in [("numpy.floor", "same"), ("math.floor", "int"), ("numpy.greater", "bool"),
+                       ("builtins.len", "int"), ("numpy.heaviside", "float")]:
+        assert rules.constant_result(name) == rules.result_kind(name) == kind
+        assert rules.find(name) is None
+    assert rules.constant_result("numpy.exp") is None
+    assert rules.result_kind("numpy.exp") == "float"
+    assert rules.result_kind("builtins.max") == "same"
+    assert rules.result_kind("numpy.nothing") is None
+
+
+REFUSED = [
+    (("numpy.f(x)",), {}, "'numpy.f(x)': no partial is given for x; write x=\"0.0\" if the derivative is zero"),
+    (("numpy.f(x)",), {"x": "z"}, "'numpy.f(x)': the partial x='z' reads z; it may read x and y"),
+    (("numpy.f(x)",), {"x": "y", "z": "x"}, "'numpy.f(x)': a partial is given for z, which is no parameter of it"),
+    (("numpy.f(x)",), {"x": "y", "singular": ("a",)},
+     "'numpy.f(x)': singular is given for a, which is no parameter of it"),
+    (("numpy.f(x)",), {"x": "y", "domain": {"a": (0, 1)}},
+     "'numpy.f(x)': a domain is given for a, which is no parameter of it"),
+    (("numpy.f(x)",), {"x": "y", "result": "int"}, "'numpy.f(x)': result='int' is neither 'float' nor 'same'"),
+    (("numpy.f(y)",), {}, "'numpy.f(y)': parameters must be different names, and not 'y', which is the result"),
+    (("a if b else c",), {}, "'a if b else c' is neither a call such as 'numpy.exp(x)' nor an operator such as "
+                             "'a / b'"),
+]
+
+
+@pytest.mark.parametrize(("given", "keywords", "message"), REFUSED)
+def test_registration_refuses(given, keywords, message):
+    with pytest.raises(ValueError) as refused:
+        Table().elementwise(*given, **keywords)
+    assert str(refused.value) == message
+
+
+def test_registration_refuses_a_second_rule():
+    table = Table()
+    table.elementwise("numpy.f(x)", x="1.0")
+    with pytest.raises(ValueError, match=r"numpy\.f has a rule already"):
+        table.constant("float", "numpy.f")
+    with pytest.raises(ValueError, match="result='complex' is none of float, int, bool, same"):
+        table.constant("complex", "numpy.g")
+    with pytest.raises(ValueError, match="numpy.exp has no parameter 'z', it has x"):
+        rules.find("numpy.exp").uses("z")
+
+
+def test_dotted_names_are_one_name():
+    assert tree.names(template("numpy.cos(x) * math.pi")) == ["x"]
+
+
+# -- Numba ----------------------------------------------------------------------------------------------------------
+SAMPLE = ["numpy.tanh", "numpy.hypot", "numpy.maximum", "numpy.sinc", "a % b", "numpy.fmod", "a ** b", "numpy.clip",
+          "numpy.arctan2", "numpy.copysign", "numpy.logaddexp", "math.erf", "builtins.abs", "numpy.cbrt"]
+
+
+@pytest.mark.parametrize("name", SAMPLE)
+def test_scalar_form_compiles(name):
+    numba = pytest.importorskip("numba")
+    rule = rules.find(name)
+    for parameter in rule.parameters:
+        plain = partial(name, parameter, scalar=True)
+        fast = numba.njit(error_model="numpy")(plain)
+        for point in points(name, 3):
+            y = float(primal(name)(*point.values()))
+            assert fast(*point.values(), y) == pytest.approx(float(plain(*point.values(), y)), rel=1e-14, abs=1e-300)

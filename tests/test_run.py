@@ -1,0 +1,211 @@
+"""Generated text as files and modules, compiled with Numba, its arguments checked."""
+from __future__ import annotations
+
+import multiprocessing
+import os
+import stat
+import sys
+import traceback
+
+import numpy as np
+import pytest
+
+from s2sad.diagnostics import S2sadError
+from s2sad.run import compiled as engine, load as loading
+from s2sad.run.load import load
+from s2sad.run.overlap import Check, Slot, overlap
+
+TEXT = "def double(x):\n    return 2.0 * x\n"
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("S2SAD_CACHE_DIR", str(tmp_path / "cache"))
+    for name in [n for n in sys.modules if n.startswith("s2sad_")]:
+        monkeypatch.delitem(sys.modules, name)
+    return tmp_path / "cache"
+
+
+def forget(module):
+    del sys.modules[module.__name__]
+
+
+def test_text_becomes_a_module_with_a_real_file(cache):
+    module = load(TEXT, "double")
+    assert module.double(3.0) == 6.0
+    assert open(module.__file__).read() == TEXT
+    assert module.__file__.startswith(str(cache))
+    assert load(TEXT, "double") is module
+    assert load(TEXT + "\n", "double") is not module
+    assert load(TEXT, "double", "other").__file__ != module.__file__
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="POSIX permissions")
+def test_the_folder_is_the_owners_only(cache):
+    module = load(TEXT, "double")
+    folder = os.path.dirname(module.__file__)
+    assert stat.S_IMODE(os.stat(folder).st_mode) & 0o077 == 0
+    os.chmod(folder, 0o777)
+    forget(module)
+    elsewhere = load(TEXT, "double")
+    assert not elsewhere.__file__.startswith(str(cache)) and elsewhere.double(1.0) == 2.0
+
+
+def test_an_intact_file_is_not_touched_and_a_damaged_one_is_written_again():
+    module = load(TEXT, "double")
+    os.utime(module.__file__, (1, 1))
+    forget(module)
+    load(TEXT, "double")
+    assert os.stat(module.__file__).st_mtime == 1
+    with open(module.__file__, "w") as file:
+        file.write(TEXT[:10])
+    forget(module)
+    assert load(TEXT, "double").double(3.0) == 6.0
+    assert open(module.__file__).read() == TEXT
+
+
+def test_a_folder_that_cannot_be_made(monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("S2SAD_CACHE_DIR", str(tmp_path / "file"))
+    assert load(TEXT, "double").double(1.0) == 2.0
+
+
+def test_the_platforms_folder(monkeypatch):
+    monkeypatch.delenv("S2SAD_CACHE_DIR")
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setenv("XDG_CACHE_HOME", "/elsewhere")
+    assert str(loading.cache_directory()) == "/elsewhere/s2sad"
+    monkeypatch.setenv("XDG_CACHE_HOME", "relative")
+    assert str(loading.cache_directory()).endswith(".cache/s2sad")
+
+
+def test_tracebacks_show_the_generated_line():
+    module = load("def fails(x):\n    return x / 0  # here\n", "fails")
+    with pytest.raises(ZeroDivisionError) as caught:
+        module.fails(1)
+    assert "return x / 0  # here" in "".join(traceback.format_exception(caught.value))
+
+
+def test_a_text_that_fails_leaves_no_module():
+    before = set(sys.modules)
+    with pytest.raises(NameError):
+        load("nothing_of_the_sort\n", "fails")
+    assert {n for n in set(sys.modules) - before if n.startswith("s2sad_")} == set()
+
+
+def _concurrently(number):
+    return load(TEXT, "double").double(float(number))
+
+
+def test_processes_may_write_the_same_file_at_once(cache):
+    with multiprocessing.get_context("fork").Pool(4) as pool:
+        assert pool.map(_concurrently, range(16)) == [2.0 * k for k in range(16)]
+    assert not [f for _, _, files in os.walk(cache) for f in files if f.endswith(".part")]
+
+
+def test_functions_and_runtime_functions_are_compiled():
+    pytest.importorskip("numba")
+    text = "import numpy as np\n\n\ndef inner(x):\n    return 1.0 / x\n\n\ndef outer(x):\n    return inner(x[0])\n"
+    module = engine.compiled(text, "outer")
+    engine.prepare(module.outer, (np.zeros(1),), "'outer'")
+    assert module.outer(np.zeros(1)) == np.inf
+    assert engine.compiled(text, "outer") is module
+    assert module.inner.targetoptions["error_model"] == "numpy"
+
+
+def test_bounds_checks_on_request(monkeypatch):
+    pytest.importorskip("numba")
+    text = "def last(x, k):\n    return x[k]\n"
+    with pytest.raises(IndexError):
+        engine.compiled(text, "last", bounds=True).last(np.zeros(3), 7)
+    monkeypatch.setenv("S2SAD_BOUNDSCHECK", "1")
+    with pytest.raises(IndexError):
+        engine.compiled(text, "last").last(np.zeros(3), 7)
+
+
+def test_the_disk_cache_is_used_and_a_damaged_one_dropped(cache):
+    pytest.importorskip("numba")
+    text = "def half(x):\n    return 0.5 * x\n"
+    module = engine.compiled(text, "half")
+    engine.prepare(module.half, (1.0,), "'half'")
+    forget(module)
+    again = engine.compiled(text, "half")
+    engine.prepare(again.half, (1.0,), "'half'")
+    assert sum(again.half.stats.cache_hits.values()) == 1
+    for folder, _, files in os.walk(cache):
+        for name in files:
+            if name.endswith((".nbi", ".nbc")):
+                open(os.path.join(folder, name), "wb").write(b"broken")
+    forget(again)
+    damaged = engine.compiled(text, "half")
+    engine.prepare(damaged.half, (1.0,), "'half'")
+    assert damaged.half(3.0) == 1.5
+
+
+def test_what_numba_cannot_compile_is_an_internal_error():
+    pytest.importorskip("numba")
+    module = engine.compiled("def odd(x):\n    return x.nothing\n", "odd")
+    with pytest.raises(S2sadError, match="internal error: Numba cannot compile 'odd'"):
+        engine.prepare(module.odd, (np.zeros(1),), "'odd'")
+
+
+def test_numba_absent(monkeypatch):
+    monkeypatch.setattr(engine, "available", lambda: False)
+    assert engine.chosen("auto") == "numpy"
+    with pytest.raises(S2sadError) as caught:
+        engine.chosen("numba")
+    assert str(caught.value) == ('error[S405]: engine="numba" needs Numba, which is not installed\n'
+                                 '  help: pip install "s2sad[jit]", or use engine="auto"')
+    with pytest.raises(S2sadError, match="there is no engine 'cuda'"):
+        engine.chosen("cuda")
+
+
+SLOTS = [Slot("a", "primal", "a", False), Slot("a_bar", "shadow", "a", True),
+         Slot("b", "primal", "b", False), Slot("b_bar", "shadow", "b", True)]
+ENGINES = ["numpy", "numba"]
+
+
+@pytest.fixture(params=ENGINES)
+def check(request):
+    if request.param == "numba":
+        pytest.importorskip("numba")
+    return Check(SLOTS, request.param)
+
+
+def test_arrays_that_lie_apart_pass(check):
+    assert check([np.zeros(3), np.zeros(3), np.zeros((2, 2)), np.zeros((2, 2))]) == ()
+    memory = np.zeros((4, 2))
+    assert check([memory[:, 0], memory[:, 1], memory[::-1, 0], np.zeros(4)]) == ()
+    assert check([np.zeros(0)] * 4) == ()
+
+
+def test_shapes_and_overlaps_are_refused(check):
+    a, b = np.zeros(3), np.zeros(3)
+    with pytest.raises(S2sadError) as caught:
+        check([a, np.zeros(4), b, np.zeros(3)])
+    assert str(caught.value) == ("error[S403]: the shadow 'a_bar' has shape (4,), its primal 'a' has (3,)\n"
+                                 "  help: make one with s2sad.make_zero(a)")
+    with pytest.raises(S2sadError) as caught:
+        check([a, a, b, np.zeros(3)])
+    assert str(caught.value) == ("error[S404]: the argument 'a' and the shadow 'a_bar' share memory\n"
+                                 "  help: give each shadow memory of its own: s2sad.make_zero(x)")
+    shared = np.zeros(3)
+    with pytest.raises(S2sadError, match="the shadow 'a_bar' and the shadow 'b_bar' share memory"):
+        check([a, shared, b, shared[::-1]])
+    assert check([a, shared, a, shared]) == (3,)
+
+
+def test_written_primals_must_not_overlap():
+    slots = [Slot("a", "primal", "a", True), Slot("b", "primal", "b", False)]
+    memory = np.zeros(5)
+    with pytest.raises(S2sadError) as caught:
+        Check(slots, "numpy")([memory[1:], memory[:-1]])
+    assert str(caught.value) == ("error[S404]: the arguments 'a' and 'b' share memory, and 'a' is written\n"
+                                 "  help: pass a copy of one of them")
+    assert Check([SLOTS[0], SLOTS[2]], "numpy")([memory[1:], memory[:-1]]) == ()
+
+
+def test_overlap_is_exact():
+    memory = np.zeros(10)
+    assert not overlap(memory[::2], memory[1::2])
+    assert overlap(memory[::2], memory[::3])

@@ -1,0 +1,92 @@
+"""The runtime's functions, with NumPy alone and compiled by Numba as they stand."""
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from types import FunctionType
+
+import numpy as np
+import pytest
+
+from s2sad import runtime
+from s2sad.runtime import stacks, sums
+
+
+def _compiled(module) -> dict:
+    """A module's functions, each compiled, calling each other compiled."""
+    numba = pytest.importorskip("numba")
+    space = dict(vars(module))
+    for name, value in list(space.items()):
+        if isinstance(value, FunctionType):
+            space[name] = numba.njit(error_model="numpy")(FunctionType(value.__code__, space, value.__name__))
+    return space
+
+
+@pytest.fixture(scope="module", params=["numpy", "numba"])
+def functions(request):
+    if request.param == "numpy":
+        return {"grow": runtime.grow, "pairwise_sum": runtime.pairwise_sum, "blocked_sum": runtime.blocked_sum}
+    return {**_compiled(stacks), **_compiled(sums)}
+
+
+@pytest.mark.parametrize("shape", [(3,), (2, 3), (2, 3, 2), (2, 1, 2, 2), (2, 0)])
+@pytest.mark.parametrize("dtype", ["float64", "float32", "int64", "bool"])
+def test_grow(functions, shape, dtype):
+    if dtype != "float64" and len(shape) > 2:
+        pytest.skip("one dtype is enough for many axes")
+    grow = functions["grow"]
+    stack = (np.arange(math.prod(shape)).reshape(shape) % 2).astype(dtype)
+    kept = grow(stack, shape[0] - 1)
+    assert np.shares_memory(kept, stack) or not stack.size
+    for top in (shape[0], 5 * shape[0]):
+        larger = grow(stack, top)
+        assert larger.shape == (max(2 * shape[0], top + 1),) + shape[1:] and larger.dtype == stack.dtype
+        assert np.array_equal(larger[:shape[0]], stack)
+
+
+def test_grow_from_nothing(functions):
+    stack = np.empty(0)
+    for top in range(20):
+        stack = functions["grow"](stack, top)
+        stack[top] = top
+    assert np.array_equal(stack[:20], np.arange(20.0)) and stack.size < 64
+
+
+@pytest.mark.parametrize("size", [0, 1, 7, 127, 128, 129, 255, 256, 1000, 4096, 100_003])
+def test_sum_is_exact_to_a_few_roundings(functions, size):
+    x = np.random.default_rng(size).standard_normal(size)
+    for name in ("pairwise_sum", "blocked_sum"):
+        assert abs(functions[name](x) - math.fsum(x)) <= 8e-16 * np.sum(np.abs(x))
+
+
+def test_float32_stays_accurate(functions):
+    x = np.full(3_000_000, 0.1, np.float32)
+    assert abs(float(functions["pairwise_sum"](x)) / math.fsum(map(float, x)) - 1.0) < 1e-6
+    if functions["grow"] is runtime.grow:
+        assert runtime.pairwise_sum(x).dtype == np.float32
+
+
+@pytest.mark.parametrize("x", [
+    np.arange(600.0).reshape(20, 30), np.arange(600.0).reshape(20, 30).T, np.arange(600.0).reshape(20, 30)[::-2, ::3],
+    np.arange(720.0).reshape(4, 5, 6, 6), np.ones((3, 0)), np.asfortranarray(np.arange(24.0).reshape(2, 3, 4)),
+], ids=["rows", "transposed", "strided", "4-D", "empty", "Fortran"])
+def test_sum_of_any_shape(functions, x):
+    assert functions["pairwise_sum"](x) == x.sum()
+
+
+def test_infinities_and_nans(functions):
+    x = np.ones(300)
+    x[200] = np.inf
+    assert functions["pairwise_sum"](x) == np.inf
+    x[10] = np.nan
+    assert np.isnan(functions["pairwise_sum"](x))
+
+
+def test_imports_nothing_of_ours():
+    code = ("import sys, types; package = types.ModuleType('s2sad'); "
+            f"package.__path__ = {list(__import__('s2sad').__path__)!r}; sys.modules['s2sad'] = package; "
+            "import s2sad.runtime; "
+            "print(sorted(m for m in sys.modules if m.startswith('s2sad') or m in ('numba', 'gast')))")
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ran.stdout.strip() == str(["s2sad", "s2sad.runtime", "s2sad.runtime.stacks", "s2sad.runtime.sums"])
