@@ -26,7 +26,7 @@ from s2sad.normalize.scalarize import scalarize
 from s2sad.normalize.views import views
 from s2sad.normalize.workspace import is_allocation, workspace
 from s2sad.program import Kernel, Program
-from s2sad.simplify import Effects, simplify
+from s2sad.simplify import Effect, Effects, simplify
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, Tuple, call_name, copy, name,
     walk,
@@ -99,7 +99,11 @@ class Units:
         if key not in self.made:
             others = sum(k == kernel for k, _ in self.made)
             title = self.titles.fresh(f"{kernel}_{others + 1}") if others else kernel
-            self.made[key] = self.titled[title] = self._prepared(self.program.kernels[kernel], types, title)
+            unit = self._prepared(self.program.kernels[kernel], types, title)
+            self.made[key] = self.titled[title] = unit
+            self.effects.table[title] = Effect(
+                frozenset(k for k, p in enumerate(unit.function.args.args) if unit.first_use(p.id)),
+                frozenset(unit.summary.written), unit.summary.pure)
         return self.made[key]
 
     def _prepared(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:

@@ -40,6 +40,7 @@ def rename(function: FunctionDef, types: Mapping[str, Type], free: Names,
     pass_ = _Rename(types, free, live)
     new = copy(function)
     env = {p.id: p.id for p in function.args.args if not types[p.id].is_array}
+    pass_.family.update(env)
     new.body, _ = pass_.block(function.body, env, None)
     return Renamed(new, pass_.family)
 
