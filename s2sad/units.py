@@ -95,6 +95,7 @@ class Units:
         """The unit of a kernel, or of a unit's title, for these types."""
         if kernel in self.titled and self.titled[kernel].types == types:
             return self.titled[kernel]
+        kernel = self.titled[kernel].kernel.name if kernel in self.titled else kernel
         key = (kernel, types)
         if key not in self.made:
             others = sum(k == kernel for k, _ in self.made)
@@ -103,7 +104,8 @@ class Units:
             self.made[key] = self.titled[title] = unit
             self.effects.table[title] = Effect(
                 frozenset(k for k, p in enumerate(unit.function.args.args) if unit.first_use(p.id)),
-                frozenset(unit.summary.written), unit.summary.pure)
+                frozenset(unit.summary.written), unit.summary.pure,
+                frozenset(k for k, t in enumerate(types) if t.is_array))
         return self.made[key]
 
     def _prepared(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
@@ -127,7 +129,8 @@ class Units:
         table = infer(renamed.function, given, self.call_types, report, values)
         report.finish()
         typing = Typing(table, self.call_types, report, values)
-        tree = atoms(renamed.function, typing, names, written_arrays(renamed.function, self))
+        tree = self.with_titles(renamed.function, typing)
+        tree = atoms(tree, typing, names, written_arrays(tree, self))
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
                     self._summary(tree, typing))
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.tree import (
-    AST, Assert, Assign, AugAssign, Break, Call, Expr, For, FunctionDef, If, Name, Pass, Raise, Return, Subscript,
-    Tuple, While, call_name, names, walk,
+    AST, Assert, Assign, Attribute, AugAssign, Break, Call, Expr, For, FunctionDef, If, Name, Pass, Raise, Return, Store,
+    Subscript, Tuple, While, call_name, children, walk,
 )
 
 Writes = Callable[[Call], list[str]]
@@ -30,8 +30,28 @@ def targets(statement: AST) -> list[AST]:
     return [statement.target] if isinstance(statement, (AugAssign, For)) else []
 
 
+_SHAPES = {"builtins.len", "numpy.zeros_like", "numpy.empty_like"}
+
+
+def read_names(node: AST | list[AST]) -> set[str]:
+    """The names that an expression reads; `=x` for an array of which it needs the shape alone."""
+    found: set[str] = set()
+    waiting = list(node) if isinstance(node, list) else [node]
+    while waiting:
+        part = waiting.pop()
+        base = part.value if isinstance(part, Attribute) else part.args[0] if call_name(part) in _SHAPES else None
+        if isinstance(base, Name) and (not isinstance(part, Attribute) or part.attr in ("shape", "size", "dtype")):
+            found.add("=" + base.id)
+            continue
+        if isinstance(part, Name) and not isinstance(part.ctx, Store) and "." not in part.id:
+            found.add(part.id)
+        waiting += children(part)
+    return found
+
+
 class Liveness:
-    """The table: `after[id(statement)]` and, for loops, `entry[id(loop)]`, the names live where its body begins.
+    """The table: `after[id(statement)]` and, for loops, `entry[id(loop)]`, the names live where its body begins;
+    `idle`, the loops that do nothing that is read.
 
     `writes(call)` tells which arrays a kernel's call writes, `pure(call)` whether it may be dropped, `unread(call)`
     which arrays it is given and whose content it does not read.
@@ -42,6 +62,7 @@ class Liveness:
         self.unread = unread
         self.after: dict[int, set[str]] = {}
         self.entry: dict[int, set[str]] = {}
+        self.idle: set[int] = set()
         self.writes, self.pure, self.strong = writes, pure, strong
         self._break: list[set[str]] = []
         self._out = set(live_out)
@@ -63,6 +84,7 @@ class Liveness:
                     if not self.pure(node):
                         return True
                     effects |= set(self.writes(node))
+            bound |= {"=" + t.id for t in targets(statement) if isinstance(t, Name)}
             return bool((bound | effects) & live)
         if isinstance(statement, Expr) and isinstance(statement.value, Call):
             return not self.pure(statement.value) or bool(set(self.writes(statement.value)) & live)
@@ -73,13 +95,13 @@ class Liveness:
             body, orelse = self.block(statement.body, set(live)), self.block(statement.orelse, set(live))
             if self.strong and body == live == orelse and not _does(statement, self, live):
                 return live
-            return body | orelse | set(names(statement.test))
+            return body | orelse | read_names(statement.test)
         if isinstance(statement, (For, While)):
             return self._loop(statement, live)
         if isinstance(statement, Break):
             return set(self._break[-1])
         if isinstance(statement, (Assert, Raise, Return)):
-            return (self._out if isinstance(statement, Return) else live) | set(names(statement))
+            return (self._out if isinstance(statement, Return) else live) | read_names(statement)
         if self.strong and not self.needed(statement, live):
             return live
         return self._simple(statement, live)
@@ -88,22 +110,24 @@ class Liveness:
         live = set(live)
         for target in targets(statement):
             if isinstance(target, Name):
-                live.discard(target.id)
+                live -= {target.id, "=" + target.id}
             else:
-                live |= set(names(target)) - {base_name(target)}
+                live |= read_names(target) - {base_name(target)}
                 live.add(base_name(target))
         if isinstance(statement, AugAssign):
-            live |= set(names(statement.target)) | {base_name(statement.target)}
-        read = set(names(statement.value))
+            live |= read_names(statement.target) | {base_name(statement.target)}
+        read = read_names(statement.value)
         if (call_name(statement.value) or "").startswith("user."):
-            read -= self.unread(statement.value)
+            unread = self.unread(statement.value)
+            read = (read - unread) | {"=" + n for n in unread}
         return live | read
 
     def _loop(self, loop: AST, live: set[str]) -> set[str]:
         if self.strong and not _does(loop, self, live):
-            self.block(loop.body, set(live))
+            self.idle.add(id(loop))
             return live
-        test = set(names(loop.iter if isinstance(loop, For) else loop.test))
+        self.idle.discard(id(loop))
+        test = read_names(loop.iter if isinstance(loop, For) else loop.test)
         own = {loop.target.id} if isinstance(loop, For) else set()
         around = set(live) | (set() if isinstance(loop, For) else test)
         while True:

@@ -21,9 +21,9 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.types import BOOL
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, For, FunctionDef, If, Name, Pow, Return,
+    AST, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Expr, For, FunctionDef, If, Name, Pow, Return,
     Subscript, Tuple, UnaryOp, USub, While, assign, at, augment, call, call_name, copy,
-    dump, name, walk,
+    dump, index, indices, name, walk,
 )
 
 
@@ -69,21 +69,25 @@ class _Atoms:
             return self.branch(statement)
         if isinstance(statement, Assign):
             root = self.root(statement, before)
-            return [*before, assign(statement.targets[0], root)]
+            target = self.indexed(statement.targets[0], before)
+            return [*before, assign(target, root)]
         if isinstance(statement, AugAssign):
             value = self.inner(statement.value, before) if self.is_float(statement.value) else statement.value
-            return [*before, augment(statement.target, statement.op, value)]
+            target = self.indexed(statement.target, before)
+            return [*before, augment(target, statement.op, value)]
         if isinstance(statement, Return) and statement.value is not None:
             parts = statement.value.elts if isinstance(statement.value, Tuple) else [statement.value]
             new = [self.simple(p, before, "result") for p in parts]
             value = Tuple(new, statement.value.ctx) if isinstance(statement.value, Tuple) else new[0]
             return [*before, Return(value)]
+        if isinstance(statement, Expr) and (call_name(statement.value) or "").startswith("user."):
+            made = Expr(self.call(statement.value, before))
+            return [*before, made]
         return [statement]
 
     def bound(self, node: AST, before: list[AST]) -> AST:
         """A bound of a range; one that reads an array which is written gets a name."""
-        loads = any(isinstance(n, Subscript) and base_name(n) in self.written for n in walk(node))
-        return name(self.bind("bound", node, before)) if loads else node
+        return name(self.bind("bound", node, before)) if self.reads_written(node) else node
 
     def branch(self, statement: If) -> list[AST]:
         before: list[AST] = []
@@ -100,7 +104,7 @@ class _Atoms:
             return value
         if isinstance(target, Name):
             if isinstance(value, Subscript) or call_name(value) == "numpy.sum":
-                return value
+                return self.indexed(value, before)
             if (call_name(value) or "").startswith("user."):
                 return self.call(value, before)
             if reads_result(value):
@@ -110,8 +114,8 @@ class _Atoms:
         return self.inner(value, before)
 
     def call(self, node: Call, before: list[AST]) -> Call:
-        args = [self.simple(a, before, "argument") if self.is_float(a) and not self.typing.of(a).is_array else a
-                for a in node.args]
+        args = [self.simple(a, before, "argument") if self.is_float(a) and not self.typing.of(a).is_array else
+                self.indexed(a, before) for a in node.args]
         return Call(node.func, args, [])
 
     def simple(self, node: AST, before: list[AST], wanted: str) -> AST:
@@ -126,6 +130,8 @@ class _Atoms:
         kind = self.typing.of(node)
         if isinstance(node, (Compare, BoolOp)) or not (kind.is_float or kind.dtype):
             return node
+        if isinstance(node, Subscript):
+            node = self.indexed(node, before)
         if isinstance(node, Subscript) and base_name(node) in self.written and not kind.is_array:
             return name(self.load(node, before))
         if isinstance(node, (Subscript, Name, Constant)) or type(node).__name__ == "Attribute":
@@ -145,6 +151,16 @@ class _Atoms:
         if isinstance(node, Call):
             return Call(node.func, [self.inner(a, before) for a in node.args], node.keywords)
         return node
+
+    def indexed(self, node: AST, before: list[AST]) -> AST:
+        """A reference whose subscripts read no array that is written: those that do get names."""
+        if not isinstance(node, Subscript) or not any(self.reads_written(s) for s in indices(node)):
+            return node
+        return index(node.value, *(name(self.bind("place", s, before)) if self.reads_written(s) else s
+                                   for s in indices(node)))
+
+    def reads_written(self, node: AST) -> bool:
+        return any(isinstance(n, Subscript) and base_name(n) in self.written for n in walk(node))
 
     def load(self, node: Subscript, before: list[AST]) -> str:
         for made in before:

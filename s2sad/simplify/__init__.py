@@ -25,6 +25,7 @@ class Effect:
     reads: frozenset[int]
     writes: frozenset[int]
     pure: bool
+    arrays: frozenset[int] = frozenset()
 
 
 @dataclass
@@ -45,7 +46,7 @@ class Effects:
         effect = self.of(called)
         if effect is None:
             return set()
-        bases = [(k, base_name(a)) for k, a in enumerate(called.args)]
+        bases = [(k, base_name(a)) for k, a in enumerate(called.args) if k in effect.arrays]
         read = {b for k, b in bases if k in effect.reads}
         return {b for _, b in bases if b} - read
 
@@ -70,7 +71,7 @@ class Effects:
             pure = pure and not isinstance(node, (Assert, Raise))
         self.table[function.name] = Effect(
             frozenset(reads), frozenset(k for k, p in enumerate(parameters) if p in written and typing.table[p].is_array),
-            pure)
+            pure, frozenset(k for k, p in enumerate(parameters) if typing.table[p].is_array))
 
 
 def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], live_out: set[str], effects: Effects,

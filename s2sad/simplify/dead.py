@@ -48,6 +48,8 @@ class _Dead:
             return [statement]
         after = self.live.after[id(statement)]
         if isinstance(statement, (For, While)):
+            if id(statement) in self.live.idle:
+                return []
             new = with_blocks(statement, self.block)
             return [new] if _does_anything(new.body) else []
         if isinstance(statement, If):
@@ -61,7 +63,9 @@ class _Dead:
 
 
 def _does_anything(body: list[AST]) -> bool:
-    return any(not is_comment(s) and not isinstance(s, Break) for s in body)
+    """Whether a loop's body does more than to leave the loop."""
+    return any(_does_anything([*s.body, *s.orelse]) if isinstance(s, If) else not is_comment(s) and not isinstance(s, Break)
+               for s in body)
 
 
 def branch(statement: If) -> list[AST]:
