@@ -18,7 +18,7 @@ from s2sad.emit.module import module_text
 from s2sad.emit.origins import with_origins
 from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
-from s2sad.normalize.hidden import hidden, hidden_arrays, hidden_name
+from s2sad.normalize.hidden import hidden, hidden_name
 from s2sad.program import Generated, Parameter, Program, Request
 from s2sad.report.facts import facts
 from s2sad.units import Unit, Units
@@ -36,9 +36,10 @@ class Summary:
 
 def summary(program: Program, types: tuple[Type, ...]) -> Summary:
     """What the program's entry writes and returns for arguments of these types."""
-    _, unit = entry(program, types, "numpy")
-    parameters = [p.id for p in unit.function.args.args]
-    return Summary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, unit.summary.returned)
+    units, unit = entry(program, types, "numpy")
+    parameters = [hidden_name(p.id, units.program) for p in unit.function.args.args]
+    returned = {k: hidden_name(name, units.program) for k, name in unit.summary.returned.items()}
+    return Summary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, returned)
 
 
 def derive(program: Program, request: Request) -> Generated:
@@ -67,7 +68,7 @@ def entry(program: Program, types: tuple[Type, ...], engine: str) -> tuple[Units
     """The units of a program and the one of its entry; arrays from outside have become parameters."""
     program = hidden(program)
     units = Units(program, engine)
-    outside = tuple(of_value(program.arrays[a]) for a in hidden_arrays(program))
+    outside = tuple(of_value(a) for a in program.arrays.values())
     return units, units.unit(program.entry, types + outside)
 
 

@@ -23,6 +23,7 @@ from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.rename import rename
 from s2sad.normalize.scalarize import scalarize
+from s2sad.normalize.sharing import shared, specialised
 from s2sad.normalize.views import views
 from s2sad.normalize.workspace import is_allocation, workspace
 from s2sad.program import Kernel, Program
@@ -56,6 +57,7 @@ class Unit:
     lowered: FunctionDef
     structure: Structure
     summary: Summary
+    pairs: tuple[tuple[int, int], ...] = ()
 
     def first_use(self, parameter: str) -> bool:
         """Whether the kernel may read what an array held at its start."""
@@ -80,7 +82,7 @@ class Units:
     """Everything made for one program and one engine."""
     program: Program
     engine: str
-    made: dict[tuple[str, tuple[Type, ...]], Unit] = field(default_factory=dict)
+    made: dict[tuple[str, tuple[Type, ...], tuple[tuple[int, int], ...]], Unit] = field(default_factory=dict)
     titled: dict[str, Unit] = field(default_factory=dict)
     derived: dict[tuple, Derived] = field(default_factory=dict)
     effects: Effects = field(default_factory=Effects)
@@ -91,16 +93,20 @@ class Units:
 
     # -- normal form -------------------------------------------------------------------------------------------------
 
-    def unit(self, kernel: str, types: tuple[Type, ...]) -> Unit:
-        """The unit of a kernel, or of a unit's title, for these types."""
-        if kernel in self.titled and self.titled[kernel].types == types:
-            return self.titled[kernel]
+    def unit(self, kernel: str, types: tuple[Type, ...], pairs: tuple[tuple[int, int], ...] = ()) -> Unit:
+        """The unit of a kernel, or of a unit's title, for these types; `pairs` of its arguments are one array."""
+        if kernel in self.titled and not pairs:
+            if self.titled[kernel].types == types:
+                return self.titled[kernel]
+            pairs = self.titled[kernel].pairs
         kernel = self.titled[kernel].kernel.name if kernel in self.titled else kernel
-        key = (kernel, types)
+        key = (kernel, types, pairs)
         if key not in self.made:
-            others = sum(k == kernel for k, _ in self.made)
+            others = sum(k == kernel for k, _, _ in self.made)
             title = self.titles.fresh(f"{kernel}_{others + 1}") if others else kernel
-            unit = self._prepared(self.program.kernels[kernel], types, title)
+            source = self.program.kernels[kernel]
+            unit = self._prepared(specialised(source, pairs) if pairs else source, types, title)
+            unit.pairs = pairs
             self.made[key] = self.titled[title] = unit
             self.effects.table[title] = Effect(
                 frozenset(k for k, p in enumerate(unit.function.args.args) if unit.first_use(p.id)),
@@ -121,7 +127,8 @@ class Units:
         typing.final = True
         tree = workspace(views(tree, table, typing, names, report))
         report.finish()
-        tree = self.with_titles(tree, typing)
+        tree = self.with_titles(tree, typing, report)
+        report.finish()
         if self.engine == "numba":
             tree = scalarize(tree, typing, names)
         lowered = tree
@@ -129,7 +136,7 @@ class Units:
         table = infer(renamed.function, given, self.call_types, report, values)
         report.finish()
         typing = Typing(table, self.call_types, report, values)
-        tree = self.with_titles(renamed.function, typing)
+        tree = self.with_titles(renamed.function, typing, report)
         tree = atoms(tree, typing, names, written_arrays(tree, self))
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
                     self._summary(tree, typing))
@@ -162,12 +169,18 @@ class Units:
     def call_types(self, kernel: str, types: tuple[Type, ...]) -> tuple[Type, ...]:
         return self.unit(kernel, types).summary.results
 
-    def with_titles(self, tree: FunctionDef, typing: Typing) -> FunctionDef:
-        """The tree with every kernel's call naming the unit for the types of its arguments."""
+    def with_titles(self, tree: FunctionDef, typing: Typing, report: Report) -> FunctionDef:
+        """The tree with every kernel's call naming the unit for its arguments: their types, and which are one array."""
         new = copy(tree)
         for node in walk(new.body):
-            if isinstance(node, Call) and (call_name(node) or "").startswith("user."):
-                node.func = name(f"user.{self.of_call(node, typing).title}")
+            if not isinstance(node, Call) or not (call_name(node) or "").startswith("user."):
+                continue
+            unit = self.of_call(node, typing)
+            pairs = shared(node, unit.summary.written, typing, report)
+            if pairs:
+                node.args = [a for k, a in enumerate(node.args) if all(k != gone for gone, _ in pairs)]
+                unit = self.unit(unit.kernel.name, tuple(map(typing.of, node.args)), pairs)
+            node.func = name(f"user.{unit.title}")
         return new
 
     def called(self, node: Call) -> Unit | None:

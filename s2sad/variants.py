@@ -96,9 +96,13 @@ class State:
 
     def summary(self, types: tuple[Type, ...]) -> Any:
         """What the pipeline says of the kernel's writes and results for these types."""
-        if types not in self._summaries:
-            self._summaries[types] = pipeline.summary(self.program, types)
-        return self._summaries[types]
+        found = self._summaries.get(types)
+        if found is None:
+            found = self._summaries[types] = pipeline.summary(self.program, types)
+            for array in (n for n in found.returned.values() if n.startswith(HIDDEN)):
+                raise S2sadError(Diagnostic("S201", f"'{self.kernel.name}' returns '{array[len(HIDDEN):]}', an array "
+                                            "of its module", help="pass the array as an argument"))
+        return found
 
     def variant(self, request: Request, engine: str) -> Variant:
         """The generated function for a request, made once; `engine` may be "auto"."""
@@ -109,8 +113,7 @@ class State:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
                                   request.with_primal)
                 generated = pipeline.derive(self.program, request)
-                written = frozenset(self.summary(request.types).written)
-                self._variants[key] = Variant(generated, engine, written, self.kernel.name)
+                self._variants[key] = Variant(generated, engine, self.summary(request.types), self.kernel.name)
             return self._variants[key]
 
     def primal(self, types: tuple[Type, ...], engine: str) -> Callable[..., Any]:
@@ -132,7 +135,7 @@ class State:
         text = quiet(variant.generated.text)
         function = getattr(compiled(text, variant.generated.entry, bounds=True), variant.generated.entry)
         copies = dict(zip(self.parameters, self.copied(values, types)))
-        arguments = variant.assemble(copies, {}, (), self.arrays_by_name())
+        arguments = variant.assemble(copies, {}, (), self.outside(types))
         prepare(function, arguments, f"'{self.kernel.name}'")
         function(*arguments)
         self.entries[key] = True
@@ -149,7 +152,15 @@ class State:
         return returned[place] if len(self.summary(types).results) > 1 else returned
 
     def arrays_by_name(self) -> dict[str, Any]:
-        return dict(zip((HIDDEN + x for x in self.program.arrays), self.arrays))
+        """The arrays that the function reads from its module or closure, by their parameters' names."""
+        return dict(zip((HIDDEN + x for x in self.program.arrays), self.arrays)) if self.arrays else {}
+
+    def outside(self, types: tuple[Type, ...]) -> dict[str, Any]:
+        """`arrays_by_name` with copies of what the function writes: no derivative changes its module."""
+        if not self.arrays:
+            return {}
+        written = self.summary(types).written
+        return {n: np.array(a, order="C") if n in written else a for n, a in self.arrays_by_name().items()}
 
 
 def _with_trailing(function: Callable[..., Any], trailing: tuple[Any, ...]) -> Callable[..., Any]:
@@ -159,7 +170,7 @@ def _with_trailing(function: Callable[..., Any], trailing: tuple[Any, ...]) -> C
 class Variant:
     """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked."""
 
-    def __init__(self, generated: Generated, engine: str, written: frozenset[str], kernel: str):
+    def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str):
         self.generated, self.engine, self.kernel = generated, engine, kernel
         self.parameters: tuple[Parameter, ...] = generated.parameters
         plain = tuple(generated.facts.get("wrappers", ()))
@@ -168,7 +179,7 @@ class Variant:
         self.function: Callable[..., Any] = getattr(module, generated.entry)
         self.shadows = {p.primal: p for p in self.parameters if p.role == "shadow"}
         self.seeds = tuple(p for p in self.parameters if p.role == "seed")
-        self._written = written
+        self._written = frozenset(summary.written)
         self._check: Check | None = None
         self.array_places = tuple(k for k, p in enumerate(self.parameters) if p.type.is_array)
         self._pick = itemgetter(*self.array_places) if len(self.array_places) > 1 else None

@@ -18,7 +18,7 @@ from s2sad.infer.types import INT
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Add, BinOp, Call, Constant, Expr, For, If, Mult, Name, Return, Sub, While, add, assign, at, augment,
-    call, call_name, const, copy, counted_for, name, walk,
+    call, call_name, const, copy, counted_for, index, name, walk,
 )
 
 Adjoint = Callable[[AST], list[AST]]
@@ -202,10 +202,10 @@ class Sweeps:
                 return []
             return [If(copy(statement.test), self.reverse(statement.body), self.reverse(statement.orelse))]
         stores = self.stores_of(statement)
-        popped = [s for store in stores for s in self.tape.pop(self.store_stack(store), copy(store.place))]
+        popped = [s for store in stores for s in self.tape.pop(self.store_stack(store), whole_place(store.place))]
         called = isinstance(getattr(statement, "value", None), Call) and (
             call_name(statement.value) or "").startswith("user.")
-        again = [assign(copy(store.place), self.tape.cell(self.store_stack(store))) for store in stores] \
+        again = [assign(whole_place(store.place), self.tape.cell(self.store_stack(store))) for store in stores] \
             if called else []
         return [*popped, *self.adjoint(statement), *again]
 
@@ -238,6 +238,11 @@ def reversed_bounds(loop: For, trips: AST | None) -> list[AST]:
     last = add(copy(start), BinOp(BinOp(trips, Sub(), const(1)), Mult(), size))
     return [last, BinOp(copy(start), Sub(), size), const(-step) if isinstance(step, int) else BinOp(
         const(0), Sub(), size)]
+
+
+def whole_place(place: AST) -> AST:
+    """Where a snapshot goes back: into the array, whose name stays bound to it."""
+    return index(copy(place), const(...)) if isinstance(place, Name) else copy(place)
 
 
 def sub_one(node: AST) -> AST:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from s2sad.naming import Names
 from s2sad.program import Kernel, Program
 from s2sad.tree import Call, Name, call_name, copy, function, keyword, name, rename, walk
 
@@ -20,7 +21,8 @@ def hidden(program: Program) -> Program:
         return program
     needs: dict[str, list[str]] = {}
     kernels: dict[str, Kernel] = {}
-    spelled = {a: f"{a}_array" if any(a in _locals(k) for k in program.kernels.values()) else a for a in program.arrays}
+    free = Names(set().union(*map(_locals, program.kernels.values())))
+    spelled = {a: free.fresh(a) for a in program.arrays}
     for title, kernel in program.kernels.items():
         read = {n.id[6:] for n in walk(kernel.tree.body) if isinstance(n, Name) and n.id.startswith("array.")}
         for node in walk(kernel.tree.body):
@@ -28,7 +30,7 @@ def hidden(program: Program) -> Program:
                 read |= set(needs[(call_name(node) or "")[5:]])
         needs[title] = [a for a in program.arrays if a in read]
         kernels[title] = _extended(kernel, needs, spelled)
-    return replace(program, kernels=kernels)
+    return replace(program, kernels=kernels, arrays={a: program.arrays[a] for a in needs[program.entry]})
 
 
 def _locals(kernel: Kernel) -> set[str]:
@@ -46,17 +48,13 @@ def _extended(kernel: Kernel, needs: dict[str, list[str]], spelled: dict[str, st
     return replace(kernel, tree=tree, parameters=(*kernel.parameters, *added))
 
 
-def hidden_arrays(program: Program) -> list[str]:
-    """The arrays that the entry takes as hidden parameters, in order."""
-    return [] if not program.arrays else [a for a in program.arrays if any(
-        p in (a, f"{a}_array") for p in program.kernels[program.entry].parameters)]
+def hidden_arrays(program: Program) -> dict[str, str]:
+    """The arrays that the entry of a program without outside arrays takes after its own parameters, by these' names."""
+    parameters = program.kernels[program.entry].parameters
+    return dict(zip(parameters[len(parameters) - len(program.arrays):], program.arrays))
 
 
 def hidden_name(parameter: str, program: Program) -> str:
     """The parameter's name as the caller knows it: `array.TABLE` for a hidden one."""
-    for array in program.arrays:
-        if parameter in (array, f"{array}_array"):
-            return f"array.{array}"
-    return parameter
-
-
+    array = hidden_arrays(program).get(parameter)
+    return parameter if array is None else f"array.{array}"

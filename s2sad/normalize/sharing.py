@@ -1,0 +1,57 @@
+"""sharing: a kernel that is given one array for two parameters, and writes it, is prepared for that with one parameter.
+
+    change(x, x, a)                 change_2(x, a)
+
+A call that gives overlapping parts of one array, one of them written, is refused: which cells are shared depends on
+values that are known only when it runs.
+"""
+from __future__ import annotations
+
+from dataclasses import replace
+
+from s2sad.analyze.liveness import base_name
+from s2sad.diagnostics import Report
+from s2sad.infer.infer import Typing
+from s2sad.program import Kernel
+from s2sad.tree import (
+    AST, Call, Constant, Name, Store, Subscript, assign, at, copy, dump, function, indices, name, rename, walk,
+)
+
+
+def shared(node: Call, written: tuple[int, ...], typing: Typing, report: Report) -> tuple[tuple[int, int], ...]:
+    """The pairs (position, earlier position) of a call's arguments that are one array, where it is written."""
+    arrays = [k for k, a in enumerate(node.args) if typing.of(a).is_array]
+    pairs: list[tuple[int, int]] = []
+    for place, k in enumerate(arrays):
+        for first in arrays[:place]:
+            if base_name(node.args[k]) != base_name(node.args[first]) or not {k, first} & set(written):
+                continue
+            if dump(node.args[k]) == dump(node.args[first]):
+                if all(p != k for p, _ in pairs):
+                    pairs.append((k, first))
+            elif not _apart(node.args[k], node.args[first]):
+                report.error("S404", f"two arguments that may share elements of '{base_name(node.args[k])}', one of "
+                             "which is written", node, help="copy one of them first")
+    return tuple(pairs)
+
+
+def _apart(a: AST, b: AST) -> bool:
+    """Whether two parts of one array are known to share nothing: one of their subscripts is a different number."""
+    if not isinstance(a, Subscript) or not isinstance(b, Subscript):
+        return False
+    numbers = [(x.value, y.value) for x, y in zip(indices(a), indices(b))
+               if isinstance(x, Constant) and isinstance(y, Constant)]
+    return any(x != y for x, y in numbers)
+
+
+def specialised(kernel: Kernel, pairs: tuple[tuple[int, int], ...]) -> Kernel:
+    """The kernel with each later parameter of a pair replaced by the earlier one."""
+    parameters = [p.id for p in kernel.tree.args.args]
+    gone = {parameters[k]: parameters[first] for k, first in pairs}
+    bound = {n.id for n in walk(kernel.tree.body) if isinstance(n, Name) and isinstance(n.ctx, Store)}
+    mapping = {p: q for p, q in gone.items() if p not in bound and q not in bound}
+    body = rename(copy(kernel.tree.body), mapping)
+    start = [at(assign(p, name(q)), kernel.tree) for p, q in gone.items() if p not in mapping]
+    kept = [p for p in parameters if p not in gone]
+    tree = at(function(kernel.tree.name, kept, [*start, *body]), kernel.tree)
+    return replace(kernel, tree=tree, parameters=tuple(p for p in kernel.parameters if p not in gone))
