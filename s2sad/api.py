@@ -7,7 +7,7 @@ from typing import Any
 
 from s2sad import pipeline
 from s2sad.annotated import AnnotatedCall
-from s2sad.annotations import Annotation, Mode
+from s2sad.annotations import Annotation, Duplicated, Mode
 from s2sad.binding import admitted, bind, describe, types as types_of
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.program import Request
@@ -88,7 +88,10 @@ class Differentiated:
         state = self._derivatives.state()
         values = self._values(state, args, keywords)
         types = types_of(values)
-        function = state.primal(types, self.engine)
+        function, apart = state.primal(types, self.engine), state.apart(types)
+        if apart is not None:
+            apart(values)
+        state.first_run(values, self.engine)
         results = Results.of(state.summary(types))
         given = function(*values)
         if not results.aliases:
@@ -172,8 +175,9 @@ def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = Non
     engine = getattr(f, "__s2sad_selection__", (None, None, "auto"))[2]
     kinds = tuple([type(a) if isinstance(a, Annotation) else None for a in annotated])
     values = [a.value if isinstance(a, Annotation) else a for a in annotated]
-    key = (mode, engine, kinds, describe(values))
+    shadows = [a.shadow for a in annotated if isinstance(a, Duplicated)]
+    key = (mode, engine, kinds, describe(values), describe(shadows))
     entry = state.entries.get(key)
     if entry is None:
         entry = state.entries[key] = AnnotatedCall(state, mode, annotated, engine)
-    return entry(annotated, values, seed)
+    return entry(values, shadows, seed)

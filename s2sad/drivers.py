@@ -5,9 +5,10 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from s2sad.binding import bind, describe, make_zero
+from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
 from s2sad.selection import RETURN, names_of
-from s2sad.variants import derivatives_of
+from s2sad.variants import Derivatives, derivatives_of
 
 __all__ = ["gradient", "jvp", "make_zero", "value_and_gradient", "vjp"]
 
@@ -31,12 +32,13 @@ def gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = None) -> C
     >>> gradient(norm)(np.array([1.0, 2.0]))
     array([2., 4.])
     """
-    both = value_and_gradient(f, wrt)
+    derivatives, names = derivatives_of(f), names_of(wrt)
 
     def gradient_of(*args: Any, **keywords: Any) -> Any:
-        return both(*args, **keywords)[1]
+        entry, args = _prepared(f, derivatives, names, args, keywords)
+        return entry.value_and_gradient(args)[1]
 
-    return _named(gradient_of, f, "gradient")
+    return _titled(gradient_of, f, "gradient")
 
 
 def value_and_gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = None) -> Callable[..., Any]:
@@ -56,16 +58,23 @@ def value_and_gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = 
     derivatives, names = derivatives_of(f), names_of(wrt)
 
     def value_and_gradient_of(*args: Any, **keywords: Any) -> Any:
-        state = derivatives.state()
-        if keywords:
-            args = tuple(bind(state.kernel, args, keywords))
-        key = ("gradient", names, describe(args), selection_of(f)[2])
-        entry = state.entries.get(key)
-        if entry is None:
-            entry = state.entries[key] = ReverseCall(state, f, args, (RETURN,), names, with_value=True)
+        entry, args = _prepared(f, derivatives, names, args, keywords)
         return entry.value_and_gradient(args)
 
-    return _named(value_and_gradient_of, f, "value and gradient")
+    return _titled(value_and_gradient_of, f, "value and gradient")
+
+
+def _prepared(f: Any, derivatives: Derivatives, names: tuple[str, ...] | None, args: tuple[Any, ...],
+              keywords: dict[str, Any]) -> tuple[ReverseCall, tuple[Any, ...]]:
+    """The prepared gradient for arguments of these types, and the arguments by position."""
+    state = derivatives.state()
+    if keywords:
+        args = tuple(bind(state.kernel, args, keywords))
+    key = ("gradient", names, describe(args), selection_of(f))
+    entry = state.entries.get(key)
+    if entry is None:
+        entry = state.entries[key] = ReverseCall(state, f, args, (RETURN,), names, with_value=True)
+    return entry, args
 
 
 def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
@@ -88,8 +97,8 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
     {'u': array([3., 3.]), 'c': 2.0}
     """
     state = derivatives_of(f).state()
-    args, names = tuple(args), names_of(wrt)
-    key = ("vjp", names, tuple(seeds), describe(args), selection_of(f)[2])
+    args, names = _listed(args), names_of(wrt)
+    key = ("vjp", names, _named(seeds, "seeds"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
         entry = state.entries[key] = ReverseCall(state, f, args, tuple(seeds), names)
@@ -113,15 +122,30 @@ def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any],
     {'u': array([1., 1.])}
     """
     state = derivatives_of(f).state()
-    args, names = tuple(args), names_of(of)
-    key = ("jvp", names, tuple(tangents), describe(args), selection_of(f)[2])
+    args, names = _listed(args), names_of(of)
+    key = ("jvp", names, _named(tangents, "tangents"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
         entry = state.entries[key] = ForwardCall(state, f, args, tuple(tangents), names)
     return entry.jvp(args, tangents)
 
 
-def _named(driver: Callable[..., Any], f: Any, what: str) -> Callable[..., Any]:
+def _listed(args: Any) -> tuple[Any, ...]:
+    """The arguments of a call as a tuple; an array alone, whose elements these would be, is refused."""
+    if isinstance(args, (tuple, list)):
+        return tuple(args)
+    raise S2sadError(Diagnostic("S405", f"args is of type {type(args).__name__}",
+                                help="give a tuple of the function's arguments, as (u,)"))
+
+
+def _named(values: Any, what: str) -> tuple[str, ...]:
+    if isinstance(values, Mapping):
+        return tuple(values)
+    raise S2sadError(Diagnostic("S403", f"{what} is of type {type(values).__name__}",
+                                help=f'give a dict by {"output" if what == "seeds" else "argument"} name'))
+
+
+def _titled(driver: Callable[..., Any], f: Any, what: str) -> Callable[..., Any]:
     name = getattr(f, "__name__", "f")
     driver.__name__ = driver.__qualname__ = f"{what.replace(' ', '_')}_of_{name}"
     driver.__doc__ = f"The {what} of '{name}'."

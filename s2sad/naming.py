@@ -1,4 +1,5 @@
-"""The one allocator of names: the wanted name, else with `_` appended until it is free."""
+"""The one allocator of names: the wanted name; with `_` appended where a user's name is in the way, numbered where
+one of ours is."""
 from __future__ import annotations
 
 import builtins
@@ -9,16 +10,25 @@ from collections.abc import Iterable
 class Names:
     """Names taken in one function; the user's are taken from the start and never change.
 
+    `wanted` tells of every name that was made what was wished for.
+
     >>> names = Names(["u", "u_bar"])
-    >>> names.fresh("u_bar"), names.fresh("v_bar"), names.fresh("u_bar")
-    ('u_bar_', 'v_bar', 'u_bar__')
+    >>> names.fresh("u_bar"), names.fresh("v_bar"), names.fresh("u_bar"), names.fresh("v_bar")
+    ('u_bar_', 'v_bar', 'u_bar__2', 'v_bar_2')
     """
 
     def __init__(self, taken: Iterable[str] = ()):
         self.taken = set(taken)
+        self.wanted: dict[str, str] = {}
 
     def fresh(self, wanted: str) -> str:
-        while wanted in self.taken or keyword.iskeyword(wanted) or hasattr(builtins, wanted):
-            wanted += "_"
-        self.taken.add(wanted)
-        return wanted
+        made = wanted
+        while made in self.taken and made not in self.wanted or keyword.iskeyword(made) or hasattr(builtins, made):
+            made += "_"
+        number, base = 1, made
+        while made in self.taken:
+            number += 1
+            made = f"{base}_{number}"
+        self.taken.add(made)
+        self.wanted[made] = wanted
+        return made

@@ -14,8 +14,7 @@ import numpy as np
 from s2sad.binding import admitted, bind, coerced, make_zero, misfit, types as types_of
 from s2sad.diagnostics import Diagnostic, S2sadError, S2sadWarning
 from s2sad.program import Request
-from s2sad.run.overlap import Check, Slot
-from s2sad.selection import RETURN, Results, array_seed, number_seed, selected_of, selected_wrt, structured
+from s2sad.selection import RETURN, Results, array_seed, number_seed, places, selected_of, selected_wrt, structured
 from s2sad.variants import State, Variant
 
 _ONE = {RETURN: 1.0}
@@ -39,14 +38,12 @@ class PreparedCall:
         self.types = types_of(values)
         self.summary = state.summary(self.types)
         self.results = Results.of(self.summary)
-        arrays = [k for k, v in enumerate(values) if isinstance(v, np.ndarray)]
-        self.written = [k for k in arrays if self.names[k] in self.summary.written]
-        self.arrays = arrays
-        slots = [Slot(self.names[k], "primal", self.names[k], k in self.written) for k in arrays]
-        self.apart = Check(slots, "numpy") if self.written and len(arrays) > 1 else None
-        if self.apart is not None:
-            self.apart.exact([values[k] for k in arrays])
-        state.first_run(values, self.engine)
+        self.written = [k for k, n in enumerate(self.names)
+                        if n in self.summary.written and isinstance(values[k], np.ndarray)]
+        self._apart = state.apart(self.types)
+        if self._apart is not None:
+            self._apart(values)
+        self._ready = False
 
     def values_of(self, args: Sequence[Any]) -> list[Any]:
         values = [*args, *self.tail]
@@ -57,11 +54,21 @@ class PreparedCall:
     def private(self, args: Sequence[Any]) -> list[Any]:
         """The values, with copies of what the function may write."""
         values = self.values_of(args)
-        if self.apart is not None:
-            self.apart.exact([values[k] for k in self.arrays])
+        if self._apart is not None:
+            self._apart(values)
         for k in self.written:
             values[k] = np.array(values[k], order="C")
         return values
+
+    def called(self, variant: Variant, values: Mapping[str, Any], shadows: Mapping[str, Any],
+               seeds: Sequence[Any] = ()) -> tuple[Any, ...]:
+        """Calls the derivative; the first time it is compiled, and the primal run with bounds checks."""
+        arguments = variant.assemble(values, shadows, seeds, self.state.outside(self.types))
+        if not self._ready:
+            self.state.first_run([values[n] for n in self.names], self.engine)
+            variant.prepare(arguments)
+            self._ready = True
+        return variant.run(arguments)
 
     def variant(self, mode: str, wrt: tuple[str, ...], of: tuple[str, ...], with_primal: bool = False) -> Variant:
         return self.state.variant(Request(mode, self.types, wrt, of, with_primal=with_primal), self.engine)
@@ -74,7 +81,8 @@ class ReverseCall(PreparedCall):
                  wrt: tuple[str, ...] | None, with_value: bool = False):
         super().__init__(state, f, args)
         name = state.kernel.name
-        self.wrt = selected_wrt(name, self.names, self.types, wrt if wrt is not None else selection_of(f)[0])
+        chosen = wrt if wrt is not None else selection_of(f)[0]
+        self.wrt = selected_wrt(name, self.names, self.types, chosen)
         if with_value and (len(self.results.types) != 1 or not self.results.types[0].is_float
                            or self.results.types[0].is_array):
             raise _no_float(name, self.results)
@@ -82,14 +90,13 @@ class ReverseCall(PreparedCall):
             raise misfit(f"no seed was given for '{name}'", "give a dict by output name, as {\"return\": 1.0}")
         self.of = selected_of(name, self.names, self.types, self.summary, outputs)
         self.rv = self.variant("adjoint", self.wrt, self.of, with_value)
-        if with_value and self.rv.generated.returns[:1] != ("result",):
-            raise S2sadError(Diagnostic("S901", f"internal error: the derivative of '{name}' lacks the value"))
-        self.seed_places = self.results.places([p.name for p in self.rv.seeds])
-        self.first_call = True
+        self.seed_places = places([p.primal for p in self.rv.seeds])
+        independent = self.rv.generated.facts.get("independent", ())
+        self.in_vain = tuple(n for n in self.wrt if chosen is not None and n in independent)
 
     def run(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[Any, ...]]:
         values = dict(zip(self.names, self.private(args)))
-        by_place = self._result_seeds(args, seeds.get(RETURN)) if RETURN in seeds else {}
+        by_place = self._result_seeds(seeds.get(RETURN)) if RETURN in seeds else {}
         shadows = {}
         for name in self.rv.shadows:
             seed = None if name not in self.of else seeds.get(name)
@@ -99,47 +106,29 @@ class ReverseCall(PreparedCall):
             if place in by_place:
                 shadows[name] += array_seed(RETURN, by_place.pop(place), values[name])
         given = [by_place.get(k, 0.0) for k in self.seed_places]
-        arguments = self.rv.assemble(values, shadows, given, self.state.arrays_by_name())
-        if self.first_call:
-            self.rv.prepare(arguments)
-            self.first_call = False
-        return shadows, self.rv.run(arguments)
+        return shadows, self.called(self.rv, values, shadows, given)
 
-    def gradients(self, shadows: dict[str, Any], returned: tuple[Any, ...], args: Sequence[Any]) -> dict[str, Any]:
+    def gradients(self, shadows: dict[str, Any], returned: tuple[Any, ...]) -> dict[str, Any]:
         scalars = dict(zip(self.rv.generated.returns, returned))
-        found, values = {}, None
-        for name in self.wrt:
-            if name in shadows:
-                found[name] = shadows[name]
-            elif name in scalars:
-                found[name] = scalars[name]
-            else:
-                values = values or dict(zip(self.names, self.values_of(args)))
-                found[name] = make_zero(values[name])
-        for name in self.wrt:
-            if name in self.rv.generated.facts.get("independent", ()) or name not in shadows and name not in scalars:
-                warnings.warn(f"no output asked for of '{self.state.kernel.name}' depends on '{name}': its gradient "
-                              "is zero", S2sadWarning, stacklevel=4)
-        return found
+        for name in self.in_vain:
+            warnings.warn(f"no output asked for of '{self.state.kernel.name}' depends on '{name}': its gradient is zero",
+                          S2sadWarning, stacklevel=4)
+        return {name: shadows[name] if name in shadows else scalars[name] for name in self.wrt}
 
     def vjp(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> dict[str, Any]:
         shadows, returned = self.run(args, seeds)
-        return self.gradients(shadows, returned, args)
+        return self.gradients(shadows, returned)
 
     def value_and_gradient(self, args: Sequence[Any]) -> tuple[Any, Any]:
         shadows, returned = self.run(args, _ONE)
-        found = self.gradients(shadows, returned, args)
+        found = self.gradients(shadows, returned)
         return returned[0], found[self.wrt[0]] if len(self.wrt) == 1 else found
 
-    def _result_seeds(self, args: Sequence[Any], seed: Any) -> dict[int, Any]:
+    def _result_seeds(self, seed: Any) -> dict[int, Any]:
         """The seeds of the results, by position."""
         given = structured(self.results, seed)
         for place in self.results.own:
-            if self.results.types[place].is_array:
-                of = self.state.result_at(place, self.values_of(args), self.types, self.engine)
-                given[place] = array_seed(RETURN, given[place], of)
-            else:
-                given[place] = number_seed(given[place])
+            given[place] = number_seed(given[place])
         return given
 
 
@@ -155,7 +144,6 @@ class ForwardCall(PreparedCall):
         self.asked = of if of is not None else (*(n for n in self.of if n != RETURN),
                                                 *((RETURN,) if self.results.floats else ()))
         self.fv = self.variant("tangent", self.wrt, self.of)
-        self.first_call = True
 
     def jvp(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> dict[str, Any]:
         values = dict(zip(self.names, self.private(args)))
@@ -166,26 +154,14 @@ class ForwardCall(PreparedCall):
                 shadows[name] = np.zeros(value.shape, value.dtype) if given is None else array_seed(name, given, value)
             else:
                 shadows[name] = number_seed(given, name)
-        for name in self.wrt:
-            if name not in shadows:  # without effect on the outputs asked for, but it must fit all the same
-                _tangent(name, tangents[name], values[name])
-        arguments = self.fv.assemble(values, shadows, (), self.state.arrays_by_name())
-        if self.first_call:
-            self.fv.prepare(arguments)
-            self.first_call = False
-        returned = self.fv.run(arguments)
-        names = self.fv.generated.returns
-        found = dict(zip(self.results.places(names), returned))
+        returned = self.called(self.fv, values, shadows)
+        found: dict[int, Any] = dict(zip(places(self.fv.generated.returns), returned))
         for place, name in self.results.aliases.items():
             found[place] = shadows[name]
         outputs = {name: shadows[name] for name in self.asked if name != RETURN}
         if RETURN in self.asked:
             outputs[RETURN] = self.results.structure(found)
         return outputs
-
-
-def _tangent(name: str, given: Any, value: Any) -> Any:
-    return array_seed(name, given, value) if isinstance(value, np.ndarray) else number_seed(given, name)
 
 
 def _no_float(name: str, results: Results) -> S2sadError:

@@ -1,7 +1,6 @@
 """What is differentiated with respect to what: defaults, and the refusal of names that cannot be meant."""
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -31,18 +30,15 @@ class Results:
         aliases = {k: name for k, name in summary.returned.items() if k in floats}
         return cls(types, floats, tuple(k for k in floats if k not in aliases), aliases)
 
-    def places(self, names: Sequence[str]) -> tuple[int, ...]:
-        """The positions that the seeds or tangents with these names stand for."""
-        for candidates in (self.own, self.floats):
-            if len(names) == len(candidates):
-                return candidates
-        numbers = [re.search(r"\d+", name) for name in names]
-        return tuple(int(n.group()) for n in numbers if n)
-
     def structure(self, by_place: dict[int, Any]) -> Any:
         """The tangent of the returned value: as the value is, 0.0 where it depends on nothing, None where no float."""
         items = tuple(by_place.get(k, 0.0) if k in self.floats else None for k in range(len(self.types)))
         return items if len(items) > 1 else items[0] if items else None
+
+
+def places(names: Sequence[str]) -> tuple[int, ...]:
+    """The positions of the results that are named "return 0", "return 1", ..."""
+    return tuple(int(name.partition(" ")[2]) for name in names)
 
 
 def structured(results: Results, seed: Any) -> dict[int, Any]:
@@ -91,7 +87,7 @@ def selected_wrt(function: str, parameters: Sequence[str], types: Sequence[Type]
     if wrt is None:
         found = tuple(p for p in parameters if kinds[p].is_float)
         if not found:
-            raise _refused(f"'{function}' has no float argument to differentiate with respect to", "")
+            raise _refused(f"'{function}' was given no float to differentiate with respect to", *_unreal(kinds))
         return found
     for name in wrt:
         if name not in kinds:
@@ -111,11 +107,12 @@ def selected_of(function: str, parameters: Sequence[str], types: Sequence[Type],
     if of is None:
         found = (*written, *((RETURN,) if results.own else ()))
         if not found:
+            integers = {p: t for p, t in zip(parameters, types) if p in summary.written}
             raise _refused(f"'{function}' has nothing to differentiate: it writes no float array and returns no float",
-                           "")
+                           *_unreal(integers))
         return found
     for name in of:
-        _check_output(function, name, parameters, written, results)
+        _check_output(function, name, dict(zip(parameters, types)), written, summary.written, results)
     wanted = set(of)
     if RETURN in of:
         wanted.update(results.aliases.values())
@@ -124,17 +121,19 @@ def selected_of(function: str, parameters: Sequence[str], types: Sequence[Type],
     return (*(p for p in written if p in wanted), *((RETURN,) if RETURN in wanted else ()))
 
 
-def _check_output(function: str, name: str, parameters: Sequence[str], written: Sequence[str],
+def _check_output(function: str, name: str, kinds: dict[str, Type], floats: Sequence[str], written: Sequence[str],
                   results: Results) -> None:
-    known = [*written, *([RETURN] if results.floats else [])]
-    remedy = f"its outputs are {', '.join(known)}" if known else f"'{function}' has no float output"
+    known = [*floats, *([RETURN] if results.floats else [])]
+    remedy = f"its outputs are {', '.join(known)}" if known else ""
     if name == RETURN:
         if not results.floats:
             raise _refused(f"'{function}' returns no float", remedy)
-    elif name not in parameters:
+    elif name not in kinds:
         raise _refused(f"'{name}' is no output of '{function}'", remedy)
     elif name not in written:
-        raise _refused(f"'{name}' is no output of '{function}': it is not a float array that is written", remedy)
+        raise _refused(f"'{name}' is no output of '{function}', which does not write it", remedy)
+    elif name not in floats:
+        raise _refused(f"the output '{name}' of '{function}' is {_described(kinds[name])}", _remedy(name, kinds[name]))
 
 
 def _described(type_: Type) -> str:
@@ -145,11 +144,19 @@ def _described(type_: Type) -> str:
     return {"none": "None", "text": "a str"}.get(type_.kind, f"of type {type_}")
 
 
+def _unreal(kinds: dict[str, Type]) -> tuple[str, str]:
+    """Of the first argument that may have been meant to hold floats: what to give instead, and what it is."""
+    for name, type_ in kinds.items():
+        if (type_.is_array or type_.is_integer) and type_.dtype != "bool":
+            return _remedy(name, type_), f"'{name}' is {_described(type_)}"
+    return "", ""
+
+
 def _remedy(name: str, type_: Type) -> str:
     if type_.is_array:
         return f"pass {name}.astype(float) if it holds real quantities"
     return "give a float (3.0, not 3) if it is a real quantity" if type_.is_integer else ""
 
 
-def _refused(message: str, remedy: str) -> S2sadError:
-    return S2sadError(Diagnostic("S401", message, help=remedy))
+def _refused(message: str, remedy: str = "", note: str = "") -> S2sadError:
+    return S2sadError(Diagnostic("S401", message, note=note, help=remedy))

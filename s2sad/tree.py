@@ -33,7 +33,7 @@ __all__ = [
     "RShift", "Slice", "Starred", "Store", "Sub", "Subscript", "Tuple", "UAdd", "UnaryOp", "USub", "While",
     "arguments", "keyword", "add", "assign", "at", "attribute", "augment", "binary", "call", "call_name", "children",
     "comment",
-    "compare", "const", "copy", "counted_for", "dump", "equal", "expr", "expression", "function", "index", "indices", "is_comment", "mult",
+    "compare", "const", "copy", "counted_for", "dump", "equal", "expr", "expression", "forget", "forgotten", "function", "index", "indices", "is_comment", "mult",
     "name", "names", "negate", "parse", "rebuild", "rename", "statements", "stored_names", "sub", "substitute", "tuple_of",
     "walk",
 ]
@@ -72,6 +72,17 @@ def const(value: Any) -> AST:
 def comment(text: str) -> Expr:
     """A comment line, as a statement that does nothing."""
     return Expr(Constant(text, "comment"))
+
+
+def forget(arrays: list[str]) -> Expr:
+    """A mark that the arrays' content is not read from here on before it is written anew."""
+    return Expr(Constant(" ".join(arrays), "forget"))
+
+
+def forgotten(node: AST) -> list[str]:
+    """The arrays of such a mark; none for any other statement."""
+    marked = isinstance(node, Expr) and isinstance(node.value, Constant) and node.value.kind == "forget"
+    return node.value.value.split() if marked else []
 
 
 def is_comment(node: AST) -> bool:

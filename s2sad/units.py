@@ -219,7 +219,9 @@ class Units:
     def fresh(self, unit: Unit) -> tuple[Typing, Names]:
         """Tables of their own for one derivative, so that its names do not depend on what was made before."""
         typing = Typing(dict(unit.typing.table), self.call_types, unit.typing.report, unit.typing.constants)
-        return typing, Names(unit.names.taken | set(unit.typing.table))
+        names = Names(unit.names.taken | set(unit.typing.table))
+        names.wanted = dict(unit.names.wanted)
+        return typing, names
 
     def _adjoint(self, unit: Unit, wanted: Wanted, title: str) -> Derived:
         found = self.activity(unit, wanted)
@@ -252,7 +254,8 @@ class Units:
         family = {**unit.family, **{s: f"{unit.family.get(p, p)}_{'bar' if plan else 'dot'}"
                                     for p, s in made.shadows.items() if typing.table[s].is_number}}
         kept = set(unit.family) | {made.shadows[v] for v in unit.family if v in made.shadows}
-        function = simplify(function, typing, family, arrays, self.effects, names, kept)
+        shadows = {s: p for p, s in made.shadows.items()}
+        function = simplify(function, typing, family, arrays, self.effects, names, kept, shadows)
         self.effects.add(function, typing)
         parameters = made.parameters
         shadows = [k for k, (_, role, primal) in enumerate(parameters) if role == "shadow"]

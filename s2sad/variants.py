@@ -25,6 +25,7 @@ from s2sad.watch import Watch, plain_function
 
 _LOCK = threading.RLock()
 HIDDEN = "array."
+_KINDS = {"float64": float, "float32": np.float32}
 _KEPT = 31  # states: a global that changes at every call must not fill the memory
 
 
@@ -140,16 +141,23 @@ class State:
         function(*arguments)
         self.entries[key] = True
 
+    def apart(self, types: tuple[Type, ...]) -> Callable[[Sequence[Any]], None] | None:
+        """A function that refuses values whose arrays share memory where one of them is written; None if none can."""
+        key = ("apart", types)
+        if key not in self.entries:
+            places = [k for k, t in enumerate(types) if t.is_array]
+            names = [*(self.parameters[k] for k in places), *self.arrays_by_name()]
+            slots = [Slot(n, "primal", n, n in self.summary(types).written) for n in names]
+            check = Check(slots, "numpy") if len(slots) > 1 and any(s.written for s in slots) else None
+            self.entries[key] = check and (
+                lambda values: check.exact([*[values[k] for k in places], *self.arrays_by_name().values()]) and None)
+        return self.entries[key]
+
     def copied(self, values: Sequence[Any], types: tuple[Type, ...]) -> list[Any]:
         """The values, with copies of the arrays that the function may write."""
         written = self.summary(types).written
         return [np.array(v, order="C") if name in written and isinstance(v, np.ndarray) else v
                 for name, v in zip(self.parameters, values)]
-
-    def result_at(self, place: int, values: Sequence[Any], types: tuple[Type, ...], engine: str) -> Any:
-        """One of the values that the primal returns, computed on copies."""
-        returned = self.primal(types, engine)(*self.copied(values, types))
-        return returned[place] if len(self.summary(types).results) > 1 else returned
 
     def arrays_by_name(self) -> dict[str, Any]:
         """The arrays that the function reads from its module or closure, by their parameters' names."""
@@ -161,6 +169,10 @@ class State:
             return {}
         written = self.summary(types).written
         return {n: np.array(a, order="C") if n in written else a for n, a in self.arrays_by_name().items()}
+
+
+def _as_it_is(value: Any) -> Any:
+    return value
 
 
 def _with_trailing(function: Callable[..., Any], trailing: tuple[Any, ...]) -> Callable[..., Any]:
@@ -183,6 +195,10 @@ class Variant:
         self._check: Check | None = None
         self.array_places = tuple(k for k, p in enumerate(self.parameters) if p.type.is_array)
         self._pick = itemgetter(*self.array_places) if len(self.array_places) > 1 else None
+        types = {p.name: p.type for p in self.parameters} | {f"return {k}": t for k, t in enumerate(summary.results)}
+        if len(summary.results) == 1:
+            types["result"] = summary.results[0]
+        self._kinds = [_KINDS.get(types[r].dtype, _as_it_is) if r in types else _as_it_is for r in generated.returns]
 
     @property
     def check(self) -> Check:
@@ -227,16 +243,9 @@ class Variant:
                 self.check.prepare(self._pick(arguments))
 
     def run(self, arguments: Sequence[Any], shared: tuple[int, ...] = ()) -> tuple[Any, ...]:
-        """Calls the generated function; always a tuple, in the order of `generated.returns`."""
-        if shared:
-            returned = self.apart(arguments, shared)
-        else:
-            returned = self.function(*arguments)
-        if returned is None:
-            return ()
-        alike = isinstance(returned, tuple) and len(returned) == len(self.generated.returns)
-        items = returned if alike else (returned,)
-        return tuple([float(v) if type(v) is np.float64 else v for v in items])
+        """Calls the generated function; always a tuple, in the order of `generated.returns`, numbers as the kernel's."""
+        returned = self.apart(arguments, shared) if shared else self.function(*arguments)
+        return () if returned is None else tuple([kind(v) for kind, v in zip(self._kinds, returned)])
 
     def apart(self, arguments: Sequence[Any], shared: tuple[int, ...]) -> Any:
         """Calls it with private shadows for arguments that are one array, and adds these to the caller's."""

@@ -1,4 +1,4 @@
-"""What all tests share: the reference kernels on the path, quiet floating point, Hypothesis profiles."""
+"""What all tests share: this folder's parent on the path, quiet floating point, Hypothesis profiles."""
 from __future__ import annotations
 
 import os
@@ -10,9 +10,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 ROOT = Path(__file__).resolve().parent.parent
-for folder in (ROOT, ROOT.parent / "shared" / "kernels"):
-    if folder.is_dir() and str(folder) not in sys.path:
-        sys.path.insert(0, str(folder))
+if str(ROOT) not in sys.path:
+    sys.path.insert(0, str(ROOT))
 
 _SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
 settings.register_profile("ci", max_examples=300, deadline=None, derandomize=True, suppress_health_check=_SLOW)

@@ -16,7 +16,7 @@ from s2sad import tree
 from s2sad.emit import module_text, text
 from s2sad.emit.layout import Layout
 
-KERNELS = Path(__file__).resolve().parent.parent.parent / "shared" / "kernels"
+KERNELS = Path(__file__).resolve().parent / "kernels"
 
 # -- exact texts ----------------------------------------------------------------------------------------------------
 
@@ -263,7 +263,6 @@ def test_statements_come_back(node, width):
     assert tree.equal(tree.Module(back, []), tree.Module([node], []))
 
 
-@pytest.mark.skipif(not KERNELS.is_dir(), reason="the reference kernels are not here")
 @pytest.mark.parametrize("width", [100, 50, 20])
 def test_reference_kernels_come_back(width):
     for path in sorted(KERNELS.glob("*.py")):

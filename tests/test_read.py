@@ -7,13 +7,12 @@ import inspect
 import math
 import types
 
-import brusselator
-import loops
 import numpy as np
 import pytest
 
 from s2sad import read, tree
 from s2sad.diagnostics import S2sadError
+from tests.kernels import brusselator, loops
 
 NO = "is not supported in a kernel"
 PLANNED = "is not supported in a kernel yet (planned)"

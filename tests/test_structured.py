@@ -4,11 +4,11 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-import cases
 import numpy as np
 import pytest
 
 from s2sad.diagnostics import S2sadError
+from tests.kernels import cases
 from tests.structured_cases import CASES, text_of
 from tests.structured_form import form, run_both, shown
 

@@ -1,13 +1,13 @@
 """What pyright knows of gast, which makes its node classes when it is imported.
 
-A node of unknown class has any attribute; the fields of the classes that the compiler builds and takes apart have
-their types.
+A node has any attribute, and may stand where a node of one class is asked for: what class it is the compiler often
+knows from the name that a call calls, which pyright cannot follow. Fields that hold texts or lists are declared.
 """
 import ast
 from collections.abc import Iterator
 from typing import Any, TypeVar
 
-class AST:
+class AST(Any):
     _fields: tuple[str, ...]
     lineno: int
     col_offset: int
@@ -26,29 +26,29 @@ class boolop(AST): ...
 class cmpop(AST): ...
 
 class Module(mod):
-    body: list[AST]
+    body: list[Any]
 
 class FunctionDef(stmt):
     name: str
     args: arguments
-    body: list[AST]
-    decorator_list: list[AST]
+    body: list[Any]
+    decorator_list: list[Any]
 
 class arguments(AST):
     args: list[Name]
     posonlyargs: list[Name]
-    vararg: Name | None
+    vararg: Any
     kwonlyargs: list[Name]
-    kw_defaults: list[AST | None]
-    kwarg: Name | None
-    defaults: list[AST]
+    kw_defaults: list[Any]
+    kwarg: Any
+    defaults: list[Any]
 
 class keyword(AST):
     arg: str | None
     value: AST
 
 class Assign(stmt):
-    targets: list[AST]
+    targets: list[Any]
     value: AST
 
 class AugAssign(stmt):
@@ -59,37 +59,37 @@ class AugAssign(stmt):
 class AnnAssign(stmt):
     target: AST
     annotation: AST
-    value: AST | None
+    value: Any
 
 class For(stmt):
     target: AST
     iter: AST
-    body: list[AST]
-    orelse: list[AST]
+    body: list[Any]
+    orelse: list[Any]
 
 class While(stmt):
     test: AST
-    body: list[AST]
-    orelse: list[AST]
+    body: list[Any]
+    orelse: list[Any]
 
 class If(stmt):
     test: AST
-    body: list[AST]
-    orelse: list[AST]
+    body: list[Any]
+    orelse: list[Any]
 
 class Expr(stmt):
     value: AST
 
 class Return(stmt):
-    value: AST | None
+    value: Any
 
 class Assert(stmt):
     test: AST
-    msg: AST | None
+    msg: Any
 
 class Raise(stmt):
-    exc: AST | None
-    cause: AST | None
+    exc: Any
+    cause: Any
 
 class Break(stmt): ...
 class Continue(stmt): ...
@@ -98,7 +98,7 @@ class Pass(stmt): ...
 class Name(expr):
     id: str
     ctx: AST
-    annotation: AST | None
+    annotation: Any
 
 class Constant(expr):
     value: Any
@@ -106,7 +106,7 @@ class Constant(expr):
 
 class Call(expr):
     func: AST
-    args: list[AST]
+    args: list[Any]
     keywords: list[keyword]
 
 class Attribute(expr):
@@ -120,16 +120,16 @@ class Subscript(expr):
     ctx: AST
 
 class Slice(expr):
-    lower: AST | None
-    upper: AST | None
-    step: AST | None
+    lower: Any
+    upper: Any
+    step: Any
 
 class Tuple(expr):
-    elts: list[AST]
+    elts: list[Any]
     ctx: AST
 
 class List(expr):
-    elts: list[AST]
+    elts: list[Any]
     ctx: AST
 
 class Starred(expr):
@@ -147,12 +147,12 @@ class UnaryOp(expr):
 
 class BoolOp(expr):
     op: AST
-    values: list[AST]
+    values: list[Any]
 
 class Compare(expr):
     left: AST
-    ops: list[AST]
-    comparators: list[AST]
+    ops: list[Any]
+    comparators: list[Any]
 
 class IfExp(expr):
     test: AST

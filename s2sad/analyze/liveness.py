@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Break, Call, Expr, For, FunctionDef, If, Name, Pass, Raise, Return, Store,
-    Subscript, Tuple, While, call_name, children, walk,
+    Subscript, Tuple, While, call_name, children, forgotten, walk,
 )
 
 Writes = Callable[[Call], list[str]]
@@ -88,9 +88,11 @@ class Liveness:
             return bool((bound | effects) & live)
         if isinstance(statement, Expr) and isinstance(statement.value, Call):
             return not self.pure(statement.value) or bool(set(self.writes(statement.value)) & live)
-        return not isinstance(statement, Pass)
+        return not isinstance(statement, Pass) and not forgotten(statement)
 
     def statement(self, statement: AST, live: set[str]) -> set[str]:
+        if forgotten(statement):
+            return {n for n in live if n not in forgotten(statement)}
         if isinstance(statement, If):
             body, orelse = self.block(statement.body, set(live)), self.block(statement.orelse, set(live))
             if self.strong and body == live == orelse and not _does(statement, self, live):

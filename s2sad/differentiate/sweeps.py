@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.analyze.dependence import range_parts
-from s2sad.analyze.liveness import targets
+from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.recorded import Plan, Store
 from s2sad.analyze.structure import Structure, is_simple
 from s2sad.analyze.values import Value
@@ -17,8 +17,8 @@ from s2sad.differentiate.tape import Stack, Tape, shape_of
 from s2sad.infer.types import INT
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Add, BinOp, Call, Constant, Expr, For, If, Mult, Name, Return, Sub, While, add, assign, at, augment,
-    call, call_name, const, copy, counted_for, index, name, walk,
+    AST, Add, Assign, AugAssign, BinOp, Call, Constant, Expr, For, If, Mult, Name, Return, Sub, Subscript, UnaryOp, USub, While, add, assign, at, augment,
+    call, call_name, const, copy, counted_for, forget, index, name, walk,
 )
 
 Adjoint = Callable[[AST], list[AST]]
@@ -209,10 +209,17 @@ class Sweeps:
             if called else []
         return [*popped, *self.adjoint(statement), *again]
 
+    def written(self, loop: AST) -> list[str]:
+        """The arrays whose elements a loop writes, each iteration anew."""
+        return sorted({base_name(t) for s in walk(loop.body) if isinstance(s, (Assign, AugAssign)) for t in targets(s)
+                       if isinstance(t, Subscript)})
+
     def reverse_loop(self, loop: AST) -> list[AST]:
         before: list[AST] = []
         rerun = id(loop) in self.plan.rerun
-        body = [*(self.forward(loop.body) if rerun else []), *self.reverse(loop.body, loop)]
+        body = self.reverse(loop.body, loop)
+        if rerun:
+            body = [forget(self.written(loop)), *self.forward(loop.body), *body]
         if rerun:
             before += self.tape.allocations.pop(id(loop), [])
         if self.counts(loop) and self.in_loop(loop):
@@ -229,6 +236,10 @@ class Sweeps:
 def reversed_bounds(loop: For, trips: AST | None) -> list[AST]:
     """The bounds of the loop run backwards; `trips` if it was left early."""
     start, stop, step = range_parts(loop)
+    numbers = [known(b) for b in (start, stop)]
+    if trips is None and isinstance(step, int) and step and None not in numbers:
+        back = range(numbers[0], numbers[1], step)[::-1]
+        return [const(back.start), const(back.stop), const(back.step)][:2 if back.step == 1 else 3]
     if trips is None and step == 1:
         return [sub_one(stop), sub_one(start), const(-1)]
     if trips is None and step == -1:
@@ -243,6 +254,13 @@ def reversed_bounds(loop: For, trips: AST | None) -> list[AST]:
 def whole_place(place: AST) -> AST:
     """Where a snapshot goes back: into the array, whose name stays bound to it."""
     return index(copy(place), const(...)) if isinstance(place, Name) else copy(place)
+
+
+def known(node: AST) -> int | None:
+    """The number that a bound spells, if it is one."""
+    if isinstance(node, UnaryOp) and isinstance(node.op, USub) and isinstance(node.operand, Constant):
+        return -node.operand.value
+    return node.value if isinstance(node, Constant) and type(node.value) is int else None
 
 
 def sub_one(node: AST) -> AST:

@@ -17,7 +17,7 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, Constant, For, FunctionDef, If, Name, Subscript, While, add, assign, at,
+    AST, Add, Assign, Attribute, AugAssign, Constant, For, FunctionDef, If, Name, Subscript, While, add, assign, at,
     attribute, augment, call, call_name, const, copy, counted_for, index, indices, name, rebuild, walk,
 )
 
@@ -88,7 +88,7 @@ class _Scalarize:
         def change(n: AST) -> AST | None:
             if isinstance(n, (Name, Subscript)) and (kind := self.typing.of(n)).is_array:
                 return self.element(n, counters[len(counters) - kind.rank:])
-            if call_name(n) in ("builtins.len",) or type(n).__name__ == "Attribute":
+            if isinstance(n, (Subscript, Attribute)) or call_name(n) == "builtins.len":
                 return copy(n)
             return None
         return rebuild(value, change)

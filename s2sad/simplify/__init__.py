@@ -12,11 +12,12 @@ from s2sad.analyze.liveness import Liveness, base_name, targets
 from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.simplify.algebra import algebra
-from s2sad.simplify.coalesce import coalesce
+from s2sad.simplify.coalesce import coalesce, share
 from s2sad.simplify.dead import dead
 from s2sad.simplify.fold import fold
 from s2sad.simplify.merge import merge
-from s2sad.tree import Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, walk
+from s2sad.simplify.rebuild import with_blocks
+from s2sad.tree import AST, Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, forgotten, walk
 
 
 @dataclass(frozen=True)
@@ -75,16 +76,28 @@ class Effects:
 
 
 def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], live_out: set[str], effects: Effects,
-             names: Names, kept: set[str]) -> FunctionDef:
+             names: Names, kept: set[str], shadows: Mapping[str, str]) -> FunctionDef:
     """The function simplified; `live_out` are the arrays whose content the caller reads, `kept` the names that are
     not folded away."""
     fixed = {p.id for p in function.args.args}
     function = merge(function)
     function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
-    function, renamed = coalesce(function, dict(family), live_out, effects.writes, fixed, names)
+    function, renamed = coalesce(function, dict(family), live_out, effects.writes, fixed, names, shadows)
     function = fold(function, fixed | {renamed.get(n, n) for n in kept}, effects.writes)
     function = merge(algebra(function))
-    return dead(function, live_out, effects.writes, effects.pure, effects.unread)
+    function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
+    function.body = _unmarked(function.body)
+    return share(function, _temporaries(typing, names, set(renamed.values()) | fixed), live_out, effects.writes)
+
+
+def _unmarked(block: list[AST]) -> list[AST]:
+    return [with_blocks(s, _unmarked) for s in block if not forgotten(s)]
+
+
+def _temporaries(typing: Typing, names: Names, kept: set[str]) -> dict[str, str]:
+    """The numbers that were named for one use, by what was wished for and their type."""
+    return {n: f"{w} {typing.table[n].dtype}" for n, w in names.wanted.items()
+            if n not in kept and n in typing.table and typing.table[n].is_number}
 
 
 __all__ = ["Effect", "Effects", "simplify"]

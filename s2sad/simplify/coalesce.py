@@ -21,9 +21,12 @@ from s2sad.tree import (
 
 
 def coalesce(function: FunctionDef, family: Mapping[str, str], live_out: set[str],
-             writes: Callable[[Call], list[str]], fixed: set[str], names: Names
+             writes: Callable[[Call], list[str]], fixed: set[str], names: Names, shadows: Mapping[str, str]
              ) -> tuple[FunctionDef, dict[str, str]]:
-    """The function with shared names, and every name's new one; `fixed` (its parameters) keep theirs."""
+    """The function with shared names, and every name's new one; `fixed` (its parameters) keep theirs.
+
+    `shadows` tells of which primal a shadow is: it is called after what that is called now.
+    """
     live = Liveness(function, live_out, writes, lambda call: False, strong=False)
     clash = _clashes(function, live, family)
     classes = {n: n for n in family}
@@ -38,7 +41,11 @@ def coalesce(function: FunctionDef, family: Mapping[str, str], live_out: set[str
     roots = {n: _root(classes, n) for n in family}
     shared = rename(function, {n: r for n, r in roots.items() if n != r})
     shared.body = _without_self(shared.body)
-    short = _short(shared, family, fixed, names)
+    primals = {n: f for n, f in family.items() if n not in shadows}
+    short = _short(shared, primals, fixed, names)
+    called = {s: f"{short.get(roots.get(p, p), roots.get(p, p))}_{family[s].rpartition('_')[2]}"
+              for s, p in shadows.items() if s in family}
+    short |= _short(rename(shared, short), called, fixed, names)
     return rename(shared, short), {n: short.get(r, r) for n, r in roots.items()}
 
 
@@ -99,7 +106,8 @@ def _short(function: FunctionDef, family: Mapping[str, str], fixed: set[str], na
     order = list(dict.fromkeys(n.id for n in walk(function.body) if isinstance(n, Name) and n.id in family
                                and n.id not in fixed))
     present = {n.id for n in walk(function) if isinstance(n, Name)}
-    taken = (present - set(order)) | fixed | (names.taken - set(family))
+    made = set(family) | {n for n in names.wanted if n not in present}
+    taken = (present - set(order)) | fixed | (names.taken - made)
     mapping: dict[str, str] = {}
     for name in order:
         wanted, number = family[name], 0
@@ -111,3 +119,38 @@ def _short(function: FunctionDef, family: Mapping[str, str], fixed: set[str], na
     return {a: b for a, b in mapping.items() if a != b}
 
 
+def share(function: FunctionDef, family: Mapping[str, str], live_out: set[str],
+          writes: Callable[[Call], list[str]]) -> FunctionDef:
+    """The function in which names made for one purpose (`family`), never needed at once, are one name.
+
+        seed = y_bar[i]                 seed = y_bar[i]
+        ...                             ...
+        seed_2 = z_bar[i]               seed = z_bar[i]
+    """
+    live = Liveness(function, live_out, writes, lambda call: False, strong=False)
+    clash = _clashes(function, live, family)
+    order = list(dict.fromkeys(n.id for n in walk(function.body) if isinstance(n, Name) and n.id in family))
+    classes: dict[str, list[list[str]]] = {}
+    for name in order:
+        groups = classes.setdefault(family[name], [])
+        home = next((g for g in groups if not any(m in clash.get(name, set()) for m in g)), None)
+        if home is None:
+            groups.append([name])
+        else:
+            home.append(name)
+    return rename(function, _group_names(function, classes, set(order)))
+
+
+def _group_names(function: FunctionDef, classes: Mapping[str, list[list[str]]], order: set[str]) -> dict[str, str]:
+    taken = {n.id for n in walk(function) if isinstance(n, Name)} - order
+    mapping: dict[str, str] = {}
+    for purpose, groups in classes.items():
+        wanted, number = purpose.split()[0], 1
+        for group in groups:
+            made = wanted
+            while made in taken:
+                number += 1
+                made = f"{wanted}_{number}"
+            taken.add(made)
+            mapping |= {n: made for n in group if n != made}
+    return mapping

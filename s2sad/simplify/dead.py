@@ -11,7 +11,7 @@ from s2sad.analyze.liveness import Liveness, Writes, targets
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, Break, Call, Expr, For, FunctionDef, If, Name, Not, Raise, Return, UnaryOp, While, at, copy,
-    is_comment,
+    forgotten, is_comment,
     walk,
 )
 
@@ -44,7 +44,7 @@ class _Dead:
         return kept
 
     def statement(self, statement: AST) -> list[AST]:
-        if is_comment(statement) or isinstance(statement, (Assert, Raise, Return, Break)):
+        if is_comment(statement) or forgotten(statement) or isinstance(statement, (Assert, Raise, Return, Break)):
             return [statement]
         after = self.live.after[id(statement)]
         if isinstance(statement, (For, While)):
@@ -64,7 +64,8 @@ class _Dead:
 
 def _does_anything(body: list[AST]) -> bool:
     """Whether a loop's body does more than to leave the loop."""
-    return any(_does_anything([*s.body, *s.orelse]) if isinstance(s, If) else not is_comment(s) and not isinstance(s, Break)
+    return any(_does_anything([*s.body, *s.orelse]) if isinstance(s, If) else
+               not is_comment(s) and not forgotten(s) and not isinstance(s, Break)
                for s in body)
 
 

@@ -1,13 +1,17 @@
-"""merge: a zero and the first addition to it become one binding.
+"""merge: a zero and the first addition to it become one binding, neighbouring branches with one test one branch.
 
     y_bar = 0.0                     y_bar = a * x_bar
     y_bar += a * x_bar
+    if taken: z = x[i]              if taken:
+    if taken: w = z * z                 z = x[i]
+                                        w = z * z
 """
 from __future__ import annotations
 
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, Constant, FunctionDef, Name, Sub, assign, at, copy, names, negate, walk,
+    AST, Add, Assign, AugAssign, Break, Constant, FunctionDef, If, Name, Return, Store, Sub, assign, at, copy, names,
+    negate, walk,
 )
 
 
@@ -31,7 +35,28 @@ def _block(block: list[AST]) -> list[AST]:
                 del block[position]
                 continue
         position += 1
-    return block
+    return _joined(block)
+
+
+def _joined(block: list[AST]) -> list[AST]:
+    made: list[AST] = []
+    for statement in block:
+        last = made[-1] if made else None
+        if isinstance(statement, If) and isinstance(last, If) and _same_test(last, statement):
+            made[-1] = at(If(last.test, _joined([*last.body, *statement.body]),
+                             _joined([*last.orelse, *statement.orelse])), last)
+        else:
+            made.append(statement)
+    return made
+
+
+def _same_test(a: If, b: If) -> bool:
+    """Whether two branches have one test, a name that the first does not bind."""
+    if not isinstance(a.test, Name) or not isinstance(b.test, Name) or a.test.id != b.test.id:
+        return False
+    inside = [n for s in [*a.body, *a.orelse] for n in walk(s)]
+    return not any(isinstance(n, (Break, Return)) or isinstance(n, Name) and n.id == a.test.id
+                   and isinstance(n.ctx, Store) for n in inside)
 
 
 def _is_zero(statement: AST) -> bool:

@@ -1,0 +1,1 @@
+"""Kernels as simulation people write them, and inputs for them (`cases`)."""
