@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 
 from s2sad.annotations import Active, Annotation, BatchDuplicated, Duplicated, DuplicatedNoNeed, Mode
-from s2sad.binding import FLOATS, admitted, bind, make_zero, misfit, shadow, types as types_of, written_argument
-from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.binding import (
+    FLOATS, admitted, bind, coerced, make_zero, misfit, shadow, types as types_of, written_argument,
+)
+from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.program import Request
-from s2sad.selection import RETURN, Results, array_seed, number_seed, selected_of, selected_wrt, structured
+from s2sad.selection import RETURN, Results, array_seed, number_seed, places, selected_of, selected_wrt, structured
 from s2sad.variants import State, Variant
 
 
@@ -30,11 +32,9 @@ class AnnotatedCall:
             _admissible(name, given, mode)
         self.active = tuple(n for n, a in self.marks.items() if isinstance(a, Active))
         self.duplicated = tuple(n for n, a in self.marks.items() if isinstance(a, Duplicated))
-        self.floats = state.floats | set(self.active) | {
-            n for n in self.duplicated if not isinstance(self.marks[n].value, np.ndarray)}
-        self.tail = [admitted(n, v, n in state.floats)
-                     for n, v in zip(names[len(annotated):], bound[len(annotated):])]
-        values = self._values([a.value if isinstance(a, Annotation) else a for a in annotated])
+        given = [a.value if isinstance(a, Annotation) else a for a in annotated]
+        self._convert(given, bound)
+        values = self._values(given)
         self.types = types_of(values)
         self.summary = state.summary(self.types)
         self.results = Results.of(self.summary)
@@ -45,56 +45,70 @@ class AnnotatedCall:
         noneed = {n for n, a in self.marks.items() if isinstance(a, DuplicatedNoNeed)}
         self.keeps = mode.with_primal or any(names[k] not in noneed for k in self.written)
         self.variant = self._made()
+        self.places = () if self.variant is None else places(
+            [p.primal for p in self.variant.seeds] if mode.reverse else
+            [r for r in self.variant.generated.returns if r.startswith(RETURN)])
         self._ready = False
 
+    def _convert(self, given: list[Any], bound: list[Any]) -> None:
+        """What turns the arguments into values of the kernel's types, and the defaults of those left out."""
+        names = self.state.parameters
+        floats = self.state.floats | set(self.active) | {
+            n for n in self.duplicated if not isinstance(self.marks[n].value, np.ndarray)}
+        self.tail = [admitted(n, v, n in floats) for n, v in zip(names[len(given):], bound[len(given):])]
+        self.coercions = [(k, how) for k, (n, v) in enumerate(zip(names, given))
+                          if (how := coerced(n, v, n in floats)) is not None]
+
     def _made(self) -> Variant | None:
-        """The variant, or None where nothing is active."""
+        """The variant, or None where no output asked for can depend on an input asked for."""
         names, name = self.state.parameters, self.state.kernel.name
         marked = tuple(n for n in names if n in self.active or n in self.duplicated)
-        if not marked:
+        of = (*(n for n in self.duplicated if names.index(n) in self.written),
+              *((RETURN,) if self.results.own else ()))
+        if not marked or not of:
             return None
         wrt = selected_wrt(name, names, self.types, marked)
-        chosen = (*(n for n in self.duplicated if names.index(n) in self.written),
-                  *((RETURN,) if self.results.own else ()))
-        of = selected_of(name, names, self.types, self.summary, chosen or None)
+        of = selected_of(name, names, self.types, self.summary, of)
         variant = self.state.variant(Request("adjoint" if self.mode.reverse else "tangent", self.types, wrt, of),
                                      self.engine)
-        lost = [n for n in of if n != RETURN and n not in variant.shadows]
+        lost = [(n, s) for n, s in variant.generated.facts.get("unshadowed", {}).items() if n in self.marks]
         if lost:
-            raise S2sadError(Diagnostic("S901", f"internal error: the derivative has no shadow for {', '.join(lost)}"))
+            raise S2sadError(*(_lost(n, s, self.state.kernel.source, self.mode) for n, s in lost))
         return variant
 
-    def __call__(self, annotated: Sequence[Any], given: Sequence[Any], seed: Any) -> Any:
+    def __call__(self, given: Sequence[Any], shadows: Sequence[Any], seed: Any) -> Any:
         values = self._values(given)
-        names = self.state.parameters
-        by_name = dict(zip(names, values))
-        shadows = {n: shadow(f"{n}_{'bar' if self.mode.reverse else 'dot'}", a.shadow, n, by_name[n])
-                   for n, a in zip(names, annotated) if isinstance(a, Duplicated)}
-        seeds = self._seeds(seed, values)
+        by_name = dict(zip(self.state.parameters, values))
+        owned = dict(zip(self.duplicated, shadows))
+        if not self._ready or not self.mode.reverse:
+            owned = {n: shadow(f"{n}_{'bar' if self.mode.reverse else 'dot'}", s, n, by_name[n])
+                     for n, s in owned.items()}
+        seeds = self._seeds(seed, by_name)
         if self.variant is None:
-            return self._answer({}, self._primal(values), by_name, shadows)
-        returned, variant = self._derived(values, shadows, seeds), self.variant
-        primal = self._primal(values) if self.keeps else None
-        if self.mode.reverse:
-            found = dict(zip(variant.generated.returns, returned))
-        else:
-            found = dict(zip(self.results.places(variant.generated.returns), returned))
-        return self._answer(found, primal, by_name, shadows)
-
-    def _derived(self, values: list[Any], shadows: dict[str, Any], seeds: dict[int, Any]) -> tuple[Any, ...]:
-        variant, names = self.variant, self.state.parameters
-        assert variant is not None
-        hidden = self.state.arrays_by_name()
-        places = self.results.places([p.name for p in variant.seeds])
-        ordered = [seeds.get(k, 0.0) if k not in self.results.aliases else 0.0 for k in places]
-        arguments = variant.assemble(dict(zip(names, values)), shadows, ordered, hidden)
-        shared = variant.checked(arguments) if self._ready else variant.check.exact(
-            [arguments[k] for k in variant.array_places])
-        if not self._ready:
+            self._refuse_overlap(values)
             self.state.first_run(values, self.engine)
-        if self.keeps:
-            own = self.state.copied(values, self.types)
-            arguments = variant.assemble(dict(zip(names, own)), shadows, ordered, hidden)
+            return self._answer({}, self._primal(values), by_name, owned)
+        returned = self._derived(values, by_name, owned, seeds)
+        primal = self._primal(values) if self.keeps else None
+        return self._answer(dict(zip(self.variant.generated.returns if self.mode.reverse else self.places, returned)),
+                            primal, by_name, owned)
+
+    def _derived(self, values: list[Any], by_name: dict[str, Any], shadows: dict[str, Any],
+                 seeds: dict[int, Any]) -> tuple[Any, ...]:
+        """Calls the derivative, on copies of what it may write unless nobody needs that; nothing has been written
+        when it refuses."""
+        variant, state = self.variant, self.state
+        assert variant is not None
+        ordered = [seeds.get(k, 0.0) for k in self.places] if self.mode.reverse else []
+        arguments = variant.assemble(by_name, shadows, ordered, state.arrays_by_name())
+        if self._ready:
+            shared = variant.checked(arguments)
+        else:
+            shared = variant.exactly(arguments)
+            state.first_run(values, self.engine)
+        if self.keeps or state.arrays:
+            own = dict(zip(state.parameters, state.copied(values, self.types))) if self.keeps else by_name
+            arguments = variant.assemble(own, shadows, ordered, state.outside(self.types))
         if not self._ready:
             variant.prepare(arguments)
             self._ready = True
@@ -104,49 +118,53 @@ class AnnotatedCall:
         return variant.run(arguments, shared)
 
     def _values(self, given: Sequence[Any]) -> list[Any]:
-        names = self.state.parameters
-        return [admitted(n, v, n in self.floats) for n, v in zip(names, given)] + self.tail
+        values = [*given, *self.tail]
+        for k, how in self.coercions:
+            values[k] = how(values[k])
+        return values
+
+    def _refuse_overlap(self, values: list[Any]) -> None:
+        apart = self.state.apart(self.types)
+        if apart is not None:
+            apart(values)
 
     def _primal(self, values: list[Any]) -> Any:
         returned = self.state.primal(self.types, self.engine)(*values)
-        aliases, by_name = self.results.aliases, dict(zip(self.state.parameters, values))
-        if len(self.results.types) > 1:
-            return tuple(by_name[aliases[k]] if k in aliases else v for k, v in enumerate(returned))
-        return by_name[aliases[0]] if aliases else returned
+        return self.results.with_aliases(returned, dict(zip(self.state.parameters, values)))
 
     def _answer(self, found: dict[Any, Any], primal: Any, values: dict[str, Any], shadows: dict[str, Any]) -> Any:
         if self.mode.reverse:
             derivative = tuple(found[n] if n in found else make_zero(values[n]) for n in self.active)
         else:
-            aliased = {k: shadows[n] for k, n in self.results.aliases.items() if n in shadows}
+            aliased = {k: shadows[n] if n in shadows else None for k, n in self.results.aliases.items()}
             derivative = self.results.structure({**found, **aliased})
         return (derivative, primal) if self.mode.with_primal else derivative
 
-    def _seeds(self, seed: Any, values: list[Any]) -> dict[int, Any]:
-        """The adjoints of the returned values, by position."""
-        types, floats = self.results.types, self.results.floats
-        if not self.mode.reverse or not floats:
+    def _seeds(self, seed: Any, values: dict[str, Any]) -> dict[int, Any]:
+        """The adjoints of the returned values, by position; what is Const has none."""
+        results = self.results
+        seeded = [k for k in results.floats if results.aliases.get(k, "") in ("", *self.duplicated)]
+        if not self.mode.reverse or not seeded:
             if seed is not None:
-                raise misfit("a seed was given, and " + ("the function returns no float" if self.mode.reverse else
-                             "forward modes take none"), "leave it out")
+                raise misfit("a seed was given, and " + ("the function returns no float that has a shadow"
+                             if self.mode.reverse else "forward modes take none"), "leave it out")
             return {}
         if seed is None:
-            if len(types) > 1 or types[0].is_array:
+            if len(results.types) > 1 or results.types[0].is_array:
                 raise misfit("the seed of 'return' is missing: the function returns "
-                             f"{'several values' if len(types) > 1 else 'an array'}", "give seed=..., shaped as that")
+                             f"{'several values' if len(results.types) > 1 else 'an array'}",
+                             "give seed=..., shaped as that")
             return {0: 1.0}
-        return {k: self._seed_at(k, s, values) for k, s in structured(self.results, seed).items()}
+        found = structured(results, seed, seeded)
+        return {k: number_seed(s) if k in results.own else array_seed(RETURN, s, values[results.aliases[k]])
+                for k, s in found.items()}
 
-    def _seed_at(self, place: int, seed: Any, values: list[Any]) -> Any:
-        if not self.results.types[place].is_array:
-            return number_seed(seed)
-        name = self.results.aliases.get(place)
-        if name is None:
-            return array_seed(RETURN, seed, self.state.result_at(place, values, self.types, self.engine))
-        if name not in self.duplicated:
-            raise S2sadError(Diagnostic("S402", f"a seed was given for the returned argument '{name}', which is Const",
-                                        help=f"annotate it with Duplicated({name}, ...)"))
-        return array_seed(RETURN, seed, values[self.state.parameters.index(name)])
+
+def _lost(name: str, store: Any, source: Source, mode: Mode) -> Diagnostic:
+    place = Span.of(source, store) if getattr(store, "lineno", None) else None
+    return Diagnostic("S406", f"the argument '{name}' is Const, but active values are stored in it and read again", place,
+                      note="depends on an argument with a derivative, and an output depends on it",
+                      help=f"say Duplicated({name}, s2sad.make_zero({name})), or Const for what is stored here")
 
 
 def _admissible(name: str, given: Any, mode: Mode) -> None:

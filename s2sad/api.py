@@ -93,13 +93,7 @@ class Differentiated:
             apart(values)
         state.first_run(values, self.engine)
         results = Results.of(state.summary(types))
-        given = function(*values)
-        if not results.aliases:
-            return given
-        by_name = dict(zip(state.parameters, values))
-        if len(results.types) == 1:
-            return by_name[results.aliases[0]]
-        return tuple(by_name[results.aliases[k]] if k in results.aliases else v for k, v in enumerate(given))
+        return results.with_aliases(function(*values), dict(zip(state.parameters, values)))
 
     def adjoint_source(self, *args: Any, level: str = "plain", **keywords: Any) -> str:
         """The generated adjoint module's text for arguments of these types (f's own, without shadows)."""

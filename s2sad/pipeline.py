@@ -11,7 +11,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+from s2sad.analyze.unshadowed import unshadowed
 from s2sad.differentiate.adjoint import Wanted
 from s2sad.emit.header import header
 from s2sad.emit.module import module_text
@@ -20,8 +22,8 @@ from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
 from s2sad.normalize.hidden import hidden, hidden_name
 from s2sad.program import Generated, Parameter, Program, Request
-from s2sad.report.facts import facts
-from s2sad.units import Unit, Units
+from s2sad.simplify import Watch, unwatched
+from s2sad.units import Derived, Unit, Units
 
 __all__ = ["Summary", "derive", "summary"]
 
@@ -42,9 +44,12 @@ def summary(program: Program, types: tuple[Type, ...]) -> Summary:
     return Summary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, returned)
 
 
-def derive(program: Program, request: Request) -> Generated:
-    """The generated module that a request asks for; raises S2sadError with everything that is refused."""
-    units, unit = entry(program, request.types, request.engine)
+def derive(program: Program, request: Request, watch: Watch = unwatched) -> Generated:
+    """The generated module that a request asks for; raises S2sadError with everything that is refused.
+
+    `watch(stage, function)` is shown every function after every pass.
+    """
+    units, unit = entry(program, request.types, request.engine, watch)
     if request.mode == "primal":
         parameters = tuple(Parameter(hidden_name(p.id, units.program), "primal", p.id, t)
                            for p, t in zip(unit.function.args.args, unit.types))
@@ -56,18 +61,20 @@ def derive(program: Program, request: Request) -> Generated:
     made = [d.function for d in units.derived.values()]
     functions = primal_functions(units, kernels_called(made, units)) + [
         with_origins(d.function, d.unit.kernel.source) for d in units.derived.values()]
-    text = module_text(functions, header=header(derived, request), constants=program.constants,
+    text = module_text(functions, header=header(derived, request, units), constants=program.constants,
                        standalone=request.standalone)
     parameters = tuple(Parameter(hidden_name(n, units.program) if role == "primal" else n, role,
                                  hidden_name(p, units.program), derived.types[n])
                        for n, role, p in derived.made.parameters)
-    return Generated(text, derived.function.name, parameters, tuple(derived.made.returns), facts(derived, request))
+    found = facts(derived, request, units) | {"unshadowed": unshadowed(
+        unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
+    return Generated(text, derived.function.name, parameters, tuple(derived.made.returns), found)
 
 
-def entry(program: Program, types: tuple[Type, ...], engine: str) -> tuple[Units, Unit]:
+def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch = unwatched) -> tuple[Units, Unit]:
     """The units of a program and the one of its entry; arrays from outside have become parameters."""
     program = hidden(program)
-    units = Units(program, engine)
+    units = Units(program, engine, watch=watch)
     outside = tuple(of_value(a) for a in program.arrays.values())
     return units, units.unit(program.entry, types + outside)
 
@@ -76,3 +83,9 @@ def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:
     """The outputs, "return" as the numbers of the float results."""
     results = tuple(f"return {k}" for k, t in enumerate(unit.summary.results) if t.is_number and t.is_float)
     return tuple(o for name in of for o in (results if name == "return" else (name,)))
+
+
+def facts(derived: Derived, request: Request, units: Units) -> dict[str, Any]:
+    """What wrappers and reports ask of a derivative: which of `wrt` no output depends on, and all that was made."""
+    active = derived.activity.active
+    return {"independent": tuple(w for w in request.wrt if w not in active), "derived": derived, "units": units}

@@ -126,7 +126,7 @@ class ReverseCall(PreparedCall):
 
     def _result_seeds(self, seed: Any) -> dict[int, Any]:
         """The seeds of the results, by position."""
-        given = structured(self.results, seed)
+        given = structured(self.results, seed, self.results.floats)
         for place in self.results.own:
             given[place] = number_seed(given[place])
         return given

@@ -30,6 +30,14 @@ class Results:
         aliases = {k: name for k, name in summary.returned.items() if k in floats}
         return cls(types, floats, tuple(k for k in floats if k not in aliases), aliases)
 
+    def with_aliases(self, returned: Any, values: dict[str, Any]) -> Any:
+        """What the function returned, with the caller's own arrays where it returned an argument."""
+        if not self.aliases:
+            return returned
+        if len(self.types) == 1:
+            return values[self.aliases[0]]
+        return tuple(values[self.aliases[k]] if k in self.aliases else v for k, v in enumerate(returned))
+
     def structure(self, by_place: dict[int, Any]) -> Any:
         """The tangent of the returned value: as the value is, 0.0 where it depends on nothing, None where no float."""
         items = tuple(by_place.get(k, 0.0) if k in self.floats else None for k in range(len(self.types)))
@@ -41,8 +49,9 @@ def places(names: Sequence[str]) -> tuple[int, ...]:
     return tuple(int(name.partition(" ")[2]) for name in names)
 
 
-def structured(results: Results, seed: Any) -> dict[int, Any]:
-    """The seed of the returned value by position: a tuple of the same length for a tuple."""
+def structured(results: Results, seed: Any, seeded: Sequence[int]) -> dict[int, Any]:
+    """The seed of the returned value by position: a tuple of the same length for a tuple, None where `seeded` lacks
+    the position."""
     count = len(results.types)
     if count == 1:
         return {0: seed}
@@ -51,10 +60,10 @@ def structured(results: Results, seed: Any) -> dict[int, Any]:
         raise misfit(f"the seed of 'return' is {what}, the result is a tuple of {count}",
                      "give a tuple of the same length, with None for what is no float")
     for place, item in enumerate(seed):
-        if place not in results.floats and item is not None:
+        if place not in seeded and item is not None:
             raise misfit(f"the seed of 'return' has a value at {place}, where the result is no float",
                          "give None there")
-    return {place: seed[place] for place in results.floats}
+    return {place: seed[place] for place in seeded}
 
 
 def number_seed(seed: Any, name: str = RETURN) -> float:

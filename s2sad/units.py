@@ -21,13 +21,14 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
+from s2sad.normalize.form import verify
 from s2sad.normalize.rename import rename
 from s2sad.normalize.scalarize import scalarize
 from s2sad.normalize.sharing import shared, specialised
 from s2sad.normalize.views import views
 from s2sad.normalize.workspace import is_allocation, workspace
 from s2sad.program import Kernel, Program
-from s2sad.simplify import Effect, Effects, simplify
+from s2sad.simplify import Effect, Effects, Watch, simplify, unwatched
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, Tuple, call_name, copy, name,
     walk,
@@ -87,6 +88,7 @@ class Units:
     derived: dict[tuple, Derived] = field(default_factory=dict)
     effects: Effects = field(default_factory=Effects)
     titles: Names = field(default_factory=Names)
+    watch: Watch = unwatched
 
     def __post_init__(self) -> None:
         self.titles.taken |= set(self.program.kernels)
@@ -119,25 +121,32 @@ class Units:
         report = Report(kernel.source)
         names = Names()
         values = {**self.program.constants, **self.program.arrays}
-        tree = structured(kernel, names, self.program)
+        tree = verify(structured(kernel, names, self.program), "structured", "structured")
         given = dict(zip((p.id for p in tree.args.args), types))
+        self.watch("structured", tree)
         table = infer(tree, given, self.call_types, report, values)
         report.finish()
         typing = Typing(table, self.call_types, report, values)
         typing.final = True
-        tree = workspace(views(tree, table, typing, names, report))
+        tree = views(tree, table, typing, names, report)
         report.finish()
-        tree = self.with_titles(tree, typing, report)
+        self.watch("views", tree)
+        tree = workspace(tree)
+        tree = verify(self.with_titles(tree, typing, report), "views", "workspace")
         report.finish()
+        self.watch("workspace", tree)
         if self.engine == "numba":
-            tree = scalarize(tree, typing, names)
+            tree = verify(scalarize(tree, typing, names), "views", "scalarize")
+        self.watch("scalarize", tree)
         lowered = tree
         renamed = rename(tree, typing.table, names, self.call_writes)
+        self.watch("rename", verify(renamed.function, "rename", "rename"))
         table = infer(renamed.function, given, self.call_types, report, values)
         report.finish()
         typing = Typing(table, self.call_types, report, values)
         tree = self.with_titles(renamed.function, typing, report)
-        tree = atoms(tree, typing, names, written_arrays(tree, self))
+        tree = verify(atoms(tree, typing, names, written_arrays(tree, self)), "atoms", "atoms")
+        self.watch("atoms", tree)
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
                     self._summary(tree, typing))
 
@@ -253,10 +262,11 @@ class Units:
             arrays |= {n for n, role, _ in made.parameters if role == "primal" and typing.table[n].is_array}
         family = {**unit.family, **{s: f"{unit.family.get(p, p)}_{'bar' if plan else 'dot'}"
                                     for p, s in made.shadows.items() if typing.table[s].is_number}}
+        self.watch("differentiate", verify(function, "derivative", "differentiate"))
         kept = set(unit.family) | {made.shadows[v] for v in unit.family if v in made.shadows}
         shadows = {s: p for p, s in made.shadows.items()}
-        function = simplify(function, typing, family, arrays, self.effects, names, kept, shadows)
-        self.effects.add(function, typing)
+        function = simplify(function, typing, family, arrays, self.effects, names, kept, shadows, self.watch)
+        self.effects.add(verify(function, "derivative", "simplify"), typing)
         parameters = made.parameters
         shadows = [k for k, (_, role, primal) in enumerate(parameters) if role == "shadow"]
         order = [p for p, role, _ in parameters if role == "primal"]

@@ -17,11 +17,12 @@ from s2sad import pipeline, read
 from s2sad.binding import float_parameters, same_number, types as types_of
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, of_value
+from s2sad.read.capture import not_a_function, python_function
 from s2sad.program import Generated, Kernel, Parameter, Program, Request
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
 from s2sad.run.load import load
 from s2sad.run.overlap import Check, Slot
-from s2sad.watch import Watch, plain_function
+from s2sad.watch import Watch
 
 _LOCK = threading.RLock()
 HIDDEN = "array."
@@ -31,10 +32,9 @@ _KEPT = 31  # states: a global that changes at every call must not fill the memo
 
 def derivatives_of(f: Any) -> Derivatives:
     """The derivatives of a plain function, a differentiated one or a Numba dispatcher."""
-    function = plain_function(f)
-    if not isinstance(function, FunctionType):
-        raise S2sadError(Diagnostic("S101", f"{f!r} is not a function whose Python source can be read",
-                                    help="define it with `def` in a file"))
+    function = python_function(f)
+    if function is None:
+        raise S2sadError(not_a_function(f))
     with _LOCK:
         kept = vars(function).get("__s2sad__")
         if not isinstance(kept, Derivatives) or kept.function is not function:  # functools.wraps copies attributes
@@ -93,7 +93,7 @@ class State:
                 and all(same_number(v, theirs.constants[k]) for k, v in ours.constants.items())
                 and all(of_value(v) == of_value(theirs.arrays[k]) for k, v in ours.arrays.items())
                 and list(ours.kernels) == list(theirs.kernels)
-                and all(k.source == theirs.kernels[name].source for name, k in ours.kernels.items()))
+                and all(_same_kernel(k, theirs.kernels[name]) for name, k in ours.kernels.items()))
 
     def summary(self, types: tuple[Type, ...]) -> Any:
         """What the pipeline says of the kernel's writes and results for these types."""
@@ -171,6 +171,11 @@ class State:
         return {n: np.array(a, order="C") if n in written else a for n, a in self.arrays_by_name().items()}
 
 
+def _same_kernel(ours: Kernel, theirs: Kernel) -> bool:
+    return (ours.source == theirs.source and list(ours.defaults) == list(theirs.defaults)
+            and all(same_number(v, theirs.defaults[k]) for k, v in ours.defaults.items()))
+
+
 def _as_it_is(value: Any) -> Any:
     return value
 
@@ -235,6 +240,12 @@ class Variant:
         shared = self.check(self._pick(arguments))
         return tuple(self.array_places[k] for k in shared)
 
+    def exactly(self, arguments: Sequence[Any]) -> tuple[int, ...]:
+        """`checked` without the compiled check, for a first call."""
+        if self._pick is None:
+            return ()
+        return tuple(self.array_places[k] for k in self.check.exact([arguments[k] for k in self.array_places]))
+
     def prepare(self, arguments: Sequence[Any]) -> None:
         """Compiles for the types of these arguments, or reads Numba's cache."""
         if self.engine == "numba":
@@ -243,7 +254,7 @@ class Variant:
                 self.check.prepare(self._pick(arguments))
 
     def run(self, arguments: Sequence[Any], shared: tuple[int, ...] = ()) -> tuple[Any, ...]:
-        """Calls the generated function; always a tuple, in the order of `generated.returns`, numbers as the kernel's."""
+        """Calls the generated function; always a tuple, in the order of `generated.returns`."""
         returned = self.apart(arguments, shared) if shared else self.function(*arguments)
         return () if returned is None else tuple([kind(v) for kind, v in zip(self._kinds, returned)])
 

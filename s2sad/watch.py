@@ -11,32 +11,32 @@ from typing import Any
 import numpy as np
 
 from s2sad.binding import same_number
+from s2sad.read.capture import python_function
 
 _ABSENT = object()
+_FOLLOWED = (int, float, np.generic, np.ndarray, ModuleType)
 _LIBRARIES = ("numpy", "math", "builtins", "numba", "scipy")
 
 
-def plain_function(value: Any) -> Any:
-    """The Python function behind a differentiated one or a Numba dispatcher, else the value itself."""
-    for attribute in ("__wrapped_kernel__", "py_func"):
-        value = getattr(value, attribute, value) if not isinstance(value, (FunctionType, type)) else value
-    return value
-
-
 class Watch:
-    """The globals and closure cells that a function and the functions it calls read, with their values now.
+    """The globals and closure cells that a function and the functions it calls read, with their values now, and the
+    code and defaults of these functions.
 
     Numbers are compared by value; arrays, functions and everything else by identity (an array's content is read at
     each call). `unchanged()` costs a dictionary look-up for each.
     """
 
     def __init__(self, function: FunctionType):
+        self.functions: list[tuple[FunctionType, CodeType, Any]] = []
         self.places: list[tuple[dict[str, Any], str, Any]] = []
         self.cells: list[tuple[Any, Any]] = []
-        self._seen: set[int] = set()
+        self._seen: set[Any] = set()
         self._add(function)
 
     def unchanged(self) -> bool:
+        for function, code, defaults in self.functions:
+            if function.__code__ is not code or function.__defaults__ is not defaults:
+                return False
         for space, name, value in self.places:
             now = space.get(name, _ABSENT)
             if now is not value and not same_number(now, value):
@@ -51,10 +51,11 @@ class Watch:
         if id(function) in self._seen:
             return
         self._seen.add(id(function))
+        self.functions.append((function, function.__code__, function.__defaults__))
+        names = _names(function.__code__)
         for cell in function.__closure__ or ():
             self.cells.append((cell, _content(cell)))
-            self._follow(_content(cell), ())
-        names = _names(function.__code__)
+            self._follow(_content(cell), names)
         for name in names:
             if name in function.__globals__:
                 value = function.__globals__[name]
@@ -63,16 +64,17 @@ class Watch:
 
     def _follow(self, value: Any, names: tuple[str, ...]) -> None:
         if isinstance(value, ModuleType):
-            if value.__name__.partition(".")[0] in _LIBRARIES or id(value) in self._seen:
+            if value.__name__.partition(".")[0] in _LIBRARIES or (id(value), names) in self._seen:
                 return
+            self._seen.add((id(value), names))
             space = vars(value)
             for name in names:  # `module.G` names both; a name too many costs a look-up, no more
-                if name in space and isinstance(space[name], (int, float, np.generic, np.ndarray, FunctionType)):
+                if isinstance(space.get(name), _FOLLOWED) or python_function(space.get(name)) is not None:
                     self.places.append((space, name, space[name]))
-                    self._follow(space[name], ())
+                    self._follow(space[name], names)
             return
-        inner = plain_function(value)
-        if isinstance(inner, FunctionType) and (inner.__module__ or "").partition(".")[0] not in _LIBRARIES:
+        inner = python_function(value)
+        if inner is not None and (inner.__module__ or "").partition(".")[0] not in _LIBRARIES:
             self._add(inner)
 
 

@@ -49,6 +49,7 @@ class Plan:
     reloaded: dict[str, AST] = field(default_factory=dict)
     working: set[int] = field(default_factory=set)
     weight: int = 0
+    readers: dict[str, list[AST]] = field(default_factory=dict)
 
 
 @dataclass
@@ -121,6 +122,8 @@ class Planner:
         self.place_values()
         self.build(wanted, mandatory)
         self.choose(mandatory)
+        self.result.readers = {key: self.readers_of(key, mandatory)
+                               for key in (*self.result.recorded, *self.result.stores)}
         return self.result
 
     def find_work(self) -> None:
@@ -383,6 +386,27 @@ class Planner:
             else:
                 self.result.early.setdefault(place.block, []).append(key)
         self.result.reloaded = {k: s for k, s in self.result.reloaded.items() if k in self.kept(cut)}
+
+    def readers_of(self, key: str, mandatory: list[tuple[AST, AST]]) -> list[AST]:
+        """The statements whose reversal needs what is recorded under a key, in the order of the text."""
+        found: list[AST] = []
+        waiting, seen = [key], {key}
+        store = self.result.stores.get(key)
+        if store is not None:
+            found += [s for load, s in mandatory
+                      if self.conflict(store, load, s, isinstance(s, (Assign, AugAssign, Expr)))]
+            found += [p.statement for p, _ in self.rerun_places() for load in reads(p.statement, self.typing)
+                      if self.conflict(store, load, p.statement, again=True)]
+            waiting = [k for k, v in self.result.values.items() if self.placement[k] != "lost"
+                       and k not in self.result.recorded and any(s is store for s in self.conflicts_of(v))]
+        while waiting:
+            for user in self.users.get(waiting.pop(), []):
+                if not isinstance(user, str):
+                    found.append(user)
+                elif user not in seen and user not in self.result.recorded:
+                    seen.add(user)
+                    waiting.append(user)
+        return sorted({id(s): s for s in found}.values(), key=lambda s: self.structure.place(s).order)
 
     def kept(self, cut: list[str]) -> list[str]:
         """The values computed again: those that are read and not recorded, back to what is recorded."""

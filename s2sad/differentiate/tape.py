@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from s2sad.analyze.dependence import range_parts
 from s2sad.analyze.structure import Structure
 from s2sad.infer.infer import Typing
-from s2sad.infer.types import INT, Type, array
+from s2sad.infer.types import INT, UNKNOWN, Type, array
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Add, BinOp, Constant, For, Name, Sub, Subscript, assign, attribute, augment, call, const, copy, index,
@@ -28,12 +28,14 @@ _FIRST = 64
 
 @dataclass
 class Stack:
-    """One stack: its names, the statements that allocate it, and whether it is indexed by counters."""
+    """One stack: its names, the counters that index it if it does not grow, and for reports what lies in one entry
+    (`kind`, an array type with its `shape`) and how many entries each loop makes (`sizes`; none known if it grows)."""
     array: str
     top: str = ""
     counters: tuple[AST, ...] = ()
-    bytes: str = ""
-    note: str = ""
+    kind: Type = UNKNOWN
+    shape: AST | None = None
+    sizes: tuple[AST, ...] = ()
 
 
 @dataclass
@@ -56,16 +58,16 @@ class Tape:
         last = max((k for k, loop in enumerate(loops) if id(loop) in self.rerun), default=-1)
         inner, home = loops[last + 1:], loops[:1] if last < 0 else loops[min(k for k, x in enumerate(loops)
                                                                             if id(x) in self.rerun):][:1]
-        made = Stack(self.free.fresh(f"{wanted}_stack" if inner else f"{wanted}_before"))
+        made = Stack(self.free.fresh(f"{wanted}_stack" if inner else f"{wanted}_before"), kind=kind, shape=shape)
         if not inner:
             self.typing.table[made.array] = kind
-            made.bytes = "one" if kind.is_number else "one snapshot"
             return made
         sizes = [self._trips(loop) for loop in inner]
         outside = self._bound_before(home[0])
         if all(s is not None and set(names(s)) <= outside for s in sizes):
             made.counters = tuple(self._counter(loop) for loop in inner)
             whole: list[AST] = [s for s in sizes if s is not None]
+            made.sizes = tuple(whole)
             allocated = [self._allocate(made.array, kind, whole, shape)]
         else:
             made.top = self.free.fresh(f"{wanted}_top")

@@ -43,7 +43,7 @@ def _of_statement(node: tree.AST, parameters: set[str]) -> Iterator[str]:
 
 
 def _of_branch(node: tree.If) -> Iterator[str]:
-    first, last = node.body[0], node.orelse[0] if node.orelse else None
+    first, last = (node.body or [None])[0], (node.orelse or [None])[0]
     if len(node.body) == 1 and isinstance(first, tree.If):
         yield "SIM102"
     if isinstance(last, tree.If) and tree.dump(node.body) == tree.dump(last.body):

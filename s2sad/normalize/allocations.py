@@ -14,7 +14,7 @@ from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import Type
 from s2sad.tree import (
-    AST, Assign, Attribute, Call, List, Name, Subscript, Tuple, assign, attribute, call, call_name, const,
+    AST, Assign, Attribute, Call, Eq, List, Name, Subscript, Tuple, assign, attribute, call, call_name, compare, const,
     copy, dump, index, indices, name, names, tuple_of, walk,
 )
 
@@ -92,13 +92,25 @@ class Allocations:
                 *(assign(index(name(target), *at), item) for at, item in entries)]
 
     def shape(self, array: AST) -> AST:
-        """The shape of an array or of a row of one, as an expression."""
+        """The shape of an array or of a row of one, as an expression: a size or a tuple."""
         if isinstance(array, Name):
             return attribute(array, "shape")
-        assert isinstance(array, Subscript)
-        done, rank = len(indices(array)), self.typing.of(array.value).rank
-        parts = [index(attribute(copy(array.value), "shape"), const(k)) for k in range(done, rank)]
+        parts = self._sizes(array)
         return parts[0] if len(parts) == 1 else tuple_of(*parts)
+
+    def _sizes(self, array: AST) -> list[AST]:
+        base, done = (array.value, len(indices(array))) if isinstance(array, Subscript) else (array, 0)
+        rank = self.typing.of(base).rank
+        return [index(attribute(copy(base), "shape"), const(k)) for k in range(done, rank)]
+
+    def shape_test(self, a: AST, b: AST) -> AST:
+        """The test that two array expressions have one shape."""
+        if isinstance(a, Name) and isinstance(b, Name):
+            return compare(attribute(a, "shape"), Eq(), attribute(b, "shape"))
+        left, right = self._sizes(a), self._sizes(b)
+        if len(left) == 1:
+            return compare(left[0], Eq(), right[0])
+        return compare(tuple_of(*left), Eq(), tuple_of(*right))
 
     def same_shape(self, a: AST, b: AST) -> bool:
         """Whether two array expressions are known to have one shape."""

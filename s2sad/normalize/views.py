@@ -21,8 +21,8 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.allocations import Allocations
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Constant, Eq, Expr, For, FunctionDef, If, Name, Return,
-    Slice, Store, Subscript, Tuple, While, assign, at, attribute, augment, call, call_name, compare, const, copy, dump, index,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, If, Name, Return,
+    Slice, Store, Subscript, Tuple, While, assign, at, attribute, augment, call, call_name, const, copy, dump, index,
     indices, mult, name, names, rebuild, tuple_of, walk,
 )
 
@@ -291,8 +291,7 @@ class _Views:
             if self.typing.of(part).rank != rank:
                 self.report.error("S201", "broadcasting between arrays of different rank", place, help="write a loop")
             elif not self.allocations.same_shape(whole, part):
-                test = compare(self.allocations.shape(whole), Eq(), self.allocations.shape(part))
-                made.append(Assert(test, None))
+                made.append(Assert(self.allocations.shape_test(whole, part), None))
         unique = {dump(m): m for m in made}
         return list(unique.values())
 

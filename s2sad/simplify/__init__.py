@@ -5,7 +5,7 @@ into their one use, arithmetic with constants.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from s2sad.analyze.liveness import Liveness, base_name, targets
@@ -18,6 +18,13 @@ from s2sad.simplify.fold import fold
 from s2sad.simplify.merge import merge
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.tree import AST, Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, forgotten, walk
+
+
+Watch = Callable[[str, FunctionDef], object]
+
+
+def unwatched(stage: str, function: FunctionDef) -> None:
+    """What is shown the stages where nobody looks."""
 
 
 @dataclass(frozen=True)
@@ -76,15 +83,20 @@ class Effects:
 
 
 def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], live_out: set[str], effects: Effects,
-             names: Names, kept: set[str], shadows: Mapping[str, str]) -> FunctionDef:
+             names: Names, kept: set[str], shadows: Mapping[str, str], watch: Watch = unwatched) -> FunctionDef:
     """The function simplified; `live_out` are the arrays whose content the caller reads, `kept` the names that are
-    not folded away."""
+    not folded away; `watch` is shown every stage."""
     fixed = {p.id for p in function.args.args}
     function = merge(function)
+    watch("merge", function)
     function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
+    watch("dead", function)
     function, renamed = coalesce(function, dict(family), live_out, effects.writes, fixed, names, shadows)
+    watch("coalesce", function)
     function = fold(function, fixed | {renamed.get(n, n) for n in kept}, effects.writes)
+    watch("fold", function)
     function = merge(algebra(function))
+    watch("algebra", function)
     function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
     function.body = _unmarked(function.body)
     return share(function, _temporaries(typing, names, set(renamed.values()) | fixed), live_out, effects.writes)
@@ -100,4 +112,4 @@ def _temporaries(typing: Typing, names: Names, kept: set[str]) -> dict[str, str]
             if n not in kept and n in typing.table and typing.table[n].is_number}
 
 
-__all__ = ["Effect", "Effects", "simplify"]
+__all__ = ["Effect", "Effects", "Watch", "simplify", "unwatched"]
