@@ -170,8 +170,8 @@ def show_head(objective, console, lines=30):
     opening = source[:source.index('"""', 3) + 3]
     adjoint = source[source.index("def misfit_adjoint("):].splitlines()
     console.print(f"From the generated file ({len(source.splitlines())} lines):\n")
-    console.print(Syntax("\n".join([opening, "...", "", *adjoint[:lines], "    ..."]), "python",
-                         background_color="default"))
+    shown = "\n".join([opening, "...", "", *adjoint[:lines], "    ..."])
+    console.print(Syntax("", "python", background_color="default").highlight(shown), soft_wrap=True)
 
 
 def show_recovered(found, console):
@@ -227,6 +227,7 @@ def picture(path, observed, recovered, truth, errors):
     for name, marker, error in zip(NAMES, "os^d", errors.T):
         axis.semilogy(error, marker=marker, markersize=3.5, linewidth=1.2, label=name)
     axis.set(xlabel="iteration of L-BFGS-B", ylabel="relative error")
+    axis.xaxis.get_major_locator().set_params(integer=True)
     axis.grid(alpha=0.3)
     axis.legend(ncols=4)
     figure.savefig(path, dpi=110)
@@ -234,11 +235,11 @@ def picture(path, observed, recovered, truth, errors):
 
 
 def options(given):
-    parser = argparse.ArgumentParser(description="Recover a reaction-diffusion model's parameters by s2sad's gradients.")
+    parser = argparse.ArgumentParser(description="Recover a model's parameters by s2sad's gradients.")
     parser.add_argument("--n", type=int, help="cells along each side (default 64)")
     parser.add_argument("--steps", type=int, help="time steps up to t = 6 (default 1200)")
     parser.add_argument("--quick", action="store_true", help="a small problem: n = 16, 400 steps, few repetitions")
-    parser.add_argument("--output", type=Path, default=Path("brusselator.png"), help="the picture (default %(default)s)")
+    parser.add_argument("--output", type=Path, default=Path("brusselator.png"), help="the picture's file")
     chosen = parser.parse_args(given)
     chosen.n = chosen.n or (16 if chosen.quick else 64)
     chosen.steps = chosen.steps or (400 if chosen.quick else 1200)
@@ -255,10 +256,10 @@ def options(given):
 
 def main(given=None):
     chosen = options(given)
-    missing = {m: e for m, e in EXTRAS.items() if find_spec(m) is None}
+    missing = [module for module in EXTRAS if find_spec(module) is None]
     if missing:
-        print(f"This example needs {', '.join(missing)}, which came with the extra{'s' * (len(set(missing.values())) > 1)} "
-              f"{', '.join(sorted(set(missing.values())))}:\n    pip install \"s2sad[examples]\"", file=sys.stderr)
+        extras = ",".join(dict.fromkeys(EXTRAS[module] for module in missing))
+        print(f"this example needs {', '.join(missing)}: pip install \"s2sad[{extras}]\"", file=sys.stderr)
         return 1
     from rich.console import Console
 

@@ -15,6 +15,7 @@ from typing import Any
 
 from s2sad.analyze.unshadowed import unshadowed
 from s2sad.differentiate.adjoint import Wanted
+from s2sad.differentiate.taped import Taped, taped
 from s2sad.emit.header import header
 from s2sad.emit.module import module_text
 from s2sad.emit.origins import with_origins
@@ -59,16 +60,31 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
     wanted = Wanted(request.wrt, expanded(request.of, unit), request.with_primal)
     derived = units.derive(request.mode, unit, wanted)
     made = [d.function for d in units.derived.values()]
+    found = facts(derived, request, units) | {"unshadowed": unshadowed(
+        unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
     functions = primal_functions(units, kernels_called(made, units)) + [
-        with_origins(d.function, d.unit.kernel.source) for d in units.derived.values()]
+        with_origins(d.function, d.unit.kernel.source) for d in units.derived.values() if d is not derived]
+    kept = kept_tape(derived, units) if request.level == "fast" else None
+    if kept is None:
+        functions.append(with_origins(derived.function, unit.kernel.source))
+    else:
+        functions += [with_origins(kept.taped, unit.kernel.source), kept.public]
+        found |= {"taped": kept.taped.name, "stacks": kept.stacks}
     text = module_text(functions, header=header(derived, request, units), constants=program.constants,
                        standalone=request.standalone)
     parameters = tuple(Parameter(hidden_name(n, units.program) if role == "primal" else n, role,
                                  hidden_name(p, units.program), derived.types[n])
                        for n, role, p in derived.made.parameters)
-    found = facts(derived, request, units) | {"unshadowed": unshadowed(
-        unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
     return Generated(text, derived.function.name, parameters, tuple(derived.made.returns), found)
+
+
+def kept_tape(derived: Derived, units: Units) -> Taped | None:
+    """The entry's adjoint over stacks that the caller keeps between calls."""
+    tape = derived.made.tape
+    if tape is None or units.engine != "numba":
+        return None
+    return taped(derived.function, list(tape.stacks.values()), derived.types,
+                 units.titles.fresh(f"{derived.function.name}_taped"))
 
 
 def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch = unwatched) -> tuple[Units, Unit]:

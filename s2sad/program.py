@@ -41,7 +41,8 @@ class Request:
     """What is asked for: `mode` is "adjoint", "tangent" or "primal"; types by position.
 
     `wrt` and `of` are names of parameters; `of` may hold "return". `engine` is "numpy" or "numba", `level`
-    "plain" or "fast". `with_primal` also returns the primal's result.
+    "plain" or "fast". `with_primal` also returns the primal's result. `assumed` has a reason for every parameter whose
+    type was not given.
     """
     mode: str
     types: tuple[Type, ...]
@@ -51,6 +52,7 @@ class Request:
     level: str = "plain"
     with_primal: bool = False
     standalone: bool = False
+    assumed: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)

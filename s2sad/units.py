@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from s2sad.analyze.activity import Activity, activity, reach
 from s2sad.analyze.dependence import Dependence
 from s2sad.analyze.liveness import Liveness, base_name, targets
+from s2sad.analyze.order import order_free
 from s2sad.analyze.recorded import Plan, Question, recorded
 from s2sad.analyze.structure import Structure, structure
 from s2sad.analyze.uses import Uses, uses
@@ -245,6 +246,7 @@ class Units:
         question = Question(table, Dependence(table), lambda s: is_active_statement(s, typing, found), reads_of,
                             self.writes)
         plan = recorded(question)
+        plan.forwards = order_free(question) if self.engine == "numba" else frozenset()
         made = adjoint(table, found, plan, wanted, names, deriving, title)
         return self._finished(unit, wanted, made, found, typing, names, plan)
 

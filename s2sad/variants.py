@@ -184,6 +184,19 @@ def _with_trailing(function: Callable[..., Any], trailing: tuple[Any, ...]) -> C
     return lambda *args: function(*args, *trailing)
 
 
+class Keeping:
+    """A compiled adjoint with the stacks that it left behind at the last call of each thread, used again."""
+
+    def __init__(self, function: Callable[..., Any], first: tuple[np.ndarray, ...]):
+        self.function, self.first, self.count = function, first, len(first)
+        self._kept = threading.local()
+
+    def __call__(self, *arguments: Any) -> tuple[Any, ...]:
+        returned = self.function(*arguments, *getattr(self._kept, "stacks", self.first))
+        self._kept.stacks = returned[-self.count:]
+        return returned[:-self.count]
+
+
 class Variant:
     """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked."""
 
@@ -193,7 +206,10 @@ class Variant:
         plain = tuple(generated.facts.get("wrappers", ()))
         module = (compiled(generated.text, generated.entry, plain=plain) if engine == "numba"
                   else load(generated.text, generated.entry))
-        self.function: Callable[..., Any] = getattr(module, generated.entry)
+        stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
+        self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
+        self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)
+        self.function: Callable[..., Any] = Keeping(self.dispatcher, self._first) if stacks else self.dispatcher
         self.shadows = {p.primal: p for p in self.parameters if p.role == "shadow"}
         self.seeds = tuple(p for p in self.parameters if p.role == "seed")
         self._written = frozenset(summary.written)
@@ -249,7 +265,7 @@ class Variant:
     def prepare(self, arguments: Sequence[Any]) -> None:
         """Compiles for the types of these arguments, or reads Numba's cache."""
         if self.engine == "numba":
-            prepare(self.function, arguments, f"'{self.generated.entry}' of '{self.kernel}'")
+            prepare(self.dispatcher, [*arguments, *self._first], f"'{self.generated.entry}' of '{self.kernel}'")
             if self._pick is not None:
                 self.check.prepare(self._pick(arguments))
 

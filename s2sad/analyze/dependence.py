@@ -160,6 +160,12 @@ class Dependence:
             self._known[key] = self._may(first, later, within, same)
         return self._known[key]
 
+    def carried(self, first: Reference, later: Reference, loop: AST) -> bool:
+        """Whether `later` may be to a cell of `first` in a later iteration of a loop around both."""
+        common = [x for x, y in zip(self.structure.place(first.statement).loops,
+                                    self.structure.place(later.statement).loops) if x is y]
+        return self._overlap(first, later, common, next(k for k, x in enumerate(common) if x is loop))
+
     def _may(self, first: Reference, later: Reference, within: AST | None, same: bool) -> bool:
         a, b = self.structure.place(first.statement), self.structure.place(later.statement)
         common = [x for x, y in zip(a.loops, b.loops) if x is y]

@@ -48,6 +48,7 @@ class Plan:
     late: dict[tuple[int, int], list[str]] = field(default_factory=dict)
     reloaded: dict[str, AST] = field(default_factory=dict)
     working: set[int] = field(default_factory=set)
+    forwards: frozenset[int] = frozenset()
     weight: int = 0
     readers: dict[str, list[AST]] = field(default_factory=dict)
 

@@ -49,6 +49,9 @@ def product(factor: AST, seed: AST) -> AST:
         return seed
     if is_one(seed):
         return factor
+    if isinstance(factor, BinOp) and isinstance(factor.op, Div) and is_one(factor.left) and isinstance(
+            factor.right, Constant):
+        return BinOp(seed, Mult(), factor)
     if isinstance(factor, BinOp) and isinstance(factor.op, Div):
         return BinOp(product(factor.left, seed), Div(), factor.right)
     return BinOp(factor, Mult(), seed)

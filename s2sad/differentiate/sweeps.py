@@ -230,7 +230,10 @@ class Sweeps:
             return [*before, counted_for(counter, [name(self.trip_count(loop))], body)]
         assert isinstance(loop, For)
         trips = name(self.trip_count(loop)) if self.counts(loop) else None
-        return [*before, counted_for(loop.target.id, reversed_bounds(loop, trips), body)]
+        forwards = id(loop) in self.plan.forwards and not any(
+            stack.top and any(x is loop for x in stack.loops) for stack in self.tape.stacks.values())
+        bounds = list(map(copy, loop.iter.args)) if forwards else reversed_bounds(loop, trips)
+        return [*before, counted_for(loop.target.id, bounds, body)]
 
 
 def reversed_bounds(loop: For, trips: AST | None) -> list[AST]:

@@ -32,6 +32,7 @@ class Stack:
     (`kind`, an array type with its `shape`) and how many entries each loop makes (`sizes`; none known if it grows)."""
     array: str
     top: str = ""
+    loops: tuple[AST, ...] = ()
     counters: tuple[AST, ...] = ()
     kind: Type = UNKNOWN
     shape: AST | None = None
@@ -58,7 +59,8 @@ class Tape:
         last = max((k for k, loop in enumerate(loops) if id(loop) in self.rerun), default=-1)
         inner, home = loops[last + 1:], loops[:1] if last < 0 else loops[min(k for k, x in enumerate(loops)
                                                                             if id(x) in self.rerun):][:1]
-        made = Stack(self.free.fresh(f"{wanted}_stack" if inner else f"{wanted}_before"), kind=kind, shape=shape)
+        made = Stack(self.free.fresh(f"{wanted}_stack" if inner else f"{wanted}_before"), loops=inner, kind=kind,
+                     shape=shape)
         if not inner:
             self.typing.table[made.array] = kind
             return made

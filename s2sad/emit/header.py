@@ -1,37 +1,70 @@
-"""The docstring of a generated file: what it differentiates with respect to what, roles, and what it records."""
+"""The docstring of a generated file: what it differentiates with respect to what, the types, roles, and what it records."""
 from __future__ import annotations
 
+from s2sad.analyze.liveness import base_name, read_names, targets
+from s2sad.emit.stacks import recorded_lines
+from s2sad.normalize.hidden import hidden_name
 from s2sad.program import Request
-from s2sad.report.facts import recorded_lines
-from s2sad.units import Derived
+from s2sad.tree import AST, Assign, AugAssign, Call, Expr, For, If, Return, Subscript, While, call_name, walk
+from s2sad.units import Derived, Unit, Units
 
 
-def header(derived: Derived, request: Request) -> list[str]:
+def header(derived: Derived, request: Request, units: Units) -> list[str]:
     """The lines of the docstring."""
     unit = derived.unit
-    of = ", ".join(o.split()[0] for o in dict.fromkeys(o.split()[0] for o in derived_of(derived))) or "nothing"
-    lines = [f"{request.mode.capitalize()} of {unit.kernel.name}: d({of}) / d({', '.join(request.wrt) or 'nothing'}).",
-             ""]
-    lines.append(f"Engine {request.engine}, level {request.level}.")
-    written = {k for k in unit.summary.written}
-    for position, (parameter, kind) in enumerate(zip((p.id for p in unit.function.args.args), unit.types)):
-        role = role_of(parameter, position in written, derived)
-        lines.append(f"    {parameter}: {kind}, {role}")
+    of, wrt = (", ".join(names) or "nothing" for names in (request.of, request.wrt))
+    assumed = dict(request.assumed)
+    engine = {"numpy": "NumPy", "numba": "Numba"}[request.engine]
+    lines = [f"{request.mode.capitalize()} of {unit.kernel.name}: d({of}) / d({wrt}).", "",
+             f"Engine: {engine}. Level: {request.level}. Arguments:"]
+    for parameter, kind in zip((p.id for p in unit.function.args.args), unit.types):
+        name = hidden_name(parameter, units.program)
+        given = name.replace("array.", "the array ")
+        why = f" (assumed: {assumed[parameter]})" if parameter in assumed else ""
+        lines.append(f"    {given}: {kind}, {role_of(parameter, unit, units)}{why}")
     if request.mode == "adjoint":
-        lines += ["", *recorded_lines(derived)]
+        lines += ["", *recorded_lines(derived, list(units.derived.values()))]
     return lines
 
 
-def derived_of(derived: Derived) -> list[str]:
-    seeds = [p for _, role, p in derived.made.parameters if role == "seed"]
-    shadows = [p for _, role, p in derived.made.parameters if role == "shadow"]
-    written = {p.id for k, p in enumerate(derived.unit.function.args.args) if k in derived.unit.summary.written}
-    return [p for p in shadows if p in written] + seeds
+def role_of(parameter: str, unit: Unit, units: Units) -> str:
+    """Whether a parameter goes in, comes out, or both.
 
-
-def role_of(parameter: str, written: bool, derived: Derived) -> str:
-    """Whether a parameter goes in, comes out, or both."""
-    if not written:
+    "out" is an array whose elements the kernel writes and never reads; it may still leave some as they were.
+    """
+    position = [p.id for p in unit.function.args.args].index(parameter)
+    if position not in unit.summary.written:
         return "in"
-    first = derived.unit.first_use(parameter)
-    return "in-out" if first else "out"
+    return "in-out" if reads(unit, parameter, units) else "out"
+
+
+def reads(unit: Unit, array: str, units: Units) -> bool:
+    """Whether a kernel, or one that it calls, reads elements of an array."""
+    return any(_reads(statement, array, units) for statement in walk(unit.function.body))
+
+
+def _reads(statement: AST, array: str, units: Units) -> bool:
+    if isinstance(statement, (Assign, AugAssign)):
+        inner = [t.slice for t in targets(statement) if isinstance(t, Subscript)]
+        return _read(statement.value, array, units) or array in read_names(inner) or (
+            isinstance(statement, AugAssign) and base_name(statement.target) == array)
+    if isinstance(statement, (Expr, Return)) and statement.value is not None:
+        return _read(statement.value, array, units)
+    if isinstance(statement, (If, While)):
+        return array in read_names(statement.test)
+    return isinstance(statement, For) and array in read_names(statement.iter)
+
+
+def _read(value: AST, array: str, units: Units) -> bool:
+    """Whether an expression reads elements; an array given to a kernel is read if that reads it."""
+    unit = units.called(value) if isinstance(value, Call) and (call_name(value) or "").startswith("user.") else None
+    if unit is None:
+        return array in read_names(value)
+    parameters = [p.id for p in unit.function.args.args]
+    for parameter, argument in zip(parameters, value.args):
+        if base_name(argument) == array and unit.typing.table[parameter].is_array:
+            if reads(unit, parameter, units):
+                return True
+        elif array in read_names(argument):
+            return True
+    return False

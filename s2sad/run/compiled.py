@@ -13,7 +13,9 @@ import importlib.util
 import os
 import pickle
 import platform
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache, lru_cache
 from pathlib import Path
 from types import FunctionType, ModuleType
@@ -23,6 +25,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.run.load import load
 
 _RUNTIME = "s2sad.runtime"
+_CHECKED: ContextVar[bool] = ContextVar("s2sad_bounds_checked", default=False)
 
 
 @lru_cache(maxsize=1)
@@ -44,8 +47,18 @@ def chosen(engine: str) -> str:
 
 
 def always_checked() -> bool:
-    """Whether $S2SAD_BOUNDSCHECK asks for bounds checks in everything that is compiled."""
-    return os.environ.get("S2SAD_BOUNDSCHECK", "0") not in ("", "0")
+    """Whether $S2SAD_BOUNDSCHECK or `bounds_checked` asks for bounds checks in everything that is compiled."""
+    return _CHECKED.get() or os.environ.get("S2SAD_BOUNDSCHECK", "0") not in ("", "0")
+
+
+@contextmanager
+def bounds_checked() -> Iterator[None]:
+    """Everything that is compiled inside checks its indices."""
+    token = _CHECKED.set(True)
+    try:
+        yield
+    finally:
+        _CHECKED.reset(token)
 
 
 def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ...] = ()) -> ModuleType:

@@ -24,3 +24,13 @@ def grow(stack, top):
         for k in range(old.size):
             new[k] = old[k]
     return larger
+
+
+def sized(stack, shape):
+    """A stack of this shape: the same one if it has it, else a new one whose content is unspecified.
+
+    >>> stack = np.array([1.5, 2.5])
+    >>> sized(stack, (2,)) is stack, sized(stack, (3,)).shape
+    (True, (3,))
+    """
+    return stack if stack.shape == shape else np.empty(shape, stack.dtype)

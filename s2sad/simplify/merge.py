@@ -8,10 +8,12 @@
 """
 from __future__ import annotations
 
+from s2sad.analyze.liveness import base_name, targets
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, Break, Constant, FunctionDef, If, Name, Return, Store, Sub, assign, at, copy, names,
-    negate, walk,
+    AST, Add, Assign, AugAssign, Break, Constant, FunctionDef, If, Name, Return, Store, Sub, Subscript, assign, at,
+    call_name, copy, dump, names, negate, stored_names,
+    walk,
 )
 
 
@@ -34,8 +36,53 @@ def _block(block: list[AST]) -> list[AST]:
                 block[user] = _bound(block[user])
                 del block[position]
                 continue
+        elif _is_cleared(statement):
+            block = _refilled(block, position)
         position += 1
     return _joined(block)
+
+
+def _is_cleared(statement: AST) -> bool:
+    """Whether an element of an array is set to zero."""
+    return (isinstance(statement, Assign) and isinstance(statement.targets[0], Subscript)
+            and isinstance(statement.value, Constant) and type(statement.value.value) is float
+            and statement.value.value == 0.0)
+
+
+def _refilled(block: list[AST], position: int) -> list[AST]:
+    """The block in which a cleared element that gains again is bound to the gain: before all other gains of its array,
+    which may be to the same element."""
+    place = block[position].targets[0]
+    array = base_name(place)
+    first = next((k for k in range(position + 1, len(block)) if _mentions(block[k], array)), None)
+    if first is None or set(names(place)) & set(stored_names(block[position + 1:first])):
+        return block
+    bound: set[str] = set()
+    for k in range(first, len(block)):
+        item = block[k]
+        if _mentions(item, array):
+            if not _gains(item, array):
+                return block
+            if dump(item.target) == dump(place):
+                if bound & ({*names(item.value)} | {*names(place)}):
+                    return block
+                new = at(assign(place, item.value if isinstance(item.op, Add) else negate(item.value)), item)
+                return [*block[:position], *block[position + 1:first], new, *block[first:k], *block[k + 1:]]
+        elif not isinstance(item, (Assign, AugAssign)):
+            return block
+        bound |= {base_name(t) for t in targets(item)} - {array}
+    return block
+
+
+def _gains(statement: AST, array: str) -> bool:
+    """Whether all that a statement does with an array is to add to an element of it."""
+    return (isinstance(statement, AugAssign) and isinstance(statement.target, Subscript)
+            and base_name(statement.target) == array and array not in names(statement.value)
+            and array not in names(statement.target.slice) and not _mentions_call(statement.value))
+
+
+def _mentions_call(node: AST) -> bool:
+    return any((call_name(n) or "").startswith("user.") for n in walk(node))
 
 
 def _joined(block: list[AST]) -> list[AST]:

@@ -1,0 +1,64 @@
+"""`python -m benchmarks [names...] [--quick]` prints one table for each part; exit status 0 whether targets are met or
+not, for a figure that missed its target is a result, too."""
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from benchmarks import accuracy, against_jax, first_gradient, memory, overhead, ratios
+from benchmarks.tables import Table, show
+
+PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
+    "ratios": (ratios.tables, "adjoint over the Numba primal, each kernel at its large size"),
+    "jax": (against_jax.tables, "the Brusselator's vjp against JAX's"),
+    "overhead": (overhead.tables, "what a call costs over the bare compiled one"),
+    "first": (first_gradient.tables, "time to the first gradient, cold and warm cache"),
+    "memory": (memory.tables, "peak memory against arrays, shadows and recorded values"),
+    "accuracy": (accuracy.tables, "errors of gradients, and where rounding is hardest"),
+}
+
+
+def main() -> int:
+    """Runs the parts that are named, all without a name; a kernel's name means its line of `ratios`."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__, epilog="parts: " + "; ".join(
+        f"{name}: {text}" for name, (_, text) in PARTS.items()))
+    parser.add_argument("names", nargs="*", help="parts, or kernels of the part 'ratios' (default: every part)")
+    parser.add_argument("--quick", action="store_true", help="few rounds: to see that it works")
+    options = parser.parse_args()
+    kernels = [n for n in options.names if n not in PARTS]
+    unknown = [n for n in kernels if n not in ratios.TARGETS]
+    if unknown:
+        parser.error(f"unknown: {', '.join(unknown)}; parts are {', '.join(PARTS)}; "
+                     f"kernels are {', '.join(ratios.TARGETS)}")
+    chosen = [n for n in PARTS if n in options.names or (n == "ratios" and kernels)] if options.names else list(PARTS)
+    pinned = _on_one_core()
+    print(f"{_processor()}, Python {platform.python_version()}, one thread{pinned}, medians of interleaved rounds\n")
+    for name in chosen:
+        for table in PARTS[name][0](options.quick, kernels):
+            show(table)
+            sys.stdout.flush()
+    return 0
+
+
+def _on_one_core() -> str:
+    """Keeps the process on one core where the system can: no library's hidden threads help or disturb."""
+    if not hasattr(os, "sched_setaffinity"):
+        return ""
+    core = max(os.sched_getaffinity(0))
+    os.sched_setaffinity(0, {core})
+    return f" (core {core})"
+
+
+def _processor() -> str:
+    information = Path("/proc/cpuinfo")
+    lines = information.read_text().splitlines() if information.exists() else []
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")),
+                platform.processor() or platform.machine())
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

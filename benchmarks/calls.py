@@ -1,0 +1,45 @@
+"""Calls of a case's primal and adjoint on fresh copies of its arguments."""
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+from types import FunctionType
+from typing import Any
+
+import numba
+import numpy as np
+
+import s2sad
+from benchmarks.kernels.cases import Case
+
+
+def plain_numba(function: Callable[..., Any]) -> Any:
+    """A function as its user would compile it: `njit` of it and of the functions of its module, nothing else."""
+    assert isinstance(function, FunctionType)
+    space = dict(function.__globals__)
+    for name, value in function.__globals__.items():
+        if isinstance(value, FunctionType) and value.__module__ == function.__module__:
+            copied = FunctionType(value.__code__, space, value.__name__, value.__defaults__, value.__closure__)
+            space[name] = numba.njit(error_model="numpy")(copied)
+    return space[function.__name__]
+
+
+def differentiated(case: Case) -> Any:
+    """The case's function with its derivatives."""
+    return s2sad.differentiate(case.function, wrt=case.wrt, of=case.of)
+
+
+def fresh(arguments: Sequence[Any]) -> list[Any]:
+    """The arguments with arrays copied."""
+    return [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
+
+
+def adjoint_arguments(case: Case, arguments: Sequence[Any]) -> list[Any]:
+    """Fresh arguments of `f.adjoint`: shadows of outputs hold ones, others zeros, float results have the seed 1."""
+    names = list(inspect.signature(case.function).parameters)
+    made: list[Any] = []
+    for name, value in zip(names, fresh(arguments)):
+        made.append(value)
+        if isinstance(value, np.ndarray) and name in {*case.wrt, *case.of}:
+            made.append(np.ones_like(value) if name in case.of else np.zeros_like(value))
+    return made + [1.0] * ("return" in case.of)

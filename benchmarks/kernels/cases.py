@@ -1,0 +1,105 @@
+"""The kernels with inputs: a builder of fresh arguments for a size ("small" for errors, "large" for times), the names
+to differentiate with respect to, and the outputs ("return", or an argument's final content)."""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from benchmarks.kernels import brusselator, loops
+
+
+@dataclass(frozen=True)
+class Case:
+    name: str
+    function: Callable[..., Any]
+    arguments: Callable[[str], tuple[Any, ...]]
+    wrt: tuple[str, ...]
+    of: tuple[str, ...]
+
+
+def _random() -> np.random.Generator:
+    return np.random.default_rng(7)
+
+
+def _size(size: str, small: Any, large: Any) -> Any:
+    return {"small": small, "large": large}[size]
+
+
+def field(n: int) -> np.ndarray:
+    """The Brusselator's usual start, a tenth of it, with noise."""
+    x = np.linspace(0.0, 1.0, n)
+    u = np.empty((n, n, 2))
+    u[:, :, 0] = 22.0 * (x[None, :] * (1.0 - x[None, :])) ** 1.5
+    u[:, :, 1] = 27.0 * (x[:, None] * (1.0 - x[:, None])) ** 1.5
+    return 0.1 * u + 0.1 * _random().random(u.shape)
+
+
+def _brusselator(size: str) -> tuple[Any, ...]:
+    n = _size(size, 7, 512)
+    return np.zeros((n, n, 2)), field(n), np.array([3.4, 1.0, 10.0, 1.0 / n]), 1.2
+
+
+def _integrate(size: str) -> tuple[Any, ...]:
+    n = _size(size, 6, 32)
+    return field(n), np.array([3.4, 1.0, 10.0, 1.0 / n]), 1e-5, _size(size, 5, 100)
+
+
+def _seidel(size: str) -> tuple[Any, ...]:
+    n = _size(size, 8, 100)
+    return _random().random((n, n)), _size(size, 3, 20)
+
+
+def _jacobi(size: str) -> tuple[Any, ...]:
+    n = _size(size, 8, 150)
+    return _random().random((n, n)), np.zeros((n, n)), _size(size, 3, 50)
+
+
+def _advect(size: str) -> tuple[Any, ...]:
+    n = _size(size, 24, 2000)
+    x = np.linspace(0.0, 1.0, n, endpoint=False)
+    u = np.sin(2 * np.pi * x) + (np.abs(x - 0.5) < 0.1) + 0.05 * _random().standard_normal(n)
+    return u, 0.4, _size(size, 4, 100)
+
+
+def _thomas(size: str) -> tuple[Any, ...]:
+    n = _size(size, 8, 100_000)
+    random = _random()
+    return random.random(n), 4.0 + random.random(n), random.random(n), random.random(n)
+
+
+def _spmv(size: str) -> tuple[Any, ...]:
+    n = _size(size, 10, 100_000)
+    random = _random()
+    indptr = np.concatenate([[0], np.cumsum(random.integers(0, 6, n))])
+    indices = random.integers(0, n, indptr[-1])
+    return np.zeros(n), random.random(indices.size), indices, indptr, random.random(n)
+
+
+def _nbody(size: str) -> tuple[Any, ...]:
+    n = _size(size, 4, 60)
+    random = _random()
+    return (random.standard_normal((n, 3)), 0.1 * random.standard_normal((n, 3)), np.zeros((n, 3)),
+            0.5 + random.random(n), 0.01, _size(size, 3, 100), 0.1)
+
+
+def _mixture(size: str) -> tuple[Any, ...]:
+    n, d, k = _size(size, (12, 3, 4), (1000, 10, 25))
+    random = _random()
+    return (random.standard_normal(k), random.standard_normal((k, d)), 0.3 * random.standard_normal((k, d)),
+            random.standard_normal((n, d)))
+
+
+CASES = {case.name: case for case in (
+    Case("brusselator", brusselator.brusselator, _brusselator, ("u", "p"), ("du",)),
+    Case("integrate", brusselator.integrate, _integrate, ("u", "p"), ("return",)),
+    Case("jacobi", loops.jacobi, _jacobi, ("a", "b"), ("a",)),
+    Case("seidel", loops.seidel, _seidel, ("a",), ("return",)),
+    Case("advect", loops.advect, _advect, ("u", "c"), ("u",)),
+    Case("thomas", loops.thomas, _thomas, ("lower", "diagonal", "upper", "rhs"), ("rhs",)),
+    Case("nbody", loops.nbody, _nbody, ("position", "velocity", "mass"), ("return", "position")),
+    Case("spmv", loops.spmv, _spmv, ("data", "x"), ("y",)),
+    Case("mixture", loops.mixture, _mixture, ("alphas", "means", "scales"), ("return",)),
+)}

@@ -1,0 +1,51 @@
+"""order: the loops whose iterations may run in any order, so that the reverse sweep need not run them backwards.
+
+Requires the structure table; a loop is free if no number and no element flows between its iterations, except sums.
+Forwards is the order that compilers vectorise and memory prefetches.
+"""
+from __future__ import annotations
+
+from s2sad.analyze.dependence import Dependence, Reference
+from s2sad.analyze.liveness import base_name
+from s2sad.analyze.recorded import Question, reads
+from s2sad.analyze.structure import Place
+from s2sad.analyze.values import Values
+from s2sad.tree import AST, AugAssign, Break, For
+
+
+def order_free(question: Question) -> frozenset[int]:
+    """The ids of the loops whose iterations may run in any order."""
+    structure, values = question.structure, Values(question.structure)
+    found: set[int] = set()
+    for place in structure.places.values():
+        loop = place.statement
+        if isinstance(loop, For) and not _carries(loop, values) and not _breaks(loop, question):
+            inner = [p for p in structure.places.values() if any(x is loop for x in p.loops)]
+            if _independent(loop, inner, question):
+                found.add(id(loop))
+    return frozenset(found)
+
+
+def _carries(loop: For, values: Values) -> bool:
+    return any(x is loop and not all(isinstance(b, AugAssign) for b in values.structure.bindings[n][1:])
+               for n, x in values.loops.items())
+
+
+def _breaks(loop: For, question: Question) -> bool:
+    return any(isinstance(p.statement, Break) and p.loops and p.loops[-1] is loop
+               for p in question.structure.places.values())
+
+
+def _independent(loop: For, inner: list[Place], question: Question) -> bool:
+    typing, dependence = question.structure.typing, question.dependence
+    sums = [Reference.to(t, p.statement) for p in inner for t in question.writes(p.statement)
+            if isinstance(p.statement, AugAssign)]
+    stores = [Reference.to(t, p.statement) for p in inner for t in question.writes(p.statement)
+              if not isinstance(p.statement, AugAssign)]
+    loads = [Reference.to(x, p.statement) for p in inner for x in reads(p.statement, typing) if base_name(x)]
+    pairs = [(s, x) for s in stores for x in [*stores, *loads, *sums]] + [(s, x) for s in sums for x in loads]
+    return not any(_meet(a, b, loop, dependence) for a, b in pairs)
+
+
+def _meet(a: Reference, b: Reference, loop: AST, dependence: Dependence) -> bool:
+    return a.array == b.array and (dependence.carried(a, b, loop) or dependence.carried(b, a, loop))

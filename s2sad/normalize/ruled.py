@@ -1,0 +1,62 @@
+"""ruled: whatever computes with numbers or arrays has a derivative rule, or a derivative that is zero; else it is refused.
+
+Requires structured form and types; establishes that an operation without a rule is none that a value of a float can
+pass through: what the analyses find no rule for is truly inactive.
+
+    np.sort(u)[0]    u[mask] = 0.0    a @ x    np.sum(u, axis=0)        each refused, with its place
+"""
+from __future__ import annotations
+
+from s2sad import rules
+from s2sad.diagnostics import Report
+from s2sad.infer.infer import Typing
+from s2sad.rules.operation import operation
+from s2sad.tree import (
+    AST, Assert, BinOp, Call, Expr, FunctionDef, MatMult, Raise, Subscript, call_name, children, indices,
+)
+
+# what makes arrays, asks for their shape, or is no computation at all
+_OTHER = frozenset({
+    "numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full", "numpy.empty_like", "numpy.zeros_like", "numpy.ones_like",
+    "numpy.full_like", "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array", "numpy.shape",
+    "builtins.range"})
+_SUMS = ("numpy.sum", "builtins.sum")
+_LOOP = "write it as a loop over the elements"
+
+
+def ruled(function: FunctionDef, typing: Typing, report: Report) -> None:
+    """Puts one diagnostic into the report for each operation that nothing is known about."""
+    for statement in function.body:
+        _visit(statement, typing, report)
+
+
+def _visit(node: AST, typing: Typing, report: Report) -> None:
+    if isinstance(node, (Assert, Raise)) or isinstance(node, Expr) and call_name(node.value) == "builtins.print":
+        return
+    if isinstance(node, Call):
+        _call(node, typing, report)
+    elif isinstance(node, BinOp) and isinstance(node.op, MatMult):
+        report.error("S301", "no derivative rule for a @ b", node, help=_LOOP)
+    elif isinstance(node, Subscript) and any(typing.of(s).is_array for s in indices(node)):
+        report.error("S201", "an array as a subscript is not supported in a kernel yet (planned)", node,
+                     help="write a loop over the elements, with an if in place of a mask")
+    for child in children(node):
+        _visit(child, typing, report)
+
+
+def _call(node: Call, typing: Typing, report: Report) -> None:
+    name = call_name(node)
+    if name is None or name.startswith(("user.", "runtime.")) or name in _OTHER or rules.constant_result(name):
+        return
+    if name in _SUMS:
+        if node.keywords or len(node.args) != 1:
+            report.error("S301", f"no derivative rule for {name} with more than the array", node,
+                         help="write a loop that adds the elements")
+        elif not typing.of(node.args[0]).is_array or name == "builtins.sum" and typing.of(node.args[0]).rank > 1:
+            report.error("S301", f"no derivative rule for {name} of {typing.of(node.args[0])}", node,
+                         help="write a loop that adds the elements")
+    elif operation(node) is None:
+        known = rules.find(name)
+        given = f" with {len(node.args) + len(node.keywords)} arguments" if known else ""
+        report.error("S301", f"no derivative rule for {name}{given}", node, note="" if not known else
+                     f"there is one for {name}({', '.join(known.parameters)})", help=_LOOP)

@@ -1,0 +1,198 @@
+"""findings: the facts of every derivative in a generated module, as a frozen table; texts only, no trees.
+
+Requires what the pipeline made (`Units`); establishes, per function, the verdict for every variable, what is recorded
+and computed again, what the forward sweep leaves out, the loops that run forward and back per iteration, and the
+places where the function is not differentiable.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from s2sad.analyze.liveness import targets
+from s2sad.emit.origins import text_of
+from s2sad.emit.stacks import Recorded, recorded_by
+from s2sad.report.kinks import kinks
+from s2sad.report.sizes import Sizes
+from s2sad.tree import AST, AnnAssign, Assign, AugAssign, Expr, Name, is_comment, names, stored_names, walk
+from s2sad.units import Derived, Unit
+
+_LONGEST = 90
+
+
+@dataclass(frozen=True)
+class Place:
+    """A statement of the kernel: its line and its text."""
+    line: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Verdict:
+    variable: str
+    type: str
+    active: bool
+    reason: str
+
+
+@dataclass(frozen=True)
+class Stacked:
+    """A recorded value; `bytes` for the given arguments, of one push if it `grows`, None if not known."""
+    name: str
+    what: str
+    dtype: str
+    place: Place
+    needed_by: tuple[Place, ...]
+    formula: str
+    bytes: int | None
+    grows: bool
+
+
+@dataclass(frozen=True)
+class Again:
+    """A value that is not recorded: `how` the reverse sweep has it again."""
+    variable: str
+    how: str
+    place: Place
+
+
+@dataclass(frozen=True)
+class Kink:
+    """A place where the function is not differentiable, and what is done there."""
+    place: Place
+    what: str
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What was found about one derivative."""
+    name: str
+    kernel: str
+    path: str
+    wrt: tuple[str, ...]
+    of: tuple[str, ...]
+    variables: tuple[Verdict, ...]
+    recorded: tuple[Stacked, ...]
+    again: tuple[Again, ...]
+    dropped: tuple[Place, ...]
+    reversed_again: tuple[Place, ...]
+    loops: tuple[Place, ...]
+    kinks: tuple[Kink, ...]
+
+
+def findings(derived: Derived, sizes: Sizes | None) -> Findings:
+    """The table of one derivative; `sizes` for the given arguments, if there are any."""
+    unit = derived.unit
+    reads = [(n, p) for n, role, p in derived.made.parameters if role != "primal"]
+    names_wrt = [p for n, p in reads if p in derived.activity.active or p in derived.made.returns]
+    written = {p.id for k, p in enumerate(unit.function.args.args) if k in unit.summary.written}
+    of = [p for _, p in reads if p in written or p.startswith("return ")]
+    dropped, later = _sweep(derived)
+    return Findings(
+        derived.function.name, unit.kernel.name, unit.kernel.source.path,
+        tuple(dict.fromkeys([*names_wrt, *(r for r in derived.made.returns if r in unit.typing.table)])), tuple(of),
+        tuple(_verdicts(derived)), tuple(_stacked(r, unit, sizes) for r in recorded_by(derived)),
+        tuple(_again(derived)), dropped, later, tuple(_loops(derived)),
+        tuple(Kink(place_of(s, unit), what) for s, what in kinks(unit, derived.activity)))
+
+
+def place_of(statement: AST, unit: Unit) -> Place:
+    """A statement's line and text."""
+    return Place(statement.lineno, text_of(statement, unit.kernel.source, _LONGEST))
+
+
+# -- variables ------------------------------------------------------------------------------------------------------
+
+def _verdicts(derived: Derived) -> Iterator[Verdict]:
+    """Every name of the user's function, in the order of its text."""
+    unit, table = derived.unit, derived.unit.typing.table
+    versions: dict[str, list[str]] = {}
+    for version, variable in unit.family.items():
+        versions.setdefault(variable, []).append(version)
+    own = [*unit.kernel.parameters, *stored_names(unit.kernel.tree.body)]
+    present = set(names(unit.function.body)) | set(stored_names(unit.function.body)) | set(unit.kernel.parameters)
+    for variable in dict.fromkeys(own):
+        found = [v for v in versions.get(variable, [variable]) if v in table]
+        if not found or not present.intersection(found):
+            yield Verdict(variable, "", False, "another name: what it stands for was put in its place")
+            continue
+        yield Verdict(variable, str(table[found[0]]), *_verdict(found, derived))
+
+
+def _verdict(versions: list[str], derived: Derived) -> tuple[bool, str]:
+    found, table = derived.activity, derived.unit.typing.table
+    if found.active.intersection(versions):
+        return True, "active"
+    if not any(table[v].is_float for v in versions):
+        return False, f"inactive: {table[versions[0]].dtype} has no derivative"
+    if not found.varied.intersection(versions):
+        return False, "inactive: it never depends on an input"
+    if not found.useful.intersection(versions):
+        return False, "inactive: it reaches no output"
+    return False, "inactive: where it depends on an input it reaches no output"
+
+
+# -- what is recorded, and what is not ------------------------------------------------------------------------------
+
+def _stacked(recorded: Recorded, unit: Unit, sizes: Sizes | None) -> Stacked:
+    needed = tuple(dict.fromkeys(place_of(s, unit) for s in recorded.readers))
+    return Stacked(recorded.array, recorded.what, recorded.dtype, place_of(recorded.statement, unit), needed,
+                   recorded.formula, None if sizes is None else sizes.bytes(recorded), recorded.grows)
+
+
+def _again(derived: Derived) -> Iterator[Again]:
+    """The values that the reverse sweep computes again or reads back."""
+    plan, unit = derived.plan, derived.unit
+    if plan is None:
+        return
+    keys = dict.fromkeys(k for group in (*plan.early.values(), *plan.late.values()) for k in group)
+    found = []
+    for key in keys:
+        value = plan.values[key]
+        variable = unit.family.get(value.name)
+        if variable is None or variable not in set(stored_names(unit.kernel.tree.body)):
+            continue
+        stored = plan.reloaded.get(key)
+        how = "computed again" if stored is None else f"read back from where `{place_of(stored, unit).text}` stored it"
+        found.append(Again(variable, how, place_of(value.bindings[0], unit)))
+    yield from sorted(dict.fromkeys(found), key=lambda a: (a.place.line, a.variable))
+
+
+def _sweep(derived: Derived) -> tuple[tuple[Place, ...], tuple[Place, ...]]:
+    """The primal's statements that the derivative never runs, and those that it runs in the reverse sweep alone."""
+    if derived.plan is None:
+        return (), ()
+    unit, body = derived.unit, derived.function.body
+    marks = [k for k, s in enumerate(body) if is_comment(s)]
+    cut = marks[-1] if marks else 0
+    forward, back = set(_primal(body[:cut], derived)), set(_primal(body[cut:], derived))
+    own = {(s.lineno, s.col_offset) for s in walk(unit.kernel.tree.body)
+           if isinstance(s, (Assign, AnnAssign, AugAssign, Expr))}
+    dropped, later = [], []
+    for statement in walk(unit.function.body):
+        where = (getattr(statement, "lineno", 0), getattr(statement, "col_offset", 0))
+        if isinstance(statement, (Assign, AugAssign, Expr)) and where in own and where not in forward:
+            (later if where in back else dropped).append(place_of(statement, unit))
+    return tuple(dict.fromkeys(dropped)), tuple(dict.fromkeys(later))
+
+
+def _primal(block: list[AST], derived: Derived) -> Iterator[tuple[int, int]]:
+    """The places of the primal's own statements in a part of its derivative: no adjoints, pushes and pops."""
+    unit, tape = derived.unit, derived.made.tape
+    stacks = {n for s in tape.stacks.values() for n in (s.array, s.top)} if tape else set()
+    own = {*unit.typing.table, *unit.family.values(), *unit.names.wanted.values()}
+    others = {*derived.made.shadows.values(), *stacks}
+    for statement in walk(block):
+        if not isinstance(statement, (Assign, AugAssign, Expr)) or getattr(statement, "lineno", None) is None:
+            continue
+        used = {n.id for n in walk(statement) if isinstance(n, Name)}
+        bound = {n.id for t in targets(statement) for n in walk(t) if isinstance(n, Name)}
+        if not used & others and bound <= own:
+            yield statement.lineno, statement.col_offset
+
+
+def _loops(derived: Derived) -> Iterator[Place]:
+    if derived.plan is not None:
+        for place in derived.unit.structure.places.values():
+            if id(place.statement) in derived.plan.rerun:
+                yield place_of(place.statement, derived.unit)
