@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from s2sad.drivers import (
         gradient as gradient, jvp as jvp, make_zero as make_zero, value_and_gradient as value_and_gradient, vjp as vjp,
     )
+    from s2sad.report.check import Checked as Checked, check as check
+    from s2sad.report.explain import Explanation as Explanation, explain as explain
 
 __version__ = "0.1.0"
 _HOMES = {
@@ -28,6 +30,8 @@ _HOMES = {
                     "ForwardWithPrimal", "Reverse", "ReverseWithPrimal"),
     "api": ("Differentiated", "autodiff", "differentiate"),
     "diagnostics": ("S2sadError", "S2sadWarning"),
+    "report.check": ("Checked", "check"),
+    "report.explain": ("Explanation", "explain"),
     "drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

@@ -28,6 +28,7 @@ CODES = {
     "S404": "arguments that overlap in memory",
     "S405": "an argument that does not fit its parameter",
     "S406": "an active value is stored where no derivative is kept",
+    "S407": "what was asked for cannot be written",
     # S9: ourselves
     "S901": "internal error",
 }

@@ -267,7 +267,8 @@ class Units:
         self.watch("differentiate", verify(function, "derivative", "differentiate"))
         kept = set(unit.family) | {made.shadows[v] for v in unit.family if v in made.shadows}
         shadows = {s: p for p, s in made.shadows.items()}
-        function = simplify(function, typing, family, arrays, self.effects, names, kept, shadows, self.watch)
+        function = simplify(function, typing, family, arrays, self.effects, names, kept, shadows, self.watch,
+                            self.engine == "numba")
         self.effects.add(verify(function, "derivative", "simplify"), typing)
         parameters = made.parameters
         shadows = [k for k, (_, role, primal) in enumerate(parameters) if role == "shadow"]

@@ -81,7 +81,7 @@ def plan_for(question: Question, rerun: frozenset[int]) -> Plan:
     restored: set[int] = set()
     while True:
         plan = Planner(question, rerun, working, restored).plan()
-        recorded_at = [s.statement for s in plan.stores.values()]
+        recorded_at = [s.statement for s in plan.stores.values()] + [v.home for v in plan.recorded.values()]
         more = {id(s) for x in recorded_at for s in question.structure.place(x).inside}
         more |= {id(s) for value in plan.recorded.values() for b in value.bindings
                  for s in question.structure.place(b).inside}

@@ -156,17 +156,21 @@ class _Atoms:
         """A reference whose subscripts read no array that is written: those that do get names."""
         if not isinstance(node, Subscript) or not any(self.reads_written(s) for s in indices(node)):
             return node
-        return index(node.value, *(name(self.bind("place", s, before)) if self.reads_written(s) else s
+        return index(node.value, *(name(self.held("place", s, before)) if self.reads_written(s) else s
                                    for s in indices(node)))
 
     def reads_written(self, node: AST) -> bool:
         return any(isinstance(n, Subscript) and base_name(n) in self.written for n in walk(node))
 
     def load(self, node: Subscript, before: list[AST]) -> str:
+        return self.held(f"{base_name(node)}_here", node, before)
+
+    def held(self, wanted: str, node: AST, before: list[AST]) -> str:
+        """A name for an expression, the same one within a statement."""
         for made in before:
             if isinstance(made, Assign) and dump(made.value) == dump(node):
                 return made.targets[0].id
-        return self.bind(f"{base_name(node)}_here", node, before)
+        return self.bind(wanted, node, before)
 
     def bind(self, wanted: str, value: AST, before: list[AST]) -> str:
         made = self.free.fresh(wanted)

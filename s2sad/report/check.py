@@ -115,9 +115,11 @@ class _Measurement:
         y_bar = vector_of(self.seeds, self.of)
         magnitude = float(np.abs(y_bar * y_dot).sum() + np.abs(x_bar * self.direction).sum())
         distance = abs(_sum(y_bar * y_dot) - _sum(x_bar * self.direction))
-        apart = 0.0 if distance == 0.0 or not math.isfinite(magnitude) else distance / magnitude
+        finite = np.all(np.isfinite(vector_of(self.outputs, self.of)))
+        apart = distance / magnitude if magnitude else 0.0
+        apart = apart if math.isfinite(apart) else math.inf if finite else 0.0
         expected, error = differences(self.subject.along(self.direction))
-        known = np.isfinite(error) & np.isfinite(y_dot)
+        known = np.isfinite(error)
         found = Checked(self.title(), apart, self.dot_tolerance, self.by_output(y_dot, expected, error, known),
                         self.tolerance, int((~known).sum()), known.size)
         return found if found else Checked(**{**vars(found), "where": self.where(found, _sum(y_bar * y_dot))})
@@ -140,6 +142,7 @@ class _Measurement:
         """The largest distance beyond the differences' own error, by output."""
         top = 1e-2 * float(np.abs(expected[known]).max(initial=0.0))
         beyond = np.where(known, np.maximum(np.abs(y_dot - expected) - 10 * error, 0.0), 0.0)
+        beyond = np.where(np.isnan(beyond), math.inf, beyond)
         apart = beyond / np.maximum(np.abs(expected) + top, np.finfo(float).tiny)
         found, at = {}, 0
         for name in self.of:

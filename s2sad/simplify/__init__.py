@@ -17,6 +17,7 @@ from s2sad.simplify.dead import dead
 from s2sad.simplify.fold import fold
 from s2sad.simplify.merge import merge
 from s2sad.simplify.rebuild import with_blocks
+from s2sad.simplify.select import select
 from s2sad.tree import AST, Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, forgotten, walk
 
 
@@ -83,9 +84,10 @@ class Effects:
 
 
 def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], live_out: set[str], effects: Effects,
-             names: Names, kept: set[str], shadows: Mapping[str, str], watch: Watch = unwatched) -> FunctionDef:
+             names: Names, kept: set[str], shadows: Mapping[str, str], watch: Watch = unwatched,
+             choices: bool = False) -> FunctionDef:
     """The function simplified; `live_out` are the arrays whose content the caller reads, `kept` the names that are
-    not folded away; `watch` is shown every stage."""
+    not folded away; `watch` is shown every stage; with `choices` short branches become choices."""
     fixed = {p.id for p in function.args.args}
     function = merge(function)
     watch("merge", function)
@@ -97,6 +99,9 @@ def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], l
     watch("fold", function)
     function = merge(algebra(function))
     watch("algebra", function)
+    if choices:
+        function = merge(select(function))
+        watch("select", function)
     function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
     function.body = _unmarked(function.body)
     return share(function, _temporaries(typing, names, set(renamed.values()) | fixed), live_out, effects.writes)

@@ -1,0 +1,241 @@
+"""The command `s2sad`: derivatives of functions in files, without running these.
+
+Exit status: 0; 1 for a refusal, with diagnostics on stderr, and for a check that fails; 2 for wrong usage.
+"""
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from s2sad import pipeline, read
+from s2sad.diagnostics import Diagnostic, Report, S2sadError
+from s2sad.infer.assumed import Assumed, assumed, spelled
+from s2sad.infer.types import Type
+from s2sad.program import Program, Request
+from s2sad.report.explain import explained
+from s2sad.report.made_up import checked_file
+from s2sad.report.stages import ROOMS, STAGES, stages
+from s2sad.run.compiled import chosen
+from s2sad.selection import selected_of, selected_wrt
+
+_ABOUT = """\
+Reads a NumPy function that loops and writes its arrays in place, and writes the Python source of its derivative.
+The file is read, not run (only `s2sad check` runs it)."""
+_EXAMPLES = """\
+examples:
+  s2sad adjoint kernel.py:step                       print the adjoint of step
+  s2sad adjoint kernel.py:step --wrt u,p --of du -o step_adjoint.py --standalone
+                                                     write it as a file that needs NumPy alone
+  s2sad tangent kernel.py:step --types "u: float64[:, :], steps: int64"
+  s2sad explain kernel.py:step --html -o step.html   what is recorded, dropped, computed again, and why
+  s2sad stages kernel.py:step --after normalize      the function after one pass of the compiler
+  s2sad check kernel.py:step                         run it: tangent, adjoint and differences compared
+
+types come from --types, else from the signature's annotations ("float64[:, :]", float, int), else from use: a
+subscript of rank k or unpacking means a float64 array; use as a bound, an index or a shift int64; anything else
+float64. The written file's header says what was assumed."""
+_COMMANDS = {
+    "adjoint": "write the adjoint (reverse mode): gradients of outputs with respect to inputs",
+    "tangent": "write the tangent (forward mode): a directional derivative",
+    "explain": "say what the adjoint records, leaves out and computes again, and where f is not differentiable",
+    "stages": "print the function after the passes of the compiler",
+    "check": "RUN the function and compare adjoint, tangent and differences",
+}
+_SHADOWS = """
+a shadow (u_bar, u_dot) follows each float argument; the adjoints of float scalars are returned. On entry u_bar holds the
+adjoint of what u is at the end, on exit of what it was at the start; gradients of arrays that are only read add up."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs the command; returns the exit status.
+
+    >>> main(["adjoint", "nowhere.py:f"])
+    1
+    """
+    parser = _parser()
+    options = parser.parse_args(argv)
+    if options.command is None:
+        parser.print_help()
+        return 2
+    try:
+        return _run(parser, options)
+    except S2sadError as refusal:
+        print(refusal, file=sys.stderr)
+        return 1
+    except BrokenPipeError:
+        sys.stderr.close()
+        return 1
+    except RecursionError as error:
+        print(Diagnostic("S901", f"internal error: {error}", help="split the function into smaller ones"),
+              file=sys.stderr)
+        return 1
+
+
+def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
+    path, _, function = options.target.rpartition(":")
+    if not path or not function.isidentifier():
+        parser.error(f"'{options.target}' is not FILE:FUNCTION, as kernel.py:step")
+    given = _given(parser, options.types or "")
+    program = read.load_file(path, function)
+    request, found = _request(parser, program, options, given)
+    if options.command == "check":
+        report = checked_file(path, function, options.arguments, found, request)
+        _write(options.output, f"{report}\n")
+        return 0 if report else 1
+    if options.command == "explain":
+        explanation = explained(program, request)
+        text = explanation.json() + "\n" if options.json else explanation.html() if options.html else f"{explanation}\n"
+    elif options.command == "stages":
+        text = _stages(parser, program, request, options.after)
+    else:
+        made = pipeline.derive(program, request)
+        for name in made.facts["independent"]:
+            print(Diagnostic("S401", f"no output asked for of '{program.entry}' depends on '{name}': its gradient is "
+                             "zero", severity="warning"), file=sys.stderr)
+        text = made.text
+    _write(options.output, text)
+    return 0
+
+
+def _request(parser: argparse.ArgumentParser, program: Program, options: argparse.Namespace,
+             given: dict[str, Type]) -> tuple[Request, dict[str, Assumed]]:
+    """What is asked for, and the types of the parameters by name."""
+    kernel = program.kernels[program.entry]
+    for name in given:
+        if name not in kernel.parameters:
+            parser.error(f"--types names '{name}', which is no parameter of '{program.entry}': its parameters are "
+                         f"{', '.join(kernel.parameters)}")
+    report = Report(kernel.source)
+    found = assumed(program.entry, {n: k.tree for n, k in program.kernels.items()}, kernel.parameters,
+                    kernel.annotations, kernel.defaults, given, report)
+    report.finish()
+    types = tuple(found[p].type for p in kernel.parameters)
+    wrt = selected_wrt(program.entry, kernel.parameters, types, _listed(options.wrt))
+    of = selected_of(program.entry, kernel.parameters, types, pipeline.summary(program, types), _listed(options.of))
+    engine = chosen("auto") if options.engine == "auto" else options.engine
+    mode = "tangent" if options.command == "tangent" else getattr(options, "mode", "adjoint")
+    reasons = tuple((p, found[p].reason) for p in kernel.parameters if found[p].reason)
+    return Request(mode, types, wrt, of, engine, options.level, standalone=options.standalone, assumed=reasons), found
+
+
+def _listed(names: str | None) -> tuple[str, ...] | None:
+    return None if names is None else tuple(n.strip() for n in names.split(",") if n.strip())
+
+
+def _given(parser: argparse.ArgumentParser, text: str) -> dict[str, Type]:
+    """The types of `--types "u: float64[:, :], n: int64"`."""
+    found: dict[str, Type] = {}
+    for part in _parts(text):
+        name, colon, spelling = part.partition(":")
+        if not colon or not name.strip().isidentifier():
+            parser.error(f"--types: '{part.strip()}' is not NAME: TYPE, as u: float64[:, :]")
+        kind = spelled(spelling)
+        if kind is None:
+            parser.error(f"--types: '{spelling.strip()}' is no type for '{name.strip()}'; use float64, float32, int64 "
+                         "or bool, or an array of these, as float64[:, :]")
+        found[name.strip()] = kind
+    return found
+
+
+def _parts(text: str) -> list[str]:
+    """A list with commas, those in brackets aside."""
+    parts, depth = [""], 0
+    for letter in text:
+        depth += (letter == "[") - (letter == "]")
+        if letter == "," and not depth:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return [p for p in parts if p.strip()]
+
+
+def _stages(parser: argparse.ArgumentParser, program: Program, request: Request, after: str | None) -> str:
+    stage = ROOMS.get(after or "", after)
+    if stage is not None and stage not in STAGES:
+        parser.error(f"there is no pass '{after}'; the passes are {', '.join(STAGES)}")
+    texts = stages(program, request)
+    if stage is not None:
+        return texts[stage]
+    shown, last = [], ""
+    for name, text in texts.items():
+        body = text.partition("\n")[2]
+        shown.append(f"# ---- after {name} ----" + ("\n# (as before)\n" if body == last else f"\n{text}"))
+        last = body
+    return "\n".join(shown)
+
+
+def _write(output: str | None, text: str) -> None:
+    """To stdout, or to a file that is written beside and renamed, so that it is never there by half."""
+    if output is None:
+        sys.stdout.write(text)
+        return
+    path = Path(output)
+    try:
+        handle, beside = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+                file.write(text)
+            os.chmod(beside, 0o666 & ~_umask())
+            os.replace(beside, path)
+        except BaseException:
+            Path(beside).unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise S2sadError(Diagnostic("S407", f"{output}: cannot be written ({error.strerror})",
+                                    help="give -o a file in a folder that is there and can be written to")) from None
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+# -- arguments ------------------------------------------------------------------------------------------------------
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser("s2sad", description=_ABOUT, epilog=_EXAMPLES,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
+    for command, about in _COMMANDS.items():
+        lines = [line for line in _EXAMPLES.splitlines() if f"s2sad {command} " in line]
+        epilog = "\n".join(["examples:", *lines]) + (_SHADOWS if command in ("adjoint", "tangent") else "")
+        made = commands.add_parser(command, help=about, description=about[0].upper() + about[1:] + ".", epilog=epilog,
+                                   formatter_class=argparse.RawDescriptionHelpFormatter)
+        _add_options(made, command)
+    return parser
+
+
+def _add_options(parser: argparse.ArgumentParser, command: str) -> None:
+    parser.add_argument("target", metavar="FILE:FUNCTION", help="a Python file and a function at its module level")
+    parser.add_argument("--wrt", metavar="U,P", help="inputs to differentiate with respect to (default: all floats)")
+    parser.add_argument("--of", metavar="DU", help='outputs: written arrays, "return" (default: all of them)')
+    parser.add_argument("--types", metavar="TYPES", help='types of parameters, as "u: float64[:, :], steps: int64"')
+    parser.add_argument("-o", "--output", metavar="OUT", help="the file to write (default: standard output)")
+    parser.add_argument("--engine", choices=("numpy", "numba", "auto"), default="auto" if command == "check" else "numpy",
+                        help="what the text is written for: whole-array statements stay (numpy) or become loops "
+                        "(numba); each text runs under both (default: %(default)s)")
+    parser.add_argument("--level", choices=("plain", "fast"), default="plain",
+                        help="statement by statement, or what runs (default: plain)")
+    parser.set_defaults(standalone=False)
+    if command in ("adjoint", "tangent", "stages"):
+        parser.add_argument("--standalone", action="store_true", help="write a file that needs NumPy alone")
+    if command == "explain":
+        form = parser.add_mutually_exclusive_group()
+        form.add_argument("--json", action="store_true", help="the facts as JSON")
+        form.add_argument("--html", action="store_true", help="a page with the findings beside the source")
+    if command == "stages":
+        parser.add_argument("--after", metavar="PASS", help=f"one of {', '.join(STAGES)}; or a room: "
+                            f"{', '.join(ROOMS)} (default: all, one after the other)")
+        parser.add_argument("--mode", choices=("adjoint", "tangent"), default="adjoint")
+    if command == "check":
+        parser.add_argument("--arguments", metavar="EXPR", help='the function\'s arguments as Python, with numpy as np: '
+                            '"np.ones((4, 4)), 3" (default: made up from the types)')
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,45 @@
+"""stages: a program as it is after each pass, printed as Python.
+
+    structured  views  workspace  scalarize  rename  atoms              the kernels on their way to normal form
+    differentiate  merge  dead  coalesce  fold  algebra  final          the derivatives
+"""
+from __future__ import annotations
+
+from s2sad import pipeline
+from s2sad.emit.module import module_text
+from s2sad.emit.primal import kernels_called, primal_functions
+from s2sad.program import Program, Request
+from s2sad.simplify.rebuild import with_blocks
+from s2sad.tree import AST, FunctionDef, Pass, copy, forgotten
+from s2sad.units import Units
+
+NORMALIZE = ("structured", "views", "workspace", "scalarize", "rename", "atoms")
+DERIVE = ("differentiate", "merge", "dead", "coalesce", "fold", "algebra", "final")
+STAGES = (*NORMALIZE, *DERIVE)
+ROOMS = {"normalize": "atoms", "simplify": "final"}
+
+
+def stages(program: Program, request: Request) -> dict[str, str]:
+    """The text of a module for every stage, in order; a stage that changed nothing has the text of the one before."""
+    seen: dict[str, dict[str, FunctionDef]] = {stage: {} for stage in STAGES}
+
+    def watch(stage: str, function: FunctionDef) -> None:
+        shown: FunctionDef = copy(function)
+        shown.body = _readable(shown.body)
+        seen[stage].setdefault(function.name, shown)
+
+    made = pipeline.derive(program, request, watch)
+    units: Units = made.facts["units"]
+    texts = {}
+    for stage in STAGES[:-1]:
+        functions = list(seen[stage].values())
+        if stage in DERIVE:
+            functions = primal_functions(units, kernels_called(functions, units)) + functions
+        texts[stage] = module_text(functions, header=[f"{program.entry} after {stage}."], constants=program.constants,
+                                   standalone=request.standalone)
+    return {**texts, "final": made.text}
+
+
+def _readable(block: list[AST]) -> list[AST]:
+    """The block without the marks that one pass leaves for the next."""
+    return [with_blocks(s, _readable) for s in block if not forgotten(s)] or [Pass()]
