@@ -8,6 +8,7 @@ import argparse
 import os
 import sys
 import tempfile
+import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -69,10 +70,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return 1
-    except RecursionError as error:
-        print(Diagnostic("S901", f"internal error: {error}", help="split the function into smaller ones"),
-              file=sys.stderr)
+    except Exception as error:
+        print(_internal(error), file=sys.stderr)
         return 1
+
+
+def _internal(error: Exception) -> Diagnostic:
+    """What went wrong inside the compiler, and where."""
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f"{os.sep}s2sad{os.sep}" in f.filename]
+    place = f", in {Path(frames[-1].filename).stem} (line {frames[-1].lineno})" if frames else ""
+    return Diagnostic("S901", f"internal error: {type(error).__name__}: {error}{place}",
+                      help="this is a defect of s2sad: please report it with the function")
 
 
 def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
@@ -93,7 +101,7 @@ def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
         text = _stages(parser, program, request, options.after)
     else:
         made = pipeline.derive(program, request)
-        for name in made.facts["independent"]:
+        for name in made.facts["independent"] if options.wrt else ():
             print(Diagnostic("S401", f"no output asked for of '{program.entry}' depends on '{name}': its gradient is "
                              "zero", severity="warning"), file=sys.stderr)
         text = made.text

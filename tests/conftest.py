@@ -1,4 +1,4 @@
-"""What all tests share: this folder's parent on the path, quiet floating point, Hypothesis profiles."""
+"""What all tests share: this folder's parent on the path, quiet floating point, Hypothesis profiles, goldens' option."""
 from __future__ import annotations
 
 import os
@@ -17,6 +17,17 @@ _SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_to
 settings.register_profile("ci", max_examples=300, deadline=None, derandomize=True, suppress_health_check=_SLOW)
 settings.register_profile("quick", max_examples=40, deadline=None, suppress_health_check=_SLOW)
 settings.load_profile("ci" if os.environ.get("CI") else "quick")
+
+collect_ignore_glob = ["golden/*"]  # texts to compare and run, no tests
+
+
+def pytest_addoption(parser):
+    parser.addoption("--update-golden", action="store_true", help="write the files of tests/golden anew")
+
+
+def pytest_configure(config):
+    if config.getoption("update_golden") and os.environ.get("CI"):
+        raise pytest.UsageError("--update-golden is refused where CI is set: goldens are read before they are written")
 
 
 @pytest.fixture(autouse=True)

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from s2sad.analyze.cut import Network
 from s2sad.analyze.dependence import Dependence, Reference
 from s2sad.analyze.liveness import base_name, targets
+from s2sad.analyze.trips import known_trips
 from s2sad.analyze.structure import Place, Structure, is_simple
 from s2sad.analyze.uses import Uses, loads_of
 from s2sad.analyze.values import Value, Values
@@ -37,6 +38,15 @@ class Store:
         return f"store {id(self.statement)} {dump(self.place)}"
 
 
+@dataclass(frozen=True)
+class Shift:
+    """A carried number that is what an element held which the iteration before overwrote: its record serves both.
+    `start` is the number's name before the loop."""
+    store: Store
+    start: str
+    loop: AST
+
+
 @dataclass
 class Plan:
     """The table. Keys are ids of statements and blocks of the function that was analysed."""
@@ -47,6 +57,7 @@ class Plan:
     early: dict[int, list[str]] = field(default_factory=dict)
     late: dict[tuple[int, int], list[str]] = field(default_factory=dict)
     reloaded: dict[str, AST] = field(default_factory=dict)
+    shifted: dict[str, Shift] = field(default_factory=dict)
     working: set[int] = field(default_factory=set)
     forwards: frozenset[int] = frozenset()
     weight: int = 0
@@ -64,7 +75,54 @@ class Question:
 
 
 def recorded(question: Question) -> Plan:
-    """The plan of least weight found: loops are tried for running again, outermost first."""
+    """The plan of least weight found: loops are tried for running again, outermost first, then carried numbers for
+    being read from another record."""
+    plan = rerun_plan(question)
+    shifts = {k: s for k, v in plan.recorded.items() if (s := shift_of(v, plan, question)) is not None}
+    if shifts:
+        other = plan_for(question, plan.rerun, shifts)
+        plan = other if other.weight < plan.weight else plan
+    return plan
+
+
+def shift_of(value: Value, plan: Plan, question: Question) -> Shift | None:
+    """How a carried number that is recorded can be read from the record of an element, if it can."""
+    structure, loop = question.structure, value.home
+    if value.kind != "carried" or len(value.bindings) != 2 or not isinstance(loop, For):
+        return None
+    before, copied = value.bindings
+    if not isinstance(before.value, Name) or not isinstance(copied.value, Name):
+        return None
+    load = structure.bindings.get(copied.value.id, [])
+    while len(load) == 1 and isinstance(load[0], Assign) and isinstance(load[0].value, Name):
+        load = structure.bindings.get(load[0].value.id, [])
+    if len(load) != 1 or not isinstance(load[0], Assign) or not isinstance(load[0].value, Subscript):
+        return None
+    here, end = structure.place(load[0]), structure.place(copied)
+    for store in plan.stores.values():
+        there = structure.place(store.statement)
+        same = (here.block, here.segment) == (there.block, there.segment) == (end.block, end.segment)
+        plain = not here.branches and not there.branches and not end.branches or (
+            here.branches == there.branches == end.branches == structure.place(loop).branches)
+        last = max((k for k, x in enumerate(there.loops) if id(x) in plan.rerun), default=-1)
+        home = next((x for x in there.loops if id(x) in plan.rerun), there.loops[0] if there.loops else loop)
+        if (same and plain and here.loops[-1:] == (loop,) and here.order < there.order
+                and dump(store.place) == dump(load[0].value) and _undisturbed(store, load[0], plan, question)
+                and known_trips(structure, there.loops[last + 1:], home) is not None):
+            return Shift(store, before.value.id, loop)
+    return None
+
+
+def _undisturbed(store: Store, load: AST, plan: Plan, question: Question) -> bool:
+    """Whether nothing overwrites an element between its load and its store."""
+    structure = question.structure
+    here, there = structure.place(load), structure.place(store.statement)
+    between = [p.statement for p in structure.places.values() if here.order < p.order < there.order]
+    return not any(base_name(t) == base_name(store.place) for s in between for t in question.writes(s))
+
+
+def rerun_plan(question: Question) -> Plan:
+    """The plan of least weight in which loops run again."""
     plan = plan_for(question, frozenset())
     for place in sorted(question.structure.places.values(), key=lambda p: p.order):
         loop = place.statement
@@ -75,12 +133,12 @@ def recorded(question: Question) -> Plan:
     return plan
 
 
-def plan_for(question: Question, rerun: frozenset[int]) -> Plan:
+def plan_for(question: Question, rerun: frozenset[int], shifts: dict[str, Shift] | None = None) -> Plan:
     """The plan in which the given loops run again; what is recorded must be restored, which may need more."""
     working: set[int] = set()
     restored: set[int] = set()
     while True:
-        plan = Planner(question, rerun, working, restored).plan()
+        plan = Planner(question, rerun, working, restored, shifts or {}).plan()
         recorded_at = [s.statement for s in plan.stores.values()] + [v.home for v in plan.recorded.values()]
         more = {id(s) for x in recorded_at for s in question.structure.place(x).inside}
         more |= {id(s) for value in plan.recorded.values() for b in value.bindings
@@ -92,8 +150,9 @@ def plan_for(question: Question, rerun: frozenset[int]) -> Plan:
 
 
 class Planner:
-    def __init__(self, question: Question, rerun: frozenset[int], working: set[int], restored: set[int]):
-        self.q, self.rerun, self.restored = question, rerun, restored
+    def __init__(self, question: Question, rerun: frozenset[int], working: set[int], restored: set[int],
+                 shifts: dict[str, Shift]):
+        self.q, self.rerun, self.restored, self.shifts = question, rerun, restored, shifts
         self.structure, self.typing = question.structure, question.structure.typing
         self.all_values = Values(question.structure)
         self.result = Plan(rerun=rerun, working=set(working))
@@ -179,6 +238,8 @@ class Planner:
                 continue
             self.users.setdefault(value.key, []).append(user)
             self.result.values[value.key] = value
+            if value.key in self.shifts:
+                waiting.append((self.shifts[value.key].start, value.key, self.shifts[value.key].loop))
             if value.kind in ("carried", "opaque") or (value.key, 0) in seen:
                 continue
             seen.add((value.key, 0))
@@ -205,7 +266,7 @@ class Planner:
         for key in self.order():
             value = self.result.values[key]
             if value.kind in ("carried", "opaque"):
-                self.placement[key] = "lost"
+                self.placement[key] = "shifted" if key in self.shifts else "lost"
                 continue
             own = self.segment(value.home)
             late = key not in self.first and all(
@@ -313,6 +374,12 @@ class Planner:
             if self.placement[key] == "lost":
                 self.network.source(key)
                 continue
+            if self.placement[key] == "shifted":
+                self.network.sink(self.shifts[key].store.key)
+                start = self.all_values.at(self.shifts[key].start, self.shifts[key].loop)
+                if start is not None and start.key in self.result.values:
+                    self.network.edge(start.key, key)
+                continue
             for store in self.conflicts_of(value):
                 self.network.edge(store.key, key)
             if key not in self.result.reloaded:
@@ -382,7 +449,9 @@ class Planner:
         for key in self.kept(cut):
             value = self.result.values[key]
             place = self.structure.place(value.home)
-            if self.placement[key] == "late":
+            if self.placement[key] == "shifted":
+                self.result.shifted[key] = self.shifts[key]
+            elif self.placement[key] == "late":
                 self.result.late.setdefault((place.block, place.segment), []).append(key)
             else:
                 self.result.early.setdefault(place.block, []).append(key)
@@ -419,6 +488,10 @@ class Planner:
                 continue
             seen[key] = None
             if key in self.result.reloaded:
+                continue
+            if self.placement[key] == "shifted":
+                start = self.all_values.at(self.shifts[key].start, self.shifts[key].loop)
+                waiting += [start.key] if start is not None and start.key in self.result.values else []
                 continue
             for name, statement in self.inputs(self.result.values[key]):
                 inner = self.all_values.at(name, statement)

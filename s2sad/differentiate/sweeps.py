@@ -129,6 +129,8 @@ class Sweeps:
         made: list[AST] = self.zeros(block)
         made += [s for key, value in self.plan.recorded.items() if value.kind == "carried" and value.home is loop
                  for s in self.tape.pop(self.value_stack(key, value), name(value.name))]
+        made += [assign(self.plan.values[key].name, self.tape.previous(self.store_stack(shift.store), name(shift.start)))
+                 for key, shift in self.plan.shifted.items() if shift.loop is loop]
         keys = set(self.plan.early.get(id(block), []))
         keys |= {k for k, v in self.plan.recorded.items()
                  if v.kind != "carried" and self.structure.place(v.home).block == id(block)}

@@ -13,14 +13,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from s2sad.analyze.dependence import range_parts
 from s2sad.analyze.structure import Structure
+from s2sad.analyze.trips import counter, known_trips
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import INT, UNKNOWN, Type, array
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Add, BinOp, Constant, For, Name, Sub, Subscript, assign, attribute, augment, call, const, copy, index,
-    indices, name, names, sub, tuple_of, walk,
+    AST, Add, BinOp, Constant, Gt, IfExp, Name, Sub, Subscript, assign, attribute, augment, call, compare, const, copy,
+    index, indices, name, sub, tuple_of,
 )
 
 _FIRST = 64
@@ -64,13 +64,11 @@ class Tape:
         if not inner:
             self.typing.table[made.array] = kind
             return made
-        sizes = [self._trips(loop) for loop in inner]
-        outside = self._bound_before(home[0])
-        if all(s is not None and set(names(s)) <= outside for s in sizes):
-            made.counters = tuple(self._counter(loop) for loop in inner)
-            whole: list[AST] = [s for s in sizes if s is not None]
-            made.sizes = tuple(whole)
-            allocated = [self._allocate(made.array, kind, whole, shape)]
+        sizes = known_trips(self.structure, inner, home[0])
+        if sizes is not None:
+            made.counters = tuple(counter(loop) for loop in inner)
+            made.sizes = tuple(sizes)
+            allocated = [self._allocate(made.array, kind, sizes, shape)]
         else:
             made.top = self.free.fresh(f"{wanted}_top")
             self.typing.table[made.top] = INT
@@ -87,43 +85,6 @@ class Tape:
             size = BinOp(tuple_of(*sizes), Add(), shape)
         return assign(target, call("numpy.empty", size, *dtype))
 
-    def _bound_before(self, loop: AST) -> set[str]:
-        """The names that are bound, for good, before a loop."""
-        place = self.structure.place(loop)
-        before = {p.id for p in self.structure.function.args.args}
-        for number, bound in self.structure.bindings.items():
-            first = self.structure.place(bound[0])
-            if len(bound) == 1 and first.order < place.order and not first.loops:
-                before.add(number)
-        return before
-
-    def _trips(self, loop: AST) -> AST | None:
-        if not isinstance(loop, For) or any(type(n).__name__ == "Break" for n in walk(loop.body)):
-            return None
-        start, stop, step = range_parts(loop)
-        if step not in (1, -1) or any(isinstance(n, Subscript) and isinstance(n.value, Name) for n in walk(loop.iter)):
-            return None
-        plain = isinstance(start, Constant) and start.value == 0 and step == 1
-        return copy(stop) if plain and self._is_size(stop) else call("builtins.len", copy(loop.iter))
-
-    def _is_size(self, node: AST) -> bool:
-        """Whether a number is a size of an array, and so not negative."""
-        if isinstance(node, Name):
-            bound = self.structure.bindings.get(node.id, [])
-            return len(bound) == 1 and hasattr(bound[0], "value") and self._is_size(bound[0].value)
-        text = node.func if hasattr(node, "func") else node
-        if isinstance(text, Subscript) and isinstance(text.value, AST):
-            return getattr(text.value, "attr", "") == "shape"
-        return getattr(text, "attr", "") == "size" or getattr(text, "id", "") == "builtins.len"
-
-    def _counter(self, loop: AST) -> AST:
-        assert isinstance(loop, For)
-        start, _, step = range_parts(loop)
-        counter = name(loop.target.id)
-        if step == -1:
-            return BinOp(copy(start), Sub(), counter)
-        return counter if isinstance(start, Constant) and start.value == 0 else sub(counter, copy(start))
-
     # -- statements --------------------------------------------------------------------------------------------------
 
     def push(self, stack: Stack, value: AST) -> list[AST]:
@@ -135,6 +96,12 @@ class Tape:
             return [assign(cell, value)]
         return [assign(stack.array, call("runtime.grow", name(stack.array), name(stack.top))), assign(cell, value),
                 augment(stack.top, Add(), const(1))]
+
+    def previous(self, stack: Stack, first: AST) -> AST:
+        """What an indexed stack holds of the iteration before, or `first` in the first one."""
+        last = stack.counters[-1]
+        cell = index(name(stack.array), *map(copy, stack.counters[:-1]), sub(copy(last), const(1)))
+        return IfExp(compare(copy(last), Gt(), const(0)), cell, first)
 
     def cell(self, stack: Stack) -> AST:
         if not stack.counters and not stack.top:

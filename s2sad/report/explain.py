@@ -11,11 +11,12 @@ from s2sad.binding import admitted, bind, types as types_of
 from s2sad.normalize.hidden import hidden_arrays
 from s2sad.prepared import selection_of
 from s2sad.program import Program, Request
-from s2sad.report.findings import Findings, Place, Stacked, findings
+from s2sad.report.findings import Findings, Place, findings
 from s2sad.report.page import page
 from s2sad.report.sizes import sizes_of
 from s2sad.run.compiled import chosen
 from s2sad.selection import names_of, selected_of, selected_wrt
+from s2sad.units import Derived
 from s2sad.variants import derivatives_of
 
 
@@ -28,10 +29,9 @@ class Explanation:
     title: str
     functions: tuple[Findings, ...]
     sources: tuple[tuple[str, str, int], ...]
-    given: bool
 
     def __str__(self) -> str:
-        return "\n\n".join([self.title, *("\n".join(_lines(f, self.given)) for f in self.functions)])
+        return "\n\n".join([self.title, *("\n".join(_lines(f)) for f in self.functions)])
 
     def json(self) -> str:
         """The facts as JSON: {"title": ..., "functions": [...]}."""
@@ -90,17 +90,22 @@ def explained(program: Program, request: Request, given: Mapping[str, Any] | Non
         outside = {p: program.arrays[a] for p, a in hidden_arrays(units.program).items()}
         sizes = sizes_of(units, entry.unit, {**given, **outside})
     derived = [entry, *(d for d in units.derived.values() if d is not entry)]
-    sources = dict.fromkeys((d.unit.kernel.source.path, d.unit.kernel.source.text, d.unit.kernel.source.first)
-                            for d in derived)
+    sources = dict.fromkeys(_written(d) for d in derived)
     title = (f"{request.mode.capitalize()} of {entry.unit.kernel.name}: d({', '.join(request.of) or 'nothing'}) / "
              f"d({', '.join(request.wrt) or 'nothing'}), engine {request.engine}")
-    return Explanation(title, tuple(findings(d, sizes.get(d.unit.title)) for d in derived), tuple(sources),
-                       given is not None)
+    return Explanation(title, tuple(findings(d, sizes.get(d.unit.title)) for d in derived), tuple(sources))
+
+
+def _written(derived: Derived) -> tuple[str, str, int]:
+    """The text of the kernel behind a derivative: its path, its lines and the number of the first."""
+    source, tree = derived.unit.kernel.source, derived.unit.kernel.tree
+    numbers = range(tree.lineno, tree.end_lineno + 1)
+    return source.path, "\n".join(map(source.line, numbers)), tree.lineno
 
 
 # -- text -----------------------------------------------------------------------------------------------------------
 
-def _lines(found: Findings, given: bool) -> list[str]:
+def _lines(found: Findings) -> list[str]:
     lines = [found.name, "  variables"]
     lines += [f"    {v.variable}: {v.type + ', ' if v.type else ''}{v.reason}" for v in found.variables]
     if not found.recorded:
@@ -108,7 +113,7 @@ def _lines(found: Findings, given: bool) -> list[str]:
     else:
         lines.append("  recorded")
         for stacked in found.recorded:
-            lines.append(f"    {stacked.name}: {stacked.what}, {bytes_of(stacked, given)}")
+            lines.append(f"    {stacked.name}: {stacked.what}, {stacked.size}")
             lines += [f"      needed by {said(p)}" for p in stacked.needed_by]
     lines += _section("computed again instead of recorded", [
         f"{a.variable}: {a.how}, {said(a.place)}" for a in found.again])
@@ -125,14 +130,3 @@ def _section(title: str, lines: list[str]) -> list[str]:
 
 def said(place: Place) -> str:
     return f"line {place.line}: {place.text}"
-
-
-def bytes_of(stacked: Stacked, given: bool) -> str:
-    """The bytes of a stack in words."""
-    if stacked.grows:
-        each = stacked.formula.replace(" per push", "")
-        counted = "" if stacked.bytes is None or each == str(stacked.bytes) else f" = {stacked.bytes} bytes"
-        return f"{each} bytes{counted} per push, the number of pushes is known only at run time"
-    if stacked.bytes is None:
-        return f"{stacked.formula} bytes" + (", known only at run time" if given else "")
-    return f"{stacked.formula} bytes = {stacked.bytes} bytes"

@@ -47,6 +47,14 @@ class Stacked:
     bytes: int | None
     grows: bool
 
+    @property
+    def size(self) -> str:
+        """The bytes in words."""
+        each = self.formula.replace(" per push", "")
+        counted = "" if self.bytes is None or each == str(self.bytes) else f" = {self.bytes} bytes"
+        return f"{each} bytes{counted}" + (" per push, the number of pushes is known only at run time"
+                                           if self.grows else "")
+
 
 @dataclass(frozen=True)
 class Again:

@@ -40,8 +40,8 @@ def page(title: str, functions: Iterable[Findings], sources: Iterable[tuple[str,
 def _facts(found: Findings) -> str:
     rows = [f'<tr><td{_bold(v.active)}>{escape(v.variable)}</td><td>{escape(v.type)}</td><td>{escape(v.reason)}</td></tr>'
             for v in found.variables]
-    stacks = [f"<tr><td>{escape(s.name)}</td><td>{escape(s.what)}</td><td>{escape(s.formula)} bytes"
-              f"{'' if s.bytes is None else f' = {s.bytes} bytes'}</td></tr>" for s in found.recorded]
+    stacks = [f"<tr><td>{escape(s.name)}</td><td>{escape(s.what)}</td>"
+              f"<td>{escape(s.size)}</td></tr>" for s in found.recorded]
     recorded = f'<table class="facts"><tr><th>recorded</th><th>what</th><th>size</th></tr>{"".join(stacks)}</table>' \
         if stacks else "<p>It records nothing.</p>"
     return (f"<h2>{escape(found.name)}</h2>\n<table class=\"facts\"><tr><th>variable</th><th>type</th><th>verdict</th>"
@@ -62,7 +62,7 @@ def _notes(functions: list[Findings]) -> dict[int, list[tuple[str, str]]]:
 
     for found in functions:
         for stacked in found.recorded:
-            note(stacked.place.line, "pushed", f"records {stacked.name}: {stacked.formula} bytes")
+            note(stacked.place.line, "pushed", f"records {stacked.name}: {stacked.size}")
             for place in stacked.needed_by:
                 note(place.line, "", f"needs {stacked.name}")
         for kink in found.kinks:

@@ -72,17 +72,25 @@ def wrong_adjoint(program: Program, request: Callable[[str], Request], given: Ma
     """The place at which, going backwards, adjoint times tangent first changes; empty if it does nowhere."""
     dots, order = _states(program, request("tangent"), given, x_dot, {})
     bars, _ = _states(program, request("adjoint"), given, seeds, seeds)
-    before = {where: order[k - 1] if k else "" for k, where in enumerate(order)}
+    place = {where: k for k, where in enumerate(order)}
+    last = len(order)
     for where, state in bars.items():
-        if where not in before or before[where] not in dots:
+        if where not in place:
             continue
-        known = dots[before[where]]
+        known = dots[order[place[where] - 1] if place[where] else ""]
         terms = [np.sum(np.asarray(bar, float) * np.asarray(known[v], float)) for v, bar in state.items() if v in known]
         size = sum(float(np.sum(np.abs(np.asarray(bar, float) * np.asarray(known[v], float))))
                    for v, bar in state.items() if v in known)
         if abs(math.fsum(terms) - total) > 1e-9 * (size + abs(total)):
-            return where.partition(" ")[2]
+            return _named(order[place[where]:last])
+        last = place[where]
     return ""
+
+
+def _named(suspects: list[str]) -> str:
+    """The statements between two states in words: the last one, and the first if there are several."""
+    first, last = suspects[0].partition(" ")[2], suspects[-1].partition(" ")[2]
+    return first if len(suspects) == 1 else f"{last}, or before it, back to {first}"
 
 
 # -- the tangent: a probe after every statement ---------------------------------------------------------------------
@@ -150,33 +158,40 @@ def _same_way(first: Events, later: Events) -> list[bool]:
 
 def _states(program: Program, request: Request, given: Mapping[str, Any], shadows: Mapping[str, Any],
             seeds: Mapping[str, Any]) -> tuple[dict[str, dict[str, Any]], list[str]]:
-    """The shadows by primal after each top-level statement of the entry, by place; and the places in order."""
+    """The shadows by primal after each top-level statement of the entry that has any, by place; the places in order."""
     made = pipeline.derive(program, request)
     units, derived = made.facts["units"], made.facts["derived"]
-    body, places = list(derived.made.function.body), []
-    marks = [k for k, s in enumerate(body) if is_comment(s)]
-    start = marks[-1] + 1 if marks else 0
     entry: FunctionDef = rename(copy(derived.made.function), _DEFINED)
-    entry.body = entry.body[:start]
-    snapshot = call("builtins.locals")
-    if request.mode == "tangent":
-        entry.body.append(Expr(call(_PROBE, const(""), snapshot, const(0))))
-    for k, statement in enumerate(body[start:], start):
-        if isinstance(statement, Return) and request.mode == "tangent":
-            break
-        entry.body.append(rename(copy(statement), _DEFINED))
-        following = next((_where(s) for s in body[k + 1:] if _where(s)), None)
-        if _where(statement) is not None and _where(statement) != following and not isinstance(statement, Return):
-            place = f"{statement.lineno}.{statement.col_offset} {_said(statement, derived)}"
-            entry.body.append(Expr(call(_PROBE, const(place), snapshot, const(0))))
+    entry.body, last = _with_snapshots(entry.body, derived, request.mode == "tangent")
     function, events = _loaded(made, units, {entry.name: entry})
     function(*_arguments(made, {n: _plain(v) for n, v in given.items()}, shadows, seeds))
-    own = derived.made.shadows
-    found: dict[str, dict[str, Any]] = {}
-    for place, space, _ in events:
-        places.append(place)
-        found[place] = {p: space[s] for p, s in own.items() if s in space}
-    return found, places[1:] if request.mode == "tangent" else places
+    found = {place: {p: space[s] for p, s in derived.made.shadows.items() if s in space} for place, space, _ in events}
+    return found, [*(p for p in found if p), *last]
+
+
+def _with_snapshots(body: list[AST], derived: Derived, whole: bool) -> tuple[list[AST], list[str]]:
+    """The body with a probe of all local variables after each group of statements that deals with shadows: of the
+    `whole` body or of the reverse sweep; and the place of its return."""
+    marks = [k for k, s in enumerate(body) if is_comment(s)]
+    start = 0 if whole or not marks else marks[-1] + 1
+    shadows = set(derived.made.shadows.values())
+    made, deals = [*body[:start], *([_snapshot("")] if whole else [])], False
+    for k, statement in enumerate(body[start:], start):
+        made.append(statement)
+        if _where(statement) is None:
+            continue
+        place = f"{statement.lineno}.{statement.col_offset} {_said(statement, derived)}"
+        if isinstance(statement, Return):
+            return made, [place] if whole else []
+        deals = deals or any(isinstance(n, Name) and n.id in shadows for n in walk(statement))
+        if deals and _where(statement) != next((_where(s) for s in body[k + 1:] if _where(s)), None):
+            made.append(_snapshot(place))
+            deals = False
+    return made, []
+
+
+def _snapshot(place: str) -> AST:
+    return Expr(call(_PROBE, const(place), call("builtins.locals"), const(0)))
 
 
 # -- running --------------------------------------------------------------------------------------------------------

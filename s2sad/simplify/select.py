@@ -13,7 +13,7 @@ from __future__ import annotations
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, If, IfExp, Mult, Name, Sub,
-    UnaryOp, USub, assign, at, augment, call_name, const, copy, is_comment, name, names, stored_names,
+    UnaryOp, USub, assign, at, augment, call_name, const, copy, dump, is_comment, name, names, stored_names,
     walk,
 )
 
@@ -26,7 +26,7 @@ def select(function: FunctionDef) -> FunctionDef:
     while True:
         new = copy(function)
         new.body = _Select({p.id for p in function.args.args}).block(function.body)
-        if sum(1 for _ in walk(new)) == sum(1 for _ in walk(function)):
+        if dump(new.body) == dump(function.body):
             return new
         function = new
 

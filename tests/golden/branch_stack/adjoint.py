@@ -1,0 +1,42 @@
+"""Adjoint of kernel: d(x) / d(x).
+
+Engine: NumPy. Level: plain. Arguments:
+    x: float64[:], in-out
+
+It records:
+    taken_stack: which way `if x[i] > x[i - 1]:` went, len(range(1, x.size)) bytes
+    x_stack: x before `x[i] = x[i] * x[i - 1]`, 8 * len(range(1, x.size)) bytes
+"""
+
+import numpy as np
+
+
+def kernel_adjoint(x, x_bar):
+    # forward sweep: only what the reverse sweep reads
+    taken_stack = np.empty(len(range(1, x.size)), np.bool_)
+    x_stack = np.empty(len(range(1, x.size)))
+    for i in range(1, x.size):
+        taken = x[i] > x[i - 1]
+        taken_stack[i - 1] = taken
+        if taken:
+            x_here = x[i]
+            x_here_2 = x[i - 1]
+            x_stack[i - 1] = x[i]
+            x[i] = x_here * x_here_2
+        else:
+            x[i] = 3.0 * x[i]
+    # reverse sweep
+    for i in range(x.size - 1, 0, -1):
+        # if x[i] > x[i - 1]:
+        taken = taken_stack[i - 1]
+        if taken:
+            # x[i] = x[i] * x[i - 1]
+            x[i] = x_stack[i - 1]
+            x_here = x[i]
+            x_here_2 = x[i - 1]
+            seed = x_bar[i]
+            x_bar[i] = x_here_2 * seed
+            x_bar[i - 1] += x_here * seed
+        else:
+            # x[i] = 3.0 * x[i]
+            x_bar[i] = 3.0 * x_bar[i]

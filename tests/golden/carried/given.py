@@ -1,0 +1,14 @@
+"""Numbers carried from one iteration to the next while the array is overwritten."""
+import numpy as np
+
+
+def kernel(u, c):
+    left = u[u.size - 1]
+    for i in range(u.size):
+        here = u[i]
+        u[i] = here - c * here * (here - left)
+        left = here
+
+
+ARGUMENTS = (np.array([0.7, -1.3, 0.4, 1.1]), 0.3)
+WRT, OF = ("u", "c"), ("u",)

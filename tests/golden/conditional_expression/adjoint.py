@@ -1,0 +1,29 @@
+"""Adjoint of kernel: d(y) / d(x).
+
+Engine: NumPy. Level: plain. Arguments:
+    y: float64[:], out
+    x: float64[:], in
+
+It records nothing.
+"""
+
+
+def kernel_adjoint(y, y_bar, x, x_bar):
+    # reverse sweep
+    for i in range(x.size - 1, -1, -1):
+        # right = x[i + 1] if i < x.size - 1 else 0.5
+        taken = i < x.size - 1
+        if taken:
+            # right = x[i + 1] if i < x.size - 1 else 0.5
+            right = x[i + 1]
+        else:
+            # right = x[i + 1] if i < x.size - 1 else 0.5
+            right = 0.5
+        # y[i] = right * x[i]
+        seed = y_bar[i]
+        y_bar[i] = 0.0
+        right_bar = x[i] * seed
+        x_bar[i] += right * seed
+        if taken:
+            # right = x[i + 1] if i < x.size - 1 else 0.5
+            x_bar[i + 1] += right_bar

@@ -1,0 +1,63 @@
+"""Adjoint of kernel: d(u, v) / d(u, v).
+
+Engine: NumPy. Level: plain. Arguments:
+    u: float64[:], in-out
+    v: float64[:], in-out
+
+It records:
+    u_before: u before `add(u, u, v)`, 8 * u.size bytes
+    out_stack in add_2_adjoint: out before `out[i] = a[i] * b[i]`, 8 * out.size bytes
+"""
+
+import numpy as np
+
+
+def add(out, a, b):
+    for i in range(out.size):
+        out[i] = a[i] * b[i]
+
+
+def add_2(out, b):
+    for i in range(out.size):
+        out[i] = out[i] * b[i]
+
+
+def add_adjoint(out, out_bar, a, a_bar, b, b_bar):
+    # reverse sweep
+    for i in range(out.size - 1, -1, -1):
+        # out[i] = a[i] * b[i]
+        seed = out_bar[i]
+        out_bar[i] = 0.0
+        a_bar[i] += b[i] * seed
+        b_bar[i] += a[i] * seed
+
+
+def add_2_adjoint(out, out_bar, b, b_bar):
+    # forward sweep: only what the reverse sweep reads
+    out_stack = np.empty(out.size)
+    for i in range(out.size):
+        out_here = out[i]
+        out_stack[i] = out[i]
+        out[i] = out_here * b[i]
+    # reverse sweep
+    for i in range(out.size - 1, -1, -1):
+        # out[i] = a[i] * b[i]
+        out[i] = out_stack[i]
+        out_here = out[i]
+        seed = out_bar[i]
+        b_bar[i] += out_here * seed
+        out_bar[i] = b[i] * seed
+
+
+def kernel_adjoint(u, u_bar, v, v_bar):
+    # forward sweep: only what the reverse sweep reads
+    add(v, u, u)
+    u_before = np.copy(u)
+    add_2(u, v)
+    # reverse sweep
+    # add(u, u, v)
+    u[...] = u_before
+    add_2_adjoint(u, u_bar, v, v_bar)
+    u[...] = u_before
+    # add(v, u, u)
+    add_adjoint(v, v_bar, u, u_bar, u, u_bar)

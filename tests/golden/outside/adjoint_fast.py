@@ -1,0 +1,19 @@
+"""Adjoint of kernel: d(return) / d(x).
+
+Engine: Numba. Level: fast. Arguments:
+    x: float64[:], in
+    the array TABLE: float64[:], in
+
+It records nothing.
+"""
+
+G = 9.81
+
+
+def kernel_adjoint(x, x_bar, TABLE, result_bar):
+    # reverse sweep
+    # return G * total
+    total_1_bar = G * result_bar
+    for i in range(x.size):
+        # total += TABLE[i] * x[i] ** 2
+        x_bar[i] += 2.0 * x[i] * (TABLE[i] * total_1_bar)

@@ -1,0 +1,55 @@
+"""Adjoint of kernel: d(y) / d(x).
+
+Engine: Numba. Level: fast. Arguments:
+    y: float64[:], out
+    x: float64[:], in
+
+It records nothing.
+"""
+
+# ruff: noqa: FURB136, RUF100
+
+
+def bent_adjoint(a, b, result_bar):
+    # forward sweep: only what the reverse sweep reads
+    taken = a * b <= 0.0
+    if not taken:
+        result = a * a / b
+    # reverse sweep
+    a_bar = 0.0
+    b_bar = 0.0
+    # return a * a / b
+    result_bar_1 = result_bar
+    if not taken:
+        # return a * a / b
+        seed = result_bar_1 / b if result_bar_1 != 0.0 else 0.0
+        a_bar += a * seed + a * seed
+        b_bar -= result * result_bar_1 / b if result_bar_1 != 0.0 else 0.0
+    return a_bar, b_bar
+
+
+def bent_adjoint_2(a, b, result_bar):
+    # reverse sweep
+    a_bar = 0.0
+    # return a * a / b
+    result_1_bar = result_bar
+    if not a * b <= 0.0:
+        # return a * a / b
+        seed = result_1_bar / b if result_1_bar != 0.0 else 0.0
+        a_bar += a * seed + a * seed
+    return a_bar,
+
+
+def kernel_adjoint(y, y_bar, x, x_bar):
+    # reverse sweep
+    for i in range(1, x.size):
+        # y[i] = bent(x[i], x[i - 1]) + 3.0 * bent(x[i - 1], 2.0)
+        seed = y_bar[i]
+        y_bar[i] = 0.0
+        bent_value_bar = seed
+        bent_value_2_bar = 3.0 * seed
+        gain, = bent_adjoint_2(x[i - 1], 2.0, bent_value_2_bar)
+        x_bar[i - 1] += gain
+        gain, gain_2 = bent_adjoint(x[i], x[i - 1], bent_value_bar)
+        x_bar[i - 1] += gain_2
+        x_bar[i] += gain

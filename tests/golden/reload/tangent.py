@@ -1,0 +1,27 @@
+"""Tangent of kernel: d(a) / d(a).
+
+Engine: NumPy. Level: plain. Arguments:
+    a: float64[:, :], in-out
+"""
+
+# ruff: noqa: FURB136, RUF100
+
+import math
+
+
+def kernel_tangent(a, a_dot):
+    for j in range(a.shape[0]):
+        a_here_dot = a_dot[j, j]
+        sqrt_value = math.sqrt(a[j, j])
+        a_dot[j, j] = 0.5 * a_here_dot / sqrt_value if a_here_dot != 0.0 else 0.0
+        a[j, j] = sqrt_value
+        for i in range(j + 1, a.shape[0]):
+            a_here_2_dot = a_dot[i, j]
+            a_here = a[j, j]
+            a_here_3_dot = a_dot[j, j]
+            ratio = a[i, j] / a_here
+            a_dot[i, j] = (
+                (a_here_2_dot / a_here if a_here_2_dot != 0.0 else 0.0) -
+                (ratio * a_here_3_dot / a_here if a_here_3_dot != 0.0 else 0.0)
+            )
+            a[i, j] = ratio

@@ -1,0 +1,27 @@
+"""Adjoint of kernel: d(y) / d(x).
+
+Engine: NumPy. Level: plain. Arguments:
+    y: float32[:], out
+    x: float32[:], in
+
+It records nothing.
+"""
+
+import math
+
+import numpy as np
+
+
+def kernel_adjoint(y, y_bar, x, x_bar):
+    # reverse sweep
+    for i in range(x.size - 1, -1, -1):
+        # half = np.float32(0.5) * x[i]
+        half = np.float32(0.5) * x[i]
+        # y[i] = half * math.exp(half)
+        exp_value = math.exp(half)
+        seed = y_bar[i]
+        y_bar[i] = 0.0
+        half_bar = exp_value * seed
+        half_bar += exp_value * (half * seed)
+        # half = np.float32(0.5) * x[i]
+        x_bar[i] += np.float32(0.5) * half_bar

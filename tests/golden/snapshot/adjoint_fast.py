@@ -1,0 +1,48 @@
+"""Adjoint of kernel: d(u) / d(u).
+
+Engine: Numba. Level: fast. Arguments:
+    u: float64[:], in-out
+    dt: float64, in
+    steps: int64, in
+
+It records:
+    u_stack: u before `u += dt * du`, 8 * len(range(steps)) * u.shape[0] bytes
+"""
+
+import numpy as np
+
+from s2sad.runtime import sized  # isort: skip
+
+
+def kernel_adjoint_taped(u, u_bar, dt, steps, u_stack):
+    # forward sweep: only what the reverse sweep reads
+    du = np.empty_like(u)
+    u_stack = sized(u_stack, (len(range(steps)), u.shape[0]))
+    for _ in range(steps):
+        for i in range(u.size):
+            u_here = u[i - 1]
+            u_here_2 = u[i]
+            du[i] = u_here * u_here_2
+        for i_2 in range(u.shape[0]):
+            u_stack[_, i_2] = u[i_2]
+            u[i_2] += dt * du[i_2]
+    # reverse sweep
+    du_bar = np.zeros_like(du)
+    for _ in range(steps - 1, -1, -1):
+        for i_2 in range(u.shape[0]):
+            # u += dt * du
+            u[i_2] = u_stack[_, i_2]
+            du_bar[i_2] += dt * u_bar[i_2]
+        for i in range(u.size):
+            # du[i] = u[i - 1] * u[i]
+            u_here = u[i - 1]
+            u_here_2 = u[i]
+            seed = du_bar[i]
+            du_bar[i] = 0.0
+            u_bar[i] += u_here * seed
+            u_bar[i - 1] += u_here_2 * seed
+    return u_stack,
+
+
+def kernel_adjoint(u, u_bar, dt, steps):
+    kernel_adjoint_taped(u, u_bar, dt, steps, np.empty((0, 0)))

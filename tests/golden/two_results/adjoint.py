@@ -1,0 +1,39 @@
+"""Adjoint of kernel: d(return) / d(x, a).
+
+Engine: NumPy. Level: plain. Arguments:
+    x: float64[:], in
+    a: float64, in
+
+It records:
+    product_1_stack: product where an iteration of `for i in range(x.size):` begins, 8 *
+        x.size bytes
+"""
+
+import numpy as np
+
+
+def kernel_adjoint(x, x_bar, a, result_0_bar, result_1_bar):
+    # forward sweep: only what the reverse sweep reads
+    product = a
+    product_1_stack = np.empty(x.size)
+    for i in range(x.size):
+        product_1_stack[i] = product
+        product = product * x[i]
+    # reverse sweep
+    a_bar = 0.0
+    # return total, product
+    total_1_bar = result_0_bar
+    product_bar = result_1_bar
+    for i in range(x.size - 1, -1, -1):
+        # for i in range(x.size):
+        product = product_1_stack[i]
+        # product *= x[i]
+        product_bar_1 = product_bar
+        product_bar = x[i] * product_bar_1
+        x_bar[i] += product * product_bar_1
+        # total += a * x[i]
+        a_bar += x[i] * total_1_bar
+        x_bar[i] += a * total_1_bar
+    # total, product = 0.0, a
+    a_bar += product_bar
+    return a_bar,

@@ -1,0 +1,18 @@
+"""Tangent of kernel: d(return) / d(x, a).
+
+Engine: NumPy. Level: plain. Arguments:
+    x: float64[:], in
+    a: float64, in
+"""
+
+
+def kernel_tangent(x, x_dot, a, a_dot):
+    product = a
+    product_dot = a_dot
+    total_1_dot = 0.0
+    for i in range(x.size):
+        total_1_dot += x[i] * a_dot + a * x_dot[i]
+        product_1 = product * x[i]
+        product_dot = x[i] * product_dot + product * x_dot[i]
+        product = product_1
+    return total_1_dot, product_dot

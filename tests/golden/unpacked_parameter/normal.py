@@ -1,0 +1,11 @@
+"""kernel in normal form."""
+
+
+def kernel(u, p):
+    a = p[0]
+    b = p[1]
+    c = p[2]
+    for i in range(u.size):
+        u_here = u[i]
+        ratio = b / c
+        u[i] = a * u_here * u_here + ratio

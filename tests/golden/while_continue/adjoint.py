@@ -1,0 +1,40 @@
+"""Adjoint of kernel: d(return) / d(x).
+
+Engine: NumPy. Level: plain. Arguments:
+    x: float64[:], in
+
+It records:
+    k_1_stack: k where an iteration of `while k < x.size:` begins, 8 bytes per push
+"""
+
+# ruff: noqa: SIM113, RUF100
+
+import numpy as np
+
+from s2sad.runtime import grow  # isort: skip
+
+
+def kernel_adjoint(x, x_bar, result_bar):
+    # forward sweep: only what the reverse sweep reads
+    k = 0
+    k_1_stack = np.empty(64, np.int64)
+    k_1_top = 0
+    trips = 0
+    while k < x.size:
+        trips += 1
+        k_1_stack = grow(k_1_stack, k_1_top)
+        k_1_stack[k_1_top] = k
+        k_1_top += 1
+        k = k + 1
+    # reverse sweep
+    # return total
+    total_1_bar = result_bar
+    for trip in range(trips):
+        # while k < x.size:
+        k_1_top -= 1
+        k = k_1_stack[k_1_top]
+        # k += 1
+        k = k + 1
+        if not x[k - 1] < 0.0:
+            # total += x[k - 1] ** 3
+            x_bar[k - 1] += 3.0 * x[k - 1] ** 2 * total_1_bar

@@ -1,0 +1,38 @@
+"""Adjoint of kernel: d(y) / d(x).
+
+Engine: Numba. Level: fast. Arguments:
+    y: float64[:], out
+    x: float64[:], in
+
+It records nothing.
+"""
+
+import numpy as np
+
+
+def kernel_adjoint(y, y_bar, x, x_bar):
+    # forward sweep: only what the reverse sweep reads
+    work = np.empty(2)
+    # reverse sweep
+    work_bar = np.zeros_like(work)
+    for i in range(x.size - 1, -1, -1):
+        for i_2 in range(work.shape[0]):
+            work[i_2] = 0.0
+        # work[0] = x[i] * x[i]
+        work[0] = x[i] * x[i]
+        # y[i] = work[0] + work[1]
+        seed = y_bar[i]
+        y_bar[i] = 0.0
+        work_bar[1] += seed
+        work_bar[0] += seed
+        # work[1] = work[0] * x[i]
+        seed = work_bar[1]
+        work_bar[1] = 0.0
+        x_bar[i] += work[0] * seed
+        work_bar[0] += x[i] * seed
+        # work[0] = x[i] * x[i]
+        seed = work_bar[0]
+        work_bar[0] = 0.0
+        x_bar[i] += x[i] * seed + x[i] * seed
+        for i_2 in range(work.shape[0]):
+            work_bar[i_2] = 0.0
