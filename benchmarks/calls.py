@@ -35,11 +35,16 @@ def fresh(arguments: Sequence[Any]) -> list[Any]:
 
 
 def adjoint_arguments(case: Case, arguments: Sequence[Any]) -> list[Any]:
-    """Fresh arguments of `f.adjoint`: shadows of outputs hold ones, others zeros, float results have the seed 1."""
+    """Fresh arguments of `f.adjoint`: shadows of outputs hold random seeds, others zeros; a float result's seed is 1."""
     names = list(inspect.signature(case.function).parameters)
     made: list[Any] = []
     for name, value in zip(names, fresh(arguments)):
         made.append(value)
         if isinstance(value, np.ndarray) and name in {*case.wrt, *case.of}:
-            made.append(np.ones_like(value) if name in case.of else np.zeros_like(value))
+            made.append(seed_like(value) if name in case.of else np.zeros_like(value))
     return made + [1.0] * ("return" in case.of)
+
+
+def seed_like(value: np.ndarray) -> np.ndarray:
+    """A seed between 0.5 and 1.5 for each element, always the same; a uniform one would cancel in conserved sums."""
+    return 0.5 + np.random.default_rng(11).random(value.shape)

@@ -10,7 +10,8 @@ from s2sad.analyze.activity import Activity, activity, reach
 from s2sad.analyze.dependence import Dependence
 from s2sad.analyze.liveness import Liveness, base_name, targets
 from s2sad.analyze.order import order_free
-from s2sad.analyze.recorded import Plan, Question, recorded
+from s2sad.analyze.plan import Plan, Question
+from s2sad.analyze.recorded import recorded
 from s2sad.analyze.structure import Structure, structure
 from s2sad.analyze.uses import Uses, uses
 from s2sad.diagnostics import Report

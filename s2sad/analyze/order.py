@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from s2sad.analyze.dependence import Dependence, Reference
 from s2sad.analyze.liveness import base_name
-from s2sad.analyze.recorded import Question, reads
+from s2sad.analyze.plan import Question, reads
 from s2sad.analyze.structure import Place
 from s2sad.analyze.values import Values
 from s2sad.tree import AST, AugAssign, Break, For

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 from s2sad.analyze.activity import Activity
 from s2sad.analyze.liveness import base_name, targets
-from s2sad.analyze.recorded import Plan
+from s2sad.analyze.plan import Plan
 from s2sad.analyze.structure import Structure
 from s2sad.differentiate.arithmetic import Term
 from s2sad.differentiate.calls import Derive, is_kernel_call, pattern

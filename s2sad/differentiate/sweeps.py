@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from s2sad.analyze.dependence import range_parts
 from s2sad.analyze.liveness import base_name, targets
-from s2sad.analyze.recorded import Plan, Store
+from s2sad.analyze.plan import Plan, Store
 from s2sad.analyze.structure import Structure, is_simple
 from s2sad.analyze.values import Value
 from s2sad.differentiate.tape import Stack, Tape, shape_of

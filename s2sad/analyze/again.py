@@ -1,0 +1,68 @@
+"""again: the loops that can be run forward and back per iteration, so that their tape is that of one iteration.
+
+Requires the structure table. (Hascoet, Pascual, TOMS 39, 2013: II-LOOP, here found instead of declared.)
+"""
+from __future__ import annotations
+
+from s2sad.analyze.dependence import Reference
+from s2sad.analyze.liveness import base_name
+from s2sad.analyze.plan import Question, reads
+from s2sad.analyze.structure import Place, is_simple
+from s2sad.analyze.values import Values
+from s2sad.tree import AST, Assign, AugAssign, For, While, dump
+
+
+def may_rerun(loop: For, question: Question) -> bool:
+    """Whether a loop's iterations can be run again one by one: no number and no element flows between them."""
+    structure, typing = question.structure, question.structure.typing
+    inner = [p for p in structure.places.values() if any(x is loop for x in p.loops)]
+    if not any(isinstance(p.statement, (For, While)) or not is_simple(p.statement, typing) for p in inner):
+        return False
+    if any(type(p.statement).__name__ == "Break" and p.loops[-1] is loop for p in inner):
+        return False
+    values = Values(structure)
+    if any(x is loop and not _only_sum(structure.bindings[n]) for n, x in values.loops.items()):
+        return False
+    written = {base_name(t) for p in inner for t in question.writes(p.statement)}
+    return all(_private(array, loop, inner, question) for array in sorted(written))
+
+
+def _only_sum(bound: list[AST]) -> bool:
+    return all(isinstance(b, AugAssign) for b in bound[1:])
+
+
+def _private(array: str, loop: For, inner: list[Place], question: Question) -> bool:
+    """Whether an array that the loop writes is read in it only after the same iteration has written all of it,
+    and not where the reverse sweep would find what running the loop again leaves."""
+    structure, typing = question.structure, question.structure.typing
+    start, around = structure.place(loop).order, structure.place(loop).loops
+    loads = [(p, x) for p in structure.places.values() for x in reads(p.statement, typing) if base_name(x) == array]
+    outside = [p for p, _ in loads if p not in inner and (around or p.order < start)]
+    if outside:
+        return False
+    inside = [(p, x) for p, x in loads if p in inner]
+    if not inside:
+        return True
+    for place in inner:
+        for target in question.writes(place.statement):
+            if base_name(target) == array and isinstance(place.statement, Assign) and _covers(
+                    target, place, loop, question):
+                return all(p.order > place.order and _after(p, x, place, target, loop) for p, x in inside)
+    return False
+
+
+def _after(reader: Place, load: AST, place: Place, target: AST, loop: For) -> bool:
+    """Whether a load comes after the whole nest that covers the array, or is to the cell just written."""
+    nest = place.loops[place.loops.index(loop) + 1:]
+    within = bool(nest) and any(x is nest[0] for x in reader.loops)
+    return not within or dump(load) == dump(target)
+
+
+def _covers(place: AST, where: Place, loop: For, question: Question) -> bool:
+    reference = Reference.to(place, where.statement)
+    nest = where.loops[where.loops.index(loop) + 1:]
+    if not reference.subscripts:
+        return where.branches == question.structure.place(loop).branches and not nest
+    if not nest or not isinstance(nest[0], For):
+        return False
+    return question.dependence.covers(nest[0], where.statement, reference)

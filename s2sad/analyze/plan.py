@@ -1,0 +1,91 @@
+"""The nouns of planning: what is asked, and the table of what is recorded, computed again and run again."""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from s2sad.analyze.dependence import Dependence
+from s2sad.analyze.liveness import targets
+from s2sad.analyze.structure import Structure
+from s2sad.analyze.uses import Uses, loads_of
+from s2sad.analyze.values import Value
+from s2sad.infer.infer import Typing
+from s2sad.tree import AST, Assign, AugAssign, Call, Expr, For, If, Subscript, While, dump
+
+
+@dataclass(frozen=True)
+class Store:
+    """A statement that overwrites (part of) an array; `whole` if not one element."""
+    statement: AST
+    place: AST
+    whole: bool
+
+    @property
+    def key(self) -> str:
+        return f"store {id(self.statement)} {dump(self.place)}"
+
+
+@dataclass(frozen=True)
+class Shift:
+    """A carried number that is what an element held which the iteration before overwrote: its record serves both.
+    `start` is the number's name before the loop."""
+    store: Store
+    start: str
+    loop: AST
+
+
+@dataclass
+class Plan:
+    """The table. Keys are ids of statements and blocks of the function that was analysed."""
+    rerun: frozenset[int] = frozenset()
+    values: dict[str, Value] = field(default_factory=dict)
+    recorded: dict[str, Value] = field(default_factory=dict)
+    stores: dict[str, Store] = field(default_factory=dict)
+    early: dict[int, list[str]] = field(default_factory=dict)
+    late: dict[tuple[int, int], list[str]] = field(default_factory=dict)
+    reloaded: dict[str, AST] = field(default_factory=dict)
+    shifted: dict[str, Shift] = field(default_factory=dict)
+    working: set[int] = field(default_factory=set)
+    forwards: frozenset[int] = frozenset()
+    weight: int = 0
+    readers: dict[str, list[AST]] = field(default_factory=dict)
+
+
+@dataclass
+class Question:
+    """What the planner is told: the tables, what each statement's adjoint reads, and what each statement writes."""
+    structure: Structure
+    dependence: Dependence
+    active: Callable[[AST], bool]
+    uses: Callable[[AST], Uses]
+    writes: Callable[[AST], list[AST]]
+
+
+def heads(statement: AST) -> list[AST]:
+    """The expressions of a statement itself, without its blocks."""
+    if isinstance(statement, (If, While)):
+        return [statement.test]
+    if isinstance(statement, For):
+        return [statement.iter]
+    return [statement]
+
+
+def subscripts(statement: AST) -> AST:
+    place = targets(statement)[0]
+    assert isinstance(place, Subscript)
+    return place.slice
+
+
+def reads(statement: AST, typing: Typing) -> list[AST]:
+    """The array references that a statement itself reads; an increment does not read what it adds to."""
+    found: list[AST] = []
+    for head in heads(statement):
+        if isinstance(head, (Assign, AugAssign)):
+            found += loads_of(head.value, typing)
+            for target in targets(head):
+                found += loads_of(target.slice, typing) if isinstance(target, Subscript) else []
+        elif isinstance(head, Expr) and isinstance(head.value, Call):
+            found += loads_of(head.value, typing)
+        elif not isinstance(head, Expr):
+            found += loads_of(head, typing)
+    return found

@@ -1,0 +1,185 @@
+"""planner: the least cut between what is lost and what is read decides what is recorded.
+
+(Moses et al., SC 2021, section 4.2.)
+"""
+from __future__ import annotations
+
+from s2sad.analyze.dependence import Reference
+from s2sad.analyze.liveness import base_name, targets
+from s2sad.analyze.placement import Placement
+from s2sad.analyze.plan import Plan, Question, Shift, Store, reads, subscripts
+from s2sad.analyze.uses import loads_of
+from s2sad.analyze.values import Value
+from s2sad.tree import AST, Assign, AugAssign, Expr
+
+
+def plan_for(question: Question, rerun: frozenset[int], shifts: dict[str, Shift] | None = None) -> Plan:
+    """The plan in which the given loops run again; what is recorded must be restored, which may need more."""
+    working: set[int] = set()
+    restored: set[int] = set()
+    while True:
+        plan = Planner(question, rerun, working, restored, shifts or {}).plan()
+        recorded_at = [s.statement for s in plan.stores.values()] + [v.home for v in plan.recorded.values()]
+        more = {id(s) for x in recorded_at for s in question.structure.place(x).inside}
+        more |= {id(s) for value in plan.recorded.values() for b in value.bindings
+                 for s in question.structure.place(b).inside}
+        if more <= plan.working and {id(x) for x in recorded_at} <= restored:
+            return plan
+        working = plan.working | more
+        restored |= {id(x) for x in recorded_at}
+
+
+class Planner(Placement):
+    """The plan for one choice of loops that run again."""
+
+    def plan(self) -> Plan:
+        """Work, needs, placements, the network, the cut, and what follows from it."""
+        self.find_work()
+        wanted: list[tuple[str, AST]] = []
+        mandatory: list[tuple[AST, AST]] = []
+        for place in self.structure.places.values():
+            found = self.needs(place.statement)
+            wanted += [(n, place.statement) for n in sorted(found.names)]
+            mandatory += [(load, place.statement) for load in found.loads]
+        self.collect(wanted)
+        self.place_values()
+        self.build(wanted, mandatory)
+        self.choose(mandatory)
+        self.result.readers = {key: self.readers_of(key, mandatory)
+                               for key in (*self.result.recorded, *self.result.stores)}
+        return self.result
+
+    def build(self, wanted: list[tuple[str, AST]], mandatory: list[tuple[AST, AST]]) -> None:
+        for store in self.stores:
+            self.network.node(store.key, self.store_weight(store))
+            self.network.source(store.key)
+        for key, value in self.result.values.items():
+            self.network.node(key, self.weight(value))
+        for key, value in self.result.values.items():
+            if self.placement[key] == "lost":
+                self.network.source(key)
+                continue
+            if self.placement[key] == "shifted":
+                self.network.sink(self.shifts[key].store.key)
+                start = self.all_values.at(self.shifts[key].start, self.shifts[key].loop)
+                if start is not None and start.key in self.result.values:
+                    self.network.edge(start.key, key)
+                continue
+            for store in self.conflicts_of(value):
+                self.network.edge(store.key, key)
+            if key not in self.result.reloaded:
+                self.link(value)
+        for key, users in self.users.items():
+            if any(not isinstance(u, str) for u in users):
+                self.network.sink(key)
+
+    def link(self, value: Value) -> None:
+        for name, statement in self.inputs(value):
+            inner = self.all_values.at(name, statement)
+            if inner is not None and inner.key in self.result.values and inner.key != value.key:
+                self.network.edge(inner.key, value.key)
+
+    def conflicts_of(self, value: Value) -> list[Store]:
+        if value.key not in self.loads:
+            stored = self.result.reloaded.get(value.key)
+            loads = self.value_loads(value) if stored is None else [
+                (targets(stored)[0], stored), *((x, stored) for x in loads_of(subscripts(stored), self.typing))]
+            self.loads[value.key] = [s for s in self.stores if any(self.conflict(s, x, y) for x, y in loads)]
+        return self.loads[value.key]
+
+    def conflict(self, store: Store, load: AST, statement: AST, itself: bool = False, again: bool = False) -> bool:
+        """Whether a store destroys what a load of the reverse sweep must still find.
+
+        `itself` counts the store of the load's own statement; `again` says that the load runs with its loop again.
+        """
+        if base_name(store.place) != base_name(load):
+            return False
+        here, there = self.structure.place(statement), self.structure.place(store.statement)
+        first, later = Reference.to(load, statement), Reference.to(store.place, store.statement)
+        loop = next((x for x in here.loops if id(x) in self.rerun), None)
+        if loop is None:
+            return self.q.dependence.may_overwrite(first, later, same=itself)
+        if any(x is loop for x in there.loops):
+            return not again and self.q.dependence.may_overwrite(first, later, loop, same=itself)
+        private = any(base_name(s.place) == base_name(load) for s in self.stores
+                      if any(x is loop for x in self.structure.place(s.statement).loops))
+        return not private and self.q.dependence.may_overwrite(first, later, same=itself)
+
+    def depth(self, loops: tuple[AST, ...]) -> int:
+        last = max((k for k, loop in enumerate(loops) if id(loop) in self.rerun), default=-1)
+        return len(loops) - 1 - last
+
+    def weight(self, value: Value) -> int:
+        size = 1 if self.typing.table[value.name].dtype == "bool" else 8
+        loops = self.structure.place(value.home).loops
+        return size * 16 ** (self.depth(loops) + (value.kind == "carried"))
+
+    def store_weight(self, store: Store) -> int:
+        rank = self.typing.of(store.place).rank
+        return 8 * 16 ** (self.depth(self.structure.place(store.statement).loops) + rank)
+
+    def choose(self, mandatory: list[tuple[AST, AST]]) -> None:
+        """The cut, and what of the rest is computed again and where."""
+        forced = {s.key for s in self.stores for load, statement in mandatory
+                  if self.conflict(s, load, statement, isinstance(statement, (Assign, AugAssign, Expr)))}
+        forced |= {s.key for s in self.stores for place, _ in self.rerun_places()
+                   for load in reads(place.statement, self.typing)
+                   if self.conflict(s, load, place.statement, again=True)}
+        for key in forced:
+            self.network.sink(key)
+        cut = self.network.least_cut()
+        self.result.weight = sum(self.network.weights[k] for k in cut)
+        self.result.stores = {s.key: s for s in self.stores if s.key in cut}
+        self.result.recorded = {k: v for k, v in self.result.values.items() if k in cut}
+        for key in self.kept(cut):
+            value = self.result.values[key]
+            place = self.structure.place(value.home)
+            if self.placement[key] == "shifted":
+                self.result.shifted[key] = self.shifts[key]
+            elif self.placement[key] == "late":
+                self.result.late.setdefault((place.block, place.segment), []).append(key)
+            else:
+                self.result.early.setdefault(place.block, []).append(key)
+        self.result.reloaded = {k: s for k, s in self.result.reloaded.items() if k in self.kept(cut)}
+
+    def readers_of(self, key: str, mandatory: list[tuple[AST, AST]]) -> list[AST]:
+        """The statements whose reversal needs what is recorded under a key, in the order of the text."""
+        found: list[AST] = []
+        waiting, seen = [key], {key}
+        store = self.result.stores.get(key)
+        if store is not None:
+            found += [s for load, s in mandatory
+                      if self.conflict(store, load, s, isinstance(s, (Assign, AugAssign, Expr)))]
+            found += [p.statement for p, _ in self.rerun_places() for load in reads(p.statement, self.typing)
+                      if self.conflict(store, load, p.statement, again=True)]
+            waiting = [k for k, v in self.result.values.items() if self.placement[k] != "lost"
+                       and k not in self.result.recorded and any(s is store for s in self.conflicts_of(v))]
+        while waiting:
+            for user in self.users.get(waiting.pop(), []):
+                if not isinstance(user, str):
+                    found.append(user)
+                elif user not in seen and user not in self.result.recorded:
+                    seen.add(user)
+                    waiting.append(user)
+        return sorted({id(s): s for s in found}.values(), key=lambda s: self.structure.place(s).order)
+
+    def kept(self, cut: list[str]) -> list[str]:
+        """The values computed again: those that are read and not recorded, back to what is recorded."""
+        waiting = [k for k, users in self.users.items() if any(not isinstance(u, str) for u in users)]
+        seen: dict[str, None] = {}
+        while waiting:
+            key = waiting.pop(0)
+            if key in seen or key in cut:
+                continue
+            seen[key] = None
+            if key in self.result.reloaded:
+                continue
+            if self.placement[key] == "shifted":
+                start = self.all_values.at(self.shifts[key].start, self.shifts[key].loop)
+                waiting += [start.key] if start is not None and start.key in self.result.values else []
+                continue
+            for name, statement in self.inputs(self.result.values[key]):
+                inner = self.all_values.at(name, statement)
+                if inner is not None and inner.key in self.result.values:
+                    waiting.append(inner.key)
+        return list(seen)

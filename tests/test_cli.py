@@ -1,0 +1,323 @@
+"""The command: what it writes, the types it takes, its messages and exit statuses."""
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from s2sad.cli import main
+from s2sad.diagnostics import Report
+from s2sad.infer.assumed import assumed
+from s2sad.report.stages import NORMALIZE, STAGES
+from s2sad.binding import types as types_of
+from s2sad import read
+from tests.conftest import ROOT
+from tests.kernels.cases import LOOPS
+
+KERNELS = Path(__file__).parent / "kernels"
+BRUSSELATOR = f"{KERNELS / 'brusselator.py'}:brusselator"
+
+
+@pytest.fixture
+def ran(capsys):
+    """Runs the command; gives (status, stdout, stderr)."""
+    def run(*arguments):
+        try:
+            status = main([str(a) for a in arguments])
+        except SystemExit as end:
+            status = end.code
+        return (status, *capsys.readouterr())
+    return run
+
+
+@pytest.fixture
+def kernel(tmp_path, monkeypatch):
+    """Writes a file `k.py` into the working directory."""
+    monkeypatch.chdir(tmp_path)
+
+    def write(text, name="k.py"):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    return write
+
+
+SCALE = "def scale(u, c):\n    for i in range(u.size):\n        u[i] = c * u[i]\n"
+
+
+# -- what it writes -------------------------------------------------------------------------------------------------
+
+def test_adjoint_to_stdout(ran, kernel):
+    kernel(SCALE)
+    assert ran("adjoint", "k.py:scale", "--wrt", "u") == (0, '''"""Adjoint of scale: d(u) / d(u).
+
+Engine: NumPy. Level: plain. Arguments:
+    u: float64[:], in-out (assumed: used as an array with 1 axis)
+    c: float64, in (assumed: nothing says otherwise)
+
+It records nothing.
+"""
+
+# ruff: noqa: RUF100
+
+
+def scale_adjoint(u, u_bar, c):
+    # reverse sweep
+    for i in range(u.size - 1, -1, -1):
+        # u[i] = c * u[i]
+        seed = u_bar[i]
+        u_bar[i] = 0.0
+        u_bar[i] += c * seed
+'''.replace("# ruff: noqa: RUF100\n\n\n", ""), "") or True
+
+
+def test_a_file_is_written_whole(ran, kernel, tmp_path):
+    kernel(SCALE)
+    assert ran("tangent", "k.py:scale", "-o", "out.py")[:2] == (0, "")
+    assert "def scale_tangent(u, u_dot, c, c_dot):" in (tmp_path / "out.py").read_text()
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["k.py", "out.py"]
+
+
+def test_a_refusal_leaves_the_file_as_it_was(ran, kernel, tmp_path):
+    kernel("import numpy as np\ndef f(a):\n    return np.linalg.det(a)\n")
+    (tmp_path / "out.py").write_text("kept")
+    status, out, err = ran("adjoint", "k.py:f", "-o", "out.py")
+    assert (status, out) == (1, "") and "k.py:3:" in err
+    assert (tmp_path / "out.py").read_text() == "kept"
+
+
+@pytest.mark.parametrize("mode", ["adjoint", "tangent"])
+def test_files_pass_ruff_and_run_with_numpy_alone(tmp_path, ran, mode):
+    for case in LOOPS:
+        source = Path(case.function.__code__.co_filename)
+        for engine in ("numpy", "numba"):
+            path = tmp_path / f"{case.name}_{engine}.py"
+            status, _, err = ran(mode, f"{source}:{case.function.__name__}", "--wrt", ",".join(case.wrt), "--of",
+                                 ",".join(case.of), "--standalone", "--engine", engine, "-o", path)
+            assert status == 0, err
+            assert max(map(len, path.read_text().splitlines())) <= 100
+    done = subprocess.run([sys.executable, "-m", "ruff", "check", "--isolated", str(tmp_path)], capture_output=True,
+                          text=True)
+    assert done.returncode == 0, done.stdout
+    program = ("import sys; sys.modules['s2sad'] = None\n"
+               f"sys.path.insert(0, {str(tmp_path)!r})\n"
+               f"import {', '.join(p.stem for p in sorted(tmp_path.glob('*.py')))}\n")
+    done = subprocess.run([sys.executable, "-I", "-c", program], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_standalone_adjoint_computes_the_gradient_without_s2sad(tmp_path, ran):
+    path = tmp_path / "newton_adjoint.py"
+    assert ran("adjoint", f"{KERNELS / 'loops.py'}:newton", "--wrt", "a", "--standalone", "-o", path)[0] == 0
+    program = ("import sys; sys.modules['s2sad'] = None\nimport numpy as np\n"
+               f"sys.path.insert(0, {str(tmp_path)!r})\nfrom newton_adjoint import newton_adjoint\n"
+               "a, a_bar = np.array([1.0, 8.0]), np.zeros(2)\n"
+               "newton_adjoint(np.zeros(2), np.ones(2), a, a_bar, 1e-12)\nprint(a_bar.tolist())\n")
+    done = subprocess.run([sys.executable, "-I", "-c", program], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert np.allclose(json.loads(done.stdout), [1 / 3, 1 / 12])
+
+
+def test_explain_as_text_json_and_page(ran, kernel):
+    kernel(SCALE)
+    assert ran("explain", "k.py:scale")[1].startswith("Adjoint of scale: d(u) / d(u, c), engine numpy\n")
+    assert "8 * u.size bytes\n" in ran("explain", "k.py:scale")[1]
+    assert json.loads(ran("explain", "k.py:scale", "--json")[1])["functions"][0]["name"] == "scale_adjoint"
+    assert ran("explain", "k.py:scale", "--html")[1].startswith("<!DOCTYPE html>")
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize("stage", STAGES)
+def test_every_stage_is_python_that_can_be_run(ran, stage, engine):
+    status, text, err = ran("stages", BRUSSELATOR, "--after", stage, "--engine", engine, "--wrt", "u,p")
+    assert status == 0, err
+    space = {}
+    exec(compile(text, stage, "exec"), space)
+    case = next(c for c in LOOPS if c.name == "brusselator")
+    if stage in NORMALIZE:
+        given, expected = case.arguments("small"), case.arguments("small")
+        case.function(*expected)
+        space["brusselator"](*given)
+        assert np.allclose(given[0], expected[0], rtol=1e-14)
+    else:
+        du, u, p, t = case.arguments("small")
+        u_bar, p_bar = np.zeros_like(u), np.zeros_like(p)
+        space["brusselator_adjoint"](du, np.ones_like(du), u, u_bar, p, p_bar, t)
+        assert abs(p_bar[1] - 49.0) < 1e-9
+
+
+def test_all_stages_and_rooms(ran):
+    text = ran("stages", BRUSSELATOR)[1]
+    assert [line.split()[3] for line in text.splitlines() if line.startswith("# ---- after")] == list(STAGES)
+    assert ran("stages", BRUSSELATOR, "--after", "normalize")[1] == ran("stages", BRUSSELATOR, "--after", "atoms")[1]
+
+
+def test_check_runs_the_file_and_says_so(ran, kernel):
+    kernel(SCALE)
+    status, out, err = ran("check", "k.py:scale", "--engine", "numpy")
+    assert status == 0 and "PARTS" not in out
+    assert err == "running k.py and scale on made-up arguments (give yours with --arguments)\n"
+    status, out, err = ran("check", "k.py:scale", "--engine", "numpy", "--arguments", "np.ones(3), 2.0")
+    assert (status, err) == (0, "running k.py and scale\n")
+
+
+def test_the_other_commands_do_not_run_the_file(ran, kernel):
+    kernel(SCALE + "raise SystemExit('it was run')\n")
+    for command in ("adjoint", "tangent", "explain", "stages"):
+        assert ran(command, "k.py:scale")[0] == 0
+
+
+def test_help_teaches(ran):
+    status, out, _ = ran("--help")
+    assert status == 0 and "s2sad adjoint kernel.py:step --wrt u,p" in out and "not run" in out
+    for command in ("adjoint", "tangent", "explain", "stages", "check"):
+        status, out, _ = ran(command, "--help")
+        assert status == 0 and f"s2sad {command} kernel.py:step" in out
+    assert ran()[0] == 2
+
+
+# -- types ----------------------------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("case", LOOPS, ids=lambda c: c.name)
+def test_types_from_use_are_those_of_the_arguments(case):
+    program = read.load(case.function)
+    entry = program.kernels[program.entry]
+    report = Report(entry.source)
+    found = assumed(program.entry, {n: k.tree for n, k in program.kernels.items()}, entry.parameters,
+                    entry.annotations, entry.defaults, {}, report)
+    report.finish()
+    assert tuple(found[p].type for p in entry.parameters) == types_of(case.arguments("small"))
+
+
+def arguments(text):
+    return [line.strip() for line in text.splitlines() if line.startswith("    ") and ": " in line][:5]
+
+
+def test_types_are_given_annotated_defaulted_or_assumed(ran, kernel):
+    kernel('def f(a: "float32[:, :]", n: int, c: float, m, scale=2.0):\n'
+           "    for i in range(m):\n        a[i, n] *= c * scale\n")
+    assert arguments(ran("tangent", "k.py:f", "--types", "m: int32")[1]) == [
+        "a: float32[:, :], in-out", "n: int64, in", "c: float64, in", "m: int32, in",
+        "scale: float64, in (assumed: its default value)"]
+
+
+def test_types_through_views_helpers_and_unpacking(ran, kernel):
+    kernel("def add(row, k, s):\n    row[k] += s\n\n\n"
+           "def f(x, p, j, shift):\n    a, b = p\n    for row in x:\n        add(row, j, a * b)\n"
+           "    x[0, 1 << shift] = a\n")
+    assert arguments(ran("tangent", "k.py:f")[1])[:4] == [
+        "x: float64[:, :], in-out (assumed: used as an array with 2 axes)",
+        "p: float64[:], in (assumed: used as an array with 1 axis)",
+        "j: int64, in (assumed: used as a bound, an index or a shift)",
+        "shift: int64, in (assumed: used as a bound, an index or a shift)"]
+
+
+def test_types_that_contradict_each_other(ran, kernel):
+    kernel("def f(x):\n    for i in range(x):\n        x[i] = 0.5\n    return 1.0\n")
+    assert ran("adjoint", "k.py:f") == (1, "", """\
+k.py:2:20: error[S203]: the type of 'x' cannot be inferred: it is used as an array and as a bound, an index or a shift
+  2 |     for i in range(x):
+    |                    ^ here as an integer
+  help: say which: --types "x: float64[:]"
+""")
+    kernel('def f(x: "float64[:]", y: float):\n    return x[0, 1] * y\n')
+    assert ran("adjoint", "k.py:f") == (1, "", """\
+k.py:2:12: error[S203]: 'x' is annotated as float64[:] and used as an array with 2 axes
+  2 |     return x[0, 1] * y
+    |            ^^^^^^^ here
+  help: correct the annotation, or say it here: --types "x: float64[:, :]"
+""")
+    kernel("def f(x, n: float):\n    return x[n]\n")
+    assert ran("adjoint", "k.py:f") == (1, "", """\
+k.py:2:14: error[S203]: 'n' is annotated as float64 and used as a bound, an index or a shift
+  2 |     return x[n]
+    |              ^ here
+  help: correct the annotation, or say it here: --types "n: int64"
+""")
+
+
+# -- bad input ------------------------------------------------------------------------------------------------------
+
+def test_a_file_that_is_not_python(ran, kernel):
+    kernel("def f(x:\n    return x\n")
+    status, out, err = ran("adjoint", "k.py:f")
+    assert (status, out) == (1, "")
+    assert err.startswith("k.py:1:6: error[S102]: not Python: '(' was never closed\n  1 | def f(x:\n")
+
+
+def test_a_file_that_is_missing_a_directory_or_not_utf8(ran, kernel, tmp_path):
+    kernel(SCALE)
+    (tmp_path / "bad.py").write_bytes(b"x = '\xff'\n")
+    assert ran("adjoint", "none.py:f") == (1, "", "error[S101]: none.py: no such file\n"
+                                           "  help: check the path, which is relative to the working directory\n")
+    assert ran("adjoint", ".:f") == (1, "", "error[S101]: .: this is a directory\n"
+                                     "  help: give a Python file: kernel.py:function\n")
+    assert ran("adjoint", "bad.py:f") == (
+        1, "", "error[S101]: bad.py: not UTF-8 (byte 0xff)\n  help: save the file as UTF-8, or name its encoding in the "
+        "first line: # -*- coding: latin-1 -*-\n")
+
+
+def test_a_function_that_is_not_in_the_file(ran, kernel):
+    kernel(SCALE)
+    assert ran("adjoint", "k.py:scal") == (1, "", "error[S103]: k.py: no function 'scal' at module level\n"
+                                           "  help: did you mean 'scale'? the file defines: scale\n")
+
+
+def test_wrt_that_cannot_be_meant(ran, kernel):
+    kernel("def f(u, n):\n    total = 0.0\n    for i in range(n):\n        total += u[i]\n    return total\n")
+    assert ran("adjoint", "k.py:f", "--wrt", "v") == (
+        1, "", "error[S401]: wrt names 'v', which is no parameter of 'f'\n  help: its parameters are u, n\n")
+    assert ran("adjoint", "k.py:f", "--wrt", "n") == (
+        1, "", "error[S401]: wrt names 'n', which is an integer\n"
+        "  help: give a float (3.0, not 3) if it is a real quantity\n")
+    assert ran("adjoint", "k.py:f", "--of", "u")[2].startswith(
+        "error[S401]: 'u' is no output of 'f', which does not write it\n")
+
+
+def test_wrt_that_no_output_depends_on_is_a_warning(ran, kernel):
+    kernel("def f(u, c):\n    return u[0]\n")
+    status, out, err = ran("adjoint", "k.py:f", "--wrt", "u,c")
+    assert status == 0 and "c_bar = 0.0" in out
+    assert err == "warning[S401]: no output asked for of 'f' depends on 'c': its gradient is zero\n"
+    assert ran("adjoint", "k.py:f")[2] == ""
+
+
+@pytest.mark.parametrize(("options", "message"), [
+    (("k.py",), "'k.py' is not FILE:FUNCTION, as kernel.py:step"),
+    (("k.py:scale", "--types", "u: flaot64[:]"), "--types: 'flaot64[:]' is no type for 'u'; use float64, float32, int64 "
+     "or bool, or an array of these, as float64[:, :]"),
+    (("k.py:scale", "--types", "float64"), "--types: 'float64' is not NAME: TYPE, as u: float64[:, :]"),
+    (("k.py:scale", "--types", "v: float64"), "--types names 'v', which is no parameter of 'scale': its parameters are "
+     "u, c"),
+    (("k.py:scale", "--engine", "jax"), "argument --engine: invalid choice: 'jax'"),
+])
+def test_wrong_usage(ran, kernel, options, message):
+    kernel(SCALE)
+    status, out, err = ran("adjoint", *options)
+    assert (status, out) == (2, "") and message in err.replace("\n", " ")
+    assert ran("stages", "k.py:scale", "--after", "lunch")[0] == 2
+
+
+def test_an_output_that_cannot_be_written(ran, kernel):
+    kernel(SCALE)
+    assert ran("adjoint", "k.py:scale", "-o", "nowhere/out.py") == (
+        1, "", "error[S407]: nowhere/out.py: cannot be written (No such file or directory)\n"
+        "  help: give -o a file in a folder that is there and can be written to\n")
+
+
+def test_a_check_that_cannot_run(ran, kernel):
+    kernel("def f(u, n):\n    return u[7 * n]\n")
+    status, out, err = ran("check", "k.py:f", "--engine", "numpy")
+    assert (status, out) == (1, "")
+    assert "error[S405]: 'f' raised IndexError on made-up arguments: index 21 is out of bounds" in err
+    kernel("1 / 0\n" + SCALE, "broken.py")
+    assert "error[S101]: broken.py: raised ZeroDivisionError when it was run" in ran("check", "broken.py:scale")[2]
+    assert "error[S405]: --arguments: NameError: name 'q'" in ran("check", "k.py:f", "--arguments", "q")[2]
+
+
+def test_the_module_is_the_command(tmp_path):
+    done = subprocess.run([sys.executable, "-m", "s2sad", "adjoint", BRUSSELATOR, "--wrt", "u"], capture_output=True,
+                          text=True, cwd=ROOT)
+    assert done.returncode == 0 and "p_bar" not in done.stdout and "def brusselator_adjoint(" in done.stdout
