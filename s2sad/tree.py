@@ -31,11 +31,10 @@ __all__ = [
     "FunctionDef", "Gt", "GtE", "If", "IfExp", "In", "Invert", "Is", "IsNot", "List", "Load", "LShift", "Lt", "LtE",
     "MatMult", "Mod", "Module", "Mult", "Name", "Not", "NotEq", "NotIn", "Or", "Pass", "Pow", "Raise", "Return",
     "RShift", "Slice", "Starred", "Store", "Sub", "Subscript", "Tuple", "UAdd", "UnaryOp", "USub", "While",
-    "arguments", "keyword", "add", "assign", "at", "attribute", "augment", "binary", "call", "call_name", "children",
-    "comment",
-    "compare", "const", "copy", "counted_for", "dump", "equal", "expr", "expression", "forget", "forgotten", "function", "index", "indices", "is_comment", "mult",
-    "name", "names", "negate", "parse", "rebuild", "rename", "statements", "stored_names", "sub", "substitute", "tuple_of",
-    "walk",
+    "arguments", "keyword", "add", "assign", "at", "attribute", "augment", "binary", "call", "call_name",
+    "children", "comment", "compare", "const", "copy", "counted_for", "dump", "equal", "expr", "expression",
+    "forget", "forgotten", "function", "index", "indices", "is_comment", "mult", "name", "names", "negate", "parse",
+    "rebuild", "rename", "statements", "stored_names", "sub", "substitute", "tuple_of", "walk",
 ]
 
 _LOAD, _STORE = Load(), Store()

@@ -32,8 +32,8 @@ from s2sad.normalize.workspace import is_allocation, workspace
 from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects, Watch, simplify, unwatched
 from s2sad.tree import (
-    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, Tuple, call_name, copy, name,
-    walk,
+    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, Tuple, call_name, copy,
+    name, walk,
 )
 
 

@@ -14,8 +14,8 @@ from s2sad.analyze.liveness import base_name, targets
 from s2sad.infer.infer import Typing
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Assign, AugAssign, BoolOp, Call, Compare, Constant, Expr, FunctionDef, Name, Return, Subscript, Tuple, call_name,
-    walk,
+    AST, Assign, AugAssign, BoolOp, Call, Compare, Constant, Expr, FunctionDef, Name, Return, Subscript, Tuple,
+    call_name, walk,
 )
 
 CallEdges = Callable[[Call], list[tuple[int, "int | str"]]]

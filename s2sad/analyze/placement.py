@@ -60,7 +60,7 @@ class Placement(Needs):
 
     def value_loads(self, value: Value) -> list[tuple[AST, AST]]:
         found = [(load, b) for b in value.bindings for load in loads_of(b.value, self.typing)]
-        for name, branch in self.inputs(value):
+        for _, branch in self.inputs(value):
             if isinstance(branch, If):
                 found += [(load, branch) for load in loads_of(branch.test, self.typing)]
         return found
@@ -71,7 +71,7 @@ class Placement(Needs):
                    for load, statement in self.value_loads(value) for store in self.stores)
 
     def disturbs(self, store: Store, load: AST, statement: AST, when: str) -> bool:
-        """Whether a store of the same iteration makes the state wrong: earlier in the segment, or later in the block."""
+        """Whether a store of the same iteration spoils the state: earlier in the segment, or later in the block."""
         here, there = self.structure.place(statement), self.structure.place(store.statement)
         if base_name(store.place) != base_name(load) or here.block not in there.blocks or not here.loops:
             return False

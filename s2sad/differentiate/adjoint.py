@@ -25,7 +25,8 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, Constant, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple, assign, at, augment, call,
+    AST, Add, Assign, AugAssign, Constant, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple, assign, at, augment,
+    call,
     comment, const, copy, function, index, name, tuple_of, walk,
 )
 

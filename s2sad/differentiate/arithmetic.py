@@ -4,8 +4,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from s2sad.tree import (
-    AST, Add, BinOp, Constant, Div, IfExp, Mult, Name, NotEq, Sub, Subscript, UnaryOp, USub, call, call_name, compare, const,
-    copy, rebuild,
+    AST, Add, BinOp, Constant, Div, IfExp, Mult, Name, NotEq, Sub, Subscript, UnaryOp, USub, call, call_name,
+    compare, const, copy, rebuild,
 )
 
 

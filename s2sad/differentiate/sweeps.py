@@ -17,8 +17,8 @@ from s2sad.differentiate.tape import Stack, Tape, shape_of
 from s2sad.infer.types import INT
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, Call, Constant, Expr, For, If, Mult, Name, Return, Sub, Subscript, UnaryOp, USub, While, add, assign, at, augment,
-    call, call_name, const, copy, counted_for, forget, index, name, walk,
+    AST, Add, Assign, AugAssign, BinOp, Call, Constant, Expr, For, If, Mult, Name, Return, Sub, Subscript, UnaryOp,
+    USub, While, add, assign, at, augment, call, call_name, const, copy, counted_for, forget, index, name, walk,
 )
 
 Adjoint = Callable[[AST], list[AST]]
@@ -129,7 +129,8 @@ class Sweeps:
         made: list[AST] = self.zeros(block)
         made += [s for key, value in self.plan.recorded.items() if value.kind == "carried" and value.home is loop
                  for s in self.tape.pop(self.value_stack(key, value), name(value.name))]
-        made += [assign(self.plan.values[key].name, self.tape.previous(self.store_stack(shift.store), name(shift.start)))
+        made += [assign(self.plan.values[key].name,
+                        self.tape.previous(self.store_stack(shift.store), name(shift.start)))
                  for key, shift in self.plan.shifted.items() if shift.loop is loop]
         keys = set(self.plan.early.get(id(block), []))
         keys |= {k for k, v in self.plan.recorded.items()

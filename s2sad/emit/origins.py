@@ -25,7 +25,7 @@ def _commented(block: list[AST], source: Source, indent: int) -> list[AST]:
     made: list[AST] = []
     last = None
     for statement in block:
-        statement = with_blocks(statement, lambda inner: _commented(inner, source, indent + 4))
+        inside = with_blocks(statement, lambda inner: _commented(inner, source, indent + 4))
         if isinstance(statement, (Assign, AugAssign, Expr)) and getattr(statement, "lineno", None):
             place = (statement.lineno, statement.col_offset)
             if place != last and not _is_zero(statement):
@@ -33,7 +33,7 @@ def _commented(block: list[AST], source: Source, indent: int) -> list[AST]:
                 last = place
         elif not isinstance(statement, Return):
             last = None
-        made.append(statement)
+        made.append(inside)
     return made
 
 

@@ -33,9 +33,8 @@ def primal(unit: Unit) -> FunctionDef:
     """One kernel: as the user wrote it if it deals with numbers alone, else with views resolved."""
     original = unit.kernel.tree
     parameters = [p.id for p in unit.lowered.args.args]
-    made = function(unit.title, parameters, copy(_undocumented(original.body) if _is_plain(unit) else
-                                                 unit.lowered.body))
-    return made
+    body = _undocumented(original.body) if _is_plain(unit) else unit.lowered.body
+    return function(unit.title, parameters, copy(body))
 
 
 def _undocumented(body: list[AST]) -> list[AST]:

@@ -22,7 +22,7 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, Break, Call, For, FunctionDef, If, Name, Sub, Subscript, Tuple, While, assign,
-    at, augment, call_name, const, copy, name, names, stored_names, substitute, walk,
+    at, augment, const, copy, name, names, stored_names, substitute, walk,
 )
 
 

@@ -69,7 +69,7 @@ class _Scalarize:
 
     def counters(self, rank: int) -> list[str]:
         made = [self.free.fresh(c) for c in ("i", "j", "k", "l", "m", "o")[:rank]]
-        self.typing.table.update({c: INT for c in made})
+        self.typing.table.update(dict.fromkeys(made, INT))
         return made
 
     def nest(self, base: AST, done: int, counters: list[str], body: list[AST]) -> AST:

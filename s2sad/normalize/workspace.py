@@ -30,12 +30,10 @@ def _block(block: list[AST], known: set[str]) -> list[AST]:
     new: list[AST] = []
     bound = set(known)
     for statement in block:
-        if isinstance(statement, (For, While, If)):
-            freed: list[AST] = []
-            statement = _compound(statement, bound, freed)
-            new.extend(freed)
-        new.append(statement)
-        bound |= set(stored_names(statement))
+        freed: list[AST] = []
+        kept = _compound(statement, bound, freed) if isinstance(statement, (For, While, If)) else statement
+        new += [*freed, kept]
+        bound |= set(stored_names(new))
     return new
 
 

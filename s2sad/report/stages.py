@@ -1,7 +1,7 @@
 """stages: a program as it is after each pass, printed as Python.
 
     structured  views  workspace  scalarize  rename  atoms              the kernels on their way to normal form
-    differentiate  merge  dead  coalesce  fold  algebra  final          the derivatives
+    differentiate  merge  dead  coalesce  fold  algebra  select  final  the derivatives
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from s2sad.tree import AST, FunctionDef, Pass, copy, forgotten
 from s2sad.units import Units
 
 NORMALIZE = ("structured", "views", "workspace", "scalarize", "rename", "atoms")
-DERIVE = ("differentiate", "merge", "dead", "coalesce", "fold", "algebra", "final")
+DERIVE = ("differentiate", "merge", "dead", "coalesce", "fold", "algebra", "select", "final")
 STAGES = (*NORMALIZE, *DERIVE)
 ROOMS = {"normalize": "atoms", "simplify": "final"}
 
@@ -26,13 +26,15 @@ def stages(program: Program, request: Request) -> dict[str, str]:
     def watch(stage: str, function: FunctionDef) -> None:
         shown: FunctionDef = copy(function)
         shown.body = _readable(shown.body)
-        seen[stage].setdefault(function.name, shown)
+        seen.setdefault(stage, {}).setdefault(function.name, shown)
 
     made = pipeline.derive(program, request, watch)
     units: Units = made.facts["units"]
-    texts = {}
+    texts: dict[str, str] = {}
+    last: dict[str, FunctionDef] = {}
     for stage in STAGES[:-1]:
-        functions = list(seen[stage].values())
+        last = seen[stage] or last  # a pass that is not asked for shows nothing
+        functions = list(last.values())
         if stage in DERIVE:
             functions = primal_functions(units, kernels_called(functions, units)) + functions
         texts[stage] = module_text(functions, header=[f"{program.entry} after {stage}."], constants=program.constants,

@@ -26,7 +26,8 @@ def _statement(statement: AST) -> AST:
     elif isinstance(statement, While):
         made = While(simple(statement.test), list(map(_statement, statement.body)), [])
     elif isinstance(statement, If):
-        made = If(simple(statement.test), list(map(_statement, statement.body)), list(map(_statement, statement.orelse)))
+        made = If(simple(statement.test), list(map(_statement, statement.body)),
+                  list(map(_statement, statement.orelse)))
     elif isinstance(statement, AugAssign):
         value, op = simple(statement.value), statement.op
         if isinstance(op, (Add, Sub)) and isinstance(value, UnaryOp) and isinstance(value.op, USub):
@@ -92,7 +93,8 @@ def _sum(node: BinOp, left: int | None, right: int | None) -> AST:
     if right is not None:
         shift = right if plus else -right
         inner = node.left
-        if isinstance(inner, BinOp) and isinstance(inner.op, (Add, Sub)) and (known := integer(inner.right)) is not None:
+        known = integer(inner.right) if isinstance(inner, BinOp) and isinstance(inner.op, (Add, Sub)) else None
+        if known is not None:
             return shifted(inner.left, shift + (known if isinstance(inner.op, Add) else -known))
         return shifted(inner, shift)
     if left == 0 and plus:

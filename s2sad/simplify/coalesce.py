@@ -1,7 +1,7 @@
 """coalesce: versions of one variable that are never needed at once share a name, and the copies between them go.
 
 Requires a structured function and the families of names; establishes the shortest names: the variable's own for the
-first version, then `_1`, `_2`, ... (Chaitin et al., Computer Languages 6, 1981; the structured program gives the lives.)
+first version, then `_1`, `_2`, ... (Chaitin et al., Computer Languages 6, 1981; the structure gives the lives.)
 
     g = guess                       for i in range(n):
     for i in range(n):                  guess = f(guess)
@@ -15,9 +15,7 @@ from collections.abc import Callable, Mapping
 from s2sad.analyze.liveness import Liveness, targets
 from s2sad.naming import Names
 from s2sad.simplify.rebuild import with_blocks
-from s2sad.tree import (
-    AST, Assign, AugAssign, Call, For, FunctionDef, Name, rename, walk,
-)
+from s2sad.tree import AST, Assign, AugAssign, Call, For, FunctionDef, Name, rename, walk
 
 
 def coalesce(function: FunctionDef, family: Mapping[str, str], live_out: set[str],

@@ -1,4 +1,4 @@
-"""select: a short branch that only moves numbers becomes a choice, so that the loop around it has no jump to mispredict.
+"""select: a short branch that only moves numbers becomes a choice, and the loop around it has no jump to mispredict.
 
     if taken:                       a_bar += y_bar if taken else 0.0
         a_bar += y_bar              b_bar += 0.0 if taken else y_bar
@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, If, IfExp, Mult, Name, Sub,
-    UnaryOp, USub, assign, at, augment, call_name, const, copy, dump, is_comment, name, names, stored_names,
+    AST, Add, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, If, IfExp, Mult, Name,
+    Sub, UnaryOp, USub, assign, at, augment, call_name, const, copy, dump, is_comment, name, names, stored_names,
     walk,
 )
 
