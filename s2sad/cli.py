@@ -47,8 +47,9 @@ _COMMANDS = {
     "check": "RUN the function and compare adjoint, tangent and differences",
 }
 _SHADOWS = """
-a shadow (u_bar, u_dot) follows each float argument; the adjoints of float scalars are returned. On entry u_bar holds the
-adjoint of what u is at the end, on exit of what it was at the start; gradients of arrays that are only read add up."""
+a shadow (u_bar, u_dot) follows each float array; a tangent also follows each float number, whose adjoint is returned.
+On entry u_bar holds the adjoint of what u is at the end, on exit of what it was at the start; for arrays that are only
+read it is added to."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -224,7 +225,8 @@ def _add_options(parser: argparse.ArgumentParser, command: str) -> None:
     parser.add_argument("--of", metavar="DU", help='outputs: written arrays, "return" (default: all of them)')
     parser.add_argument("--types", metavar="TYPES", help='types of parameters, as "u: float64[:, :], steps: int64"')
     parser.add_argument("-o", "--output", metavar="OUT", help="the file to write (default: standard output)")
-    parser.add_argument("--engine", choices=("numpy", "numba", "auto"), default="auto" if command == "check" else "numpy",
+    parser.add_argument("--engine", choices=("numpy", "numba", "auto"),
+                        default="auto" if command == "check" else "numpy",
                         help="what the text is written for: whole-array statements stay (numpy) or become loops "
                         "(numba); each text runs under both (default: %(default)s)")
     parser.add_argument("--level", choices=("plain", "fast"), default="plain",
@@ -241,7 +243,7 @@ def _add_options(parser: argparse.ArgumentParser, command: str) -> None:
                             f"{', '.join(ROOMS)} (default: all, one after the other)")
         parser.add_argument("--mode", choices=("adjoint", "tangent"), default="adjoint")
     if command == "check":
-        parser.add_argument("--arguments", metavar="EXPR", help='the function\'s arguments as Python, with numpy as np: '
+        parser.add_argument("--arguments", metavar="EXPR", help="the function's arguments as Python, with numpy as np: "
                             '"np.ones((4, 4)), 3" (default: made up from the types)')
 
 

@@ -17,6 +17,9 @@ import copy
 import difflib
 import importlib.util
 import math
+import os
+import shutil
+import subprocess
 import sys
 from functools import cache
 from pathlib import Path
@@ -32,6 +35,8 @@ from s2sad.infer.types import of_value
 from s2sad.program import Generated, Program, Request
 from s2sad.run.compiled import compiled
 from s2sad.run.load import load
+from s2sad.tree import FunctionDef
+from s2sad.units import Unit
 from tests.derivatives import Subject, differences
 
 FOLDER = Path(__file__).resolve().parent / "golden"
@@ -70,8 +75,8 @@ def given(case: str) -> Given:
 def made(case: str) -> Made:
     program, adjoint, tangent = given(case)[1:]
     units, unit = pipeline.entry(program, adjoint.types, "numpy")
-    normal = module_text([u.function for u in units.titled.values()], constants=program.constants, standalone=False,
-                         header=[f"{program.entry} in normal form."])
+    normal = module_text([titled(u) for u in units.titled.values()], constants=program.constants, standalone=False,
+                         header=["Normal form."])
     fast = Request("adjoint", adjoint.types, adjoint.wrt, adjoint.of, "numba", "fast")
     signatures = {"adjoint.py": pipeline.derive(program, adjoint), "adjoint_fast.py": pipeline.derive(program, fast),
                   "tangent.py": pipeline.derive(program, tangent)}
@@ -79,6 +84,13 @@ def made(case: str) -> Made:
     if functions(texts["adjoint_fast.py"]) == functions(texts["adjoint.py"]):
         del texts["adjoint_fast.py"]
     return Made(texts, unit.title, signatures)
+
+
+def titled(unit: Unit) -> FunctionDef:
+    """A kernel in normal form, under the name by which others call it."""
+    renamed = copy.copy(unit.function)
+    renamed.name = unit.title
+    return renamed
 
 
 def functions(text: str) -> str:
@@ -223,12 +235,37 @@ def test_normal_form_runs(case):
         np.testing.assert_allclose(left, right, rtol=1e-6 if getattr(right, "dtype", None) == np.float32 else 1e-14)
 
 
-def test_cases_are_whole():
+# -- the goldens themselves -----------------------------------------------------------------------------------------
+def test_cases_are_small():
     assert len(CASES) >= 30
     for case in CASES:
         lines = (FOLDER / case / "given.py").read_text(encoding="utf-8").splitlines()
-        kernel = lines[next(k for k, line in enumerate(lines) if line.startswith("def kernel")):]
-        assert sum(bool(line.strip()) for line in kernel) <= 14, f"{case}: one feature, at most a dozen lines"
+        first = next(k for k, line in enumerate(lines) if line.startswith("def kernel"))
+        kernel = [line for line in lines[first:lines.index("", first)]]
+        assert len(kernel) <= 13, f"{case}: one feature, at most a dozen lines and the head"
+
+
+def test_a_file_too_many_and_a_missing_one(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys.modules[__name__], "FOLDER", tmp_path)
+    shutil.copytree(Path(__file__).resolve().parent / "golden" / "swap", tmp_path / "swapped")
+    assert "missing" not in difference("swapped")
+    (tmp_path / "swapped" / "primal.py").write_text("kept by hand\n", encoding="utf-8")
+    (tmp_path / "swapped" / "adjoint.py").unlink()
+    update("swapped")
+    assert "swapped/primal.py: no stage writes this file" in difference("swapped")
+    (tmp_path / "swapped" / "primal.py").unlink()
+    (tmp_path / "swapped" / "tangent.py").unlink()
+    assert "swapped/tangent.py: missing" in difference("swapped")
+    update("swapped")
+    assert not difference("swapped")
+
+
+def test_update_is_refused_under_ci():
+    command = [sys.executable, "-m", "pytest", "-n", "0", "-q", "--collect-only", "--update-golden", __file__]
+    done = subprocess.run(command, cwd=FOLDER.parent.parent, env={**os.environ, "CI": "true"}, text=True, check=False,
+                          capture_output=True)
+    assert done.returncode == pytest.ExitCode.USAGE_ERROR
+    assert "--update-golden is refused where CI is set" in done.stderr
 
 
 if __name__ == "__main__":

@@ -35,7 +35,8 @@ def floats(report):
 # -- what is recorded -----------------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("engine", ["numpy", "numba"])
-@pytest.mark.parametrize("name", ["brusselator", "jacobi", "seidel", "upwind", "spmv", "assemble", "cholesky", "mixture"])
+@pytest.mark.parametrize("name", ["brusselator", "jacobi", "seidel", "upwind", "spmv", "assemble", "cholesky",
+                                  "mixture"])
 def test_records_no_float(name, engine):
     assert floats(explained(name, engine)) == []
 

@@ -106,7 +106,7 @@ def model_of(node: AST, typing: Typing) -> AST | None:
     """An array whose shape an elementwise expression has."""
     if isinstance(node, (Name, Subscript)):
         return node if typing.of(node).is_array else None
-    if isinstance(node, (Attribute, Constant)):
+    if isinstance(node, (Attribute, Constant)) or call_name(node) in ("numpy.sum", "builtins.len"):
         return None
     children = [getattr(node, f, None) for f in node._fields]
     flat = [c for child in children for c in (child if isinstance(child, list) else [child]) if isinstance(c, AST)]

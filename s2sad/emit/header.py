@@ -1,4 +1,4 @@
-"""The docstring of a generated file: what it differentiates with respect to what, the types, roles, and what it records."""
+"""The docstring of a generated file: what is differentiated with respect to what, types, roles, what is recorded."""
 from __future__ import annotations
 
 from s2sad.analyze.liveness import base_name, read_names, targets

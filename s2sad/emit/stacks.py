@@ -83,7 +83,7 @@ def _recorded(derived: Derived, key: str, stack: Stack) -> Recorded:
     elif key in plan.recorded:
         value = plan.recorded[key]
         variable, carried = family.get(value.name, value.name), value.kind == "carried"
-        statement = value.home if carried or len(value.bindings) > 1 else value.bindings[0]
+        statement = value.home if carried or len(value.bindings) != 1 else value.bindings[0]
         said = text_of(statement, source, _LONGEST)
         if variable not in names_of(derived):
             what = f"which way `{said}` went" if stack.kind.dtype == "bool" else f"a part of `{said}`"

@@ -13,6 +13,7 @@ A sum runs in blocks of one row, so that its error grows with the length of a ro
 """
 from __future__ import annotations
 
+from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
@@ -58,6 +59,7 @@ class _Scalarize:
         if isinstance(target, Subscript) and (kind := self.typing.of(target)).is_array:
             counters = self.counters(kind.rank)
             place, done = self.element(target, counters), _done(target)
+            value = self.held(value, base_name(target), before)
             inner = self.element_of(value, counters)
             made: AST = (assign(place, inner) if isinstance(statement, Assign)
                          else augment(place, statement.op, inner))
@@ -90,6 +92,18 @@ class _Scalarize:
                 return self.element(n, counters[len(counters) - kind.rank:])
             if isinstance(n, (Subscript, Attribute)) or call_name(n) == "builtins.len":
                 return copy(n)
+            return None
+        return rebuild(value, change)
+
+    def held(self, value: AST, array: str, before: list[AST]) -> AST:
+        """The value with the elements that it reads of the array that is filled taken out before the loop: they are
+        what they were before the statement, for all of it."""
+        def change(n: AST) -> AST | None:
+            if isinstance(n, Subscript) and base_name(n) == array and self.typing.of(n).is_number:
+                made = self.free.fresh(f"{array}_held")
+                self.typing.table[made] = self.typing.of(n)
+                before.append(assign(made, copy(n)))
+                return name(made)
             return None
         return rebuild(value, change)
 

@@ -300,7 +300,7 @@ def array_operands(node: AST, typing: Typing) -> list[AST]:
     """The array references (whole or partly indexed) that an elementwise expression reads, outermost only."""
     if isinstance(node, (Name, Subscript)) and typing.of(node).is_array:
         return [node]
-    if isinstance(node, (Attribute, Name, Constant)) or call_name(node) == "numpy.sum" or isinstance(node, Subscript):
+    if isinstance(node, (Attribute, Name, Constant, Subscript)) or call_name(node) in ("numpy.sum", "builtins.len"):
         return []
     children = [c for f in node._fields for c in _children(getattr(node, f, None))]
     return [part for c in children for part in array_operands(c, typing)]

@@ -16,7 +16,7 @@ table.source { width: 100%; table-layout: fixed; border: 1px solid var(--line); 
 table.source td { font: 13px/1.5 ui-monospace, monospace; white-space: pre-wrap; overflow-wrap: anywhere; }
 table.source td:first-child { width: 3rem; text-align: right; color: var(--note); user-select: none; }
 table.source td:nth-child(2) { width: 60%; }
-table.source td:last-child { font-family: system-ui, sans-serif; color: var(--note); border-left: 1px solid var(--line); }
+table.source td:last-child { font-family: system-ui, sans-serif; color: var(--note); }
 tr.pushed td { background: var(--pushed); } tr.kinked td { background: var(--kinked); }
 tr.dropped td { background: var(--dropped); } tr.again td { background: var(--again); }
 .active { font-weight: 600; } .legend span { padding: 0 .5rem; margin-right: .5rem; }
@@ -38,8 +38,8 @@ def page(title: str, functions: Iterable[Findings], sources: Iterable[tuple[str,
 
 
 def _facts(found: Findings) -> str:
-    rows = [f'<tr><td{_bold(v.active)}>{escape(v.variable)}</td><td>{escape(v.type)}</td><td>{escape(v.reason)}</td></tr>'
-            for v in found.variables]
+    rows = [f"<tr><td{_bold(v.active)}>{escape(v.variable)}</td><td>{escape(v.type)}</td>"
+            f"<td>{escape(v.reason)}</td></tr>" for v in found.variables]
     stacks = [f"<tr><td>{escape(s.name)}</td><td>{escape(s.what)}</td>"
               f"<td>{escape(s.size)}</td></tr>" for s in found.recorded]
     recorded = f'<table class="facts"><tr><th>recorded</th><th>what</th><th>size</th></tr>{"".join(stacks)}</table>' \

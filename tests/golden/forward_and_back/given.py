@@ -1,4 +1,4 @@
-"""Iterations that share nothing but a sum: each is run forwards and back at once, its work array recorded once."""
+"""Iterations that share nothing but a sum: each is run forwards and back at once, its work array recorded by no one."""
 import math
 
 import numpy as np
@@ -8,10 +8,10 @@ def kernel(x, scales):
     work = np.empty(scales.size)
     total = 0.0
     for i in range(x.size):
-        work[0] = scales[0] * x[i]
-        for k in range(1, scales.size):
-            work[k] = math.sin(work[k - 1]) * scales[k]
-        total += work[scales.size - 1] ** 2
+        for k in range(scales.size):
+            work[k] = math.sin(scales[k] * x[i])
+        for k in range(scales.size):
+            total += work[k] * work[k]
     return total
 
 

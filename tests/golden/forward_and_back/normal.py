@@ -1,4 +1,4 @@
-"""kernel in normal form."""
+"""Normal form."""
 
 import math
 
@@ -10,10 +10,9 @@ def kernel(x, scales):
     total = 0.0
     total_1 = total
     for i in range(x.size):
-        work[0] = scales[0] * x[i]
-        for k in range(1, scales.size):
-            work_here = work[k - 1]
-            work[k] = math.sin(work_here) * scales[k]
-        work_here_2 = work[scales.size - 1]
-        total_1 += work_here_2 ** 2
+        for k in range(scales.size):
+            work[k] = math.sin(scales[k] * x[i])
+        for k in range(scales.size):
+            work_here = work[k]
+            total_1 += work_here * work_here
     return total_1

@@ -1,4 +1,4 @@
-"""kernel in normal form."""
+"""Normal form."""
 
 
 def add(out, a, b):
@@ -6,7 +6,7 @@ def add(out, a, b):
         out[i] = a[i] * b[i]
 
 
-def add(out, b):
+def add_2(out, b):
     for i in range(out.size):
         out_here = out[i]
         out[i] = out_here * b[i]

@@ -1,4 +1,4 @@
-"""kernel in normal form."""
+"""Normal form."""
 
 G = 9.81
 

@@ -1,4 +1,4 @@
-"""kernel in normal form."""
+"""Normal form."""
 
 import math
 

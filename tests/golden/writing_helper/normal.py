@@ -1,4 +1,4 @@
-"""kernel in normal form."""
+"""Normal form."""
 
 
 def step(u, k):

@@ -1,0 +1,64 @@
+"""Adjoint of kernel: d(y) / d(y, x).
+
+Engine: NumPy. Level: plain. Arguments:
+    y: float64[:], in-out
+    x: float64[:, :], in
+
+It records:
+    energy_value_stack: a part of `y[i] = y[i] * energy(x[i])`, 8 * x.shape[0] bytes
+    y_stack: y before `y[i] = y[i] * energy(x[i])`, 8 * x.shape[0] bytes
+"""
+
+import numpy as np
+
+
+def square(a):
+    return a * a
+
+
+def energy(row):
+    total = 0.0
+    for i in range(row.size):
+        square_value = square(row[i])
+        total += square_value
+    return total
+
+
+def square_adjoint(a, result_bar):
+    # reverse sweep
+    # return a * a
+    a_bar = a * result_bar + a * result_bar
+    return a_bar,
+
+
+def energy_adjoint(row, row_bar, result_bar):
+    # reverse sweep
+    # return total
+    total_1_bar = result_bar
+    for i in range(row.size - 1, -1, -1):
+        # total += square(row[i])
+        square_value_bar = total_1_bar
+        gain, = square_adjoint(row[i], square_value_bar)
+        row_bar[i] += gain
+
+
+def kernel_adjoint(y, y_bar, x, x_bar):
+    # forward sweep: only what the reverse sweep reads
+    energy_value_stack = np.empty(x.shape[0])
+    y_stack = np.empty(x.shape[0])
+    for i in range(x.shape[0]):
+        energy_value = energy(x[i])
+        energy_value_stack[i] = energy_value
+        y_here = y[i]
+        y_stack[i] = y[i]
+        y[i] = y_here * energy_value
+    # reverse sweep
+    for i in range(x.shape[0] - 1, -1, -1):
+        # y[i] = y[i] * energy(x[i])
+        energy_value = energy_value_stack[i]
+        y[i] = y_stack[i]
+        y_here = y[i]
+        seed = y_bar[i]
+        energy_value_bar = y_here * seed
+        y_bar[i] = energy_value * seed
+        energy_adjoint(x[i], x_bar[i], energy_value_bar)

@@ -1,0 +1,64 @@
+"""Adjoint of kernel: d(y, return) / d(x, y).
+
+Engine: NumPy. Level: plain. Arguments:
+    x: float64[:], in
+    y: float64[:], in-out
+
+It records:
+    y_stack: y before `y[k] = total * value`, 8 * len(x) bytes
+    total_2_stack: total where an iteration of `for i in reversed(range(1, x.size)):` begins,
+        8 * len(range(x.size - 1, 0, -1)) bytes
+"""
+
+import numpy as np
+
+
+def kernel_adjoint(x, x_bar, y, y_bar, result_bar):
+    # forward sweep: only what the reverse sweep reads
+    total = 0.0
+    for index in range(min(len(x), len(y))):
+        value = x[index]
+        other = y[index]
+        total += value * other
+    y_stack = np.empty(len(x))
+    for k in range(len(x)):
+        value_1 = x[k]
+        y_stack[k] = y[k]
+        y[k] = total * value_1
+    total_1 = total
+    total_2_stack = np.empty(len(range(x.size - 1, 0, -1)))
+    for i in range(x.size - 1, 0, -1):
+        total_2_stack[x.size - 1 - i] = total_1
+        total_1 = total_1 * x[i]
+    # reverse sweep
+    # return total
+    total_bar = result_bar
+    for i in range(1, x.size):
+        # for i in reversed(range(1, x.size)):
+        total_1 = total_2_stack[x.size - 1 - i]
+        # total *= x[i]
+        total_1_bar = total_bar
+        total_bar = x[i] * total_1_bar
+        x_bar[i] += total_1 * total_1_bar
+    for k in range(len(x) - 1, -1, -1):
+        # y[k] = total * value
+        y[k] = y_stack[k]
+        # for k, value in enumerate(x):
+        value_1 = x[k]
+        # y[k] = total * value
+        seed = y_bar[k]
+        y_bar[k] = 0.0
+        total_bar += value_1 * seed
+        value_1_bar = total * seed
+        # for k, value in enumerate(x):
+        x_bar[k] += value_1_bar
+    for index in range(min(len(x), len(y)) - 1, -1, -1):
+        # for value, other in zip(x, y):
+        value = x[index]
+        other = y[index]
+        # total += value * other
+        value_bar = other * total_bar
+        other_bar = value * total_bar
+        # for value, other in zip(x, y):
+        y_bar[index] += other_bar
+        x_bar[index] += value_bar
