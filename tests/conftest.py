@@ -1,4 +1,4 @@
-"""What all tests share: this folder's parent on the path, quiet floating point, Hypothesis profiles, goldens' option."""
+"""What all tests share: this folder's parent on the path, quiet floating point, Hypothesis profiles, options."""
 from __future__ import annotations
 
 import os

@@ -89,10 +89,10 @@ def test_a_refusal_leaves_the_file_as_it_was(ran, kernel, tmp_path):
 def test_files_pass_ruff_and_run_with_numpy_alone(tmp_path, ran, mode):
     for case in LOOPS:
         source = Path(case.function.__code__.co_filename)
-        for engine in ("numpy", "numba"):
+        for engine, level in (("numpy", "plain"), ("numba", "fast")):
             path = tmp_path / f"{case.name}_{engine}.py"
             status, _, err = ran(mode, f"{source}:{case.function.__name__}", "--wrt", ",".join(case.wrt), "--of",
-                                 ",".join(case.of), "--standalone", "--engine", engine, "-o", path)
+                                 ",".join(case.of), "--standalone", "--engine", engine, "--level", level, "-o", path)
             assert status == 0, err
             assert max(map(len, path.read_text().splitlines())) <= 100
     done = run_python("-m", "ruff", "check", "--isolated", str(tmp_path))

@@ -125,9 +125,10 @@ def difference(case: str) -> str:
     for name in sorted((present | set(texts)) - {"given.py"}):
         before = golden(case, name).splitlines() if name in present else []
         after = texts[name].splitlines() if name in texts else []
-        lines += difflib.unified_diff(before, after, f"tests/golden/{case}/{name}", f"{name} as it is made", lineterm="")
+        place = f"tests/golden/{case}/{name}"
+        lines += difflib.unified_diff(before, after, place, f"{name} as it is made", lineterm="")
         if name not in texts or name not in present:
-            lines.append(f"tests/golden/{case}/{name}: {'missing' if name in texts else 'no stage writes this file'}")
+            lines.append(f"{place}: {'missing' if name in texts else 'no stage writes this file'}")
     return "\n".join(lines)
 
 
@@ -220,7 +221,8 @@ def test_tangent_runs(case):
     results = tuple(v for r, v in call.returned.items() if r not in subject.of)
     found = flat({**call.shadows, "return": results}, subject.of)
     expected, error = differences(subject, flat(direction, subject.wrt))
-    assert np.all(np.abs(found - expected) <= tolerance(subject) * np.abs(expected).max() + 10 * error), (found, expected)
+    apart = np.abs(found - expected)
+    assert np.all(apart <= tolerance(subject) * np.abs(expected).max() + 10 * error), (found, expected)
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -241,8 +243,7 @@ def test_cases_are_small():
     for case in CASES:
         lines = (FOLDER / case / "given.py").read_text(encoding="utf-8").splitlines()
         first = next(k for k, line in enumerate(lines) if line.startswith("def kernel"))
-        kernel = [line for line in lines[first:lines.index("", first)]]
-        assert len(kernel) <= 13, f"{case}: one feature, at most a dozen lines and the head"
+        assert lines.index("", first) - first <= 13, f"{case}: one feature, at most a dozen lines and the head"
 
 
 def test_a_file_too_many_and_a_missing_one(tmp_path, monkeypatch):

@@ -128,6 +128,19 @@ def test_loops_that_run_again():
     assert "x[i] = guess" in [p["text"] for p in entry["dropped"]]
 
 
+def viewed(x, c):
+    row = x[0]
+    row[:] = 2.0 * row
+    for line in x:
+        line[0] += c
+
+
+def test_a_view_is_as_active_as_its_array():
+    [entry] = facts(explain(viewed, np.ones((2, 3)), 1.0, engine="numpy"))
+    verdicts = {v["variable"]: v["reason"] for v in entry["variables"]}
+    assert verdicts["row"] == verdicts["line"] == "active, as x, which stands in its place"
+
+
 # -- kinks ----------------------------------------------------------------------------------------------------------
 
 def kinked(x, c, k):

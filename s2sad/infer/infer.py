@@ -13,7 +13,7 @@ from s2sad import rules
 from s2sad.diagnostics import Report
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, TEXT, UNKNOWN, Type, array, of_value
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
+    AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
     FunctionDef, If, IfExp, List, LShift, Name, Not, Return, RShift, Slice, Subscript, Tuple, UnaryOp, While,
     call_name, indices,
 )
@@ -53,6 +53,9 @@ class Typing:
 
     def bind(self, identifier: str, new: Type, place: AST) -> None:
         old = self.table.get(identifier)
+        if self.final and (old or new).kind == "unknown":
+            self.report.error("S203", f"the type of '{identifier}' cannot be inferred", place,
+                              help="write it with operations on numbers and arrays that are known")
         joined = new if old is None else join(old, new)
         if joined is None:
             if self.final:
@@ -110,6 +113,8 @@ class Typing:
 
     def _BinOp(self, node: BinOp) -> Type:
         left, right = self.of(node.left), self.of(node.right)
+        if left.kind == right.kind == "tuple" and isinstance(node.op, Add):
+            return Type("tuple", items=left.items + right.items)
         result = promote(left, right)
         if isinstance(node.op, (BitAnd, BitOr, BitXor)) and left == right == BOOL:
             return BOOL

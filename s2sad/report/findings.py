@@ -14,7 +14,7 @@ from s2sad.emit.origins import text_of
 from s2sad.emit.stacks import Recorded, recorded_by
 from s2sad.report.kinks import kinks
 from s2sad.report.sizes import Sizes
-from s2sad.tree import AST, AnnAssign, Assign, AugAssign, Expr, Name, is_comment, names, stored_names, walk
+from s2sad.tree import AST, AnnAssign, Assign, AugAssign, Expr, For, Name, is_comment, names, stored_names, walk
 from s2sad.units import Derived, Unit
 
 _LONGEST = 90
@@ -122,9 +122,21 @@ def _verdicts(derived: Derived) -> Iterator[Verdict]:
     for variable in dict.fromkeys(own):
         found = [v for v in versions.get(variable, [variable]) if v in table]
         if not found or not present.intersection(found):
-            yield Verdict(variable, "", False, "another name: what it stands for was put in its place")
+            yield _replaced(variable, derived)
             continue
         yield Verdict(variable, str(table[found[0]]), *_verdict(found, derived))
+
+
+def _replaced(variable: str, derived: Derived) -> Verdict:
+    """The verdict for a name in whose place stands what it was a name for, as a view's array."""
+    for statement in walk(derived.unit.kernel.tree.body):
+        if isinstance(statement, (Assign, For)) and variable in stored_names(statement):
+            for base in names(statement.iter if isinstance(statement, For) else statement.value):
+                kind = derived.unit.typing.table.get(base)
+                if kind is not None and kind.is_array:
+                    active, reason = _verdict([base], derived)
+                    return Verdict(variable, "", active, f"{reason}, as {base}, which stands in its place")
+    return Verdict(variable, "", False, "inactive: it stands for something else, which stands in its place")
 
 
 def _verdict(versions: list[str], derived: Derived) -> tuple[bool, str]:

@@ -27,7 +27,7 @@ def grow(stack, top):
 
 
 def sized(stack, shape):
-    """A stack of this shape: the same one if it has it, else a new one whose content is unspecified.
+    """A stack of this shape: the same one if it has it, else a new one of unspecified content.
 
     >>> stack = np.array([1.5, 2.5])
     >>> sized(stack, (2,)) is stack, sized(stack, (3,)).shape
