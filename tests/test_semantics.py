@@ -1,0 +1,156 @@
+"""docs/semantics.md is true: every row of its tables is executed under both engines, and so are its kernels."""
+from __future__ import annotations
+
+import importlib.util
+import inspect
+import itertools
+import re
+import warnings
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+import s2sad
+from s2sad import Differentiated, S2sadError
+from tests import semantics
+
+PAGE = Path(__file__).resolve().parent.parent / "docs" / "semantics.md"
+ENGINES = ["numpy", "numba"]
+_NUMBER = itertools.count()
+
+
+def lines_under(head: tuple[str, ...]) -> list[str]:
+    """The lines of the table with this head."""
+    lines = PAGE.read_text().splitlines()
+    start = lines.index(f"| {' | '.join(head)} |")
+    return list(itertools.takewhile(lambda line: line.startswith("|"), lines[start:]))
+
+
+def blocks() -> list[str]:
+    return re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.S)
+
+
+@pytest.fixture(params=ENGINES)
+def engine(request, tmp_path_factory, monkeypatch):
+    if request.param == "numba":
+        pytest.importorskip("numba")
+    monkeypatch.setenv("S2SAD_CACHE_DIR", str(tmp_path_factory.getbasetemp() / "modules"))
+    return request.param
+
+
+# -- roles ----------------------------------------------------------------------------------------------------------
+
+def test_the_page_shows_the_kernel():
+    assert blocks()[0] == inspect.getsource(semantics.roles)
+
+
+def test_every_role_and_annotation(engine):
+    assert "\n".join(semantics.table(engine)) == "\n".join(lines_under(semantics.HEAD))
+
+
+def after(values: dict[str, Any]) -> np.ndarray:
+    """The exit state of `roles`, all arguments in a row."""
+    given = {n: np.array(v) if n != "k" else v for n, v in values.items()}
+    semantics.roles(**given)
+    return np.concatenate([np.atleast_1d(given[n]) for n in given])
+
+
+def test_the_table_agrees_with_differences():
+    """The law as a formula: the shadow on exit is the transposed Jacobian times the shadow on entry."""
+    entry = {n: np.array(v) if n != "k" else v for n, v in semantics.ENTRY.items()}
+    flat = after(entry)
+    owners = [n for n in entry for _ in np.atleast_1d(entry[n])]
+    jacobian = np.zeros((flat.size, flat.size))
+    for column, (name, start) in enumerate((n, owners.index(n)) for n in owners):
+        up, down = ({n: np.array(v, dtype=float) for n, v in entry.items()} for _ in range(2))
+        for shifted, h in ((up, 1e-3), (down, -1e-3)):
+            place = np.atleast_1d(shifted[name])
+            place[column - start] += h
+            shifted[name] = place if name != "k" else place[0]
+        up["k"], down["k"] = float(up["k"]), float(down["k"])
+        jacobian[:, column] = (after(up) - after(down)) / 2e-3
+    for line in lines_under(semantics.HEAD)[2:]:
+        name, _, said, wrt, of, before, shadow, _ = [cell.strip(" `") for cell in line.strip("|").split("|")]
+        if not re.match(r"\[|\d", shadow) or said == "gradient":
+            continue
+        seeds = np.concatenate([semantics.SHADOW if n == name else np.ones(2) for n in entry if n != "k"] + [[0.0]])
+        mine = np.array([n == name for n in owners])
+        read = np.array([n not in semantics.WRITTEN for n in owners])
+        if of == "no" or said == "vjp":
+            seeds[read & mine] = 0.0
+        added = np.zeros(2)
+        if of == "no" and not read[mine][0]:
+            added, seeds[mine] = (np.array(semantics.SHADOW) if before else 0.0), 0.0
+        elif of == "no" and before:
+            added = np.array(semantics.SHADOW)
+        expected = (jacobian.T @ seeds)[mine] + (added if name != "k" else 0.0)
+        found = np.array([float(x) for x in re.findall(r"-?[\d.]+", shadow)])
+        np.testing.assert_allclose(found, expected, atol=1e-6, err_msg=line)
+
+
+# -- rules ----------------------------------------------------------------------------------------------------------
+
+RULES = ("rule", "call", "gives", "afterwards")
+
+
+def rules() -> list[tuple[str, ...]]:
+    return [tuple(c.strip() for c in line.strip("|").split("|")) for line in lines_under(RULES)[2:]]
+
+
+def module(folder: Path) -> ModuleType:
+    path = folder / f"kernels_{next(_NUMBER)}.py"
+    path.write_text(blocks()[1])
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    return made
+
+
+def space(engine: str, folder: Path) -> dict[str, Any]:
+    """The names that a row may use."""
+    made = module(folder)
+
+    def rewrite(old: str, new: str) -> None:
+        path = Path(made.__file__)
+        assert old in path.read_text()
+        path.write_text(path.read_text().replace(old, new))
+
+    values = {"u": np.array([1.0, 2.0]), "du": np.zeros(2), "u_bar": np.zeros(2), "du_bar": np.ones(2)}
+    wrapped = {n: Differentiated(f, engine=engine) for n, f in vars(made).items() if isinstance(f, FunctionType)}
+    public = {n: getattr(s2sad, n) for n in s2sad.__all__}
+    return {"np": np, "kernels": made, "rewrite": rewrite, **public, **values, **wrapped}
+
+
+def shown(value: Any) -> str:
+    if isinstance(value, (tuple, list)):
+        return f"({', '.join(map(shown, value))})"
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{k}: {shown(v)}' for k, v in value.items())}}}"
+    return str(value).lower() if isinstance(value, bool) else str(value) if isinstance(value, int) \
+        else semantics.shown(value)
+
+
+def played(call: str, names: dict[str, Any]) -> str:
+    *before, last = call.split("; ")
+    exec("\n".join(before), names)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            return shown(eval(last, names))
+    except S2sadError as error:
+        return f"{error.diagnostics[0].code}: {error.diagnostics[0].message}"
+    except Exception as error:
+        return type(error).__name__
+
+
+@pytest.mark.parametrize("number", range(len(rules()) if PAGE.exists() else 0))
+def test_every_rule(number, engine, tmp_path):
+    _, call, gives, afterwards = rules()[number]
+    names = space(engine, tmp_path)
+    assert played(call.strip("`"), names) == gives
+    for part in filter(None, afterwards.split("; ")):
+        name, _, value = part.partition(" = ")
+        assert shown(eval(name.strip("`"), names)) == value, name
