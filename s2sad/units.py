@@ -31,6 +31,7 @@ from s2sad.normalize.views import views
 from s2sad.normalize.workspace import is_allocation, workspace
 from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects, Watch, simplify, unwatched
+from s2sad.simplify.dead import dead
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, Tuple, call_name, copy,
     name, walk,
@@ -259,10 +260,12 @@ class Units:
 
     def _finished(self, unit: Unit, wanted: Wanted, made: Made, found: Activity, typing: Typing, names: Names,
                   plan: Plan | None) -> Derived:
-        function = scalarize(made.function, typing, names) if self.engine == "numba" else made.function
-        arrays = {n for n, role, _ in made.parameters if role == "shadow" and typing.table[n].is_array}
-        if plan is None:
-            arrays |= {n for n, role, _ in made.parameters if role == "primal" and typing.table[n].is_array}
+        function = made.function
+        if self.engine == "numba":
+            function = dead(function, self._live_out(made, typing, plan is None), self.effects.writes,
+                            self.effects.pure, self.effects.unread)
+            function = scalarize(function, typing, names)
+        arrays = self._live_out(made, typing, plan is None)
         family = {**unit.family, **{s: f"{unit.family.get(p, p)}_{'bar' if plan else 'dot'}"
                                     for p, s in made.shadows.items() if typing.table[s].is_number}}
         self.watch("differentiate", verify(function, "derivative", "differentiate"))
@@ -283,6 +286,10 @@ class Units:
             tuple(k for k, p in enumerate(order) if position[p] in effect.reads),
             tuple(k for k, p in enumerate(order) if position[p] in effect.writes))
         return Derived(callee, function, made, unit, found, dict(typing.table), plan)
+
+    def _live_out(self, made: Made, typing: Typing, primals: bool) -> set[str]:
+        """The arrays whose content the caller reads: the shadows, of a tangent the primals too."""
+        return {n for n, role, _ in made.parameters if typing.table[n].is_array and (primals or role == "shadow")}
 
     def for_calls(self, mode: str):
         def made(pattern: Pattern) -> Callee:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, Break, Call, Expr, For, FunctionDef, If, Name, Pass, Raise, Return,
+    AST, Assert, Assign, Attribute, AugAssign, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Pass, Raise, Return,
     Store, Subscript, Tuple, While, call_name, children, forgotten, walk,
 )
 
@@ -113,6 +113,8 @@ class Liveness:
         for target in targets(statement):
             if isinstance(target, Name):
                 live -= {target.id, "=" + target.id}
+            elif isinstance(statement, Assign) and _is_whole(target):
+                live = (live - {base_name(target)}) | {"=" + base_name(target)}
             else:
                 live |= read_names(target) - {base_name(target)}
                 live.add(base_name(target))
@@ -141,6 +143,10 @@ class Liveness:
             if grown == around:
                 return around | test
             around = grown
+
+
+def _is_whole(place: AST) -> bool:
+    return isinstance(place, Subscript) and isinstance(place.slice, Constant) and place.slice.value is Ellipsis
 
 
 def _does(statement: AST, liveness: Liveness, live: set[str]) -> bool:

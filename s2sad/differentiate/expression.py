@@ -16,7 +16,7 @@ from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Attribute, BinOp, Constant, Mult, Name, Subscript, assign, attribute, call, call_name, copy, dump, name,
+    AST, Attribute, BinOp, Constant, Mult, Name, Subscript, assign, attribute, call, call_name, const, copy, dump, name,
 )
 
 
@@ -30,7 +30,16 @@ class Gains:
         self.terms.setdefault(dump(leaf), (leaf, []))[1].append(term)
 
     def sums(self) -> list[tuple[AST, Term]]:
-        return [(leaf, total(terms)) for leaf, terms in self.terms.values()]
+        return [(leaf, total(_doubled(terms))) for leaf, terms in self.terms.values()]
+
+
+def _doubled(terms: list[Term]) -> list[Term]:
+    """The terms with equal ones counted: 2.0 * x * seed instead of x * seed + x * seed."""
+    groups: dict[tuple[str, bool], list[Term]] = {}
+    for term in terms:
+        groups.setdefault((dump(term.tree), term.negative), []).append(term)
+    return [same[0] if len(same) == 1 else Term(BinOp(const(float(len(same))), Mult(), same[0].tree), same[0].negative)
+            for same in groups.values()]
 
 
 class Pullback:

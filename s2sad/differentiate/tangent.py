@@ -103,7 +103,7 @@ class _Tangent:
 
     def returned(self, statement: Return) -> list[AST]:
         if statement.value is None:
-            return [Return(tuple_of(const(None)))] if self.wanted.with_primal else []
+            return [Return(tuple_of(const(None)))] if self.wanted.with_primal and not self.flat else []
         parts = list(statement.value.elts) if isinstance(statement.value, Tuple) else [statement.value]
         dots: list[AST] = []
         for result in (o for o in self.wanted.of if o.startswith("return ")):

@@ -126,9 +126,14 @@ def _may_share(a: Slot, b: Slot, primals: dict[str, Any], written: set[str]) -> 
 
 def _overlapping(a: Slot, b: Slot) -> Diagnostic:
     if a.role == b.role == "primal":
-        writer = a.name if a.written else b.name
-        return Diagnostic("S404", f"the arguments '{a.name}' and '{b.name}' share memory, and '{writer}' is written",
+        writer = _plain(a if a.written else b)
+        return Diagnostic("S404", f"the arguments {_plain(a)} and {_plain(b)} share memory, and {writer} is written",
                           help="pass a copy of one of them")
     kind = {"shadow": "shadow", "seed": "seed", "primal": "argument"}
-    return Diagnostic("S404", f"the {kind[a.role]} '{a.name}' and the {kind[b.role]} '{b.name}' share memory",
+    return Diagnostic("S404", f"the {kind[a.role]} {_plain(a)} and the {kind[b.role]} {_plain(b)} share memory",
                       help="give each shadow memory of its own: s2sad.make_zero(x)")
+
+
+def _plain(slot: Slot) -> str:
+    """The name in quotes; an array that the kernel reads from its module is called as it is there."""
+    return f"'{slot.name.rpartition('.')[2]}'"

@@ -10,14 +10,16 @@ from dataclasses import dataclass, field
 
 from s2sad.analyze.liveness import Liveness, base_name, targets
 from s2sad.infer.infer import Typing
+from s2sad.differentiate.adjoint import REVERSE
 from s2sad.naming import Names
 from s2sad.simplify.algebra import algebra
-from s2sad.simplify.coalesce import coalesce, share
+from s2sad.simplify.coalesce import coalesce, share, split
 from s2sad.simplify.dead import dead
 from s2sad.simplify.fold import fold
 from s2sad.simplify.merge import merge
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.simplify.select import select
+from s2sad.simplify.undone import undone
 from s2sad.tree import AST, Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, forgotten, walk
 
 
@@ -93,8 +95,12 @@ def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], l
     watch("merge", function)
     function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
     watch("dead", function)
+    function = undone(function, effects.writes, effects.pure)
+    function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
+    watch("undone", function)
     function, renamed = coalesce(function, dict(family), live_out, effects.writes, fixed, names, shadows)
     watch("coalesce", function)
+    function = split(function, set(_temporaries(typing, names, set(family) | fixed)), names, typing, REVERSE)
     function = fold(function, fixed | {renamed.get(n, n) for n in kept}, effects.writes)
     watch("fold", function)
     function = merge(algebra(function))

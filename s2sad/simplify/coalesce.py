@@ -13,9 +13,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from s2sad.analyze.liveness import Liveness, targets
+from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.simplify.rebuild import with_blocks
-from s2sad.tree import AST, Assign, AugAssign, Call, For, FunctionDef, Name, rename, walk
+from s2sad.tree import (
+    AST, Assign, AugAssign, Call, For, FunctionDef, Name, copy, is_comment, rename, stored_names, walk,
+)
 
 
 def coalesce(function: FunctionDef, family: Mapping[str, str], live_out: set[str],
@@ -41,10 +44,19 @@ def coalesce(function: FunctionDef, family: Mapping[str, str], live_out: set[str
     shared.body = _without_self(shared.body)
     primals = {n: f for n, f in family.items() if n not in shadows}
     short = _short(shared, primals, fixed, names)
-    called = {s: f"{short.get(roots.get(p, p), roots.get(p, p))}_{family[s].rpartition('_')[2]}"
+    present = {n.id for n in walk(rename(shared, short)) if isinstance(n, Name)}
+    called = {s: f"{_called(p, roots, short, family, present)}_{family[s].rpartition('_')[2]}"
               for s, p in shadows.items() if s in family}
     short |= _short(rename(shared, short), called, fixed, names)
     return rename(shared, short), {n: short.get(r, r) for n, r in roots.items()}
+
+
+def _called(primal: str, roots: Mapping[str, str], short: Mapping[str, str], family: Mapping[str, str],
+            present: set[str]) -> str:
+    """What a primal is called now; the user's variable if nothing is left of it."""
+    root = roots.get(primal, primal)
+    now = short.get(root, root)
+    return now if now in present else family.get(primal, now)
 
 
 def _root(classes: dict[str, str], name: str) -> str:
@@ -152,3 +164,19 @@ def _group_names(function: FunctionDef, classes: Mapping[str, list[list[str]]], 
             taken.add(made)
             mapping |= {n: made for n in group if n != made}
     return mapping
+
+
+def split(function: FunctionDef, temporaries: set[str], names: Names, typing: Typing,
+          mark: str) -> FunctionDef:
+    """The function in which a temporary that is bound before the comment `mark` and again after it has two names."""
+    start = next((k for k, s in enumerate(function.body) if is_comment(s) and s.value.value == mark), None)
+    if start is None:
+        return function
+    first, second = function.body[:start], function.body[start:]
+    counted = {s.target.id for s in walk(second) if isinstance(s, AugAssign) and isinstance(s.target, Name)}
+    both = [n for n in stored_names(second) if n in temporaries - counted and n in set(stored_names(first))]
+    mapping = {n: names.fresh(names.wanted.get(n, n)) for n in both}
+    typing.table.update({made: typing.table[n] for n, made in mapping.items()})
+    new = copy(function)
+    new.body = first + rename(second, mapping)
+    return new

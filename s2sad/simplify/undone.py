@@ -1,0 +1,114 @@
+"""undone: stores that are overwritten before anything reads them, and restores of what was never overwritten.
+
+    x_before = x[0]                 x_bar[0] ...
+    x[0] = f(x_before)
+    x[0] = x_before
+    x_bar[0] ...
+
+Within one block, between two statements of which nothing else touches the array or what its subscripts read.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from s2sad.analyze.liveness import base_name, targets
+from s2sad.simplify.rebuild import with_blocks
+from s2sad.tree import (
+    AST, Assign, AugAssign, Call, Constant, Expr, FunctionDef, Name, Subscript, call_name, copy, dump, name, names,
+    stored_names, walk,
+)
+
+Writes = Callable[[Call], list[str]]
+Pure = Callable[[Call], bool]
+
+
+def undone(function: FunctionDef, writes: Writes, pure: Pure) -> FunctionDef:
+    """The function without such stores."""
+    new = copy(function)
+    new.body = _Undone(writes, pure).block(function.body)
+    return new
+
+
+class _Undone:
+    def __init__(self, writes: Writes, pure: Pure):
+        self.writes, self.pure = writes, pure
+
+    def block(self, block: list[AST]) -> list[AST]:
+        block = [with_blocks(s, self.block) for s in block]
+        changed = True
+        while changed:
+            changed = False
+            for position, statement in enumerate(block):
+                if self.overwritten(statement, block[position + 1:]) or self.needless(statement, block[:position]):
+                    block = block[:position] + block[position + 1:]
+                    changed = True
+                    break
+        return block
+
+    def overwritten(self, statement: AST, rest: list[AST]) -> bool:
+        """Whether a store, or a call that only writes one array, is overwritten before the array is read."""
+        place = self.filled(statement)
+        if place is None:
+            return False
+        array = base_name(place)
+        for later in rest:
+            if not _mentions(later, array):
+                if set(stored_names(later)) & set(names(place)):
+                    return False
+                continue
+            if not isinstance(later, Assign) or not isinstance(later.targets[0], Subscript):
+                return False
+            target = later.targets[0]
+            reads = _mentions(later.value, array) or array in names(target.slice)
+            return not reads and base_name(target) == array and (dump(target) == dump(place) or _is_whole(target))
+        return False
+
+    def filled(self, statement: AST) -> AST | None:
+        """The place that a statement writes, if that is all that it does."""
+        if isinstance(statement, (Assign, AugAssign)):
+            target = targets(statement)[0]
+            calls = any((call_name(n) or "").startswith("user.") for n in walk(statement.value))
+            return target if isinstance(target, Subscript) and not calls else None
+        called = statement.value if isinstance(statement, Expr) else None
+        if isinstance(called, Call) and (call_name(called) or "").startswith("user.") and self.pure(called):
+            written = set(self.writes(called))
+            return name(written.pop()) if len(written) == 1 else None
+        return None
+
+    def needless(self, statement: AST, before: list[AST]) -> bool:
+        """Whether a store puts back what the array still holds."""
+        if not isinstance(statement, Assign) or not isinstance(statement.value, Name):
+            return False
+        place = statement.targets[0]
+        if not isinstance(place, Subscript):
+            return False
+        array = base_name(place)
+        for earlier in reversed(before):
+            if isinstance(earlier, Assign) and isinstance(earlier.targets[0], Name) and \
+                    earlier.targets[0].id == statement.value.id:
+                return dump(_loaded(earlier.value)) == dump(name(array) if _is_whole(place) else place)
+            bound = set(stored_names(earlier)) | self.stored(earlier)
+            if bound & {array, statement.value.id, *names(place)}:
+                return False
+        return False
+
+    def stored(self, statement: AST) -> set[str]:
+        found: set[str] = set()
+        for part in walk(statement):
+            if isinstance(part, (Assign, AugAssign)):
+                found |= {base_name(t) for t in targets(part)}
+            if isinstance(part, Call):
+                found |= set(self.writes(part))
+        return found
+
+
+def _loaded(value: AST) -> AST:
+    return value.args[0] if isinstance(value, Call) and call_name(value) == "numpy.copy" else value
+
+
+def _is_whole(place: AST) -> bool:
+    return isinstance(place, Subscript) and isinstance(place.slice, Constant) and place.slice.value is Ellipsis
+
+
+def _mentions(node: AST, array: str) -> bool:
+    return any(isinstance(n, Name) and n.id == array for n in walk(node))
