@@ -25,6 +25,7 @@ from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.form import verify
 from s2sad.normalize.rename import rename
+from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize
 from s2sad.normalize.sharing import shared, specialised
 from s2sad.normalize.views import views
@@ -131,6 +132,8 @@ class Units:
         report.finish()
         typing = Typing(table, self.call_types, report, values)
         typing.final = True
+        ruled(tree, typing, report)
+        report.finish()
         tree = views(tree, table, typing, names, report)
         report.finish()
         self.watch("views", tree)

@@ -14,7 +14,8 @@ from s2sad.tree import AST, FunctionDef, Pass, copy, forgotten
 from s2sad.units import Units
 
 NORMALIZE = ("structured", "views", "workspace", "scalarize", "rename", "atoms")
-DERIVE = ("differentiate", "merge", "dead", "coalesce", "fold", "algebra", "select", "final")
+DERIVE = ("differentiate", "merge", "dead", "undone", "coalesce", "fold", "algebra", "select", "gains",
+          "final")
 STAGES = (*NORMALIZE, *DERIVE)
 ROOMS = {"normalize": "atoms", "simplify": "final"}
 

@@ -16,6 +16,7 @@ from s2sad.simplify.algebra import algebra
 from s2sad.simplify.coalesce import coalesce, share, split
 from s2sad.simplify.dead import dead
 from s2sad.simplify.fold import fold
+from s2sad.simplify.gains import gains
 from s2sad.simplify.merge import merge
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.simplify.select import select
@@ -108,6 +109,8 @@ def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], l
     if choices:
         function = merge(select(function))
         watch("select", function)
+        function = gains(function)
+        watch("gains", function)
     function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
     function.body = _unmarked(function.body)
     return share(function, _temporaries(typing, names, set(renamed.values()) | fixed), live_out, effects.writes)

@@ -1,0 +1,88 @@
+"""gains: within a run of statements a shadow's element gains once.
+
+    u_bar[i] += u[i] * seed             ...
+    ...                                 u_bar[i] += b * seed_2 + u[i] * seed
+    u_bar[i] += b * seed_2
+
+Sums commute: an earlier gain joins a later one of the same element if nothing between reads or overwrites the array.
+Compilers cannot do it: for all they know a store to a shadow changes what the other gain reads.
+"""
+from __future__ import annotations
+
+from s2sad.analyze.liveness import base_name, targets
+from s2sad.simplify.rebuild import with_blocks
+from s2sad.tree import (
+    AST, Add, Assign, AugAssign, BinOp, FunctionDef, IfExp, Sub, Subscript, at, augment, call_name, copy, dump,
+    is_comment, names, negate, walk,
+)
+
+
+def gains(function: FunctionDef) -> FunctionDef:
+    """The function with its gains joined."""
+    new = copy(function)
+    new.body = _block(function.body)
+    return new
+
+
+def _block(block: list[AST]) -> list[AST]:
+    made: list[AST] = []
+    run: list[AST] = []
+    for statement in block:
+        if _is_plain(statement):
+            run.append(statement)
+        else:
+            made += _joined(run)
+            run = []
+            made.append(with_blocks(statement, _block))
+    return made + _joined(run)
+
+
+def _is_plain(statement: AST) -> bool:
+    calls = any((call_name(n) or "").startswith("user.") for n in walk(statement))
+    return is_comment(statement) or isinstance(statement, (Assign, AugAssign)) and not calls
+
+
+def _joined(run: list[AST]) -> list[AST]:
+    position = 0
+    while position < len(run):
+        later = _partner(run, position) if _is_gain(run[position]) else None
+        if later is None:
+            position += 1
+            continue
+        first, second = run[position], run[later]
+        run = [*run[:position], *run[position + 1:later], at(_sum(first, second), second), *run[later + 1:]]
+    return run
+
+
+def _is_gain(statement: AST) -> bool:
+    return (isinstance(statement, AugAssign) and isinstance(statement.target, Subscript)
+            and base_name(statement.target) not in names(statement.value)
+            and not isinstance(statement.value, IfExp))
+
+
+def _partner(run: list[AST], position: int) -> int | None:
+    """The next gain of the same element that a gain may join."""
+    gain = run[position]
+    array, reads = base_name(gain.target), {*names(gain.value), *names(gain.target)}
+    for later in range(position + 1, len(run)):
+        statement = run[later]
+        if _is_gain(statement) and dump(statement.target) == dump(gain.target):
+            return later
+        stored = {base_name(t) for t in targets(statement)}
+        touches = array in names(statement) or array in stored
+        if touches and not (_is_gain(statement) and base_name(statement.target) == array):
+            return None
+        if (stored - {array}) & reads:
+            return None
+    return None
+
+
+def _sum(first: AugAssign, second: AugAssign) -> AST:
+    """One gain for two; with the sign of the second."""
+    left = first.value if isinstance(first.op, Add) else negate(first.value)
+    if isinstance(second.op, Add):
+        return augment(second.target, Add(), BinOp(second.value, Add() if isinstance(first.op, Add) else Sub(),
+                                                   first.value))
+    if isinstance(first.op, Sub):
+        return augment(second.target, Sub(), BinOp(second.value, Add(), first.value))
+    return augment(second.target, Add(), BinOp(left, Sub(), second.value))
