@@ -35,7 +35,7 @@ def fresh(arguments: Sequence[Any]) -> list[Any]:
 
 
 def adjoint_arguments(case: Case, arguments: Sequence[Any]) -> list[Any]:
-    """Fresh arguments of `f.adjoint`: shadows of outputs hold random seeds, others zeros; a float result's seed is 1."""
+    """Fresh arguments of `f.adjoint`: outputs' shadows hold random seeds, others zeros; a float result's seed is 1."""
     names = list(inspect.signature(case.function).parameters)
     made: list[Any] = []
     for name, value in zip(names, fresh(arguments)):

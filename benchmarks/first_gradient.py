@@ -52,7 +52,7 @@ def _process(folder: str) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Takes a gradient and prints the seconds of each step. The time of one step within another counts for the inner."""
+    """Takes a gradient and prints the seconds of each step."""
     start = perf_counter()
     numpy = importlib.import_module("numpy")
     s2sad = importlib.import_module("s2sad")

@@ -23,7 +23,8 @@ ALLOWANCE = 1.02  # pages that are not full, the allocator's own bookkeeping
 
 def tables(quick: bool, kernels: list[str]) -> list[Table]:
     """One line for each kernel: the growth of memory during a call, its arguments included, against what is allowed."""
-    table = Table("Peak memory of the adjoint, MiB", ("kernel", "arguments", "local", "recorded", "allowed", "peak", ""))
+    table = Table("Peak memory of the adjoint, MiB",
+                  ("kernel", "arguments", "local", "recorded", "allowed", "peak", ""))
     if not STATUS.exists():
         table.notes.append("needs Linux's /proc/self/status")
         return [table]
@@ -35,7 +36,7 @@ def tables(quick: bool, kernels: list[str]) -> list[Table]:
         table.rows.append((name, *(f"{found[k]:.1f}" for k in ("arguments", "local", "recorded")), f"{allowed:.1f}",
                            f"{found['peak']:.1f}", verdict(found["peak"], ALLOWANCE * allowed)))
     table.notes = ["arguments: arrays and their shadows; local: the kernel's own arrays and all shadows made inside;",
-                   "recorded: integrate 2 n^2 a step, advect 2 n + 1 a step, nbody 3 n a step; 2 % are allowed for pages"]
+                   "recorded: integrate 2 n^2 a step, advect 2 n + 1 a step, nbody 3 n a step; 2 % more for pages"]
     return [table]
 
 

@@ -15,7 +15,7 @@ TARGETS = {"brusselator": 2.5, "integrate": 4.0, "jacobi": 6.0, "seidel": 2.0, "
 def tables(quick: bool, kernels: list[str]) -> list[Table]:
     """One line for each kernel."""
     table = Table("Adjoint over Numba primal, large size", ("kernel", "primal", "adjoint", "ratio", "target", ""))
-    table.notes = ["primal: the user's kernel, numba.njit(error_model=\"numpy\"); adjoint: f.compiled(\"adjoint\", ...)"]
+    table.notes = ['primal: the kernel under numba.njit(error_model="numpy"); adjoint: f.compiled("adjoint", ...)']
     for name in kernels or TARGETS:
         taken = measured(CASES[name], 0.3 if quick else 4.0)
         ratio = taken["adjoint"] / taken["primal"]

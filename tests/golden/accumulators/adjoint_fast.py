@@ -30,16 +30,12 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, product_1_stack):
     total_bar = product * seed
     product_bar = total * seed
     for i in range(x.size - 1, -1, -1):
-        # for i in range(x.size):
         product = product_1_stack[i]
         # product *= x[i]
         product_bar_1 = product_bar
         product_bar = x[i] * product_bar_1
-        x_bar[i] += product * product_bar_1
-        # y[0] -= 2.0 * x[i]
-        x_bar[i] -= 2.0 * y_bar[0]
         # total += x[i] * x[i]
-        x_bar[i] += x[i] * total_bar + x[i] * total_bar
+        x_bar[i] += 2.0 * (x[i] * total_bar) + (product * product_bar_1 - 2.0 * y_bar[0])
     return product_1_stack,
 
 

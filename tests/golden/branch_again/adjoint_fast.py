@@ -15,7 +15,7 @@ def kernel_adjoint(y, y_bar, x, x_bar):
             # y[i] = x[i] * x[i]
             seed = y_bar[i]
             y_bar[i] = 0.0
-            x_bar[i] += x[i] * seed + x[i] * seed
+            x_bar[i] += 2.0 * (x[i] * seed)
         else:
             # y[i] = 3.0 * x[i]
             seed = y_bar[i]

@@ -21,24 +21,18 @@ def kernel_adjoint_taped(x, x_bar, taken_stack, x_stack):
         taken = x[i] > x[i - 1]
         taken_stack[i - 1] = taken
         if taken:
-            x_here = x[i]
-            x_here_2 = x[i - 1]
             x_stack[i - 1] = x[i]
-            x[i] = x_here * x_here_2
+            x[i] = x[i] * x[i - 1]
         else:
             x[i] = 3.0 * x[i]
     # reverse sweep
     for i in range(x.size - 1, 0, -1):
-        # if x[i] > x[i - 1]:
-        taken = taken_stack[i - 1]
-        if taken:
+        if taken_stack[i - 1]:
             # x[i] = x[i] * x[i - 1]
             x[i] = x_stack[i - 1]
-            x_here = x[i]
-            x_here_2 = x[i - 1]
             seed = x_bar[i]
-            x_bar[i] = x_here_2 * seed
-            x_bar[i - 1] += x_here * seed
+            x_bar[i] = x[i - 1] * seed
+            x_bar[i - 1] += x[i] * seed
         else:
             # x[i] = 3.0 * x[i]
             x_bar[i] = 3.0 * x_bar[i]

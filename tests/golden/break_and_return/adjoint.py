@@ -9,7 +9,7 @@ It records:
         push
 """
 
-# ruff: noqa: SIM113, RUF100
+# ruff: noqa: PLR1730, SIM113, RUF100
 
 import numpy as np
 
@@ -28,53 +28,42 @@ def kernel_adjoint(x, x_bar, limit, result_bar):
         total_1_stack = grow(total_1_stack, total_1_top)
         total_1_stack[total_1_top] = total
         total_1_top += 1
-        taken = x[i] < 0.0
-        if taken:
+        if x[i] < 0.0:
             returned = True
             break
         else:
             total_1 = total * x[i]
-            taken = total_1 > limit
-            if taken:
+            if total_1 > limit:
                 total = total_1
                 break
             else:
                 total = total_1
     # reverse sweep
-    result_1_bar = 0.0
+    result_bar_1 = 0.0
     total_bar = 0.0
     # return total * total
-    result_3_bar = result_bar
+    result_bar_2 = result_bar
     if not returned:
-        # return total * total
-        total_bar += total * result_3_bar + total * result_3_bar
+        total_bar += 2.0 * (total * result_bar_2)
     else:
-        # for i in range(x.size):
-        result_1_bar += result_3_bar
+        result_bar_1 += result_bar_2
     for i in range(trips - 1, -1, -1):
-        # for i in range(x.size):
         total_1_top -= 1
         total = total_1_stack[total_1_top]
-        # if x[i] < 0.0:
-        taken = x[i] < 0.0
-        if taken:
+        if x[i] < 0.0:
             # return total * x[i]
-            result_2_bar = result_1_bar
-            result_1_bar = 0.0
-            total_bar += x[i] * result_2_bar
-            x_bar[i] += total * result_2_bar
+            result_bar_3 = result_bar_1
+            result_bar_1 = 0.0
+            total_bar += x[i] * result_bar_3
+            x_bar[i] += total * result_bar_3
         else:
             # total = total * x[i]
             total_1 = total * x[i]
-            # if total > limit:
-            taken = total_1 > limit
             total_1_bar = 0.0
-            if taken:
-                # break
+            if total_1 > limit:
                 total_1_bar += total_bar
                 total_bar = 0.0
             else:
-                # if total > limit:
                 total_1_bar += total_bar
                 total_bar = 0.0
             # total = total * x[i]

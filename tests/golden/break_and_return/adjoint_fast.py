@@ -9,7 +9,7 @@ It records:
         push
 """
 
-# ruff: noqa: RUF034, SIM113, SIM210, SIM211, RUF100
+# ruff: noqa: PLR1730, RUF034, SIM113, SIM210, SIM211, RUF100
 
 import numpy as np
 
@@ -28,43 +28,38 @@ def kernel_adjoint_taped(x, x_bar, limit, result_bar, total_1_stack):
         total_1_stack = grow(total_1_stack, total_1_top)
         total_1_stack[total_1_top] = total
         total_1_top += 1
-        taken = x[i] < 0.0
-        if taken:
+        if x[i] < 0.0:
             returned = True
             break
         else:
             total_1 = total * x[i]
-            taken = total_1 > limit
-            if taken:
+            if total_1 > limit:
                 total = total_1
                 break
             else:
                 total = total_1
     # reverse sweep
     # return total * total
-    result_3_bar = result_bar
-    total_bar = total * result_3_bar + total * result_3_bar if not returned else 0.0
-    result_1_bar = 0.0 if not returned else result_3_bar
+    result_bar_2 = result_bar
+    total_bar = 2.0 * (total * result_bar_2) if not returned else 0.0
+    result_bar_1 = 0.0 if not returned else result_bar_2
     for i in range(trips - 1, -1, -1):
-        # for i in range(x.size):
         total_1_top -= 1
         total = total_1_stack[total_1_top]
-        # if x[i] < 0.0:
         taken = x[i] < 0.0
-        if taken:
-            # return total * x[i]
-            result_2_bar = result_1_bar
-            result_1_bar = 0.0
-            total_bar += x[i] * result_2_bar
-            x_bar[i] += total * result_2_bar
-        else:
+        if not taken:
             # total = total * x[i]
             total_1 = total * x[i]
-            # if total > limit:
-            taken = total_1 > limit
-            # break
-            total_1_bar = total_bar if taken else total_bar
-            total_bar = 0.0 if taken else 0.0
+            taken_2 = total_1 > limit
+        if taken:
+            # return total * x[i]
+            result_bar_3 = result_bar_1
+            result_bar_1 = 0.0
+            total_bar += x[i] * result_bar_3
+            x_bar[i] += total * result_bar_3
+        else:
+            total_1_bar = total_bar if taken_2 else total_bar
+            total_bar = 0.0 if taken_2 else 0.0
             # total = total * x[i]
             total_bar += x[i] * total_1_bar
             x_bar[i] += total * total_1_bar

@@ -11,11 +11,11 @@ Engine: NumPy. Level: plain. Arguments:
 def kernel_tangent(x, x_dot, limit):
     total = 1.0
     returned = False
-    result_4_dot = 0.0
+    result_dot = 0.0
     total_dot = 0.0
     for i in range(x.size):
         if x[i] < 0.0:
-            result_4_dot = x[i] * total_dot + total * x_dot[i]
+            result_dot = x[i] * total_dot + total * x_dot[i]
             returned = True
             break
         else:
@@ -27,5 +27,5 @@ def kernel_tangent(x, x_dot, limit):
             else:
                 total = total_1
     if not returned:
-        result_4_dot = total * total_dot + total * total_dot
-    return result_4_dot,
+        result_dot = total * total_dot + total * total_dot
+    return result_dot,

@@ -32,17 +32,18 @@ def kernel_adjoint(du, du_bar, u, u_bar, p, p_bar):
             seed = du_bar[i, j, 1]
             du_bar[i, j, 1] = 0.0
             b_bar += u[i, j, 0] * seed
-            u_bar[i, j, 0] += b * seed - 2.0 * u[i, j, 0] * (u[i, j, 1] * seed)
-            u_bar[i, j, 1] -= u[i, j, 0] ** 2 * seed
             # du[i, j, 0] = alpha * (u[ip1, j, 0] - u[i, jm1, 0]) + u[i, j, 0] ** 2 * u[i, j, 1]
-            seed = du_bar[i, j, 0]
+            seed_2 = du_bar[i, j, 0]
             du_bar[i, j, 0] = 0.0
-            seed_2 = alpha * seed
-            alpha_bar += (u[ip1, j, 0] - u[i, jm1, 0]) * seed
-            u_bar[ip1, j, 0] += seed_2
-            u_bar[i, jm1, 0] -= seed_2
-            u_bar[i, j, 0] += 2.0 * u[i, j, 0] * (u[i, j, 1] * seed)
-            u_bar[i, j, 1] += u[i, j, 0] ** 2 * seed
+            seed_3 = alpha * seed_2
+            alpha_bar += (u[ip1, j, 0] - u[i, jm1, 0]) * seed_2
+            u_bar[ip1, j, 0] += seed_3
+            u_bar[i, jm1, 0] -= seed_3
+            u_bar[i, j, 0] += (
+                2.0 * u[i, j, 0] * (u[i, j, 1] * seed_2) +
+                (b * seed - 2.0 * u[i, j, 0] * (u[i, j, 1] * seed))
+            )
+            u_bar[i, j, 1] += u[i, j, 0] ** 2 * seed_2 - u[i, j, 0] ** 2 * seed
     # b, alpha = p
     p_bar[1] += alpha_bar
     p_bar[0] += b_bar

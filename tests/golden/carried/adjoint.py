@@ -27,11 +27,9 @@ def kernel_adjoint(u, u_bar, c):
     c_bar = 0.0
     left_bar = 0.0
     for i in range(u.size - 1, -1, -1):
-        # for i in range(u.size):
         left_1 = u_stack[i - 1] if i > 0 else left
         # u[i] = here - c * here * (here - left)
         u[i] = u_stack[i]
-        # here = u[i]
         here = u[i]
         # left = here
         here_bar = left_bar

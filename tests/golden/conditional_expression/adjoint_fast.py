@@ -14,10 +14,8 @@ def kernel_adjoint(y, y_bar, x, x_bar):
         # right = x[i + 1] if i < x.size - 1 else 0.5
         taken = i < x.size - 1
         if taken:
-            # right = x[i + 1] if i < x.size - 1 else 0.5
             right = x[i + 1]
         else:
-            # right = x[i + 1] if i < x.size - 1 else 0.5
             right = 0.5
         # y[i] = right * x[i]
         seed = y_bar[i]

@@ -24,7 +24,6 @@ def kernel_adjoint(x, x_bar, result_bar):
     # return state
     state_bar = result_bar
     for i in range(x.size - 1, -1, -1):
-        # for i in range(x.size):
         state = state_1_stack[i]
         # state = math.sin(state) * x[i]
         state_bar_1 = state_bar

@@ -26,7 +26,6 @@ def kernel_adjoint_taped(x, x_bar, result_bar, state_1_stack):
     # return state
     state_bar = result_bar
     for i in range(x.size - 1, -1, -1):
-        # for i in range(x.size):
         state = state_1_stack[i]
         # state = math.sin(state) * x[i]
         state_bar_1 = state_bar

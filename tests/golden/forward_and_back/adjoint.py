@@ -18,15 +18,13 @@ def kernel_adjoint(x, x_bar, scales, scales_bar, result_bar):
     # reverse sweep
     work_bar = np.zeros_like(work)
     # return total
-    total_1_bar = result_bar
+    total_bar = result_bar
     for i in range(x.size - 1, -1, -1):
         for k in range(scales.size):
-            # work[k] = math.sin(scales[k] * x[i])
             work[k] = math.sin(scales[k] * x[i])
         for k in range(scales.size - 1, -1, -1):
             # total += work[k] * work[k]
-            work_here = work[k]
-            work_bar[k] += work_here * total_1_bar + work_here * total_1_bar
+            work_bar[k] += 2.0 * (work[k] * total_bar)
         for k in range(scales.size - 1, -1, -1):
             # work[k] = math.sin(scales[k] * x[i])
             seed = work_bar[k]

@@ -13,7 +13,7 @@ import numpy as np
 def kernel_tangent(x, x_dot, scales, scales_dot):
     work = np.empty(scales.size)
     work_dot = np.zeros_like(work)
-    total_1_dot = 0.0
+    total_dot = 0.0
     for i in range(x.size):
         for k in range(scales.size):
             work_dot[k] = np.cos(scales[k] * x[i]) * (x[i] * scales_dot[k] + scales[k] * x_dot[i])
@@ -21,5 +21,5 @@ def kernel_tangent(x, x_dot, scales, scales_dot):
         for k in range(scales.size):
             work_here = work[k]
             work_here_dot = work_dot[k]
-            total_1_dot += work_here * work_here_dot + work_here * work_here_dot
-    return total_1_dot,
+            total_dot += work_here * work_here_dot + work_here * work_here_dot
+    return total_dot,

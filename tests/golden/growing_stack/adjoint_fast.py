@@ -7,7 +7,6 @@ Engine: Numba. Level: fast. Arguments:
 It records:
     guess_1_stack: guess where an iteration of `while abs(guess * guess - x[0]) > tolerance:`
         begins, 8 bytes per push
-    x_before: x before `x[0] = guess * x[1]`, 8 bytes
 """
 
 # ruff: noqa: FURB136, SIM113, RUF100
@@ -28,29 +27,20 @@ def kernel_adjoint_taped(x, x_bar, tolerance, guess_1_stack):
         guess_1_stack = grow(guess_1_stack, guess_1_top)
         guess_1_stack[guess_1_top] = guess
         guess_1_top += 1
-        x_here = x[0]
-        ratio = x_here / guess
-        guess = 0.5 * (guess + ratio)
-    x_here = x[1]
-    x_before = x[0]
-    x[0] = guess * x_here
+        guess = 0.5 * (guess + x[0] / guess)
     # reverse sweep
     # x[0] = guess * x[1]
-    x[0] = x_before
     seed = x_bar[0]
     x_bar[0] = 0.0
-    guess_bar = x_here * seed
+    guess_bar = x[1] * seed
     x_bar[1] += guess * seed
     for trip in range(trips):
-        # while abs(guess * guess - x[0]) > tolerance:
         guess_1_top -= 1
         guess = guess_1_stack[guess_1_top]
         # guess = 0.5 * (guess + x[0] / guess)
-        x_here = x[0]
-        ratio = x_here / guess
         seed = 0.5 * guess_bar
         guess_bar = seed
-        guess_bar -= ratio * seed / guess if seed != 0.0 else 0.0
+        guess_bar -= x[0] / guess * seed / guess if seed != 0.0 else 0.0
         x_bar[0] += seed / guess if seed != 0.0 else 0.0
     return guess_1_stack,
 

@@ -29,17 +29,17 @@ def energy(row):
 def square_adjoint(a, result_bar):
     # reverse sweep
     # return a * a
-    a_bar = a * result_bar + a * result_bar
+    a_bar = 2.0 * (a * result_bar)
     return a_bar,
 
 
 def energy_adjoint(row, row_bar, result_bar):
     # reverse sweep
     # return total
-    total_1_bar = result_bar
+    total_bar = result_bar
     for i in range(row.size):
         # total += square(row[i])
-        square_value_bar = total_1_bar
+        square_value_bar = total_bar
         gain, = square_adjoint(row[i], square_value_bar)
         row_bar[i] += gain
 
@@ -51,17 +51,15 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, energy_value_stack, y_stack):
     for i in range(x.shape[0]):
         energy_value = energy(x[i])
         energy_value_stack[i] = energy_value
-        y_here = y[i]
         y_stack[i] = y[i]
-        y[i] = y_here * energy_value
+        y[i] = y[i] * energy_value
     # reverse sweep
     for i in range(x.shape[0]):
         # y[i] = y[i] * energy(x[i])
         energy_value = energy_value_stack[i]
         y[i] = y_stack[i]
-        y_here = y[i]
         seed = y_bar[i]
-        energy_value_bar = y_here * seed
+        energy_value_bar = y[i] * seed
         y_bar[i] = energy_value * seed
         energy_adjoint(x[i], x_bar[i], energy_value_bar)
     return energy_value_stack, y_stack

@@ -38,7 +38,6 @@ def kernel_adjoint(a, b, result_bar):
         a_bar += b * c_1_bar
         b_bar += a * c_1_bar
     else:
-        # if b > 0.0:
         c_bar += c_1_bar
         # d = c * b
         c_bar += b * d_bar if taken_2 else 0.0

@@ -34,7 +34,6 @@ def kernel_adjoint(x, x_bar, y, y_bar, result_bar):
     # return total
     total_bar = result_bar
     for i in range(1, x.size):
-        # for i in reversed(range(1, x.size)):
         total_1 = total_2_stack[x.size - 1 - i]
         # total *= x[i]
         total_1_bar = total_bar
@@ -43,22 +42,17 @@ def kernel_adjoint(x, x_bar, y, y_bar, result_bar):
     for k in range(len(x) - 1, -1, -1):
         # y[k] = total * value
         y[k] = y_stack[k]
-        # for k, value in enumerate(x):
         value_1 = x[k]
-        # y[k] = total * value
         seed = y_bar[k]
         y_bar[k] = 0.0
         total_bar += value_1 * seed
         value_1_bar = total * seed
-        # for k, value in enumerate(x):
         x_bar[k] += value_1_bar
     for index in range(min(len(x), len(y)) - 1, -1, -1):
-        # for value, other in zip(x, y):
         value = x[index]
         other = y[index]
         # total += value * other
         value_bar = other * total_bar
         other_bar = value * total_bar
-        # for value, other in zip(x, y):
         y_bar[index] += other_bar
         x_bar[index] += value_bar

@@ -36,7 +36,6 @@ def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_2_stack)
     # return total
     total_bar = result_bar
     for i in range(1, x.size):
-        # for i in reversed(range(1, x.size)):
         total_1 = total_2_stack[x.size - 1 - i]
         # total *= x[i]
         total_1_bar = total_bar
@@ -45,23 +44,18 @@ def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_2_stack)
     for k in range(len(x)):
         # y[k] = total * value
         y[k] = y_stack[k]
-        # for k, value in enumerate(x):
         value_1 = x[k]
-        # y[k] = total * value
         seed = y_bar[k]
         y_bar[k] = 0.0
         total_bar += value_1 * seed
         value_1_bar = total * seed
-        # for k, value in enumerate(x):
         x_bar[k] += value_1_bar
     for index in range(min(len(x), len(y))):
-        # for value, other in zip(x, y):
         value = x[index]
         other = y[index]
         # total += value * other
         value_bar = other * total_bar
         other_bar = value * total_bar
-        # for value, other in zip(x, y):
         y_bar[index] += other_bar
         x_bar[index] += value_bar
     return y_stack, total_2_stack

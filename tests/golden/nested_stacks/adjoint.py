@@ -40,16 +40,13 @@ def kernel_adjoint(x, x_bar, result_bar):
     # return total
     total_bar = result_bar
     for i in range(x.size - 1, -1, -1):
-        # for i in range(x.size):
         total = total_1_stack[i]
-        # for _ in range(i + 1):
         part = part_1_stack_2[i]
         # total = total * part
         total_bar_1 = total_bar
         total_bar = part * total_bar_1
         part_bar = total * total_bar_1
         for _ in range(i, -1, -1):
-            # for _ in range(i + 1):
             part_1_top -= 1
             part = part_1_stack[part_1_top]
             # part = part * math.cos(part)

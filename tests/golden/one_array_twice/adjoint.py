@@ -17,11 +17,6 @@ def add(out, a, b):
         out[i] = a[i] * b[i]
 
 
-def add_2(out, b):
-    for i in range(out.size):
-        out[i] = out[i] * b[i]
-
-
 def add_adjoint(out, out_bar, a, a_bar, b, b_bar):
     # reverse sweep
     for i in range(out.size - 1, -1, -1):
@@ -36,16 +31,14 @@ def add_2_adjoint(out, out_bar, b, b_bar):
     # forward sweep: only what the reverse sweep reads
     out_stack = np.empty(out.size)
     for i in range(out.size):
-        out_here = out[i]
         out_stack[i] = out[i]
-        out[i] = out_here * b[i]
+        out[i] = out[i] * b[i]
     # reverse sweep
     for i in range(out.size - 1, -1, -1):
         # out[i] = a[i] * b[i]
         out[i] = out_stack[i]
-        out_here = out[i]
         seed = out_bar[i]
-        b_bar[i] += out_here * seed
+        b_bar[i] += out[i] * seed
         out_bar[i] = b[i] * seed
 
 
@@ -53,10 +46,8 @@ def kernel_adjoint(u, u_bar, v, v_bar):
     # forward sweep: only what the reverse sweep reads
     add(v, u, u)
     u_before = np.copy(u)
-    add_2(u, v)
     # reverse sweep
     # add(u, u, v)
-    u[...] = u_before
     add_2_adjoint(u, u_bar, v, v_bar)
     u[...] = u_before
     # add(v, u, u)

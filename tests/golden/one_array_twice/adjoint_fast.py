@@ -17,11 +17,6 @@ def add(out, a, b):
         out[i] = a[i] * b[i]
 
 
-def add_2(out, b):
-    for i in range(out.size):
-        out[i] = out[i] * b[i]
-
-
 def add_adjoint(out, out_bar, a, a_bar, b, b_bar):
     # reverse sweep
     for i in range(out.size):
@@ -36,16 +31,14 @@ def add_2_adjoint(out, out_bar, b, b_bar):
     # forward sweep: only what the reverse sweep reads
     out_stack = np.empty(out.size)
     for i in range(out.size):
-        out_here = out[i]
         out_stack[i] = out[i]
-        out[i] = out_here * b[i]
+        out[i] = out[i] * b[i]
     # reverse sweep
     for i in range(out.size):
         # out[i] = a[i] * b[i]
         out[i] = out_stack[i]
-        out_here = out[i]
         seed = out_bar[i]
-        b_bar[i] += out_here * seed
+        b_bar[i] += out[i] * seed
         out_bar[i] = b[i] * seed
 
 
@@ -53,7 +46,6 @@ def kernel_adjoint(u, u_bar, v, v_bar):
     # forward sweep: only what the reverse sweep reads
     add(v, u, u)
     u_before = np.copy(u)
-    add_2(u, v)
     # reverse sweep
     for i in range(u.shape[0]):
         # add(u, u, v)
@@ -61,7 +53,6 @@ def kernel_adjoint(u, u_bar, v, v_bar):
     # add(u, u, v)
     add_2_adjoint(u, u_bar, v, v_bar)
     for i in range(u.shape[0]):
-        # add(u, u, v)
         u[i] = u_before[i]
     # add(v, u, u)
     add_adjoint(v, v_bar, u, u_bar, u, u_bar)

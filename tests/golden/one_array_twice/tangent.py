@@ -10,7 +10,6 @@ def add_tangent(out, out_dot, a, a_dot, b, b_dot):
     for i in range(out.size):
         out_dot[i] = b[i] * a_dot[i] + a[i] * b_dot[i]
         out[i] = a[i] * b[i]
-    return None,
 
 
 def add_2_tangent(out, out_dot, b, b_dot):
@@ -18,7 +17,6 @@ def add_2_tangent(out, out_dot, b, b_dot):
         out_here = out[i]
         out_dot[i] = b[i] * out_dot[i] + out_here * b_dot[i]
         out[i] = out_here * b[i]
-    return None,
 
 
 def kernel_tangent(u, u_dot, v, v_dot):

@@ -13,7 +13,7 @@ G = 9.81
 def kernel_adjoint(x, x_bar, TABLE, result_bar):
     # reverse sweep
     # return G * total
-    total_1_bar = G * result_bar
+    total_bar = G * result_bar
     for i in range(x.size):
         # total += TABLE[i] * x[i] ** 2
-        x_bar[i] += 2.0 * x[i] * (TABLE[i] * total_1_bar)
+        x_bar[i] += 2.0 * x[i] * (TABLE[i] * total_bar)

@@ -9,7 +9,7 @@ G = 9.81
 
 
 def kernel_tangent(x, x_dot, TABLE):
-    total_1_dot = 0.0
+    total_dot = 0.0
     for i in range(x.size):
-        total_1_dot += TABLE[i] * (2.0 * x[i] * x_dot[i])
-    return G * total_1_dot,
+        total_dot += TABLE[i] * (2.0 * x[i] * x_dot[i])
+    return G * total_dot,

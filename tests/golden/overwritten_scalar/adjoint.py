@@ -19,16 +19,16 @@ def kernel_adjoint(a, b, result_bar):
     z_2 = z_1 * z_1 + a
     # reverse sweep
     # return z
-    z_3_bar = result_bar
+    z_bar = result_bar
     # z *= b
-    z_2_bar = b * z_3_bar
-    b_bar = z_2 * z_3_bar
+    z_2_bar = b * z_bar
+    b_bar = z_2 * z_bar
     # z = z * z + a
-    z_1_bar = z_1 * z_2_bar + z_1 * z_2_bar
+    z_1_bar = 2.0 * (z_1 * z_2_bar)
     a_bar = z_2_bar
     # z = math.sin(z)
-    z_bar = np.cos(z) * z_1_bar
+    z_bar_1 = np.cos(z) * z_1_bar
     # z = a * b
-    a_bar += b * z_bar
-    b_bar += a * z_bar
+    a_bar += b * z_bar_1
+    b_bar += a * z_bar_1
     return a_bar, b_bar

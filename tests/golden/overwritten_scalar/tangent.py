@@ -17,5 +17,5 @@ def kernel_tangent(a, a_dot, b, b_dot):
     z_1_dot = np.cos(z) * z_dot
     z_2 = z_1 * z_1 + a
     z_2_dot = z_1 * z_1_dot + z_1 * z_1_dot + a_dot
-    z_3_dot = b * z_2_dot + z_2 * b_dot
-    return z_3_dot,
+    z_dot_1 = b * z_2_dot + z_2 * b_dot
+    return z_dot_1,

@@ -28,7 +28,6 @@ def kernel_adjoint_taped(u, u_bar_, seed, result_bar, u_bar_1_stack):
     # return u_bar
     u_bar_bar = result_bar
     for np in range(u.size - 1, 0, -1):
-        # for np in range(1, u.size):
         u_bar = u_bar_1_stack[np - 1]
         # u_bar = u_bar * u[np] * seed
         u_bar_bar_1 = u_bar_bar

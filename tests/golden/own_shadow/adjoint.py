@@ -23,12 +23,10 @@ def kernel_adjoint(y, y_bar, x, x_bar):
     for i in range(x.size - 1, -1, -1):
         # x[i] = x[i] * x[i]
         x[i] = x_stack[i]
-        x_here = x[i]
         # y[i] = 3.0 * x[i]
         seed = y_bar[i]
         y_bar[i] = 0.0
         x_shadow[i] += 3.0 * seed
         # x[i] = x[i] * x[i]
-        seed = x_shadow[i]
-        x_shadow[i] = x_here * seed + x_here * seed
+        x_shadow[i] = 2.0 * (x[i] * x_shadow[i])
     x_bar[...] += x_shadow

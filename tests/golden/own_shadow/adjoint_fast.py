@@ -25,14 +25,12 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, x_stack):
     for i in range(x.size):
         # x[i] = x[i] * x[i]
         x[i] = x_stack[i]
-        x_here = x[i]
         # y[i] = 3.0 * x[i]
         seed = y_bar[i]
         y_bar[i] = 0.0
         x_shadow[i] += 3.0 * seed
         # x[i] = x[i] * x[i]
-        seed = x_shadow[i]
-        x_shadow[i] = x_here * seed + x_here * seed
+        x_shadow[i] = 2.0 * (x[i] * x_shadow[i])
     for i_2 in range(x_bar.shape[0]):
         x_bar[i_2] += x_shadow[i_2]
     return x_stack,

@@ -21,9 +21,7 @@ def bent_adjoint(a, b, result_bar):
     # return a * a / b
     result_bar_1 = result_bar
     if not taken:
-        # return a * a / b
-        seed = result_bar_1 / b if result_bar_1 != 0.0 else 0.0
-        a_bar += a * seed + a * seed
+        a_bar += 2.0 * (a * (result_bar_1 / b if result_bar_1 != 0.0 else 0.0))
         b_bar -= result * result_bar_1 / b if result_bar_1 != 0.0 else 0.0
     return a_bar, b_bar
 
@@ -32,11 +30,9 @@ def bent_adjoint_2(a, b, result_bar):
     # reverse sweep
     a_bar = 0.0
     # return a * a / b
-    result_1_bar = result_bar
+    result_bar_1 = result_bar
     if not a * b <= 0.0:
-        # return a * a / b
-        seed = result_1_bar / b if result_1_bar != 0.0 else 0.0
-        a_bar += a * seed + a * seed
+        a_bar += 2.0 * (a * (result_bar_1 / b if result_bar_1 != 0.0 else 0.0))
     return a_bar,
 
 

@@ -23,14 +23,12 @@ def kernel_adjoint(y, y_bar, x, x_bar, scale):
     # reverse sweep
     factor_bar = 0.0
     for i in range(n):
-        # last = n - 1 - i
         last = n - 1 - i
-        # bent = math.sin(x[last]) * factor
         bent = math.sin(x[last]) * factor
         # y[i] = bent * bent
         seed = y_bar[i]
         y_bar[i] = 0.0
-        bent_bar = bent * seed + bent * seed
+        bent_bar = 2.0 * (bent * seed)
         # bent = math.sin(x[last]) * factor
         x_bar[last] += np.cos(x[last]) * (factor * bent_bar)
         factor_bar += math.sin(x[last]) * bent_bar

@@ -14,23 +14,17 @@ import math
 def kernel_adjoint(a, a_bar):
     # forward sweep: only what the reverse sweep reads
     for j in range(a.shape[0]):
-        sqrt_value = math.sqrt(a[j, j])
-        a[j, j] = sqrt_value
+        a[j, j] = math.sqrt(a[j, j])
         for i in range(j + 1, a.shape[0]):
-            a_here = a[j, j]
-            ratio = a[i, j] / a_here
-            a[i, j] = ratio
+            a[i, j] = a[i, j] / a[j, j]
     # reverse sweep
     for j in range(a.shape[0] - 1, -1, -1):
-        # a[j, j] = math.sqrt(a[j, j])
-        sqrt_value = a[j, j]
         for i in range(a.shape[0] - 1, j, -1):
             # a[i, j] /= a[j, j]
             a_here = a[j, j]
-            ratio = a[i, j]
             ratio_bar = a_bar[i, j]
             a_bar[i, j] = ratio_bar / a_here if ratio_bar != 0.0 else 0.0
-            a_bar[j, j] -= ratio * ratio_bar / a_here if ratio_bar != 0.0 else 0.0
+            a_bar[j, j] -= a[i, j] * ratio_bar / a_here if ratio_bar != 0.0 else 0.0
         # a[j, j] = math.sqrt(a[j, j])
         sqrt_value_bar = a_bar[j, j]
-        a_bar[j, j] = 0.5 * sqrt_value_bar / sqrt_value if sqrt_value_bar != 0.0 else 0.0
+        a_bar[j, j] = 0.5 * sqrt_value_bar / a[j, j] if sqrt_value_bar != 0.0 else 0.0

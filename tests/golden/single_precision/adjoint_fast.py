@@ -15,7 +15,6 @@ import numpy as np
 def kernel_adjoint(y, y_bar, x, x_bar):
     # reverse sweep
     for i in range(x.size):
-        # half = np.float32(0.5) * x[i]
         half = np.float32(0.5) * x[i]
         # y[i] = half * math.exp(half)
         exp_value = math.exp(half)

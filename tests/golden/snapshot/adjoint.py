@@ -18,9 +18,7 @@ def kernel_adjoint(u, u_bar, dt, steps):
     u_stack = np.empty((len(range(steps)),) + u.shape)
     for _ in range(steps):
         for i in range(u.size):
-            u_here = u[i - 1]
-            u_here_2 = u[i]
-            du[i] = u_here * u_here_2
+            du[i] = u[i - 1] * u[i]
         u_stack[_] = u
         u[...] += dt * du
     # reverse sweep
@@ -31,9 +29,7 @@ def kernel_adjoint(u, u_bar, dt, steps):
         du_bar[...] += dt * u_bar
         for i in range(u.size - 1, -1, -1):
             # du[i] = u[i - 1] * u[i]
-            u_here = u[i - 1]
-            u_here_2 = u[i]
             seed = du_bar[i]
             du_bar[i] = 0.0
-            u_bar[i] += u_here * seed
-            u_bar[i - 1] += u_here_2 * seed
+            u_bar[i] += u[i - 1] * seed
+            u_bar[i - 1] += u[i] * seed

@@ -20,9 +20,7 @@ def kernel_adjoint_taped(u, u_bar, dt, steps, u_stack):
     u_stack = sized(u_stack, (len(range(steps)), u.shape[0]))
     for _ in range(steps):
         for i in range(u.size):
-            u_here = u[i - 1]
-            u_here_2 = u[i]
-            du[i] = u_here * u_here_2
+            du[i] = u[i - 1] * u[i]
         for i_2 in range(u.shape[0]):
             u_stack[_, i_2] = u[i_2]
             u[i_2] += dt * du[i_2]
@@ -35,12 +33,10 @@ def kernel_adjoint_taped(u, u_bar, dt, steps, u_stack):
             du_bar[i_2] += dt * u_bar[i_2]
         for i in range(u.size):
             # du[i] = u[i - 1] * u[i]
-            u_here = u[i - 1]
-            u_here_2 = u[i]
             seed = du_bar[i]
             du_bar[i] = 0.0
-            u_bar[i] += u_here * seed
-            u_bar[i - 1] += u_here_2 * seed
+            u_bar[i] += u[i - 1] * seed
+            u_bar[i - 1] += u[i] * seed
     return u_stack,
 
 

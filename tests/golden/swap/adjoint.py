@@ -25,14 +25,11 @@ def kernel_adjoint(x, x_bar):
     x_bar[2] = 0.0
     held_bar = seed
     x_here_2_bar = x_bar[1]
-    # x[1], x[2] = x[2], x[1]
     x_bar[1] = held_bar
-    # x[1], x[2] = x[2], x[1]
     x_bar[2] += x_here_2_bar
     # a, b = b, a
     a_before_bar = b_1_bar
     b_bar = a_1_bar
-    # a, b = b, a
     a_bar = a_before_bar
     # a, b = x[0], 2.0 * x[1]
     x_bar[1] += 2.0 * b_bar

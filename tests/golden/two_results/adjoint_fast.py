@@ -24,18 +24,16 @@ def kernel_adjoint_taped(x, x_bar, a, result_0_bar, result_1_bar, product_1_stac
     # reverse sweep
     a_bar = 0.0
     # return total, product
-    total_1_bar = result_0_bar
+    total_bar = result_0_bar
     product_bar = result_1_bar
     for i in range(x.size - 1, -1, -1):
-        # for i in range(x.size):
         product = product_1_stack[i]
         # product *= x[i]
         product_bar_1 = product_bar
         product_bar = x[i] * product_bar_1
-        x_bar[i] += product * product_bar_1
         # total += a * x[i]
-        a_bar += x[i] * total_1_bar
-        x_bar[i] += a * total_1_bar
+        a_bar += x[i] * total_bar
+        x_bar[i] += a * total_bar + product * product_bar_1
     # total, product = 0.0, a
     a_bar += product_bar
     return a_bar, product_1_stack

@@ -9,10 +9,10 @@ Engine: NumPy. Level: plain. Arguments:
 def kernel_tangent(x, x_dot, a, a_dot):
     product = a
     product_dot = a_dot
-    total_1_dot = 0.0
+    total_dot = 0.0
     for i in range(x.size):
-        total_1_dot += x[i] * a_dot + a * x_dot[i]
+        total_dot += x[i] * a_dot + a * x_dot[i]
         product_1 = product * x[i]
         product_dot = x[i] * product_dot + product * x_dot[i]
         product = product_1
-    return total_1_dot, product_dot
+    return total_dot, product_dot

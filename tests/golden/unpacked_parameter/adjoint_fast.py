@@ -23,9 +23,8 @@ def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
     u_stack = sized(u_stack, (u.size,))
     for i in range(u.size):
         u_here = u[i]
-        ratio = b / c
         u_stack[i] = u[i]
-        u[i] = a * u_here * u_here + ratio
+        u[i] = a * u_here * u_here + b / c
     # reverse sweep
     a_bar = 0.0
     b_bar = 0.0
@@ -34,12 +33,11 @@ def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
         # u[i] = a * u[i] * u[i] + b / c
         u[i] = u_stack[i]
         u_here = u[i]
-        ratio = b / c
         seed = u_bar[i]
         seed_2 = u_here * seed
         a_bar += u_here * seed_2
         b_bar += seed / c if seed != 0.0 else 0.0
-        c_bar -= ratio * seed / c if seed != 0.0 else 0.0
+        c_bar -= b / c * seed / c if seed != 0.0 else 0.0
         u_bar[i] = a * seed_2 + a * u_here * seed
     # a, b, c = p
     p_bar[2] += c_bar

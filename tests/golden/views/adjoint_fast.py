@@ -18,20 +18,16 @@ def kernel_adjoint_taped(x, x_bar, x_stack):
     x_stack = sized(x_stack, (len(range(1, x.shape[0])), x.shape[1]))
     for i in range(1, x.shape[0]):
         for j in range(x.shape[1]):
-            x_here = x[i, j]
-            x_here_2 = x[i - 1, j]
             x_stack[i - 1, j] = x[i, j]
-            x[i, j] = x_here * x_here_2
+            x[i, j] = x[i, j] * x[i - 1, j]
     # reverse sweep
     for i in range(x.shape[0] - 1, 0, -1):
         for j in range(x.shape[1]):
             # row[j] = row[j] * above[j]
             x[i, j] = x_stack[i - 1, j]
-            x_here = x[i, j]
-            x_here_2 = x[i - 1, j]
             seed = x_bar[i, j]
-            x_bar[i, j] = x_here_2 * seed
-            x_bar[i - 1, j] += x_here * seed
+            x_bar[i, j] = x[i - 1, j] * seed
+            x_bar[i - 1, j] += x[i, j] * seed
     return x_stack,
 
 

@@ -28,16 +28,15 @@ def kernel_adjoint_taped(x, x_bar, result_bar, k_1_stack):
         k = k + 1
     # reverse sweep
     # return total
-    total_1_bar = result_bar
+    total_bar = result_bar
     for trip in range(trips):
-        # while k < x.size:
         k_1_top -= 1
         k = k_1_stack[k_1_top]
         # k += 1
         k = k + 1
         if not x[k - 1] < 0.0:
             # total += x[k - 1] ** 3
-            x_bar[k - 1] += 3.0 * x[k - 1] ** 2 * total_1_bar
+            x_bar[k - 1] += 3.0 * x[k - 1] ** 2 * total_bar
     return k_1_stack,
 
 

@@ -7,9 +7,9 @@ Engine: NumPy. Level: plain. Arguments:
 
 def kernel_tangent(x, x_dot):
     k = 0
-    total_1_dot = 0.0
+    total_dot = 0.0
     while k < x.size:
         k = k + 1
         if not x[k - 1] < 0.0:
-            total_1_dot += 3.0 * x[k - 1] ** 2 * x_dot[k - 1]
-    return total_1_dot,
+            total_dot += 3.0 * x[k - 1] ** 2 * x_dot[k - 1]
+    return total_dot,

@@ -21,7 +21,7 @@ def kernel_adjoint(y, y_bar, x, x_bar, a, result_bar):
     y[...] = y * np.sin(x)
     # reverse sweep
     # return np.sum(y * y)
-    y_bar[...] += y * result_bar + y * result_bar
+    y_bar[...] += 2.0 * (y * result_bar)
     # y *= np.sin(x)
     y[...] = y_before
     seed = np.copy(y_bar)
@@ -31,5 +31,4 @@ def kernel_adjoint(y, y_bar, x, x_bar, a, result_bar):
     seed_2 = np.copy(y_bar)
     a_bar = np.sum(x * seed_2)
     x_bar[...] += a * seed_2
-    y_bar[...] = seed_2
     return a_bar,

@@ -22,20 +22,18 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, y_stack):
     assert y.shape == x.shape
     y_stack = sized(y_stack, (y.shape[0],))
     for i in range(y.shape[0]):
-        y_here = y[i]
         y_stack[i] = y[i]
-        y[i] = y_here * np.sin(x[i])
+        y[i] = y[i] * np.sin(x[i])
     # reverse sweep
     a_bar = 0.0
     for i in range(y_bar.shape[0]):
         # return np.sum(y * y)
-        y_bar[i] += y[i] * result_bar + y[i] * result_bar
+        y_bar[i] += 2.0 * (y[i] * result_bar)
     for i in range(y.shape[0]):
         # y *= np.sin(x)
         y[i] = y_stack[i]
-        y_here = y[i]
         seed = y_bar[i]
-        x_bar[i] += np.cos(x[i]) * (y_here * seed)
+        x_bar[i] += np.cos(x[i]) * (y[i] * seed)
         y_bar[i] = np.sin(x[i]) * seed
     for i in range(y.shape[0]):
         # y[:] = a * x + y

@@ -16,8 +16,8 @@ def kernel_adjoint(y, y_bar, x, x_bar):
     # reverse sweep
     work_bar = np.zeros_like(work)
     for i in range(x.size - 1, -1, -1):
+        # work = np.zeros(2)
         work[...] = 0.0
-        # work[0] = x[i] * x[i]
         work[0] = x[i] * x[i]
         # y[i] = work[0] + work[1]
         seed = y_bar[i]
@@ -30,7 +30,6 @@ def kernel_adjoint(y, y_bar, x, x_bar):
         x_bar[i] += work[0] * seed
         work_bar[0] += x[i] * seed
         # work[0] = x[i] * x[i]
-        seed = work_bar[0]
-        work_bar[0] = 0.0
-        x_bar[i] += x[i] * seed + x[i] * seed
+        x_bar[i] += 2.0 * (x[i] * work_bar[0])
+        # work = np.zeros(2)
         work_bar[...] = 0.0

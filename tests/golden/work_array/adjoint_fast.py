@@ -17,8 +17,8 @@ def kernel_adjoint(y, y_bar, x, x_bar):
     work_bar = np.zeros_like(work)
     for i in range(x.size - 1, -1, -1):
         for i_2 in range(work.shape[0]):
+            # work = np.zeros(2)
             work[i_2] = 0.0
-        # work[0] = x[i] * x[i]
         work[0] = x[i] * x[i]
         # y[i] = work[0] + work[1]
         seed = y_bar[i]
@@ -28,11 +28,11 @@ def kernel_adjoint(y, y_bar, x, x_bar):
         # work[1] = work[0] * x[i]
         seed = work_bar[1]
         work_bar[1] = 0.0
-        x_bar[i] += work[0] * seed
         work_bar[0] += x[i] * seed
         # work[0] = x[i] * x[i]
-        seed = work_bar[0]
+        seed_2 = work_bar[0]
         work_bar[0] = 0.0
-        x_bar[i] += x[i] * seed + x[i] * seed
+        x_bar[i] += 2.0 * (x[i] * seed_2) + work[0] * seed
         for i_2 in range(work.shape[0]):
+            # work = np.zeros(2)
             work_bar[i_2] = 0.0

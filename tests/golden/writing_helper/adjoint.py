@@ -51,5 +51,4 @@ def kernel_adjoint(u, u_bar, k, steps):
         u[...] = u_stack[_]
         gain, = step_adjoint(u, u_bar, k)
         k_bar += gain
-        u[...] = u_stack[_]
     return k_bar,

@@ -56,9 +56,6 @@ def kernel_adjoint_taped(u, u_bar, k, steps, u_stack):
         # step(u, k)
         gain, = step_adjoint(u, u_bar, k)
         k_bar += gain
-        for i in range(u.shape[0]):
-            # step(u, k)
-            u[i] = u_stack[_, i]
     return k_bar, u_stack
 
 

@@ -13,7 +13,6 @@ def step_tangent(u, u_dot, k, k_dot):
         u_here_dot = u_dot[i]
         u_dot[i] += u_here * (u_here * k_dot + k * u_here_dot) + k * u_here * u_here_dot
         u[i] += k * u_here * u_here
-    return None,
 
 
 def kernel_tangent(u, u_dot, k, k_dot, steps):

@@ -1,0 +1,157 @@
+"""Small kernels that were once differentiated wrongly or refused, each with what it is about."""
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.derivatives import check_derivatives
+
+ENGINES = ("numpy", "numba")
+
+
+def index_from_a_written_array(x, y):
+    n = x.size
+    x[int(x[0] * 3.0) % n] = y[1] * x[2]
+    x[int(x[1] * 3.0) % n] *= y[0]
+
+
+def changed(u, v, a):
+    for i in range(u.size):
+        u[i] = a * v[i] * u[i - 1]
+
+
+def one_array_for_two_parameters(x, a):
+    changed(x, x, a)
+    changed(x, x, 0.5 * a)
+
+
+def whole_statement_reads_its_own_target(x):
+    x[...] = x * x[1] + x[0]
+
+
+def recorded_under_a_test(x, q):
+    total = 0.0
+    for i in range(x.size):
+        step = 0
+        while step < 3:
+            taken = i != 2
+            if taken:
+                q[i], q[i - 1] = q[i - 1], q[i]
+            else:
+                total += math.exp(q[i]) * x[i]
+            step += 1
+    return total
+
+
+def scaled(a, b):
+    return 2.0 * b
+
+
+def unused_argument_of_a_helper(x):
+    for i in range(x.size):
+        x[i] = scaled(x[i - 1] * 3.0, x[i] * x[i])
+
+
+def work_array_whose_content_is_not_read(x):
+    work = np.zeros(x.size)
+    for i in range(x.size):
+        work[i] = x[i] * x[i]
+    total = 0.0
+    for i in range(work.size):
+        total += x[i] ** 3
+    return total
+
+
+def loop_that_only_leaves(x):
+    count = 0
+    while True:
+        count += 1
+        if count > 3:
+            break
+    return x[0] * x[1]
+
+
+def rows_of_a_matrix(m, q):
+    for i in range(m.shape[0]):
+        row = m[i]
+        row[:] = q
+        row *= m[i - 1]
+
+
+def snapshot_before_a_call(x, y):
+    total = 0.0
+    for k in range(3):
+        total += x[k] * y[k] * x[-1]
+        changed(x, y, total)
+    return total
+
+
+def overwritten_within_an_iteration(x, y):
+    for i in range(x.size):
+        x[i] = x[i] * x[i]
+        y[i] = x[i] * 3.0
+        x[i] = math.sin(x[i])
+
+
+def carried_number_from_the_record_of_an_element(u, c):
+    left = u[u.size - 1]
+    for i in range(u.size):
+        here = u[i]
+        u[i] = here - c * math.sin(here - left) * left
+        left = here
+
+
+def forward_and_back(x, y, work):
+    total = 0.0
+    for i in range(x.size):
+        for k in range(work.size):
+            work[k] = x[i] * y[k]
+        for k in range(work.size):
+            total += work[k] ** 2 * math.exp(work[k])
+    return total
+
+
+def early_return(x, limit):
+    for i in range(x.size):
+        for j in range(x.size):
+            if x[i] * x[j] > limit:
+                return x[i] + x[j] ** 2
+    return 0.5 * x[0]
+
+
+def sum_with_a_size(x, y):
+    y[:] = np.sum(x * x) / len(x)
+
+
+CASES = [
+    (index_from_a_written_array, ("x", "y"), ("x",)), (one_array_for_two_parameters, ("x", "a"), ("x",)),
+    (whole_statement_reads_its_own_target, ("x",), ("x",)), (recorded_under_a_test, ("x", "q"), ("return", "q")),
+    (unused_argument_of_a_helper, ("x",), ("x",)), (work_array_whose_content_is_not_read, ("x",), ("return",)),
+    (loop_that_only_leaves, ("x",), ("return",)), (rows_of_a_matrix, ("m", "q"), ("m",)),
+    (snapshot_before_a_call, ("x", "y"), ("return", "x")), (overwritten_within_an_iteration, ("x", "y"), ("x", "y")),
+    (carried_number_from_the_record_of_an_element, ("u", "c"), ("u",)),
+    (forward_and_back, ("x", "y"), ("return",)), (early_return, ("x",), ("return",)), (sum_with_a_size, ("x",), ("y",)),
+]
+
+
+def _argument(name: str, rng: np.random.Generator, small: bool) -> object:
+    if name == "m":
+        return 0.3 + rng.random((4, 3))
+    if name in ("q", "work"):
+        return 0.3 + rng.random(3)
+    if name == "x" and small:
+        return 0.3 + rng.random(3)
+    return {"a": 0.7, "c": 0.4, "limit": 0.6}.get(name, None) or 0.3 + rng.random(4)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(("kernel", "wrt", "of"), CASES, ids=[k.__name__ for k, _, _ in CASES])
+def test_small_kernel(kernel, wrt, of, engine):
+    rng = np.random.default_rng(3)
+    names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]
+    arguments = tuple(_argument(n, rng, "q" in names and "m" not in names) for n in names)
+    check_derivatives(kernel, arguments, wrt, of, engine=engine)
+
+
