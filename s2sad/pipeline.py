@@ -15,7 +15,7 @@ from typing import Any
 
 from s2sad.analyze.unshadowed import unshadowed
 from s2sad.differentiate.adjoint import Wanted
-from s2sad.differentiate.taped import Taped, taped
+from s2sad.simplify.taped import Taped, taped
 from s2sad.emit.header import header
 from s2sad.emit.module import module_text
 from s2sad.emit.origins import with_origins
