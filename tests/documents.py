@@ -90,8 +90,17 @@ def environment() -> dict[str, str]:
 
 @contextlib.contextmanager
 def document(name: str) -> Iterator[Document]:
-    with tempfile.TemporaryDirectory(prefix="document-") as folder:
-        yield Document(ROOT / name, Path(folder).resolve())
+    """A document to run; what its blocks import of their own files is forgotten afterwards."""
+    with tempfile.TemporaryDirectory(prefix="document-") as temporary:
+        folder, before = str(Path(temporary).resolve()), set(sys.modules)
+        sys.path.insert(0, folder)
+        try:
+            yield Document(ROOT / name, Path(folder))
+        finally:
+            sys.path.remove(folder)
+            for module in set(sys.modules) - before:
+                if (getattr(sys.modules[module], "__file__", None) or "").startswith(folder):
+                    del sys.modules[module]
 
 
 def main() -> None:
