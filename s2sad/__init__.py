@@ -35,7 +35,11 @@ _HOMES = {
     "drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
-__all__ = sorted(_HOME)
+__all__ = [
+    "Active", "BatchDuplicated", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed", "Explanation",
+    "Forward", "ForwardWithPrimal", "Reverse", "ReverseWithPrimal", "S2sadError", "S2sadWarning", "autodiff", "check",
+    "differentiate", "explain", "gradient", "jvp", "make_zero", "value_and_gradient", "vjp",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -150,9 +150,10 @@ class AnnotatedCall:
                              if self.mode.reverse else "forward modes take none"), "leave it out")
             return {}
         if seed is None:
-            if len(results.types) > 1 or results.types[0].is_array:
+            several = len(results.types) > 1
+            if several or results.types[0].is_array:
                 raise misfit("the seed of 'return' is missing: the function returns "
-                             f"{'several values' if len(results.types) > 1 else 'an array'}",
+                             f"{'several values' if several else 'an array'}",
                              "give seed=..., shaped as that")
             return {0: 1.0}
         found = structured(results, seed, seeded)
@@ -162,7 +163,8 @@ class AnnotatedCall:
 
 def _lost(name: str, store: Any, source: Source, mode: Mode) -> Diagnostic:
     place = Span.of(source, store) if getattr(store, "lineno", None) else None
-    return Diagnostic("S406", f"the argument '{name}' is Const, but active values are stored in it and read again", place,
+    message = f"the argument '{name}' is Const, but active values are stored in it and read again"
+    return Diagnostic("S406", message, place,
                       note="depends on an argument with a derivative, and an output depends on it",
                       help=f"say Duplicated({name}, s2sad.make_zero({name})), or Const for what is stored here")
 

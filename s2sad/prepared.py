@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.binding import admitted, bind, coerced, make_zero, misfit, types as types_of
+from s2sad.binding import admitted, bind, coerced, misfit, types as types_of
 from s2sad.diagnostics import Diagnostic, S2sadError, S2sadWarning
 from s2sad.program import Request
 from s2sad.selection import RETURN, Results, array_seed, number_seed, places, selected_of, selected_wrt, structured
@@ -111,8 +111,8 @@ class ReverseCall(PreparedCall):
     def gradients(self, shadows: dict[str, Any], returned: tuple[Any, ...]) -> dict[str, Any]:
         scalars = dict(zip(self.rv.generated.returns, returned))
         for name in self.in_vain:
-            warnings.warn(f"no output asked for of '{self.state.kernel.name}' depends on '{name}': its gradient is zero",
-                          S2sadWarning, stacklevel=4)
+            message = f"no output asked for of '{self.state.kernel.name}' depends on '{name}': its gradient is zero"
+            warnings.warn(message, S2sadWarning, stacklevel=4)
         return {name: shadows[name] if name in shadows else scalars[name] for name in self.wrt}
 
     def vjp(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> dict[str, Any]:

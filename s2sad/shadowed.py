@@ -40,6 +40,7 @@ class ShadowedCall:
         arguments = args if self._direct else self._arguments(args)
         shared = variant.checked(arguments)
         if self._hidden_written:
+            assert isinstance(arguments, list)  # hidden arguments are never direct
             outside = self.state.outside(self.types)
             for k in self._hidden:
                 arguments[k] = outside[variant.parameters[k].name]

@@ -92,7 +92,8 @@ def _shadowed(name: str, value: Any, mode: str, selection: Selection, is_float: 
         floats = value.dtype.name in FLOATS
         return floats and (varied or of is None or name in of), floats and (varied or name in (of or ()))
     number = isinstance(value, (float, np.floating)) or is_float
-    return (mode == "tangent" and number and varied,) * 2
+    shadowed = mode == "tangent" and number and varied
+    return shadowed, shadowed
 
 
 def _alike(value: Any, following: Any) -> bool:
@@ -105,5 +106,5 @@ def _misread(state: State, mode: str, args: Sequence[Any], variant: Variant | No
     name = state.kernel.name
     signature = (", ".join(p.name for p in variant.parameters if not p.name.startswith(HIDDEN)) if variant else
                  f"{', '.join(state.parameters)}, with a shadow after each float array")
-    return S2sadError(Diagnostic("S405", f"'{name}.{mode}' was given {len(args)} arguments that do not fit its signature",
-                                 help=f"call {name}.{mode}({signature})"))
+    message = f"'{name}.{mode}' was given {len(args)} arguments that do not fit its signature"
+    return S2sadError(Diagnostic("S405", message, help=f"call {name}.{mode}({signature})"))

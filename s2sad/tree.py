@@ -192,7 +192,7 @@ def stored_names(node: AST | list[AST]) -> list[str]:
     return list(dict.fromkeys(n.id for n in walk(node) if isinstance(n, Name) and isinstance(n.ctx, Store)))
 
 
-def call_name(node: AST) -> str | None:
+def call_name(node: AST | None) -> str | None:
     """The resolved name of the function that a call calls, or None if the node is no such call."""
     return node.func.id if isinstance(node, Call) and isinstance(node.func, Name) else None
 

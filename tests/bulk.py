@@ -73,7 +73,8 @@ def outcome(program: Program, engine: str, seed: int = 0) -> Outcome:
         with np.errstate(all="ignore"), _limit(1.0):
             function(*program.arguments())
         if not outputs(program):
-            return Outcome(seed, "invalid", "nothing to differentiate", "it changes none of its outputs", program.source)
+            return Outcome(seed, "invalid", "nothing to differentiate", "it changes none of its outputs",
+                           program.source)
     except Exception as error:
         return Outcome(seed, "invalid", type(error).__name__, str(error), program.source)
     try:

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from s2sad import (
-    Active, Const, Differentiated, Duplicated, DuplicatedNoNeed, Reverse, S2sadError, S2sadWarning, autodiff, gradient, vjp,
+    Active, Const, Differentiated, Duplicated, DuplicatedNoNeed, Reverse, S2sadError, S2sadWarning, autodiff, gradient,
+    vjp,
 )
 
 

@@ -61,7 +61,7 @@ def test_the_shadow_law(made):
     f = made("square")
     du, u = np.zeros(3), np.array([1.0, 2.0, 3.0])
     du_bar, u_bar = np.ones(3), np.full(3, 10.0)
-    for repetition in range(2):
+    for _ in range(2):
         assert f.adjoint(du, du_bar, u, u_bar, 2) in (None, ())
         assert du_bar.tolist() == [0.0, 0.0, 1.0]
         assert u_bar.tolist() == [12.0, 14.0, 10.0]
@@ -98,7 +98,7 @@ def test_arguments_without_influence_have_no_shadow(made):
 def test_shadows_are_refused_before_anything_is_written(made):
     f = made("square")
     du, u, du_bar = np.zeros(3), np.ones(3), np.ones(3)
-    for repetition in range(2):
+    for _ in range(2):
         refused("error[S403]: the shadow 'u_bar' has shape (2,), its primal 'u' has (3,)\n"
                 "  help: make one with s2sad.make_zero(u)", f.adjoint, du, du_bar, u, np.zeros(2), 3)
         refused("error[S403]: the shadow 'u_bar' has dtype float32, its primal 'u' has float64\n"
@@ -228,7 +228,7 @@ def test_gradients_change_nothing(made):
     assert value == 10.0 and both["u"].tolist() == [4.0, 8.0] and both["c"] == 5.0
     scale = made("scale")
     u = np.array([1.0, 2.0])
-    for repetition in range(2):
+    for _ in range(2):
         found = vjp(scale, (u, 3.0), {"u": np.ones(2)})
         assert found["u"].tolist() == [3.0, 3.0] and found["c"] == 3.0
         assert jvp(scale, (u, 3.0), {"c": 1.0}, of="u")["u"].tolist() == [1.0, 2.0]

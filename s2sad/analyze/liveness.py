@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Pass, Raise, Return,
-    Store, Subscript, Tuple, While, call_name, children, forgotten, walk,
+    AST, Assert, Assign, Attribute, AugAssign, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Pass, Raise,
+    Return, Store, Subscript, Tuple, While, call_name, children, forgotten, walk,
 )
 
 Writes = Callable[[Call], list[str]]

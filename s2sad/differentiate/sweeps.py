@@ -242,9 +242,9 @@ class Sweeps:
 def reversed_bounds(loop: For, trips: AST | None) -> list[AST]:
     """The bounds of the loop run backwards; `trips` if it was left early."""
     start, stop, step = range_parts(loop)
-    numbers = [known(b) for b in (start, stop)]
-    if trips is None and isinstance(step, int) and step and None not in numbers:
-        back = range(numbers[0], numbers[1], step)[::-1]
+    first, end = known(start), known(stop)
+    if trips is None and isinstance(step, int) and step and first is not None and end is not None:
+        back = range(first, end, step)[::-1]
         return [const(back.start), const(back.stop), const(back.step)][:2 if back.step == 1 else 3]
     if trips is None and step == 1:
         return [sub_one(stop), sub_one(start), const(-1)]

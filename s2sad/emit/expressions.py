@@ -96,6 +96,7 @@ class Expressions(astunparse.Unparser):
             self.write("-" if value < 0 else "")
             self.write(spell("numpy.nan" if value != value else "numpy.inf", self.names))
         elif needs_numpy(value):
+            assert isinstance(value, np.generic)  # Python's own inf and nan are above
             self.write(f"{spell(f'numpy.{value.dtype.name}', self.names)}({value!s})")
         else:
             self.write(number(value))

@@ -196,6 +196,7 @@ class Layout(Expressions):
     def _arguments(self, node: tree.arguments) -> None:
         plain = [*node.posonlyargs, *node.args]
         defaults = [None] * (len(plain) - len(node.defaults)) + list(node.defaults)
+        entries: list[tuple[str, tree.Name | None, tree.AST | None]]
         entries = [("", name, default) for name, default in zip(plain, defaults)]
         if node.posonlyargs:
             entries.insert(len(node.posonlyargs), ("/", None, None))

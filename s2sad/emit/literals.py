@@ -9,7 +9,7 @@ import numpy as np
 from s2sad import tree
 
 _PART = 60
-_PYTHONS_OWN = (np.float64, np.int64, np.bool_, np.complex128)
+_PYTHONS_OWN: tuple[type[np.generic], ...] = (np.float64, np.int64, np.bool_, np.complex128)
 
 
 def number(value: Any) -> str:

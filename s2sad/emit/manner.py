@@ -110,7 +110,7 @@ def _of_call(node: tree.Call) -> Iterator[str]:
 
 
 def _of_unpacking(function: tree.FunctionDef) -> Iterator[str]:
-    unpacked = [target for node in tree.walk(function) if isinstance(node, tree.Assign) for target in node.targets
-                if isinstance(target, tree.Tuple)]
+    unpacked: list[tree.AST] = [target for node in tree.walk(function) if isinstance(node, tree.Assign)
+                                for target in node.targets if isinstance(target, tree.Tuple)]
     if unpacked and not set(tree.stored_names(unpacked)) <= set(tree.names(function.body)):
         yield "RUF059"

@@ -6,7 +6,7 @@ import builtins
 import inspect
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from types import FunctionType, ModuleType
 
 from s2sad import runtime
@@ -55,7 +55,7 @@ def pasted(names: Iterable[str]) -> list[Piece]:
     return list(found.values())
 
 
-@lru_cache(maxsize=None)
+@cache
 def _piece(name: str) -> Piece:
     function = getattr(runtime, name)
     source = inspect.getsource(function)

@@ -38,7 +38,7 @@ class Allocations:
         if function in _SHAPED:
             return self._shaped(target, kind, function, args)
         if function in _LIKE:
-            made = [self.empty_like(target, kind, args[0], "zeros" if "zeros" in function else "empty")]
+            made: list[AST] = [self.empty_like(target, kind, args[0], "zeros" if "zeros" in function else "empty")]
             fill = const(_FILLS[function]) if function in _FILLS else args[1] if function == "numpy.full_like" else None
             return made + ([] if fill is None else [assign(index(name(target), const(...)), fill)])
         if function in _COPIES and isinstance(args[0], (List, Tuple)):

@@ -75,7 +75,9 @@ class _Atoms:
             value = self.inner(statement.value, before) if self.is_float(statement.value) else statement.value
             target = self.indexed(statement.target, before)
             return [*before, augment(target, statement.op, value)]
-        if isinstance(statement, Return) and statement.value is not None:
+        if isinstance(statement, Return):
+            if statement.value is None:
+                return [statement]
             parts = statement.value.elts if isinstance(statement.value, Tuple) else [statement.value]
             new = [self.simple(p, before, "result") for p in parts]
             value = Tuple(new, statement.value.ctx) if isinstance(statement.value, Tuple) else new[0]

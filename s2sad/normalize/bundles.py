@@ -84,7 +84,9 @@ def _read(node: AST, identifier: str, count: int) -> AST | None:
 
 def _taken_apart(node: AST, parts: dict[str, list[str]]) -> AST | None:
     if isinstance(node, Subscript) and isinstance(node.value, Name) and node.value.id in parts:
-        return at(name(parts[node.value.id][constant_index(node)]), node)
+        position = constant_index(node)
+        assert position is not None  # what `_read` takes for a reading of the bundle has a constant index
+        return at(name(parts[node.value.id][position]), node)
     if isinstance(node, Assign) and isinstance(node.targets[0], Name) and node.targets[0].id in parts:
         value = rebuild(node.value, lambda n: _taken_apart(n, parts))
         return at(assign(tuple_of(*map(name, parts[node.targets[0].id])), value), node)

@@ -26,7 +26,7 @@ def bound_arguments(node: Call, scope: Scope) -> list[AST]:
         scope.refuse(node, f"{called} is not a function that was read", code="S202")
         return node.args
     wanted = ", ".join(kernel.parameters)
-    given: dict[str, AST] = dict(zip(kernel.parameters, node.args))
+    given: dict[str | None, AST] = dict(zip(kernel.parameters, node.args))
     if len(node.args) > len(kernel.parameters):
         scope.refuse(node, f"{called}({wanted}) is given {len(node.args)} arguments", code="S405")
     for keyword in node.keywords:
@@ -79,8 +79,9 @@ def _count(value: AST, kernel: Kernel, program: Program, seen: tuple[str, ...]) 
         return len(value.elts)
     if isinstance(value, IfExp):
         return _count(value.body, kernel, program, seen)
-    if user_call(value) is not None:
-        return result_count(user_call(value), program, seen)
+    called = user_call(value)
+    if called is not None:
+        return result_count(called, program, seen)
     if isinstance(value, Name):
         bound = [v for target, v in bindings(kernel.tree) if isinstance(target, Name) and target.id == value.id
                  and (isinstance(v, Tuple) or user_call(v) is not None)]

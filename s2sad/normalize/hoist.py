@@ -56,9 +56,8 @@ def hoist_all(nodes: list[AST], scope: Scope) -> tuple[list[AST], list[AST]]:
     for position, (before, value) in enumerate(parts):
         statements += before
         later = [s for following, _ in parts[position + 1:] for s in following]
-        if scope.memory.affected(value, scope.memory.written(later)):
-            value = scope.held(value, "held", statements)
-        left.append(value)
+        affected = scope.memory.affected(value, scope.memory.written(later))
+        left.append(scope.held(value, "held", statements) if affected else value)
     return statements, left
 
 
@@ -97,6 +96,7 @@ def _named(node: AST, wanted: str, scope: Scope) -> tuple[list[AST], AST]:
 
 def _called(node: Call, scope: Scope) -> tuple[list[AST], AST]:
     kernel = user_call(node)
+    assert kernel is not None
     before, bound = bound_call(node, scope)
     count = result_count(kernel, scope.program)
     targets = [scope.fresh(f"{kernel}_value" if count == 1 else f"{kernel}_{k}") for k in range(count)]

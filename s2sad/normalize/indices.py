@@ -43,7 +43,7 @@ class IndexLoops:
     def _loops(self, counters: list[str], extents: list[AST], body: list[AST]) -> list[AST]:
         several = len(counters) > 1 and BREAK in exits(body)
         stopped = self._scope.fresh("stopped") if several else ""
-        inner = _stopping(body, stopped) if several else body
+        inner: list[AST] = _stopping(body, stopped) if several else body
         for position in range(len(counters) - 1, -1, -1):
             loop = counted_for(counters[position], [extents[position]], inner)
             inner = [loop, If(name(stopped), [Break()], [])] if several and position else [loop]
@@ -72,8 +72,9 @@ class IndexLoops:
                 return None
             if isinstance(node.value, Name) and node.value.id == identifier:
                 position = constant_index(node)
-                fits = position is not None and -len(counters) <= position < len(counters)
-                return at(name(counters[position]), node) if fits else None
+                if position is None or not -len(counters) <= position < len(counters):
+                    return None
+                return at(name(counters[position]), node)
             if isinstance(node.slice, Name) and node.slice.id == identifier:
                 where = tuple_of(*map(name, counters)) if len(counters) > 1 else name(counters[0])
                 return at(Subscript(rebuild(node.value, change), where, node.ctx), node)

@@ -84,7 +84,7 @@ class Memory:
                 found |= {self._class(n) for n in _names(node.value)}
             elif isinstance(node, AugAssign) and isinstance(node.target, Name):
                 found.add(self._class(node.target.id))
-            elif (call_name(node) or "").startswith("user.") and self.writes(call_name(node)[len("user."):]):
+            elif (called := call_name(node) or "").startswith("user.") and self.writes(called[len("user."):]):
                 found |= {self._class(n) for n in _names(node.args + node.keywords)} | {GLOBAL}
         return found
 

@@ -114,7 +114,7 @@ class Results:
 def final_return(node: Return, scope: Scope) -> list[AST]:
     """A return at the end of the function, kept; the call that it returns gets a name."""
     kernel = user_call(node.value) if node.value is not None else None
-    if kernel is None:
+    if node.value is None or kernel is None:
         return [node]
     count = result_count(kernel, scope.program)
     targets = [scope.fresh("result")] if count == 1 else [scope.fresh(f"result_{k}") for k in range(count)]

@@ -1,4 +1,5 @@
-"""ruled: whatever computes with numbers or arrays has a derivative rule, or a derivative that is zero; else it is refused.
+"""ruled: whatever computes with numbers or arrays has a derivative rule, or a derivative that is zero; else it is
+refused.
 
 Requires structured form and types; establishes that an operation without a rule is none that a value of a float can
 pass through: what the analyses find no rule for is truly inactive.

@@ -75,10 +75,14 @@ def _column(node: AST, hold: Hold, scope: Scope) -> tuple[AST, Callable[[AST], A
         return _counted(node, hold)
     if called == "builtins.enumerate" and node.args:
         inner, start = _column(node.args[0], hold, scope), hold(_start(node), "start")
-        return None if inner is None else (inner[0], lambda k: tuple_of(_plus(copy(k), copy(start)), inner[1](k)))
+        if inner is None:
+            return None
+        length, item = inner
+        return length, lambda k: tuple_of(_plus(copy(k), copy(start)), item(k))
     if called == "builtins.zip" and node.args and not _strict(node):
-        columns = [_column(a, hold, scope) for a in node.args]
-        if any(c is None for c in columns):
+        found = [_column(a, hold, scope) for a in node.args]
+        columns = [c for c in found if c is not None]
+        if len(columns) < len(found):
             return None
         return _least([c[0] for c in columns]), lambda k: tuple_of(*[c[1](copy(k)) for c in columns])
     if called == "builtins.reversed" and len(node.args) == 1:
@@ -114,9 +118,10 @@ def _reversed(node: AST, hold: Hold, scope: Scope) -> Sequence | None:
         held = [hold(b, w) for b, w in zip(node.args, _roles(node))]
         start, stop = (const(0), held[0]) if len(held) == 1 else (held[0], held[1])
         step = held[2] if len(held) == 3 else const(1)
-        if _number(step) in (1, -1):
-            unit = const(_number(step))
-            return Sequence([_minus(stop, unit), _minus(copy(start), copy(unit)), const(-_number(step))], lambda k: k)
+        stride = _number(step)
+        if stride is not None and stride in (1, -1):
+            unit = const(stride)
+            return Sequence([_minus(stop, unit), _minus(copy(start), copy(unit)), const(-stride)], lambda k: k)
         steps = sub(call("builtins.len", call("builtins.range", start, stop, step)), const(1))
         last = _plus(mult(steps, copy(step)), copy(start))
         return Sequence([last, sub(copy(start), copy(step)), negate(copy(step))], lambda k: k)
@@ -138,17 +143,19 @@ def _number(node: AST) -> int | None:
 
 
 def _plus(a: AST, b: AST) -> AST:
-    if _number(a) is not None and _number(b) is not None:
-        return const(_number(a) + _number(b))
-    return a if _number(b) == 0 else b if _number(a) == 0 else add(a, b)
+    left, right = _number(a), _number(b)
+    if left is not None and right is not None:
+        return const(left + right)
+    return a if right == 0 else b if left == 0 else add(a, b)
 
 
 def _minus(a: AST, b: AST) -> AST:
-    if _number(a) is not None and _number(b) is not None:
-        return const(_number(a) - _number(b))
-    if _number(b) is not None and _number(b) < 0:
-        return add(a, const(-_number(b)))
-    return a if _number(b) == 0 else sub(a, b)
+    left, right = _number(a), _number(b)
+    if left is not None and right is not None:
+        return const(left - right)
+    if right is not None and right < 0:
+        return add(a, const(-right))
+    return a if right == 0 else sub(a, b)
 
 
 def _least(items: list[AST]) -> AST:

@@ -79,7 +79,8 @@ def _unpacked(target: AST, value: AST, scope: Scope) -> list[AST]:
         before, test = hoist(value.test, scope)
         arms = _unpacked(target, value.body, scope), _unpacked(copy(target), value.orelse, scope)
         return [*before, If(test, *arms)]
-    if user_call(value) is not None and result_count(user_call(value), scope.program) > 1:
+    called = user_call(value)
+    if called is not None and result_count(called, scope.program) > 1:
         return _results(target, value, scope)
     if not isinstance(value, (Tuple, List)):
         before, value = hoist(value, scope)
@@ -100,16 +101,18 @@ def _cheap(value: AST) -> bool:
 
 def _results(target: AST, value: AST, scope: Scope) -> list[AST]:
     """`a, b = f(x)` keeps its tuple of names."""
+    kernel = user_call(value)
+    assert kernel is not None
     before, bound = bound_call(value, scope)
-    count = result_count(user_call(value), scope.program)
+    count = result_count(kernel, scope.program)
     if count != len(target.elts):
-        scope.refuse(value, f"{user_call(value)} returns {count} values, here are {len(target.elts)} names",
+        scope.refuse(value, f"{kernel} returns {count} values, here are {len(target.elts)} names",
                      code="S203")
     direct = all(isinstance(t, Name) for t in target.elts) and len({t.id for t in target.elts}) == len(target.elts)
     if direct:
         scope.memory.bind([t.id for t in target.elts], bound)
         return [*before, assign(target, bound)]
-    fresh = [scope.fresh(f"{user_call(value)}_{k}") for k in range(len(target.elts))]
+    fresh = [scope.fresh(f"{kernel}_{k}") for k in range(len(target.elts))]
     scope.memory.bind(fresh, bound)
     after = [s for t, f in zip(target.elts, fresh) for s in _assigned(t, name(f), scope)]
     return [*before, assign(tuple_of(*map(name, fresh)), bound), *after]
@@ -155,7 +158,7 @@ def _overwrites(target: AST, value: AST, scope: Scope) -> bool:
     """Whether storing into the target first would change what the value is, or what its calls see."""
     if set(stored_names(target)) & set(names(value)):
         return True
-    stores = [assign(t, const(0)) for t in _elements(target)]
+    stores: list[AST] = [assign(t, const(0)) for t in _elements(target)]
     return bool(stores) and (impure(value) or scope.memory.affected(value, scope.memory.written(stores)))
 
 

@@ -81,9 +81,9 @@ class Effects:
                 written |= set(self.writes(node))
                 pure = pure and self.pure(node)
             pure = pure and not isinstance(node, (Assert, Raise))
+        arrays = frozenset(k for k, p in enumerate(parameters) if typing.table[p].is_array)
         self.table[function.name] = Effect(
-            frozenset(reads), frozenset(k for k, p in enumerate(parameters) if p in written and typing.table[p].is_array),
-            pure, frozenset(k for k, p in enumerate(parameters) if typing.table[p].is_array))
+            frozenset(reads), frozenset(k for k in arrays if parameters[k] in written), pure, arrays)
 
 
 def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], live_out: set[str], effects: Effects,

@@ -8,7 +8,7 @@ expression reads, and not into a loop, where it would be computed more often.
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Set
 
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.simplify.rebuild import heads, with_blocks
@@ -20,7 +20,7 @@ from s2sad.tree import (
 Writes = Callable[[Call], list[str]]
 
 
-def fold(function: FunctionDef, kept: set[str], writes: Writes, duplicates: set[str] = frozenset()) -> FunctionDef:
+def fold(function: FunctionDef, kept: set[str], writes: Writes, duplicates: Set[str] = frozenset()) -> FunctionDef:
     """The function with such names folded; `kept` stay (user's names), `duplicates` may be read several times."""
     new = copy(function)
     pass_ = _Fold(function, kept, writes, duplicates)
@@ -29,7 +29,7 @@ def fold(function: FunctionDef, kept: set[str], writes: Writes, duplicates: set[
 
 
 class _Fold:
-    def __init__(self, function: FunctionDef, kept: set[str], writes: Writes, duplicates: set[str]):
+    def __init__(self, function: FunctionDef, kept: set[str], writes: Writes, duplicates: Set[str]):
         self.kept, self.writes, self.duplicates = kept, writes, duplicates
         self.bound: dict[str, int] = {}
         self.read: dict[str, int] = {}

@@ -124,8 +124,9 @@ def _choice(target: str, test: AST, yes: AST | None, no: AST | None, bound: bool
     """One statement for what two sides do to a name; one not `bound` before is bound whatever the test is."""
     if all(s is None or isinstance(s, AugAssign) for s in (yes, no)):
         return augment(target, Add(), IfExp(copy(test), _gain(yes), _gain(no)))
-    if (yes is None or no is None) and not bound:
-        return assign(target, copy((yes or no).value))
+    only = no if yes is None else yes if no is None else None
+    if only is not None and not bound:
+        return assign(target, copy(only.value))
     return assign(target, IfExp(copy(test), _after(target, yes), _after(target, no)))
 
 

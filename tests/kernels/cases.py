@@ -117,7 +117,8 @@ def _nbody(size):
 def _mixture(size):
     n, d, k = _size(size, (12, 3, 4), (1000, 10, 25))
     rng = _rng()
-    return rng.standard_normal(k), rng.standard_normal((k, d)), 0.3 * rng.standard_normal((k, d)), rng.standard_normal((n, d))
+    return (rng.standard_normal(k), rng.standard_normal((k, d)), 0.3 * rng.standard_normal((k, d)),
+            rng.standard_normal((n, d)))
 
 
 LOOPS = [
