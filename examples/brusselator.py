@@ -209,7 +209,7 @@ def picture(path, observed, recovered, truth, errors):
 
     shown = [0, 2, 4, 7]
     figure = pyplot.figure(figsize=(10.5, 9.6), layout="constrained")
-    above, below = figure.subfigures(2, 1, height_ratios=[3.4, 1.0])
+    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=[3.4, 1.0])[:, 0]
     grid = above.subplots(3, 4, sharex=True, sharey=True)
     top = max(observed[shown].max(), recovered[shown].max())
     far = max(np.abs((recovered - truth)[shown]).max(), 1e-12)

@@ -13,6 +13,7 @@ from s2sad.program import Kernel
 
 FLOATS = ("float64", "float32")
 _DTYPES = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", *FLOATS))
+_SINGLE: type[np.floating] = np.float32  # to pyright np.float32 itself is an alias, which isinstance does not take
 _FLOAT_ANNOTATIONS = ("float", "np.float64", "numpy.float64", "float64", "np.float32", "numpy.float32", "float32")
 
 
@@ -58,7 +59,7 @@ def admitted(name: str, value: Any, is_float: bool = False) -> Any:
         if not -2 ** 63 <= value < 2 ** 63:
             raise _unfit(name, f"is {value}, which does not fit 64 bits", "give a float")
         return float(value) if is_float else int(value)
-    if isinstance(value, np.float32):
+    if isinstance(value, _SINGLE):
         return value
     if isinstance(value, (np.float64, float)):
         return float(value)
@@ -100,7 +101,7 @@ def shadow(name: str, value: Any, primal: str, of: Any) -> Any:
         return _shadow_array(name, value, primal, of)
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise misfit(f"'{name}' is {_a(value)}, its primal '{primal}' is a float", "give a float")
-    return np.float32(value) if isinstance(of, np.float32) else float(value)
+    return np.float32(value) if isinstance(of, _SINGLE) else float(value)
 
 
 def _shadow_array(name: str, value: Any, primal: str, of: np.ndarray) -> np.ndarray:
@@ -171,7 +172,7 @@ def make_zero(x: Any) -> Any:
     value = admitted("x", x)
     if isinstance(value, np.ndarray):
         return np.zeros_like(value) if value.dtype.name in FLOATS else value
-    if isinstance(value, (float, np.float32)):
+    if isinstance(value, (float, _SINGLE)):
         return type(value)(0.0)
     return x
 

@@ -187,4 +187,8 @@ class Expressions(astunparse.Unparser):
                 self.dispatch(bound)
 
     def _JoinedStr(self, node: Any) -> None:
-        self.write(formatted_string(node, lambda part: type(self)(part, names=self.names, width=None).text))
+        self.write(formatted_string(node, self.inline))
+
+    def inline(self, node: tree.AST) -> str:
+        """The text of an expression inside a string, on one line."""
+        raise NotImplementedError

@@ -55,6 +55,9 @@ class Layout(Expressions):
         if file is not None:
             file.write(self.text + "\n")
 
+    def inline(self, node: tree.AST) -> str:
+        return type(self)(node, names=self.names, width=None).text
+
     def fill(self, text: str = "") -> None:
         self.flush()
         self.line_indent = 4 * self._indent

@@ -23,6 +23,7 @@ _OTHER = frozenset({
     "builtins.range"})
 _SUMS = ("numpy.sum", "builtins.sum")
 _LOOP = "write it as a loop over the elements"
+_OTHERS = "write it with functions that have a rule"
 
 
 def ruled(function: FunctionDef, typing: Typing, report: Report) -> None:
@@ -34,6 +35,11 @@ def ruled(function: FunctionDef, typing: Typing, report: Report) -> None:
 def _visit(node: AST, typing: Typing, report: Report) -> None:
     if isinstance(node, (Assert, Raise)) or isinstance(node, Expr) and call_name(node.value) == "builtins.print":
         return
+    before = len(report.found)
+    for child in children(node):
+        _visit(child, typing, report)
+    if len(report.found) > before:
+        return  # what is refused inside explains it
     if isinstance(node, Call):
         _call(node, typing, report)
     elif isinstance(node, BinOp) and isinstance(node.op, MatMult):
@@ -41,8 +47,6 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
     elif isinstance(node, Subscript) and any(typing.of(s).is_array for s in indices(node)):
         report.error("S201", "an array as a subscript is not supported in a kernel yet (planned)", node,
                      help="write a loop over the elements, with an if in place of a mask")
-    for child in children(node):
-        _visit(child, typing, report)
 
 
 def _call(node: Call, typing: Typing, report: Report) -> None:
@@ -59,5 +63,6 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
     elif operation(node) is None:
         known = rules.find(name)
         given = f" with {len(node.args) + len(node.keywords)} arguments" if known else ""
-        report.error("S301", f"no derivative rule for {name}{given}", node, note="" if not known else
-                     f"there is one for {name}({', '.join(known.parameters)})", help=_LOOP)
+        note = f"there is one for {name}({', '.join(known.parameters)})" if known else ""
+        report.error("S301", f"no derivative rule for {name}{given}", node, note,
+                     _LOOP if any(typing.of(a).is_array for a in node.args) else _OTHERS)

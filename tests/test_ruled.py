@@ -1,0 +1,42 @@
+"""What has no derivative rule is refused, with its place; nothing without a rule passes as inactive."""
+from __future__ import annotations
+
+import importlib.util
+
+import numpy as np
+import pytest
+
+import s2sad
+
+LOOP, OTHERS = "write it as a loop over the elements", "write it with functions that have a rule"
+SUM, MASK = "write a loop that adds the elements", "write a loop over the elements, with an if in place of a mask"
+PLANNED = "error[S201]: an array as a subscript is not supported in a kernel yet (planned)"
+CASES = [
+    ("np.linalg.det(a)", "error[S301]: no derivative rule for numpy.linalg.det", LOOP),
+    ("np.sort(u)[0]", "error[S301]: no derivative rule for numpy.sort", LOOP),
+    ("np.max(u)", "error[S301]: no derivative rule for numpy.max", LOOP),
+    ("np.sum(np.where(u > 0.0, u, 0.0))", "error[S301]: no derivative rule for numpy.where", LOOP),
+    ("math.lgamma(u[0])", "error[S301]: no derivative rule for math.lgamma", OTHERS),
+    ("math.log(u[0], 2.0)", "error[S301]: no derivative rule for math.log with 2 arguments there is one for "
+     "math.log(x)", OTHERS),
+    ("u[0] * np.random.rand()", "error[S301]: no derivative rule for numpy.random.rand", OTHERS),
+    ("np.sum(a @ u)", "error[S301]: no derivative rule for a @ b", LOOP),
+    ("np.sum(np.sum(a, axis=0))", "error[S301]: no derivative rule for numpy.sum with more than the array", SUM),
+    ("np.sum(u[0])", "error[S301]: no derivative rule for numpy.sum of float64", SUM),
+    ("sum(a)", "error[S301]: no derivative rule for builtins.sum of float64[:, :]", SUM),
+    ("np.sum(u[u > 0.0])", PLANNED, MASK),
+]
+
+
+@pytest.mark.parametrize(("expression", "message", "help"), CASES, ids=[c[0] for c in CASES])
+def test_refused(expression, message, help, tmp_path):
+    path = tmp_path / "kernel.py"
+    path.write_text(f"import math\nimport numpy as np\n\n\ndef f(a, u):\n    return {expression}\n")
+    spec = importlib.util.spec_from_file_location("kernel", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(module.f)(np.ones((2, 2)), np.ones(2))
+    lines = str(caught.value).splitlines()
+    found = " ".join([lines[0].split(": ", 1)[1], lines[2].partition("^")[2].lstrip("^").strip()]).strip()
+    assert (found, lines[3]) == (message, f"  help: {help}")
