@@ -10,6 +10,7 @@ import numpy as np
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, of_value
 from s2sad.program import Kernel
+from s2sad.run.overlap import folded, self_overlap, shape_mismatch
 
 FLOATS = ("float64", "float32")
 _DTYPES = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", *FLOATS))
@@ -84,10 +85,6 @@ def describe(args: Sequence[Any]) -> tuple[Any, ...]:
     return tuple([(a.dtype, a.ndim, a.flags.num) if type(a) is array else type(a) for a in args])
 
 
-def is_differentiable(type_: Type) -> bool:
-    """Whether a parameter of this type can have a derivative."""
-    return type_.is_float
-
 
 def written_argument(name: str, value: Any) -> None:
     """Refuses a read-only array where the kernel writes."""
@@ -111,11 +108,11 @@ def _shadow_array(name: str, value: Any, primal: str, of: np.ndarray) -> np.ndar
     if value.dtype != of.dtype:
         raise misfit(f"the shadow '{name}' has dtype {value.dtype}, its primal '{primal}' has {of.dtype}", remedy)
     if value.shape != of.shape:
-        raise misfit(f"the shadow '{name}' has shape {value.shape}, its primal '{primal}' has {of.shape}", remedy)
+        raise S2sadError(shape_mismatch(name, value.shape, primal, of.shape))
     if not value.flags.writeable:
         raise misfit(f"the shadow '{name}' is read-only", remedy)
-    if any(n > 1 and s == 0 for n, s in zip(value.shape, value.strides)):
-        raise misfit(f"the shadow '{name}' overlaps itself (a stride of 0)", remedy)
+    if folded(value):
+        raise S2sadError(self_overlap(name, primal))
     return _array(name, value)
 
 

@@ -121,6 +121,12 @@ def early_return(x, limit):
     return 0.5 * x[0]
 
 
+def array_given_whole_and_by_element(x, y):
+    y[1] /= 1.0 + y[0] ** 2
+    for i in range(1, y.size - 1):
+        changed(x, y, 0.5 * y[-1 - i])
+
+
 def sum_with_a_size(x, y):
     y[:] = np.sum(x * x) / len(x)
 
@@ -133,6 +139,7 @@ CASES = [
     (snapshot_before_a_call, ("x", "y"), ("return", "x")), (overwritten_within_an_iteration, ("x", "y"), ("x", "y")),
     (carried_number_from_the_record_of_an_element, ("u", "c"), ("u",)),
     (forward_and_back, ("x", "y"), ("return",)), (early_return, ("x",), ("return",)), (sum_with_a_size, ("x",), ("y",)),
+    (array_given_whole_and_by_element, ("x", "y"), ("x", "y")),
 ]
 
 

@@ -56,6 +56,8 @@ class Check:
             if arrays[shadow].shape != arrays[primal].shape:
                 raise S2sadError(shape_mismatch(self.slots[shadow].name, arrays[shadow].shape,
                                                 self.slots[primal].name, arrays[primal].shape))
+            if folded(arrays[shadow]):
+                raise S2sadError(self_overlap(self.slots[shadow].name, self.slots[primal].name))
         where = {slot.name: arrays[k] for k, slot in enumerate(self.slots) if slot.role == "primal"}
         shared = []
         for i, j in self.pairs:
@@ -70,7 +72,7 @@ class Check:
     def _text(self) -> str:
         names = [f"a{k}" for k in range(len(self.slots))]
         lines = [_EXTENT, f"def check({', '.join(names)}):"]
-        lines += [f"    if a{i}.shape != a{j}.shape:\n        return 1" for i, j in self.shapes]
+        lines += [f"    if a{i}.shape != a{j}.shape or folded(a{i}):\n        return 1" for i, j in self.shapes]
         lines += [f"    low{k}, high{k} = extent(a{k})" for k in sorted({k for pair in self.pairs for k in pair})]
         lines += [f"    if low{i} < high{j} and low{j} < high{i}:\n        return 2" for i, j in self.pairs]
         return "\n".join([*lines, "    return 0", ""])
@@ -78,6 +80,13 @@ class Check:
 
 _EXTENT = '''"""Are the arrays of one call of the right shapes, and apart in memory? 0 if they are."""
 import numpy as np
+
+
+def folded(a):
+    for k in range(a.ndim):
+        if a.strides[k] == 0 and a.shape[k] > 1:
+            return True
+    return False
 
 
 def extent(a):
@@ -104,6 +113,16 @@ def overlap(a: np.ndarray, b: np.ndarray) -> bool:
         return np.shares_memory(a, b, max_work=_MAX_WORK)  # pyright: ignore[reportArgumentType]
     except np.exceptions.TooHardError:
         return True
+
+
+def folded(array: np.ndarray) -> bool:
+    """Whether an array's cells share memory through a stride of 0."""
+    return any(n > 1 and s == 0 for n, s in zip(array.shape, array.strides))
+
+
+def self_overlap(shadow: str, primal: str) -> Diagnostic:
+    return Diagnostic("S403", f"the shadow '{shadow}' overlaps itself (a stride of 0)",
+                      help=f"make one with s2sad.make_zero({primal})")
 
 
 def shape_mismatch(shadow: str, shape: tuple[int, ...], primal: str, wanted: tuple[int, ...]) -> Diagnostic:

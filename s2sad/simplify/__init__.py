@@ -21,7 +21,9 @@ from s2sad.simplify.merge import merge
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.simplify.select import select
 from s2sad.simplify.undone import undone
-from s2sad.tree import AST, Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, forgotten, walk
+from s2sad.tree import (
+    AST, Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, forgotten, names, walk,
+)
 
 
 Watch = Callable[[str, FunctionDef], object]
@@ -60,6 +62,11 @@ class Effects:
             return set()
         bases = [(k, base_name(a)) for k, a in enumerate(called.args) if k in effect.arrays]
         read = {b for k, b in bases if k in effect.reads}
+        for position, argument in enumerate(called.args):
+            if position not in effect.arrays:
+                read |= set(names(argument))
+            elif isinstance(argument, Subscript):
+                read |= set(names(argument.slice))
         return {b for _, b in bases if b} - read
 
     def pure(self, called: Call) -> bool:
