@@ -85,7 +85,6 @@ def describe(args: Sequence[Any]) -> tuple[Any, ...]:
     return tuple([(a.dtype, a.ndim, a.flags.num) if type(a) is array else type(a) for a in args])
 
 
-
 def written_argument(name: str, value: Any) -> None:
     """Refuses a read-only array where the kernel writes."""
     if isinstance(value, np.ndarray) and not value.flags.writeable:

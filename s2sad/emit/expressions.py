@@ -10,7 +10,7 @@ import numpy as np
 
 from s2sad import tree
 from s2sad.emit.lines import BREAK, Group
-from s2sad.emit.literals import formatted_string, needs_numpy, number, quoted, text_parts
+from s2sad.emit.literals import needs_numpy, number, quoted, text_parts
 from s2sad.emit.spelling import spell
 
 # What binds loosest first; an operand is put in parentheses where it binds looser than its place asks.
@@ -185,10 +185,3 @@ class Expressions(astunparse.Unparser):
                 self.write(":")
             if bound is not None:
                 self.dispatch(bound)
-
-    def _JoinedStr(self, node: Any) -> None:
-        self.write(formatted_string(node, self.inline))
-
-    def inline(self, node: tree.AST) -> str:
-        """The text of an expression inside a string, on one line."""
-        raise NotImplementedError

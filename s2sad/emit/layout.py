@@ -18,7 +18,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.emit.expressions import TEST, Expressions
 from s2sad.emit.lines import BREAK, broken, flat
-from s2sad.emit.literals import docstring
+from s2sad.emit.literals import docstring, formatted_string
 from s2sad.emit.spelling import SPELLING
 
 WIDTH = 100
@@ -54,6 +54,9 @@ class Layout(Expressions):
         self.text = "\n".join(self.lines)
         if file is not None:
             file.write(self.text + "\n")
+
+    def _JoinedStr(self, node: Any) -> None:
+        self.write(formatted_string(node, self.inline))
 
     def inline(self, node: tree.AST) -> str:
         return type(self)(node, names=self.names, width=None).text
