@@ -248,12 +248,22 @@ class Units:
             return uses(statement, typing, found.active,
                         lambda s, u: call_uses(s, typing, found.active, deriving, u) if is_kernel_call(s) else None)
 
+        self._refuse_changing_sizes(unit, table)
         question = Question(table, Dependence(table), lambda s: is_active_statement(s, typing, found), reads_of,
                             self.writes)
         plan = recorded(question)
         plan.forwards = order_free(question) if self.engine == "numba" else frozenset()
         made = adjoint(table, found, plan, wanted, names, deriving, title)
         return self._finished(unit, wanted, made, found, typing, names, plan)
+
+    def _refuse_changing_sizes(self, unit: Unit, table: Structure) -> None:
+        """An array that each iteration allocates anew in another size is gone when the reverse sweep comes to it."""
+        report = Report(unit.kernel.source)
+        for place in table.places.values():
+            if place.loops and is_allocation(place.statement):
+                report.error("S201", f"'{place.statement.targets[0].id}' is allocated in a loop, in a size that changes",
+                             place.statement, help="allocate it before the loop in the largest size, and use a part")
+        report.finish()
 
     def _tangent(self, unit: Unit, wanted: Wanted, title: str, flat: bool) -> Derived:
         found = self.activity(unit, wanted)

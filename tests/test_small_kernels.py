@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+import s2sad
 from tests.derivatives import check_derivatives
 
 ENGINES = ("numpy", "numba")
@@ -127,6 +128,61 @@ def array_given_whole_and_by_element(x, y):
         changed(x, y, 0.5 * y[-1 - i])
 
 
+def work_array_kept_by_some_iterations(x):
+    w = np.ones(2)
+    total = 0.0
+    for i in range(3):
+        if i != 1:
+            for j in range(2):
+                w[j] = x[i] * x[j]
+                w[j] *= w[j]
+        for j in range(2):
+            total += w[j] * w[j]
+    return total
+
+
+def diagonal_is_not_the_whole(x):
+    w = np.ones((3, 3))
+    total = 0.0
+    for i in range(3):
+        for _ in range(3):
+            for j in range(3):
+                w[j, j] = x[i] * x[j]
+        for j in range(3):
+            for k in range(3):
+                total += w[j, k] * w[j, k] * x[j]
+    return total
+
+
+def allocated_in_a_branch(x):
+    total = 0.0
+    for i in range(x.size):
+        if x[i] > 0.7:
+            w = np.zeros(2)
+            w[0] += x[i] * x[0]
+            total += w[0] ** 2
+    return total
+
+
+def allocated_in_a_changing_size(x):
+    total = 0.0
+    for i in range(2):
+        w = np.zeros(i + 1)
+        w[0] = x[i] * x[2]
+        total += w[0] * w[0]
+    return total
+
+
+def array_of_an_earlier_iteration(x):
+    total = 0.0
+    for i in range(x.size):
+        if i % 2 == 0:
+            w = np.zeros(2)
+        w[0] += x[i] * x[0]
+        total += w[0] ** 2
+    return total
+
+
 def sum_with_a_size(x, y):
     y[:] = np.sum(x * x) / len(x)
 
@@ -139,6 +195,8 @@ CASES = [
     (snapshot_before_a_call, ("x", "y"), ("return", "x")), (overwritten_within_an_iteration, ("x", "y"), ("x", "y")),
     (carried_number_from_the_record_of_an_element, ("u", "c"), ("u",)),
     (forward_and_back, ("x", "y"), ("return",)), (early_return, ("x",), ("return",)), (sum_with_a_size, ("x",), ("y",)),
+    (work_array_kept_by_some_iterations, ("x",), ("return",)), (diagonal_is_not_the_whole, ("x",), ("return",)),
+    (allocated_in_a_branch, ("x",), ("return",)),
     (array_given_whole_and_by_element, ("x", "y"), ("x", "y")),
 ]
 
@@ -162,3 +220,11 @@ def test_small_kernel(kernel, wrt, of, engine):
     check_derivatives(kernel, arguments, wrt, of, engine=engine)
 
 
+@pytest.mark.parametrize(("kernel", "said"), [
+    (allocated_in_a_changing_size, "'w' is allocated in a loop, in a size that changes"),
+    (array_of_an_earlier_iteration, "'w' may stand for different arrays here"),
+])
+def test_refused(kernel, said):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(kernel)(np.array([0.4, 0.9, 0.8, 1.2]))
+    assert said in str(caught.value).splitlines()[0] and caught.value.diagnostics[0].code == "S201"

@@ -63,6 +63,7 @@ def _covers(place: AST, where: Place, loop: For, question: Question) -> bool:
     nest = where.loops[where.loops.index(loop) + 1:]
     if not reference.subscripts:
         return where.branches == question.structure.place(loop).branches and not nest
-    if not nest or not isinstance(nest[0], For):
+    unconditional = question.structure.place(loop).branches
+    if not nest or not isinstance(nest[0], For) or question.structure.place(nest[0]).branches != unconditional:
         return False
     return question.dependence.covers(nest[0], where.statement, reference)

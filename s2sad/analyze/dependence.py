@@ -12,8 +12,8 @@ from itertools import product
 from s2sad.analyze.affine import Affine, at_most, equals, feasible
 from s2sad.analyze.structure import Structure
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BinOp, Constant, For, Mult, Name, Sub, Subscript, Tuple, UnaryOp, USub, call_name,
-    dump, indices,
+    AST, Add, Assign, Attribute, BinOp, Break, Constant, For, Mult, Name, Sub, Subscript, Tuple, UnaryOp, USub, call_name,
+    dump, indices, walk,
 )
 
 
@@ -226,7 +226,9 @@ class Dependence:
         nest = [x for x in self.structure.place(store).loops]
         nest = nest[nest.index(loop):]
         if len(nest) != len(reference.subscripts) or self.structure.place(store).branches != \
-                self.structure.place(loop).branches:
+                self.structure.place(loop).branches or any(isinstance(n, Break) for n in walk(loop.body)):
+            return False
+        if len({dump(s) for s in reference.subscripts}) != len(nest):
             return False
         for axis, subscript in enumerate(reference.subscripts):
             counter = next((x for x in nest if isinstance(x, For) and isinstance(subscript, Name)

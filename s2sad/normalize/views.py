@@ -49,6 +49,7 @@ class _Views:
         self.tuples: dict[str, AST] = {}
         self.parameters: set[str] = set()
         self.bound = bound
+        self.depth = 0
         self.versions: set[str] = set()
         self.allocations = Allocations(typing, report, bound)
 
@@ -80,16 +81,18 @@ class _Views:
             body, after = self.block(statement.body), self.seen
             self.seen = before
             orelse = self.block(statement.orelse)
-            self.seen = _merged(after, self.seen)
+            self.seen = _merged(after, self.seen, self.depth > 0)
             return If(test, body, orelse)
         inside = {t.id for s in walk(statement.body) if isinstance(s, Assign) for t in s.targets
                   if isinstance(t, Name) and t.id in self.types and self.types[t.id].is_array}
         before = dict(self.seen)
         self.seen = {n: _AMBIGUOUS if n in inside else v for n, v in self.seen.items()}
+        self.depth += 1
         if isinstance(statement, For):
             new: AST = For(statement.target, self.resolve(statement.iter), self.block(statement.body), [], None)
         else:
             new = While(self.resolve(statement.test), self.block(statement.body), [])
+        self.depth -= 1
         self.seen = {n: v if n not in inside or n not in before else _AMBIGUOUS for n, v in self.seen.items()}
         return new
 
@@ -324,6 +327,12 @@ def _item(value: AST, position: AST) -> AST:
     return index(copy(value), position)
 
 
-def _merged(a: dict[str, View], b: dict[str, View]) -> dict[str, View]:
-    return {n: a[n] if n in a and n in b and repr(a[n]) == repr(b[n]) else
-            a.get(n) or b[n] if (n in a) != (n in b) else _AMBIGUOUS for n in {**a, **b}}
+def _merged(a: dict[str, View], b: dict[str, View], looping: bool) -> dict[str, View]:
+    """What names stand for where two branches meet; in a loop a name bound on one side may be an iteration old."""
+    made: dict[str, View] = {}
+    for bound in {**a, **b}:
+        if bound in a and bound in b:
+            made[bound] = a[bound] if repr(a[bound]) == repr(b[bound]) else _AMBIGUOUS
+        else:
+            made[bound] = _AMBIGUOUS if looping else a.get(bound) or b[bound]
+    return made
