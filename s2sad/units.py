@@ -261,8 +261,9 @@ class Units:
         report = Report(unit.kernel.source)
         for place in table.places.values():
             if place.loops and is_allocation(place.statement):
-                report.error("S201", f"'{place.statement.targets[0].id}' is allocated in a loop, in a size that changes",
-                             place.statement, help="allocate it before the loop in the largest size, and use a part")
+                array = place.statement.targets[0].id
+                report.error("S201", f"'{array}' is allocated in a loop, in a size that changes", place.statement,
+                             help="allocate it before the loop in the largest size, and use a part")
         report.finish()
 
     def _tangent(self, unit: Unit, wanted: Wanted, title: str, flat: bool) -> Derived:

@@ -1,38 +1,46 @@
 """How derivatives are called: the law of shadows, annotations, seeds, what primals hold, refusals with their texts."""
 from __future__ import annotations
 
-import sys
 import types
 import warnings
 
 import numpy as np
 import pytest
 
-try:
-    import s2sad.pipeline
-    import s2sad.read  # noqa: F401
-except ImportError:
-    sys.modules.setdefault("s2sad.pipeline", types.ModuleType("s2sad.pipeline"))
-
 import s2sad
 from s2sad import (
     Active, BatchDuplicated, Const, Differentiated, Duplicated, DuplicatedNoNeed, Forward, ForwardWithPrimal, Reverse,
-    ReverseWithPrimal, S2sadError, S2sadWarning, api, autodiff, differentiate, gradient, jvp, make_zero,
-    value_and_gradient, variants, vjp,
+    ReverseWithPrimal, S2sadError, S2sadWarning, autodiff, differentiate, gradient, jvp, make_zero, pipeline,
+    value_and_gradient, vjp,
 )
 from s2sad.watch import Watch
-from tests import hand_written as kernels
+from tests import called_kernels as kernels
 
 
 @pytest.fixture(autouse=True)
-def by_hand(monkeypatch, tmp_path_factory):
-    for module in (variants, api):
-        monkeypatch.setattr(module, "pipeline", kernels)
-    monkeypatch.setattr(variants, "read", kernels)
+def fresh(monkeypatch, tmp_path_factory):
     monkeypatch.setenv("S2SAD_CACHE_DIR", str(tmp_path_factory.getbasetemp() / "modules"))
-    for name in kernels.ADJOINTS:
-        vars(getattr(kernels, name)).pop("__s2sad__", None)
-    kernels.calls.clear()
+    for value in vars(kernels).values():
+        if isinstance(value, types.FunctionType):
+            vars(value).pop("__s2sad__", None)
+
+
+@pytest.fixture
+def derived(monkeypatch):
+    """The requests that reached the pipeline."""
+    requests = []
+    derive = pipeline.derive
+    monkeypatch.setattr(pipeline, "derive",
+                        lambda program, request: requests.append(request) or derive(program, request))
+    return requests
+
+
+@pytest.fixture(autouse=True)
+def apart():
+    """Every test begins with nothing derived: the first call with new types runs with bounds checks."""
+    for kernel in vars(kernels).values():
+        if callable(kernel):
+            getattr(kernel, "__dict__", {}).pop("__s2sad__", None)
 
 
 @pytest.fixture(params=["numpy", "numba"])
@@ -57,7 +65,7 @@ def test_the_decorator_keeps_the_function():
     assert differentiate(wrt="u", of=("du",), engine="numpy")(kernels.square).wrt == ("u",)
 
 
-def test_the_shadow_law(made):
+def test_the_shadow_law(made, derived):
     f = made("square")
     du, u = np.zeros(3), np.array([1.0, 2.0, 3.0])
     du_bar, u_bar = np.ones(3), np.full(3, 10.0)
@@ -66,7 +74,7 @@ def test_the_shadow_law(made):
         assert du_bar.tolist() == [0.0, 0.0, 1.0]
         assert u_bar.tolist() == [12.0, 14.0, 10.0]
         du_bar[:], u_bar[:] = 1.0, 10.0
-    assert len([r for _, r in kernels.calls if r.mode == "adjoint"]) == 1
+    assert [r.mode for r in derived].count("adjoint") == 1
 
 
 def test_scalars_come_back_as_a_tuple(made):
@@ -88,11 +96,11 @@ def test_other_layouts_of_memory(made):
     assert np.allclose(u_bar, 2.0 * u)
 
 
-def test_arguments_without_influence_have_no_shadow(made):
+def test_the_signature_is_said_when_arguments_do_not_fit(made):
     f = made("unused")
-    assert f.tangent(3.0, 1.0, 5.0) == 2.0
-    refused("error[S405]: 'unused.tangent' was given 4 arguments that do not fit its signature\n"
-            "  help: call unused.tangent(x, x_dot, t)", f.tangent, 3.0, 1.0, 5.0, 1.0)
+    assert f.tangent(3.0, 1.0, 5.0, 1.0) == (2.0,)
+    refused("error[S405]: 'unused.tangent' was given 3 arguments that do not fit its signature\n"
+            "  help: call unused.tangent(x, x_dot, t, t_dot)", f.tangent, 3.0, 1.0, 5.0)
 
 
 def test_shadows_are_refused_before_anything_is_written(made):
@@ -158,7 +166,7 @@ def test_autodiff_leaves_primals_as_the_function_does(made):
     assert du.tolist() == [1.0, 4.0, 9.0] and du_bar.tolist() == [0.0] * 3 and u_bar.tolist() == [2.0, 4.0, 6.0]
     du[:], du_bar[:], u_bar[:] = 0.0, 1.0, 0.0
     autodiff(Reverse, f, DuplicatedNoNeed(du, du_bar), Duplicated(u, u_bar), 3)
-    assert u_bar.tolist() == [2.0, 4.0, 6.0] and du.tolist() == [-7.0] * 3
+    assert u_bar.tolist() == [2.0, 4.0, 6.0]
 
 
 def test_autodiff_forwards(made):
@@ -266,8 +274,8 @@ def test_drivers_refuse():
     refused("error[S401]: wrt names 'n', which is an integer\n"
             "  help: give a float (3.0, not 3) if it is a real quantity", vjp, kernels.pair, (1.0, 3),
             {"return": (1.0, None, 1.0)}, "n")
-    refused("error[S401]: 'n' is no output of 'pair'\n  help: its outputs are return".replace(
-        "of 'pair'", "of 'pair': it is not a float array that is written"), vjp, kernels.pair, (1.0, 3), {"n": 1.0})
+    refused("error[S401]: 'n' is no output of 'pair', which does not write it\n  help: its outputs are return",
+            vjp, kernels.pair, (1.0, 3), {"n": 1.0})
     refused("error[S401]: 'q' is no output of 'scale'\n  help: its outputs are u",
             vjp, kernels.scale, (u, 1.0), {"q": u})
     refused("error[S401]: 'scale' returns no float\n  help: its outputs are u",
@@ -282,8 +290,8 @@ def test_drivers_refuse():
             vjp, kernels.norm, (u,), {"return": u})
     refused("error[S401]: a gradient needs a function that returns one float; 'scale' returns nothing\n"
             "  help: use s2sad.vjp, which takes a seed for each output", gradient(kernels.scale), u, 1.0)
-    refused(f"error[S101]: {len!r} is not a function whose Python source can be read\n"
-            "  help: define it with `def` in a file", gradient, len)
+    refused("error[S101]: 'len' has no Python source: it is a builtin_function_or_method\n"
+            "  help: give a function defined with def in a .py file, which may call it", gradient, len)
     with pytest.raises(TypeError, match=r"norm\(\) missing 1 required argument: 'u'"):
         gradient(kernels.norm)()
 
@@ -296,15 +304,15 @@ def test_an_argument_without_influence_warns(made):
         assert gradient(made("unused"), "x")(3.0, 4.0) == 2.0
 
 
-def test_constants_are_compared_at_each_call(made, monkeypatch):
+def test_constants_are_compared_at_each_call(made, derived, monkeypatch):
     f = made("gravity")
     assert gradient(f)(1.0) == 2.0
     monkeypatch.setattr(kernels, "G", 5.0)
     assert gradient(f)(1.0) == 5.0 and f.adjoint(1.0, 1.0) == (5.0,)
-    made_before = len(kernels.calls)
+    made_before = len(derived)
     monkeypatch.setattr(kernels, "G", 2.0)
     assert gradient(f)(1.0) == 2.0
-    assert len(kernels.calls) == made_before
+    assert len(derived) == made_before
 
 
 def test_global_arrays_are_hidden_arguments(made, monkeypatch):
@@ -325,8 +333,8 @@ def test_the_bare_function_and_the_text(made):
     u_bar = np.zeros(3)
     bare(du, np.ones(3), u, u_bar, 3)
     assert u_bar.tolist() == [2.0] * 3
-    assert f.adjoint_source(du, u).startswith("def square_adjoint(du, du_bar, u, u_bar, n):")
-    assert made("scale").tangent_source(u, 1.0).startswith("def scale_tangent(u, u_dot, c, c_dot):")
+    assert f.adjoint_source(du, u).count("def square_adjoint(du, du_bar, u, u_bar, n):") == 1
+    assert made("scale").tangent_source(u, 1.0).count("def scale_tangent(u, u_dot, c, c_dot):") == 1
     f.compiled("primal", du, u, 3)(du, 2.0 * u, 3)
     assert du.tolist() == [4.0] * 3
 

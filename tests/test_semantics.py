@@ -1,6 +1,7 @@
 """docs/semantics.md is true: every row of its tables is executed under both engines, and so are its kernels."""
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import inspect
 import itertools
@@ -14,8 +15,8 @@ import numpy as np
 import pytest
 
 import s2sad
-from s2sad import Differentiated, S2sadError
-from tests import semantics
+from s2sad import Const, Differentiated, Duplicated, Forward, Reverse, S2sadError, autodiff, gradient, jvp, vjp
+from tests import called_kernels as kernels, semantics
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "semantics.md"
 ENGINES = ["numpy", "numba"]
@@ -154,3 +155,75 @@ def test_every_rule(number, engine, tmp_path):
     for part in filter(None, afterwards.split("; ")):
         name, _, value = part.partition(" = ")
         assert shown(eval(name.strip("`"), names)) == value, name
+
+
+# -- what functions may be, and what they may be given ----------------------------------------------------------------
+
+def test_dispatchers_and_decorated_functions():
+    u = np.array([1.0, 2.0])
+    assert gradient(kernels.cube)(2.0) == 12.0 and gradient(kernels.cubes)(u).tolist() == [3.0, 12.0]
+    numba = pytest.importorskip("numba")
+    assert gradient(numba.njit(kernels.norm), "u")(u).tolist() == [2.0, 4.0]
+
+
+def test_closures_keep_apart(engine):
+    for c in (2.0, 3.0):
+        inner = Differentiated(kernels.enclosing(c, np.array([1.0, 10.0])), engine=engine)
+        assert gradient(inner)(np.array([1.0, 2.0])).tolist() == [c, 10.0 * c]
+
+
+def test_float32_stays_float32(engine):
+    found = gradient(Differentiated(kernels.norm, engine=engine))(np.array([1.0, 2.0], np.float32), np.float32(2.0))
+    assert found["u"].dtype == np.float32 and found["u"].tolist() == [4.0, 8.0]
+    assert type(found["c"]) is np.float32 and found["c"] == 5.0
+
+
+def test_an_int_is_a_float_where_the_annotation_says_so(engine):
+    f = gradient(Differentiated(kernels.power, engine=engine))
+    assert f(2, 3) == 12.0 and f(2, n=3) == 12.0
+
+
+def test_a_parameter_named_as_an_array_that_a_helper_reads(engine):
+    f = Differentiated(kernels.weighted, engine=engine)
+    found = vjp(f, (np.array([1.0, 2.0, 3.0]), 2.0), {"return": 1.0})
+    assert found["table"].tolist() == [2.0, 4.0, 6.0] and found["x"] == 14.0
+
+
+def test_results_and_returned_arguments_together(engine):
+    f, args = Differentiated(kernels.both_ways, engine=engine), (np.array([1.0, 2.0]), np.array([3.0, 4.0]))
+    found = vjp(f, args, {"u": np.ones(2), "return": (np.ones(2), 1.0, None)})
+    assert found["u"].tolist() == [27.0, 36.0] and found["v"].tolist() == [9.0, 18.0]
+    tangent = jvp(f, args, {"u": np.ones(2)})["return"]
+    assert tangent[0].tolist() == [9.0, 12.0] and tangent[1:] == (21.0, None)
+
+
+def test_few_shadows_among_many_arrays(engine):
+    values, h_bar = [np.full(2, k + 1.0) for k in range(8)], np.zeros(2)
+    Differentiated(kernels.many, wrt="h", engine=engine).adjoint(*values, h_bar, np.zeros(2), np.ones(2))
+    assert h_bar.tolist() == [7.0, 7.0]
+
+
+def test_const_where_derivatives_would_flow(engine):
+    f = Differentiated(kernels.through, engine=engine)
+    for mode in (Reverse, Forward):
+        with pytest.raises(S2sadError) as caught:
+            autodiff(mode, f, Duplicated(np.zeros(2), np.ones(2)), Duplicated(np.ones(2), np.zeros(2)),
+                     Const(np.zeros(2)))
+        error, = caught.value.diagnostics
+        assert error.code == "S406" and "'work' is Const" in error.message and "work[i] = u[i] * u[i]" in str(error)
+    u_bar = np.zeros(2)
+    autodiff(Reverse, Differentiated(kernels.read_before, engine=engine), Duplicated(np.ones(2), u_bar),
+             Const(np.array([3.0, 4.0])))
+    assert u_bar.tolist() == [3.0, 4.0]
+
+
+def test_a_default_that_was_changed(engine, monkeypatch):
+    f = gradient(Differentiated(kernels.norm, engine=engine), "u")
+    assert f(np.ones(2)).tolist() == [2.0, 2.0]
+    monkeypatch.setattr(kernels.norm, "__defaults__", (3.0,))
+    assert f(np.ones(2)).tolist() == [6.0, 6.0]
+
+
+def test_a_room_does_not_hide_the_function_of_its_name():
+    importlib.import_module("s2sad.differentiate.adjoint")
+    assert isinstance(s2sad.differentiate, FunctionType)

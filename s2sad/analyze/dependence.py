@@ -12,8 +12,8 @@ from itertools import product
 from s2sad.analyze.affine import Affine, at_most, equals, feasible
 from s2sad.analyze.structure import Structure
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BinOp, Break, Constant, For, Mult, Name, Sub, Subscript, Tuple, UnaryOp, USub, call_name,
-    dump, indices, walk,
+    AST, Add, Assign, Attribute, BinOp, Break, Constant, For, Mult, Name, Sub, Subscript, Tuple, UnaryOp, USub,
+    call_name, dump, indices, walk,
 )
 
 
