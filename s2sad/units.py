@@ -28,6 +28,7 @@ from s2sad.normalize.rename import rename
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize
 from s2sad.normalize.sharing import shared, specialised
+from s2sad.normalize.spelled import spelled
 from s2sad.normalize.views import views
 from s2sad.normalize.workspace import is_allocation, workspace
 from s2sad.program import Kernel, Program
@@ -125,7 +126,7 @@ class Units:
         report = Report(kernel.source)
         names = Names()
         values = {**self.program.constants, **self.program.arrays}
-        tree = verify(structured(kernel, names, self.program), "structured", "structured")
+        tree = verify(spelled(structured(kernel, names, self.program)), "structured", "spelled")
         given = dict(zip((p.id for p in tree.args.args), types))
         self.watch("structured", tree)
         table = infer(tree, given, self.call_types, report, values)

@@ -183,6 +183,10 @@ def array_of_an_earlier_iteration(x):
     return total
 
 
+def several_spellings(x):
+    return min(x[0], x[1], 2.0 * x[2]) * math.log(3.0 + max(x[0], x[1], x[3]), 2.0) + math.log(x[1], 1.5 + x[2])
+
+
 def sum_with_a_size(x, y):
     y[:] = np.sum(x * x) / len(x)
 
@@ -196,7 +200,7 @@ CASES = [
     (carried_number_from_the_record_of_an_element, ("u", "c"), ("u",)),
     (forward_and_back, ("x", "y"), ("return",)), (early_return, ("x",), ("return",)), (sum_with_a_size, ("x",), ("y",)),
     (work_array_kept_by_some_iterations, ("x",), ("return",)), (diagonal_is_not_the_whole, ("x",), ("return",)),
-    (allocated_in_a_branch, ("x",), ("return",)),
+    (several_spellings, ("x",), ("return",)), (allocated_in_a_branch, ("x",), ("return",)),
     (array_given_whole_and_by_element, ("x", "y"), ("x", "y")),
 ]
 
