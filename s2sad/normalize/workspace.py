@@ -44,7 +44,8 @@ def _compound(statement: AST, bound: set[str], freed: list[AST]) -> AST:
     def strip(block: list[AST], inner: set[str]) -> list[AST]:
         new: list[AST] = []
         for item in _block(block, inner):
-            if not is_allocation(item) or not _may_leave(item, bound, changed):
+            gone = {f.targets[0].id for f in freed}
+            if not is_allocation(item) or not _may_leave(item, bound | gone, changed - gone):
                 new.append(item)
                 continue
             target = item.targets[0].id
