@@ -38,7 +38,7 @@ def derivatives_of(f: Any) -> Derivatives:
     with _LOCK:
         kept = vars(function).get("__s2sad__")
         if not isinstance(kept, Derivatives) or kept.function is not function:  # functools.wraps copies attributes
-            kept = function.__s2sad__ = Derivatives(function)  # type: ignore[attr-defined]
+            kept = vars(function)["__s2sad__"] = Derivatives(function)
         return kept
 
 

@@ -1,10 +1,10 @@
-"""Every kernel of `tests.kernels`, under both engines, against extrapolated differences."""
+"""Every kernel of `benchmarks.kernels`, under both engines, against extrapolated differences."""
 from __future__ import annotations
 
 import pytest
 
 from tests.derivatives import check_derivatives
-from tests.kernels.cases import LOOPS
+from benchmarks.kernels.cases import LOOPS
 
 
 @pytest.mark.parametrize("engine", ["numpy", "numba"])

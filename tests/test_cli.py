@@ -16,9 +16,9 @@ from s2sad.report.stages import NORMALIZE, STAGES
 from s2sad.binding import types as types_of
 from s2sad import read
 from tests.conftest import ROOT
-from tests.kernels.cases import LOOPS
+from benchmarks.kernels.cases import LOOPS
 
-KERNELS = Path(__file__).parent / "kernels"
+KERNELS = Path(__file__).resolve().parents[1] / "benchmarks" / "kernels"
 BRUSSELATOR = f"{KERNELS / 'brusselator.py'}:brusselator"
 
 

@@ -16,7 +16,7 @@ from s2sad import tree
 from s2sad.emit import module_text, text
 from s2sad.emit.layout import Layout
 
-KERNELS = Path(__file__).resolve().parent / "kernels"
+KERNELS = Path(__file__).resolve().parents[1] / "benchmarks" / "kernels"
 
 # -- exact texts ----------------------------------------------------------------------------------------------------
 

@@ -12,7 +12,7 @@ import pytest
 
 from s2sad import read, tree
 from s2sad.diagnostics import S2sadError
-from tests.kernels import brusselator, loops
+from benchmarks.kernels import brusselator, loops
 
 NO = "is not supported in a kernel"
 PLANNED = "is not supported in a kernel yet (planned)"

@@ -12,9 +12,7 @@ import pytest
 from s2sad import S2sadError, check, differentiate, explain
 from s2sad.report.differences import differences
 from s2sad.rules.rule import TABLE, Rule, template
-from tests.kernels.cases import LOOPS
-
-CASES = {case.name: case for case in LOOPS}
+from benchmarks.kernels.cases import CASES
 
 
 def explained(name, engine="numpy", size="small"):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from s2sad.diagnostics import S2sadError
-from tests.kernels import cases
+from benchmarks.kernels import cases
 from tests.structured_cases import CASES, text_of
 from tests.structured_form import form, run_both, shown
 

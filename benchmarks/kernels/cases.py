@@ -64,10 +64,21 @@ def _advect(size: str) -> tuple[Any, ...]:
     return u, 0.4, _size(size, 4, 100)
 
 
+def _upwind(size: str) -> tuple[Any, ...]:
+    n = _size(size, 9, 401)
+    return np.zeros(n), _random().random(n), 1.3
+
+
 def _thomas(size: str) -> tuple[Any, ...]:
     n = _size(size, 8, 100_000)
     random = _random()
     return random.random(n), 4.0 + random.random(n), random.random(n), random.random(n)
+
+
+def _cholesky(size: str) -> tuple[Any, ...]:
+    n = _size(size, 6, 200)
+    a = _random().random((n, n))
+    return (np.tril(a @ a.T + n * np.eye(n)),)
 
 
 def _spmv(size: str) -> tuple[Any, ...]:
@@ -76,6 +87,22 @@ def _spmv(size: str) -> tuple[Any, ...]:
     indptr = np.concatenate([[0], np.cumsum(random.integers(0, 6, n))])
     indices = random.integers(0, n, indptr[-1])
     return np.zeros(n), random.random(indices.size), indices, indptr, random.random(n)
+
+
+def _assemble(size: str) -> tuple[Any, ...]:
+    n = _size(size, 10, 100_000)
+    random = _random()
+    left, right = random.integers(0, n, 3 * n), random.integers(0, n, 3 * n)
+    return np.zeros(n), random.random(3 * n), left, right, random.random(n)
+
+
+def _newton(size: str) -> tuple[Any, ...]:
+    n = _size(size, 6, 100_000)
+    return np.zeros(n), 0.5 + 5.0 * _random().random(n), 1e-12
+
+
+def _falling(size: str) -> tuple[Any, ...]:
+    return 2.0, 0.5, _size(size, 0.05, 1e-6), 0.1
 
 
 def _nbody(size: str) -> tuple[Any, ...]:
@@ -92,14 +119,20 @@ def _mixture(size: str) -> tuple[Any, ...]:
             random.standard_normal((n, d)))
 
 
-CASES = {case.name: case for case in (
+LOOPS = (
     Case("brusselator", brusselator.brusselator, _brusselator, ("u", "p"), ("du",)),
     Case("integrate", brusselator.integrate, _integrate, ("u", "p"), ("return",)),
     Case("jacobi", loops.jacobi, _jacobi, ("a", "b"), ("a",)),
     Case("seidel", loops.seidel, _seidel, ("a",), ("return",)),
     Case("advect", loops.advect, _advect, ("u", "c"), ("u",)),
+    Case("upwind", loops.upwind, _upwind, ("u", "v"), ("du",)),
     Case("thomas", loops.thomas, _thomas, ("lower", "diagonal", "upper", "rhs"), ("rhs",)),
+    Case("cholesky", loops.cholesky, _cholesky, ("a",), ("a",)),
+    Case("newton", loops.newton, _newton, ("a",), ("x",)),
+    Case("first_crossing", loops.first_crossing, _falling, ("height", "velocity", "dt", "ground"), ("return",)),
     Case("nbody", loops.nbody, _nbody, ("position", "velocity", "mass"), ("return", "position")),
     Case("spmv", loops.spmv, _spmv, ("data", "x"), ("y",)),
+    Case("assemble", loops.assemble, _assemble, ("conductivity", "x"), ("y",)),
     Case("mixture", loops.mixture, _mixture, ("alphas", "means", "scales"), ("return",)),
-)}
+)
+CASES = {case.name: case for case in LOOPS}

@@ -1,1 +1,0 @@
-"""Kernels as simulation people write them, and inputs for them (`cases`)."""
