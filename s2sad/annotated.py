@@ -12,7 +12,7 @@ import numpy as np
 
 from s2sad.annotations import Active, Annotation, BatchDuplicated, Duplicated, DuplicatedNoNeed, Mode
 from s2sad.binding import (
-    FLOATS, admitted, bind, coerced, make_zero, misfit, shadow, types as types_of, written_argument,
+    FLOATS, admitted, bind, coerced, make_zero, misfit, shadow, written_argument,
 )
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.program import Request
@@ -35,7 +35,7 @@ class AnnotatedCall:
         given = [a.value if isinstance(a, Annotation) else a for a in annotated]
         self._convert(given, bound)
         values = self._values(given)
-        self.types = types_of(values)
+        self.types = state.types(values)
         self.summary = state.summary(self.types)
         self.results = Results.of(self.summary)
         self.written = [k for k, n in enumerate(names)

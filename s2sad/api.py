@@ -8,7 +8,7 @@ from typing import Any
 from s2sad import pipeline
 from s2sad.annotated import AnnotatedCall
 from s2sad.annotations import Annotation, Duplicated, Mode
-from s2sad.binding import admitted, bind, describe, types as types_of
+from s2sad.binding import admitted, bind, describe
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.program import Request
 from s2sad.run.compiled import chosen
@@ -87,7 +87,7 @@ class Differentiated:
         """What f returns, computed by the compiled primal (under NumPy: by f itself)."""
         state = self._derivatives.state()
         values = self._values(state, args, keywords)
-        types = types_of(values)
+        types = state.types(values)
         function, apart = state.primal(types, self.engine), state.apart(types)
         if apart is not None:
             apart(values)
@@ -117,7 +117,7 @@ class Differentiated:
         values = self._values(state, args, {})
         if chosen(self.engine) == "numpy":
             return self.__wrapped_kernel__
-        variant = state.variant(Request("primal", types_of(values), (), ()), self.engine)
+        variant = state.variant(Request("primal", state.types(values), (), ()), self.engine)
         variant.prepare(variant.assemble(dict(zip(state.parameters, values)), {}, (), state.arrays_by_name()))
         return variant.function
 
@@ -135,7 +135,7 @@ class Differentiated:
 
     def _source(self, mode: str, args: tuple[Any, ...], keywords: dict[str, Any], level: str) -> str:
         state = self._derivatives.state()
-        types = types_of(self._values(state, args, keywords))
+        types = state.types(self._values(state, args, keywords))
         name, parameters = state.kernel.name, state.parameters
         wrt = selected_wrt(name, parameters, types, self.wrt)
         of = selected_of(name, parameters, types, state.summary(types), self.of)

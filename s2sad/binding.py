@@ -80,9 +80,11 @@ def types(values: Sequence[Any]) -> tuple[Type, ...]:
 
 
 def describe(args: Sequence[Any]) -> tuple[Any, ...]:
-    """A key that is equal only for arguments that may take the same compiled function: dtype, rank, layout flags."""
+    """A key that is equal only for arguments that may take the same compiled function: dtype, rank, layout flags, and
+    the axes of length 1."""
     array = np.ndarray
-    return tuple([(a.dtype, a.ndim, a.flags.num) if type(a) is array else type(a) for a in args])
+    return tuple([(a.dtype, a.ndim if 1 not in a.shape else of_value(a), a.flags.num) if type(a) is array else type(a)
+                  for a in args])
 
 
 def written_argument(name: str, value: Any) -> None:

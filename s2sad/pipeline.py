@@ -31,10 +31,12 @@ __all__ = ["Summary", "derive", "summary"]
 
 @dataclass(frozen=True)
 class Summary:
-    """What an entry writes and returns: names of parameters, types of results, results that are written arguments."""
+    """What an entry writes and returns: names of parameters, types of results, results that are written arguments;
+    and whether it holds guards that arrays have one shape."""
     written: tuple[str, ...]
     results: tuple[Type, ...]
     returned: dict[int, str]
+    guarded: bool = False
 
 
 def summary(program: Program, types: tuple[Type, ...]) -> Summary:
@@ -42,7 +44,8 @@ def summary(program: Program, types: tuple[Type, ...]) -> Summary:
     units, unit = entry(program, types, "numpy")
     parameters = [hidden_name(p.id, units.program) for p in unit.function.args.args]
     returned = {k: hidden_name(name, units.program) for k, name in unit.summary.returned.items()}
-    return Summary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, returned)
+    return Summary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, returned,
+                   any(u.guarded for u in units.made.values()))
 
 
 def derive(program: Program, request: Request, watch: Watch = unwatched) -> Generated:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.binding import admitted, bind, coerced, misfit, types as types_of
+from s2sad.binding import admitted, bind, coerced, misfit
 from s2sad.diagnostics import Diagnostic, S2sadError, S2sadWarning
 from s2sad.program import Request
 from s2sad.selection import RETURN, Results, array_seed, number_seed, places, selected_of, selected_wrt, structured
@@ -35,7 +35,7 @@ class PreparedCall:
         self.coercions = [(k, how) for k, (n, v) in enumerate(zip(self.names, args))
                           if (how := coerced(n, v, n in state.floats)) is not None]
         values = self.values_of(args)
-        self.types = types_of(values)
+        self.types = state.types(values)
         self.summary = state.summary(self.types)
         self.results = Results.of(self.summary)
         self.written = [k for k, n in enumerate(self.names)

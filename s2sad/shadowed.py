@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from s2sad.binding import coerced, shadow, types as types_of, written_argument
+from s2sad.binding import coerced, shadow, written_argument
 from s2sad.selection import RETURN, number_seed
 from s2sad.signature import arranged
 from s2sad.variants import HIDDEN, State
@@ -19,7 +19,7 @@ class ShadowedCall:
         self.state = state
         self.variant, self.layout, values = arranged(state, mode, args, selection)
         by_name = dict(zip(state.parameters, values))
-        self.types = types_of(values)
+        self.types = state.types(values)
         written = state.summary(self.types).written
         for name, value in by_name.items():
             if name in written:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.binding import FLOATS, admitted, types as types_of
+from s2sad.binding import FLOATS, admitted
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type
 from s2sad.program import Request
@@ -33,7 +33,7 @@ def arranged(state: State, mode: str, args: tuple[Any, ...], selection: Selectio
             try:
                 values = [admitted(name, args[k], name in state.floats)
                           for k, (role, name) in enumerate(layout) if role == "primal"]
-                request = _request(state, mode, types_of(values), selection)
+                request = _request(state, mode, state.types(values), selection)
             except S2sadError as error:
                 first = first or error
                 continue

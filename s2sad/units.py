@@ -16,6 +16,7 @@ from s2sad.analyze.structure import Structure, structure
 from s2sad.analyze.uses import Uses, uses
 from s2sad.diagnostics import Report
 from s2sad.differentiate.adjoint import Made, Wanted, adjoint
+from s2sad.differentiate.arithmetic import scalar_choices
 from s2sad.differentiate.calls import Callee, Pattern, call_uses, is_kernel_call
 from s2sad.differentiate.tangent import tangent
 from s2sad.infer.infer import Typing, infer
@@ -24,6 +25,7 @@ from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.form import verify
+from s2sad.normalize.functions import functions
 from s2sad.normalize.rename import rename
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize
@@ -63,6 +65,7 @@ class Unit:
     lowered: FunctionDef
     structure: Structure
     summary: Summary
+    guarded: bool = False
     pairs: tuple[tuple[int, int], ...] = ()
 
     def first_use(self, parameter: str) -> bool:
@@ -131,31 +134,40 @@ class Units:
         self.watch("structured", tree)
         table = infer(tree, given, self.call_types, report, values)
         report.finish()
-        typing = Typing(table, self.call_types, report, values)
+        typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
         ruled(tree, typing, report)
         report.finish()
-        tree = views(tree, table, typing, names, report)
+        plain = tree = functions(tree, typing, names)
+        tree = views(tree, typing.table, typing, names, report, self.engine == "numba")
         report.finish()
+        guarded = count(tree, Assert) > count(plain, Assert)
         self.watch("views", tree)
         tree = workspace(tree)
         tree = verify(self.with_titles(tree, typing, report), "views", "workspace")
         report.finish()
         self.watch("workspace", tree)
+        lowered = tree
         if self.engine == "numba":
+            lowered = with_choices(scalarize(tree, self.apart(typing), Names(names.taken), final=True))
             tree = verify(scalarize(tree, typing, names), "views", "scalarize")
         self.watch("scalarize", tree)
-        lowered = tree
         renamed = rename(tree, typing.table, names, self.call_writes)
         self.watch("rename", verify(renamed.function, "rename", "rename"))
         table = infer(renamed.function, given, self.call_types, report, values)
         report.finish()
-        typing = Typing(table, self.call_types, report, values)
+        typing = Typing({**table, **given}, self.call_types, report, values)
         tree = self.with_titles(renamed.function, typing, report)
         tree = verify(atoms(tree, typing, names, written_arrays(tree, self)), "atoms", "atoms")
         self.watch("atoms", tree)
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
-                    self._summary(tree, typing))
+                    self._summary(tree, typing), guarded)
+
+    def apart(self, typing: Typing) -> Typing:
+        """A table of types of its own."""
+        made = Typing(dict(typing.table), self.call_types, typing.report, typing.constants)
+        made.ones = dict(typing.ones)
+        return made
 
     def _summary(self, tree: FunctionDef, typing: Typing) -> Summary:
         parameters = [p.id for p in tree.args.args]
@@ -180,7 +192,7 @@ class Units:
     # -- calls -------------------------------------------------------------------------------------------------------
 
     def of_call(self, called: Call, typing: Typing) -> Unit:
-        return self.unit((call_name(called) or "").partition(".")[2], tuple(map(typing.of, called.args)))
+        return self.unit((call_name(called) or "").partition(".")[2], tuple(map(typing.argument, called.args)))
 
     def call_types(self, kernel: str, types: tuple[Type, ...]) -> tuple[Type, ...]:
         return self.unit(kernel, types).summary.results
@@ -195,7 +207,7 @@ class Units:
             pairs = shared(node, unit.summary.written, typing, report)
             if pairs:
                 node.args = [a for k, a in enumerate(node.args) if all(k != gone for gone, _ in pairs)]
-                unit = self.unit(unit.kernel.name, tuple(map(typing.of, node.args)), pairs)
+                unit = self.unit(unit.kernel.name, tuple(map(typing.argument, node.args)), pairs)
             node.func = name(f"user.{unit.title}")
         return new
 
@@ -234,7 +246,7 @@ class Units:
 
     def fresh(self, unit: Unit) -> tuple[Typing, Names]:
         """Tables of their own for one derivative, so that its names do not depend on what was made before."""
-        typing = Typing(dict(unit.typing.table), self.call_types, unit.typing.report, unit.typing.constants)
+        typing = self.apart(unit.typing)
         names = Names(unit.names.taken | set(unit.typing.table))
         names.wanted = dict(unit.names.wanted)
         return typing, names
@@ -279,7 +291,7 @@ class Units:
         if self.engine == "numba":
             function = dead(function, self._live_out(made, typing, plan is None), self.effects.writes,
                             self.effects.pure, self.effects.unread)
-            function = scalarize(function, typing, names)
+            function = with_choices(scalarize(functions(function, typing, names), typing, names, final=True))
         arrays = self._live_out(made, typing, plan is None)
         family = {**unit.family, **{s: f"{unit.family.get(p, p)}_{'bar' if plan else 'dot'}"
                                     for p, s in made.shadows.items() if typing.table[s].is_number}}
@@ -315,6 +327,18 @@ class Units:
             of = tuple(p for p in arguments if p in written) + tuple(f"return {k}" for k in pattern.results)
             return self.derive(mode, unit, Wanted(arguments, of, mode == "tangent"), mode == "tangent").callee
         return made
+
+
+def with_choices(function: FunctionDef) -> FunctionDef:
+    """A function of numbers and elements with every `np.where` as a choice."""
+    new = copy(function)
+    new.body = [scalar_choices(s) for s in new.body]
+    return new
+
+
+def count(function: FunctionDef, kind: type) -> int:
+    """How many statements of a kind a function has."""
+    return sum(isinstance(n, kind) for n in walk(function.body))
 
 
 def written_arrays(tree: FunctionDef, units: Units) -> set[str]:

@@ -105,6 +105,14 @@ class State:
                                             "of its module", help="pass the array as an argument"))
         return found
 
+    def types(self, values: Sequence[Any]) -> tuple[Type, ...]:
+        """The types of values; lengths of 1 count where the kernel joins arrays of shapes not known to be equal."""
+        found = types_of(values)
+        if not any(t.ones for t in found):
+            return found
+        plain = tuple(t.plain for t in found)
+        return found if self.summary(plain).guarded else plain
+
     def variant(self, request: Request, engine: str) -> Variant:
         """The generated function for a request, made once; `engine` may be "auto"."""
         engine = chosen(engine)
@@ -128,7 +136,7 @@ class State:
 
     def first_run(self, values: Sequence[Any], engine: str) -> None:
         """Runs the primal with bounds checks on copies, so that an index out of bounds raises before any write."""
-        types = types_of(values)
+        types = self.types(values)
         key = ("first run", types)
         if chosen(engine) == "numpy" or key in self.entries:
             return

@@ -15,7 +15,6 @@ from s2sad.diagnostics import S2sadError
 from benchmarks.kernels import brusselator, loops
 
 NO = "is not supported in a kernel"
-PLANNED = "is not supported in a kernel yet (planned)"
 STRINGS = "write a plain string; print takes several values: print('step', i)"
 STATE = "return the new value, or keep it in an element of an array argument"
 ASYNC_FOR = "write a plain function with plain loops"
@@ -24,7 +23,6 @@ FILL = "allocate an array before and fill it in a for loop"
 TRY = "test for the bad case with an if before it happens; errors that are raised pass through"
 ATTRIBUTE = "return the value, or write it to an element of an array argument"
 BY_NAME = "call a function of the module by its name"
-WRITE_SLICE = "write a loop over the elements; use x[:] or x[...] for the whole array"
 AT_MODULE = "pass it to the kernel as an argument, or write it at module level as a plain number"
 WHERE_NEEDED = "call it where it is needed"
 
@@ -86,14 +84,6 @@ REFUSED = [
     ("y = 2j", "2j", "S201", f"a complex number {NO}", "keep the real and the imaginary part in two names"),
     ("y = COMPLEX", "COMPLEX", "S201", "'COMPLEX' cannot be used in a kernel: it is a complex number",
      "keep the real and the imaginary part as two numbers"),
-    ("y = x[..., 0]", "...", "S201", f"... {NO} except as x[...]", "write x[...] for the whole array, or a loop"),
-    ("y = x[1:3]", "x[1:3]", "S201", f"a slice of a part {PLANNED}", WRITE_SLICE),
-    ("x[::2] = 0.0", "x[::2]", "S201", f"a slice of a part {PLANNED}", WRITE_SLICE),
-    ("y = x[0, :]", "x[0, :]", "S201", f"a slice of a part {PLANNED}", WRITE_SLICE + ", x[i] for a row"),
-    ("y = x[None]", "None", "S201", f"a new axis in a subscript {PLANNED}",
-     "write a loop over the elements with x[i, j]"),
-    ("y = x[np.newaxis]", "np.newaxis", "S201", f"a new axis in a subscript {PLANNED}",
-     "write a loop over the elements with x[i, j]"),
     ("if x is None: pass", "x is None", "S201", f"'is' {NO}",
      "write one kernel with the argument and one without it"),
     ("if x is not G: pass", "x is not G", "S201", f"'is not' {NO}", "compare values: !="),

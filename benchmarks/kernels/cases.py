@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.kernels import brusselator, loops
+from benchmarks.kernels import arrays, brusselator, loops
 
 
 @dataclass(frozen=True)
@@ -119,6 +119,51 @@ def _mixture(size: str) -> tuple[Any, ...]:
             random.standard_normal((n, d)))
 
 
+def _gray_scott(size: str) -> tuple[Any, ...]:
+    n = _size(size, 10, 256)
+    random = _random()
+    return (1.0 - 0.5 * random.random((n, n)), 0.3 * random.random((n, n)), _size(size, 3, 100), 0.14, 0.06, 0.035,
+            0.065)
+
+
+def _glacier(size: str) -> tuple[Any, ...]:
+    n = _size(size, 9, 128)
+    x = np.linspace(-1.0, 1.0, n)
+    thickness = 300.0 * np.maximum(1.2 - x[:, None] ** 2 - x[None, :] ** 2, 0.3)
+    bed = 2000.0 - 400.0 * x[:, None] + 50.0 * _random().random((n, n))
+    return thickness, bed, 2.0e-16, 0.5 + 0.1 * _random().random((n - 2, n - 2)), 1000.0, 0.01, _size(size, 3, 200)
+
+
+def _neural(size: str) -> tuple[Any, ...]:
+    n, h = _size(size, (8, 3), (200, 16))
+    random = _random()
+    return (random.random(n), random.standard_normal((h, 1)), random.standard_normal(h),
+            0.3 * random.standard_normal((1, h)), random.standard_normal(1), 1e-3, _size(size, 3, 100))
+
+
+def _implicit(size: str) -> tuple[Any, ...]:
+    n = _size(size, 6, 100)
+    random = _random()
+    return random.random(n), 1.0 + random.random(n + 1), 0.05, _size(size, 3, 50)
+
+
+def _attention(size: str) -> tuple[Any, ...]:
+    n, d = _size(size, (5, 3), (200, 32))
+    random = _random()
+    return np.zeros((n, d)), *(random.standard_normal((n, d)) for _ in range(3))
+
+
+def _masked(size: str) -> tuple[Any, ...]:
+    n = _size(size, 6, 256)
+    random = _random()
+    return random.random((n, n)), random.random((n, n)), 0.1 * random.random((n, n)), _size(size, 3, 50)
+
+
+def _lattice(size: str) -> tuple[Any, ...]:
+    n = _size(size, 5, 128)
+    return 1.0 / 9.0 + 0.02 * _random().random((9, n, n)), 1.2, _size(size, 3, 50)
+
+
 LOOPS = (
     Case("brusselator", brusselator.brusselator, _brusselator, ("u", "p"), ("du",)),
     Case("integrate", brusselator.integrate, _integrate, ("u", "p"), ("return",)),
@@ -134,5 +179,14 @@ LOOPS = (
     Case("spmv", loops.spmv, _spmv, ("data", "x"), ("y",)),
     Case("assemble", loops.assemble, _assemble, ("conductivity", "x"), ("y",)),
     Case("mixture", loops.mixture, _mixture, ("alphas", "means", "scales"), ("return",)),
+)
+ARRAYS = (
+    Case("gray_scott", arrays.gray_scott, _gray_scott, ("u", "v", "feed", "kill"), ("u", "v")),
+    Case("glacier", arrays.glacier, _glacier, ("thickness", "bed", "rate", "balance"), ("thickness",)),
+    Case("neural_diffusion", arrays.neural_diffusion, _neural, ("u", "w1", "b1", "w2", "b2"), ("return",)),
+    Case("implicit_heat", arrays.implicit_heat, _implicit, ("u", "conductivity"), ("u",)),
+    Case("attention", arrays.attention, _attention, ("q", "k", "v"), ("out",)),
+    Case("masked_flow", arrays.masked_flow, _masked, ("head", "depth", "conductance"), ("return",)),
+    Case("lattice", arrays.lattice, _lattice, ("f", "omega"), ("f",)),
 )
 CASES = {case.name: case for case in LOOPS}

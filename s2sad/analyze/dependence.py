@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import product
 
-from s2sad.analyze.affine import Affine, at_most, equals, feasible
+from s2sad.infer.affine import Affine, at_most, equals, feasible
 from s2sad.analyze.structure import Structure
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Break, Constant, For, Mult, Name, Sub, Subscript, Tuple, UnaryOp, USub,

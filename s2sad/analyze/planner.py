@@ -8,7 +8,7 @@ from s2sad.analyze.dependence import Reference
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.placement import Placement
 from s2sad.analyze.plan import Plan, Question, Shift, Store, reads, subscripts
-from s2sad.analyze.uses import loads_of
+from s2sad.analyze.uses import loads_of, owns_result
 from s2sad.analyze.values import Value
 from s2sad.tree import AST, Assign, AugAssign, Expr
 
@@ -121,7 +121,7 @@ class Planner(Placement):
     def choose(self, mandatory: list[tuple[AST, AST]]) -> None:
         """The cut, and what of the rest is computed again and where."""
         forced = {s.key for s in self.stores for load, statement in mandatory
-                  if self.conflict(s, load, statement, isinstance(statement, (Assign, AugAssign, Expr)))}
+                  if self.conflict(s, load, statement, _spoils(statement))}
         forced |= {s.key for s in self.stores for place, _ in self.rerun_places()
                    for load in reads(place.statement, self.typing)
                    if self.conflict(s, load, place.statement, again=True)}
@@ -149,7 +149,7 @@ class Planner(Placement):
         store = self.result.stores.get(key)
         if store is not None:
             found += [s for load, s in mandatory
-                      if self.conflict(store, load, s, isinstance(s, (Assign, AugAssign, Expr)))]
+                      if self.conflict(store, load, s, _spoils(s))]
             found += [p.statement for p, _ in self.rerun_places() for load in reads(p.statement, self.typing)
                       if self.conflict(store, load, p.statement, again=True)]
             waiting = [k for k, v in self.result.values.items() if self.placement[k] != "lost"
@@ -183,3 +183,8 @@ class Planner(Placement):
                 if inner is not None and inner.key in self.result.values:
                     waiting.append(inner.key)
         return list(seen)
+
+
+def _spoils(statement: AST) -> bool:
+    """Whether a statement's own store can destroy what its adjoint reads."""
+    return isinstance(statement, (Assign, AugAssign, Expr)) and not owns_result(statement)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from s2sad import rules
 from s2sad.analyze.liveness import targets
 from s2sad.infer.infer import Typing
 from s2sad.normalize.workspace import is_allocation
@@ -85,7 +86,7 @@ def is_simple(statement: AST, typing: Typing) -> bool:
 def reads_whole(node: AST, typing: Typing) -> bool:
     """Whether a call reads whole arrays (and may write them)."""
     function = call_name(node)
-    if function == "numpy.sum":
+    if rules.find_array(function) is not None:
         return True
     return bool(function) and function.startswith("user.") and any(typing.of(a).is_array for a in node.args)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from s2sad import rules
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.infer.infer import Typing
 from s2sad.rules.operation import operation
@@ -68,7 +69,15 @@ def is_active(node: AST, typing: Typing, active: frozenset[str] | set[str]) -> b
     if found:
         rule, operands = found
         return any(is_active(o, typing, active) for p, o in operands.items() if p not in rule.zero)
-    return call_name(node) == "numpy.sum" and is_active(node.args[0], typing, active)
+    rule = rules.find_array(call_name(node))
+    return rule is not None and any(is_active(o, typing, active) for p, o in zip(rule.operands, node.args)
+                                    if p in rule.adjoints)
+
+
+def owns_result(statement: AST) -> bool:
+    """Whether a statement fills an array with a function of whole arrays: its adjoint runs while it holds that."""
+    return isinstance(statement, Assign) and isinstance(statement.targets[0], Subscript) and \
+        rules.find_array(call_name(statement.value)) is not None
 
 
 def uses(statement: AST, typing: Typing, active: frozenset[str],
@@ -83,18 +92,19 @@ def uses(statement: AST, typing: Typing, active: frozenset[str],
     if base_name(target) not in active or not typing.of(target).is_float:
         return found
     found.place(target, typing)
-    _pull(statement.value, target.id if isinstance(target, Name) else None, typing, active, found)
+    _pull(statement.value, target if isinstance(target, Name) or owns_result(statement) else None, typing, active,
+          found)
     return found
 
 
-def _pull(node: AST, result: str | None, typing: Typing, active: frozenset[str], found: Uses) -> None:
+def _pull(node: AST, result: AST | None, typing: Typing, active: frozenset[str], found: Uses) -> None:
     if isinstance(node, (Name, Constant)) or not is_active(node, typing, active):
         return
     if isinstance(node, Subscript):
         found.place(node, typing)
         return
-    if call_name(node) == "numpy.sum":
-        _pull(node.args[0], None, typing, active, found)
+    if rules.find_array(call_name(node)) is not None:
+        _pull_function(node, result, typing, active, found)
         return
     operated = operation(node)
     assert operated is not None
@@ -105,8 +115,18 @@ def _pull(node: AST, result: str | None, typing: Typing, active: frozenset[str],
         for free in sorted(rule.uses(parameter, operands)):
             if free != RESULT:
                 found.value(operands[free], typing)
-            elif result is not None:
-                found.names.add(result)
             else:
-                found.value(node, typing)
+                found.value(node if result is None else result, typing)
         _pull(operand, None, typing, active, found)
+
+
+def _pull_function(node: AST, result: AST | None, typing: Typing, active: frozenset[str], found: Uses) -> None:
+    rule = rules.find_array(call_name(node))
+    assert rule is not None and isinstance(node, Call)
+    arguments, ranks = rule.arguments(node), tuple(typing.of(a).rank for a in node.args)
+    for parameter in rule.adjoints:
+        operand = arguments[parameter]
+        if is_active(operand, typing, active):
+            for free in sorted(rule.uses(parameter, ranks)):
+                found.value((node if result is None else result) if free == RESULT else arguments[free], typing)
+            _pull(operand, None, typing, active, found)

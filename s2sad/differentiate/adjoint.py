@@ -16,11 +16,13 @@ from s2sad.analyze.activity import Activity
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.plan import Plan
 from s2sad.analyze.structure import Structure
+from s2sad.analyze.uses import owns_result
 from s2sad.differentiate.arithmetic import Term
 from s2sad.differentiate.calls import Derive, is_kernel_call, pattern
 from s2sad.differentiate.expression import Pullback
 from s2sad.differentiate.sweeps import Sweeps
 from s2sad.differentiate.tape import Tape
+from s2sad.infer.shapes import shapes_of
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.workspace import is_allocation
@@ -67,8 +69,9 @@ class _Adjoint:
         self.shadows: dict[str, str] = {}
         self.scopes: dict[int, list[str]] = {}
         self.tape = Tape(structure, self.typing, free, plan.rerun)
-        self.pullback = Pullback(self.typing, self.active, free, self.bind)
-        self.sweeps = Sweeps(structure, plan, self.tape, free, self.statement, self.zeros)
+        self.shapes = shapes_of(structure.function, self.typing)
+        self.sweeps = Sweeps(structure, plan, self.tape, free, self.statement, self.zeros, self.shapes)
+        self.pullback = Pullback(self.typing, self.active, free, self.bind, self.shapes)
         self.parameters = [p.id for p in structure.function.args.args]
         self.written = {base_name(t) for s in walk(structure.function.body) if isinstance(s, (Assign, AugAssign))
                         for t in targets(s) if isinstance(t, Subscript)}
@@ -76,6 +79,7 @@ class _Adjoint:
     def bind(self, wanted: str, like: AST) -> str:
         made = self.free.fresh(wanted)
         self.typing.table[made] = self.typing.of(like)
+        self.shapes.arrays[made] = self.shapes.of(like)
         return made
 
     # -- the function ------------------------------------------------------------------------------------------------
@@ -243,7 +247,13 @@ class _Adjoint:
         if not adds:
             made.append(assign(copy(self.place(target)), const(0.0)))
         negative = adds and isinstance(statement.op, Sub)
-        return made + self.gained(statement.value, Term(copy(seed), negative), None, region)
+        result = copy(self.load(target)) if owns_result(statement) else None
+        return made + self.gained(statement.value, Term(copy(seed), negative), result, region)
+
+    def load(self, target: Subscript) -> AST:
+        """A place as an expression."""
+        whole = isinstance(target.slice, Constant) and target.slice.value is Ellipsis
+        return target.value if whole else target
 
     def call(self, statement: AST) -> list[AST]:
         wanted = pattern(statement, self.typing, self.active)

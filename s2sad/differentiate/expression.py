@@ -7,16 +7,21 @@
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
+from s2sad import rules
 from s2sad.analyze.uses import is_active
-from s2sad.differentiate.arithmetic import Term, guarded, is_plain, scalar_choices, total
+from s2sad.differentiate.arithmetic import Term, guarded, is_plain, scalar_choices, total, unsigned
 from s2sad.infer.infer import Typing
+from s2sad.infer.laws import ONE
+from s2sad.infer.shapes import Shapes, shape_expression
 from s2sad.naming import Names
+from s2sad.rules.array import RESULT, SEED
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Attribute, BinOp, Constant, Mult, Name, Subscript, assign, attribute, call, call_name, const, copy, dump, name,
+    AST, BinOp, Call, Mult, Name, Subscript, assign, attribute, call, call_name, const, copy, dump, name, names,
+    substitute, tuple_of,
 )
 
 
@@ -48,8 +53,9 @@ class Pullback:
     `bind(wanted, like)` allocates a name for a shared seed and types it as the expression `like`.
     """
 
-    def __init__(self, typing: Typing, active: frozenset[str], free: Names, bind: Callable[[str, AST], str]):
-        self.typing, self.active, self.free, self.bind = typing, active, free, bind
+    def __init__(self, typing: Typing, active: frozenset[str], free: Names, bind: Callable[[str, AST], str],
+                 shapes: Shapes):
+        self.typing, self.active, self.free, self.bind, self.shapes = typing, active, free, bind, shapes
 
     def gains(self, node: AST, seed: Term, result: AST | None = None, region: AST | None = None) -> Gains:
         """The gains of an expression's leaves; `result` is where the expression's value lies, `region` the array
@@ -64,9 +70,8 @@ class Pullback:
         if isinstance(node, (Name, Subscript)):
             found.add(node, self.narrowed(node, seed, region))
             return
-        if call_name(node) == "numpy.sum":
-            operand = node.args[0]
-            self.pull(operand, self.shared(operand, seed, found), None, model_of(operand, self.typing), found)
+        if rules.find_array(call_name(node)) is not None:
+            self.pull_function(node, seed, result, found)
             return
         operated = operation(node)
         assert operated is not None
@@ -84,6 +89,32 @@ class Pullback:
             if self.leaves(operand) > 1:
                 term = self.shared(operand, term, found)
             self.pull(operand, term, None, region, found)
+
+    def pull_function(self, node: AST, seed: Term, result: AST | None, found: Gains) -> None:
+        """The gains of the operands of a function of whole arrays."""
+        rule = rules.find_array(call_name(node))
+        assert rule is not None and isinstance(node, Call)
+        arguments, ranks = rule.arguments(node), tuple(self.typing.of(a).rank for a in node.args)
+        if rule.name == "numpy.sum" and not node.keywords:
+            operand = node.args[0]
+            self.pull(operand, self.shared(operand, seed, found), None, operand, found)
+            return
+        flowing = [p for p in rule.adjoints if is_active(arguments[p], self.typing, self.active)]
+        seed = self.shared(node, seed, found, len(flowing) > 1 or any(
+            names(rule.adjoint(p, ranks)).count(SEED) != 1 for p in flowing))
+        filled = {**arguments, SEED: seed.tree, RESULT: copy(node) if result is None else result}
+        for wanted in dict.fromkeys(s for p in flowing for s in rule.needs(p, ranks)):
+            value = substitute(rule.shared[wanted], filled)
+            held = self.bind(wanted, value)
+            found.before.append(assign(held, value))
+            filled[wanted] = name(held)
+        for parameter in flowing:
+            operand = arguments[parameter]
+            gain, negative = unsigned(substitute(rule.adjoint(parameter, ranks), filled))
+            term = Term(gain, seed.negative != negative)
+            if self.leaves(operand) > 1:
+                term = self.shared(operand, term, found)
+            self.pull(operand, term, None, operand, found)
 
     def leaves(self, node: AST) -> int:
         """How often a derivative leaves an expression, up to two."""
@@ -104,35 +135,49 @@ class Pullback:
 
     def narrowed(self, leaf: AST, seed: Term, region: AST | None) -> Term:
         """The one place where broadcasting is undone: a number that met an array gains the sum over it."""
-        if region is None or self.typing.of(leaf).is_array:
+        if region is None:
             return seed
-        if self.typing.of(seed.tree).is_array:
-            return Term(call("numpy.sum", seed.tree), seed.negative)
-        return Term(BinOp(seed.tree, Mult(), size_of(region)), seed.negative)
+        whole, own = self.shapes.of(region), self.shapes.of(leaf)
+        extra = len(whole) - len(own)
+        ones = [k for k, size in enumerate(own, extra) if size == ONE and whole[k] != ONE]
+        if not extra and not ones:
+            return seed
+        if not own and not self.typing.of(seed.tree).is_array:
+            return Term(BinOp(seed.tree, Mult(), size_of(region, self.shapes)), seed.negative)
+        gain = seed.tree
+        if self.shapes.of(gain) != whole:
+            gain = call("numpy.broadcast_to", gain, shape_expression(self.shapes, whole))
+        if not own:
+            return Term(call("numpy.sum", gain), seed.negative)
+        if extra:
+            gain = call("numpy.sum", gain, axis=axes(range(extra)))
+        if ones:
+            gain = call("numpy.sum", gain, axis=axes(k - extra for k in ones), keepdims=const(True))
+        return Term(gain, seed.negative)
 
 
-def model_of(node: AST, typing: Typing) -> AST | None:
-    """An array whose shape an elementwise expression has."""
-    if isinstance(node, (Name, Subscript)):
-        return node if typing.of(node).is_array else None
-    if isinstance(node, (Attribute, Constant)) or call_name(node) in ("numpy.sum", "builtins.len"):
-        return None
-    children = [getattr(node, f, None) for f in node._fields]
-    flat = [c for child in children for c in (child if isinstance(child, list) else [child]) if isinstance(c, AST)]
-    return next((m for c in flat if (m := model_of(c, typing)) is not None), None)
+def axes(numbers: Iterable[int]) -> AST:
+    """The option that names these axes."""
+    found = list(map(const, numbers))
+    return found[0] if len(found) == 1 else tuple_of(*found)
 
 
-def size_of(region: AST) -> AST:
-    if isinstance(region, Name):
-        return attribute(region, "size")
-    return attribute(copy(region), "size")
+def size_of(region: AST, shapes: Shapes) -> AST:
+    """How many elements an array expression has."""
+    if isinstance(region, (Name, Subscript)):
+        return attribute(copy(region), "size")
+    sizes = [shapes.expression(d) for d in shapes.of(region) if d is not None]
+    made = sizes[0]
+    for size in sizes[1:]:
+        made = BinOp(made, Mult(), size)
+    return made
 
 
 class Pushforward:
     """Tangents of expressions of one function; `dot(leaf)` is the tangent of a name or element."""
 
-    def __init__(self, typing: Typing, active: frozenset[str], dot: Callable[[AST], AST]):
-        self.typing, self.active, self.dot = typing, active, dot
+    def __init__(self, typing: Typing, active: frozenset[str], dot: Callable[[AST], AST], shapes: Shapes):
+        self.typing, self.active, self.dot, self.shapes = typing, active, dot, shapes
 
     def tangent(self, node: AST, result: AST | None = None) -> Term | None:
         """The tangent of an expression, None if it is zero."""
@@ -140,9 +185,8 @@ class Pushforward:
             return None
         if isinstance(node, (Name, Subscript)):
             return Term(self.dot(node))
-        if call_name(node) == "numpy.sum":
-            inner = self.tangent(node.args[0])
-            return inner and self.summed(node.args[0], inner)
+        if rules.find_array(call_name(node)) is not None:
+            return self.function(node, result)
         operated = operation(node)
         assert operated is not None
         rule, operands = operated
@@ -159,11 +203,30 @@ class Pushforward:
             terms.append(term)
         return total(terms) if terms else None
 
-    def summed(self, operand: AST, inner: Term) -> Term:
-        """The sum of a tangent over an array; one that is the same everywhere is multiplied."""
-        if self.typing.of(inner.tree).is_array:
-            return Term(call("numpy.sum", inner.tree), inner.negative)
-        model = model_of(operand, self.typing)
-        return inner if model is None else Term(BinOp(inner.tree, Mult(), size_of(model)), inner.negative)
+    def function(self, node: AST, result: AST | None) -> Term | None:
+        """The tangent of a function of whole arrays."""
+        rule = rules.find_array(call_name(node))
+        assert rule is not None and isinstance(node, Call)
+        if rule.name == "numpy.sum":
+            inner = self.tangent(node.args[0])
+            return inner and self.summed(node, inner)
+        arguments = rule.arguments(node)
+        dots = {p: self.tangent(arguments[p]) for p in rule.adjoints}
+        if rule.tangent is None:
+            terms = [Term(Call(node.func, [t.tree if o is arguments[p] else copy(o) for o in node.args],
+                               copy(node.keywords)), t.negative) for p, t in dots.items() if t is not None]
+            return total(terms) if terms else None
+        filled = {f"{p}_dot": call("numpy.zeros_like", arguments[p]) if t is None else t.expression()
+                  for p, t in dots.items()}
+        value = substitute(rule.tangent, {**arguments, **filled, RESULT: copy(node) if result is None else result})
+        return Term(*unsigned(value))
 
-
+    def summed(self, node: Call, inner: Term) -> Term:
+        """The sum of a tangent; one that does not reach over the whole operand is spread over it first."""
+        operand, dot = node.args[0], inner.tree
+        whole = self.shapes.of(operand)
+        if not node.keywords and not self.typing.of(dot).is_array:
+            return Term(BinOp(dot, Mult(), size_of(operand, self.shapes)), inner.negative)
+        if self.shapes.of(dot) != whole:
+            dot = call("numpy.broadcast_to", dot, shape_expression(self.shapes, whole))
+        return Term(Call(node.func, [dot], copy(node.keywords)), inner.negative)

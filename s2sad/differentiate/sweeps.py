@@ -12,13 +12,16 @@ from s2sad.analyze.dependence import range_parts
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.plan import Plan, Store
 from s2sad.analyze.structure import Structure, is_simple
+from s2sad.analyze.uses import owns_result
 from s2sad.analyze.values import Value
-from s2sad.differentiate.tape import Stack, Tape, shape_of
+from s2sad.differentiate.tape import Stack, Tape
+from s2sad.infer.shapes import Shapes
 from s2sad.infer.types import INT
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, Call, Constant, Expr, For, If, Mult, Name, Return, Sub, Subscript, UnaryOp,
-    USub, While, add, assign, at, augment, call, call_name, const, copy, counted_for, forget, index, name, walk,
+    USub, While, add, assign, at, augment, attribute, call, call_name, const, copy, counted_for, forget, index,
+    name, names, stored_names, tuple_of, walk,
 )
 
 Adjoint = Callable[[AST], list[AST]]
@@ -32,7 +35,8 @@ class Sweeps:
     """
 
     def __init__(self, structure: Structure, plan: Plan, tape: Tape, free: Names, adjoint: Adjoint,
-                 zeros: Callable[[list[AST]], list[AST]]):
+                 zeros: Callable[[list[AST]], list[AST]], shapes: Shapes):
+        self.shapes = shapes
         self.structure, self.plan, self.tape, self.free = structure, plan, tape, free
         self.typing = structure.typing
         self.adjoint, self.zeros = adjoint, zeros
@@ -56,7 +60,7 @@ class Sweeps:
             made: list[AST] = [If(copy(statement.test), self.forward(statement.body), self.forward(statement.orelse))]
             return made + self.records(statement)
         before = [s for store in self.stores_of(statement)
-                  for s in self.tape.push(self.store_stack(store), self.content(store.place))]
+                  for s in self.tape.push(self.store_stack(store), self.content(store))]
         return [*before, copy(statement), *self.records(statement)]
 
     def forward_loop(self, loop: AST) -> list[AST]:
@@ -103,15 +107,40 @@ class Sweeps:
     def stores_of(self, statement: AST) -> list[Store]:
         return [s for s in self.plan.stores.values() if s.statement is statement]
 
+    def snapshot(self, store: Store) -> AST:
+        """What is recorded of a store: the place itself, or all of its array where the place's size changes."""
+        place = store.place
+        if not self.typing.of(place).is_array:
+            return place
+        changing = {n for loop in self.structure.place(store.statement).loops for n in stored_names(loop)}
+        fixed = self.shape_of(place)
+        return place.value if fixed is None or changing & set(names(fixed)) else place
+
+    def shape_of(self, place: AST) -> AST | None:
+        """The shape of an array or of a part of one, as an expression."""
+        if isinstance(place, Name):
+            return attribute(copy(place), "shape")
+        assert isinstance(place, Subscript)
+        if isinstance(place.slice, Constant) and place.slice.value is Ellipsis:
+            return attribute(copy(place.value), "shape")
+        shape = self.shapes.of(place)
+        return None if None in shape else tuple_of(*(self.shapes.expression(d) for d in shape if d is not None))
+
     def store_stack(self, store: Store) -> Stack:
         place = self.structure.place(store.statement)
-        base = store.place.value if hasattr(store.place, "value") else store.place
-        return self.tape.stack(store.key, base.id, self.typing.of(store.place), place.loops,
-                               shape_of(store.place, self.typing))
+        kept = self.snapshot(store)
+        kind = self.typing.of(kept)
+        return self.tape.stack(store.key, base_name(kept), kind, place.loops,
+                               self.shape_of(kept) if kind.is_array else None)
 
-    def content(self, place: AST) -> AST:
-        whole = isinstance(getattr(place, "slice", None), Constant) and place.slice.value is Ellipsis
-        return copy(place.value) if whole else copy(place)
+    def popped(self, store: Store) -> list[AST]:
+        """The snapshot of a store put back."""
+        return self.tape.pop(self.store_stack(store), whole_place(self.snapshot(store)))
+
+    def content(self, store: Store) -> AST:
+        kept = self.snapshot(store)
+        whole = isinstance(kept, Subscript) and isinstance(kept.slice, Constant) and kept.slice.value is Ellipsis
+        return copy(kept.value) if whole else copy(kept)
 
     def value_stack(self, key: str, value: Value) -> Stack:
         loops = self.structure.place(value.home).loops
@@ -158,7 +187,7 @@ class Sweeps:
                 if body or orelse:
                     made.append(at(If(copy(statement.test), body, orelse), statement))
             for store in self.stores_of(statement):
-                made += [at(s, statement) for s in self.tape.pop(self.store_stack(store), copy(store.place))]
+                made += [at(s, statement) for s in self.popped(store)]
         return made
 
     def again(self, block: list[AST], keys: set[str]) -> list[AST]:
@@ -205,11 +234,13 @@ class Sweeps:
                 return []
             return [If(copy(statement.test), self.reverse(statement.body), self.reverse(statement.orelse))]
         stores = self.stores_of(statement)
-        popped = [s for store in stores for s in self.tape.pop(self.store_stack(store), whole_place(store.place))]
+        popped = [s for store in stores for s in self.popped(store)]
         called = isinstance(getattr(statement, "value", None), Call) and (
             call_name(statement.value) or "").startswith("user.")
-        again = [assign(whole_place(store.place), self.tape.cell(self.store_stack(store))) for store in stores] \
-            if called else []
+        again = [assign(whole_place(self.snapshot(store)), self.tape.cell(self.store_stack(store)))
+                 for store in stores if called]
+        if owns_result(statement):
+            return [*self.adjoint(statement), *popped]
         return [*popped, *self.adjoint(statement), *again]
 
     def written(self, loop: AST) -> list[str]:

@@ -8,10 +8,12 @@ from __future__ import annotations
 from s2sad.analyze.activity import Activity
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.structure import Structure
+from s2sad.analyze.uses import owns_result
 from s2sad.differentiate.adjoint import Made, Wanted
 from s2sad.differentiate.arithmetic import Term
 from s2sad.differentiate.calls import Derive, is_kernel_call, pattern
 from s2sad.differentiate.expression import Pushforward
+from s2sad.infer.shapes import shapes_of
 from s2sad.naming import Names
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import (
@@ -32,7 +34,8 @@ class _Tangent:
         self.structure, self.typing, self.active = structure, structure.typing, activity.active
         self.wanted, self.free, self.derive, self.flat = wanted, free, derive, flat
         self.shadows: dict[str, str] = {}
-        self.pushforward = Pushforward(self.typing, self.active, self.value)
+        shapes = shapes_of(structure.function, structure.typing)
+        self.pushforward = Pushforward(self.typing, self.active, self.value, shapes)
         self.parameters = [p.id for p in structure.function.args.args]
 
     def made(self, title: str) -> Made:
@@ -90,7 +93,8 @@ class _Tangent:
             return [copy(statement)]
         if is_allocation(statement):
             return [copy(statement), assign(self.shadow(target.id), call("numpy.zeros_like", name(target.id)))]
-        term = self.pushforward.tangent(statement.value, name(target.id) if isinstance(target, Name) else None)
+        after = isinstance(target, Name) or owns_result(statement)
+        term = self.pushforward.tangent(statement.value, self.primal(target) if after else None)
         place = self.value(target)
         if isinstance(target, Subscript) and isinstance(place, Name):
             place = index(place, const(...))
@@ -99,7 +103,12 @@ class _Tangent:
             moved = [] if term is None else [augment(place, Sub() if term.negative != minus else Add(), term.tree)]
         else:
             moved = [assign(place, const(0.0) if term is None else term.expression())]
-        return [copy(statement), *moved] if isinstance(target, Name) else [*moved, copy(statement)]
+        return [copy(statement), *moved] if after else [*moved, copy(statement)]
+
+    def primal(self, target: AST) -> AST:
+        """What a statement has bound or filled, as an expression."""
+        whole = isinstance(target, Subscript) and isinstance(target.slice, Constant) and target.slice.value is Ellipsis
+        return target.value if whole else name(target.id) if isinstance(target, Name) else copy(target)
 
     def returned(self, statement: Return) -> list[AST]:
         if statement.value is None:

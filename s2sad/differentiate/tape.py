@@ -19,8 +19,8 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.types import INT, UNKNOWN, Type, array
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Add, BinOp, Constant, Gt, IfExp, Name, Sub, Subscript, assign, attribute, augment, call, compare, const, copy,
-    index, indices, name, sub, tuple_of,
+    AST, Add, BinOp, Gt, IfExp, Sub, assign, augment, call, compare, const, copy,
+    index, name, sub, tuple_of,
 )
 
 _FIRST = 64
@@ -111,18 +111,3 @@ class Tape:
     def pop(self, stack: Stack, target: AST) -> list[AST]:
         made: list[AST] = [augment(stack.top, Sub(), const(1))] if stack.top else []
         return [*made, assign(target, self.cell(stack))]
-
-
-def shape_of(place: AST, typing: Typing) -> AST | None:
-    """The shape of what a store overwrites, None for an element."""
-    if not typing.of(place).is_array:
-        return None
-    base = place.value if isinstance(place, Subscript) else place
-    done = 0 if isinstance(place, Name) else sum(
-        not (isinstance(s, Constant) and s.value is Ellipsis) for s in indices(place))
-    if not done:
-        return attribute(copy(base), "shape")
-    rank = typing.of(base).rank
-    return tuple_of(*(index(attribute(copy(base), "shape"), const(k)) for k in range(done, rank)))
-
-

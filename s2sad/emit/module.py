@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from s2sad import tree
+from s2sad.emit.idiom import idiomatic
 from s2sad.emit.layout import WIDTH, text
 from s2sad.emit.lines import BREAK, Group, broken
 from s2sad.emit.literals import docstring, escaped
@@ -38,6 +39,7 @@ def module_text(functions: list[tree.FunctionDef], *, header: list[str], constan
     def limit(a):
         return G
     """
+    functions = list(map(idiomatic, functions))
     uses = Uses.of(functions)
     values = {key: literal(constants[key]) for key in uses.room("const")}
     pieces = pasted(uses.room("runtime")) if standalone else []

@@ -8,9 +8,11 @@ Requires the types of the parameters; establishes a table name -> Type, the join
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from s2sad import rules
 from s2sad.diagnostics import Report
+from s2sad.infer.laws import LAWS, of_rank
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, TEXT, UNKNOWN, Type, array, of_value
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
@@ -49,7 +51,14 @@ class Typing:
     def __init__(self, table: dict[str, Type], call_types: CallTypes, report: Report,
                  constants: Mapping[str, object]):
         self.table, self.call_types, self.report, self.constants = table, call_types, report, constants
+        self.ones = {n: t.ones for n, t in table.items() if t.ones}
+        self.table.update({n: t.plain for n, t in table.items() if t.ones})
         self.final = False
+
+    def argument(self, node: AST) -> Type:
+        """The type of an argument of a call, with the axes that are known to have length 1."""
+        ones = self.ones.get(node.id, ()) if isinstance(node, Name) else ()
+        return replace(self.of(node), ones=ones) if ones else self.of(node)
 
     def bind(self, identifier: str, new: Type, place: AST) -> None:
         old = self.table.get(identifier)
@@ -71,7 +80,7 @@ class Typing:
     def call_results(self, node: Call) -> tuple[Type, ...]:
         name = call_name(node)
         assert name is not None
-        types = tuple(map(self.of, node.args))
+        types = tuple(map(self.argument, node.args))
         return () if UNKNOWN in types else self.call_types(name.partition(".")[2], types)
 
     def _Name(self, node: Name) -> Type:
@@ -147,14 +156,15 @@ class Typing:
                 self.report.error("S203", f"a {base} cannot be indexed", node)
             return UNKNOWN
         subscripts = indices(node)
-        dropped = sum(not isinstance(s, Slice) and not (isinstance(s, Constant) and s.value is Ellipsis)
+        added = sum(isinstance(s, Constant) and s.value is None for s in subscripts)
+        dropped = sum(not isinstance(s, Slice) and not (isinstance(s, Constant) and s.value in (None, Ellipsis))
                       for s in subscripts)
         if dropped > base.rank:
             if self.final:
                 self.report.error("S203", f"{len(subscripts)} subscripts for {base}", node,
                                   help="the types are taken from the arguments: check their ranks")
             return UNKNOWN
-        return array(base.dtype, base.rank - dropped) if base.rank > dropped else Type("number", base.dtype)
+        return of_rank(base, base.rank - dropped + added)
 
     def _Call(self, node: Call) -> Type:
         name = call_name(node)
@@ -168,16 +178,24 @@ class Typing:
         if name in _LIKES:
             return self._like(name, node)
         types = [self.of(a) for a in node.args]
+        rule = rules.find_array(name)
+        if rule is not None and types and types[0].kind != "tuple":
+            return self._array_function(rule, node, types)
         if name in _CASTS:
             rank = types[0].rank if types else 0
             return array(_CASTS[name], rank) if rank else Type("number", _CASTS[name])
-        if name in ("numpy.sum", "builtins.sum") and types:
+        if name == "builtins.sum" and types:
             return Type("number", "int64" if types[0].dtype == "bool" else types[0].dtype)
         if name in ("builtins.len", "numpy.size", "numpy.ndim"):
             return INT
         if name in ("numpy.shape",):
             return Type("tuple", items=(INT,) * types[0].rank) if types else UNKNOWN
         return self._function(name, types)
+
+    def _array_function(self, rule: rules.ArrayRule, node: Call, types: list[Type]) -> Type:
+        if any(t.kind == "unknown" for t in types) or len(types) != len(rule.operands):
+            return UNKNOWN
+        return LAWS[rule.law].type(types, rule.arguments(node))
 
     def _function(self, name: str, types: list[Type]) -> Type:
         if not types:
@@ -201,8 +219,6 @@ class Typing:
         base = self.of(node.func.value)
         if node.func.attr in ("copy",):
             return base
-        if node.func.attr == "sum":
-            return Type("number", base.dtype)
         return UNKNOWN if node.func.attr != "fill" else NONE
 
     def _dtype(self, node: Call, position: int, default: str) -> str:

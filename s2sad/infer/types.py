@@ -1,7 +1,7 @@
 """The types of names: kind, dtype and rank, and nothing else."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,12 +11,14 @@ class Type:
     """A number (`rank` 0), an array, a tuple of types, or one of the odd ones.
 
     kind is "number", "array", "tuple", "none", "text" or "unknown"; dtype is NumPy's name
-    ("float64", "float32", "int64", "bool", ...) for numbers and arrays.
+    ("float64", "float32", "int64", "bool", ...) for numbers and arrays. `ones` are the axes of an argument that
+    have length 1, where that matters: NumPy broadcasts them.
     """
     kind: str
     dtype: str = ""
     rank: int = 0
     items: tuple[Type, ...] = ()
+    ones: tuple[int, ...] = ()
 
     @property
     def is_float(self) -> bool:
@@ -34,9 +36,14 @@ class Type:
     def is_integer(self) -> bool:
         return self.kind == "number" and self.dtype.startswith(("int", "uint", "bool"))
 
+    @property
+    def plain(self) -> Type:
+        """The type without what is known of lengths."""
+        return replace(self, ones=()) if self.ones else self
+
     def __str__(self) -> str:
         if self.kind == "array":
-            return f"{self.dtype}[{', '.join(':' * self.rank)}]"
+            return f"{self.dtype}[{', '.join('1' if k in self.ones else ':' for k in range(self.rank))}]"
         if self.kind == "tuple":
             return f"({', '.join(map(str, self.items))})"
         return self.dtype or self.kind
@@ -63,7 +70,8 @@ def of_value(value: object) -> Type:
     if isinstance(value, np.generic):
         return Type("number", value.dtype.name)
     if isinstance(value, np.ndarray):
-        return array(value.dtype.name, value.ndim) if value.ndim else Type("array", value.dtype.name, 0)
+        ones = tuple(k for k, size in enumerate(value.shape) if size == 1) if 1 in value.shape else ()
+        return Type("array", value.dtype.name, value.ndim, ones=ones)
     if isinstance(value, str):
         return TEXT
     if isinstance(value, tuple):

@@ -12,10 +12,13 @@ from __future__ import annotations
 
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
+from s2sad.infer.laws import ONE, Shape
+from s2sad.infer.shapes import Shapes, shape_expression
 from s2sad.infer.types import Type
+from s2sad.normalize.functions import is_function
 from s2sad.tree import (
-    AST, Assign, Attribute, Call, Eq, List, Name, Subscript, Tuple, assign, attribute, call, call_name, compare, const,
-    copy, dump, index, indices, name, names, tuple_of, walk,
+    AST, Assert, Assign, Attribute, Call, Eq, List, Name, Subscript, Tuple, assign, attribute, call, call_name,
+    children, compare, const, dump, index, name, tuple_of, walk,
 )
 
 _FILLS = {"numpy.ones": 1.0, "numpy.ones_like": 1.0}
@@ -27,9 +30,8 @@ _COPIES = {"numpy.copy", "numpy.array", "numpy.asarray", "numpy.ascontiguousarra
 class Allocations:
     """Makes allocations of one function and remembers which arrays have one shape."""
 
-    def __init__(self, typing: Typing, report: Report, bound: list[str]):
-        self.typing, self.report, self.bound = typing, report, bound
-        self.roots: dict[str, str] = {}
+    def __init__(self, typing: Typing, report: Report, shapes: Shapes):
+        self.typing, self.report, self.shapes = typing, report, shapes
 
     def allocate(self, target: str, kind: Type, value: AST, place: AST) -> list[AST]:
         """The statements that bind `target` to a new array holding `value` (an expression with resolved views)."""
@@ -45,21 +47,62 @@ class Allocations:
             return self._listed(target, kind, args[0])
         if function in _COPIES:
             value = args[0]
-        model = self._model(value)
-        if model is None:
-            self.report.error("S201", f"an array made by {function or 'this expression'}", place,
+        return self._filled(target, kind, value, place)
+
+    def _filled(self, target: str, kind: Type, value: AST, place: AST) -> list[AST]:
+        """An array of the shape of an expression, holding it."""
+        shape = self.shapes.of(value)
+        if not self.typing.of(value).is_array or None in shape:
+            self.report.error("S201", f"an array made by {call_name(value) or 'this expression'}", place,
                               help="allocate it with np.empty and write it in a loop")
             return []
-        return [self.empty_like(target, kind, model, "empty"), assign(index(name(target), const(...)), value)]
+        guards = [] if is_function(value) else self.operands_fit(value, shape)
+        self.shapes.arrays[target] = shape
+        model = next((n for n in walk(value) if isinstance(n, Name) and self.typing.of(n) == kind
+                      and self.shapes.of(n) == shape), None)
+        made = call("numpy.empty_like", model) if model is not None else call(
+            "numpy.empty", shape_expression(self.shapes, shape), *_dtype(kind))
+        return [*guards, assign(target, made), assign(index(name(target), const(...)), value)]
 
-    def _model(self, value: AST) -> AST | None:
-        return next((n for n in walk(value) if isinstance(n, (Name, Subscript)) and self.typing.of(n).is_array), None)
+    def operands_fit(self, value: AST, shape: Shape) -> list[AST]:
+        """Guards that the arrays of an elementwise expression have the shape, or length 1."""
+        found: list[AST] = []
+        parts = [n for n in _outermost(value, self.typing)]
+        model = next((p for p in parts if self.shapes.of(p) == shape), None)
+        for part in parts:
+            found += self.fitting(model, part) if model is not None else self.fits(shape, part)
+        return list({dump(m): m for m in found}.values())
+
+    def fitting(self, whole: AST, part: AST) -> list[AST]:
+        """Guards that an array expression fits into another one."""
+        a, b = self.shapes.of(whole), self.shapes.of(part)
+        plain = isinstance(whole, Name) and isinstance(part, Name) and len(a) == len(b)
+        unknown = [(x, y) for x, y in zip(a, b) if not self.shapes.same(x, y)] if plain else []
+        if plain and len(unknown) == len(a) and all(x is not None and y is not None and ONE not in (x, y)
+                                                    for x, y in unknown):
+            for x, y in unknown:
+                if x is not None and y is not None:
+                    self.shapes.unify(x, y)
+            return [Assert(compare(attribute(whole, "shape"), Eq(), attribute(part, "shape")), None)]
+        return self.fits(a, part)
+
+    def fits(self, shape: Shape, part: AST) -> list[AST]:
+        made: list[AST] = []
+        found = self.shapes.of(part)
+        for x, y in zip(shape[len(shape) - len(found):], found):
+            if x is None or y is None:
+                self.report.error("S201", "the size of this part of an array changes", part,
+                                  help="give its bounds names that are bound once")
+            elif y != ONE and not self.shapes.same(x, y):
+                made.append(Assert(compare(self.shapes.expression(x), Eq(), self.shapes.expression(y)), None))
+                self.shapes.unify(x, y)
+        return made
 
     def _shaped(self, target: str, kind: Type, function: str, args: list[AST]) -> list[AST]:
         shape = tuple_of(*args[0].elts) if isinstance(args[0], List) else args[0]
         if isinstance(shape, Tuple) and len(shape.elts) == 1:
             shape = shape.elts[0]
-        self.roots[target] = self._shape_root(shape, target)
+        self.known(target, shape)
         start = "numpy.zeros" if function == "numpy.zeros" else "numpy.empty"
         made: list[AST] = [assign(target, call(start, shape, *_dtype(kind)))]
         if function in _FILLS or function == "numpy.full":
@@ -67,12 +110,25 @@ class Allocations:
             made.append(assign(index(name(target), const(...)), fill))
         return made
 
+    def known(self, target: str, shape: AST) -> None:
+        """Notes the shape that an array is allocated in, where its sizes stay what they are."""
+        found = self.shapes.asked_for(shape)
+        if found is not None:
+            self.shapes.arrays[target] = tuple(
+                self.shapes.symbol(index(attribute(name(target), "shape"), const(k))) if d is None else d
+                for k, d in enumerate(found))
+
     def empty_like(self, target: str, kind: Type, model: AST, start: str) -> Assign:
-        """`target = np.empty_like(model)`, or by shape where the model is a row or has another dtype."""
-        self.roots[target] = self._root(model)
+        """`target = np.empty_like(model)`, or by shape where the model is a part or has another dtype."""
+        shape = self.shapes.of(model)
         if isinstance(model, Name) and self.typing.of(model).dtype == kind.dtype:
+            self.shapes.arrays[target] = shape
             return assign(target, call(f"numpy.{start}_like", model))
-        return assign(target, call(f"numpy.{start}", self.shape(model), *_dtype(kind)))
+        if None in shape:
+            self.report.error("S201", "an array in the shape of a part whose bounds change", model,
+                              help="give the bounds names that are bound once")
+        self.shapes.arrays[target] = shape
+        return assign(target, call(f"numpy.{start}", shape_expression(self.shapes, shape), *_dtype(kind)))
 
     def _listed(self, target: str, kind: Type, value: AST) -> list[AST]:
         entries: list[tuple[list[AST], AST]] = []
@@ -87,46 +143,18 @@ class Allocations:
                 entries.append((at, node))
         visit(value, [])
         shape = const(sizes[0]) if len(sizes) == 1 else tuple_of(*map(const, sizes))
-        self.roots[target] = self._shape_root(shape, target)
+        self.known(target, shape)
         return [assign(target, call("numpy.empty", shape, *_dtype(kind))),
                 *(assign(index(name(target), *at), item) for at, item in entries)]
 
-    def shape(self, array: AST) -> AST:
-        """The shape of an array or of a row of one, as an expression: a size or a tuple."""
-        if isinstance(array, Name):
-            return attribute(array, "shape")
-        parts = self._sizes(array)
-        return parts[0] if len(parts) == 1 else tuple_of(*parts)
 
-    def _sizes(self, array: AST) -> list[AST]:
-        base, done = (array.value, len(indices(array))) if isinstance(array, Subscript) else (array, 0)
-        rank = self.typing.of(base).rank
-        return [index(attribute(copy(base), "shape"), const(k)) for k in range(done, rank)]
-
-    def shape_test(self, a: AST, b: AST) -> AST:
-        """The test that two array expressions have one shape."""
-        if isinstance(a, Name) and isinstance(b, Name):
-            return compare(attribute(a, "shape"), Eq(), attribute(b, "shape"))
-        left, right = self._sizes(a), self._sizes(b)
-        if len(left) == 1:
-            return compare(left[0], Eq(), right[0])
-        return compare(tuple_of(*left), Eq(), tuple_of(*right))
-
-    def same_shape(self, a: AST, b: AST) -> bool:
-        """Whether two array expressions are known to have one shape."""
-        return self._root(a) == self._root(b)
-
-    def _root(self, node: AST) -> str:
-        if isinstance(node, Name):
-            return self.roots.get(node.id, f"array {node.id}")
-        assert isinstance(node, Subscript)
-        return f"row {len(indices(node))} of {self._root(node.value)}"
-
-    def _shape_root(self, shape: AST, target: str) -> str:
-        if isinstance(shape, Attribute) and shape.attr == "shape":
-            return self._root(shape.value)
-        stable = all(self.bound.count(n) <= 1 for n in names(shape))
-        return f"shape {dump(shape)}" if stable else f"array {target}"
+def _outermost(node: AST, typing: Typing) -> list[AST]:
+    """The arrays and parts of arrays that an elementwise expression reads."""
+    if isinstance(node, (Name, Subscript)):
+        return [node] if typing.of(node).is_array else []
+    if isinstance(node, Attribute) or not typing.of(node).is_array:
+        return []
+    return [part for child in children(node) for part in _outermost(child, typing)]
 
 
 def _dtype(kind: Type) -> list[AST]:

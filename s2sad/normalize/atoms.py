@@ -20,6 +20,7 @@ from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import BOOL
 from s2sad.naming import Names
+from s2sad.normalize.functions import is_function
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Expr, For, FunctionDef, If, Name, Pow, Return,
     Subscript, Tuple, UnaryOp, USub, While, assign, at, augment, call, call_name, copy,
@@ -102,7 +103,7 @@ class _Atoms:
 
     def root(self, statement: Assign, before: list[AST]) -> AST:
         value, target = statement.value, statement.targets[0]
-        if not self.is_float(value):
+        if not self.is_float(value) or is_function(value):
             return value
         if isinstance(target, Name):
             if isinstance(value, Subscript) or call_name(value) == "numpy.sum":

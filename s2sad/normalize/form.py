@@ -60,7 +60,8 @@ def _block(block: list[AST], level: int, derivative: bool, tail: bool) -> Iterat
         last = tail and position == len(block) - 1
         if isinstance(statement, (For, While)):
             yield from _block(statement.body, level, derivative, True)
-            yield from _expression(statement.iter if isinstance(statement, For) else statement.test, derivative)
+            yield from _expression(statement.iter if isinstance(statement, For) else statement.test, level,
+                                   derivative)
             if isinstance(statement, For) and call_name(statement.iter) != "builtins.range":
                 yield statement, "a loop over something that is no range"
             if statement.orelse:
@@ -68,7 +69,7 @@ def _block(block: list[AST], level: int, derivative: bool, tail: bool) -> Iterat
         elif isinstance(statement, If):
             if level == 3 and not isinstance(statement.test, Name):
                 yield statement, "a test without a name"
-            yield from _expression(statement.test, derivative)
+            yield from _expression(statement.test, level, derivative)
             for inner in (statement.body, statement.orelse):
                 yield from _block(inner, level, derivative, last)
         elif isinstance(statement, Break):
@@ -90,28 +91,30 @@ def _simple(statement: AST, level: int, derivative: bool) -> Iterator[tuple[AST,
         sums = level >= 2 or level == 1 and isinstance(target, Subscript)
         if isinstance(statement, AugAssign) and sums and not isinstance(statement.op, (Add, Sub)):
             yield statement, "an augmented assignment that is no sum"
-        yield from _value(statement.value, derivative)
+        yield from _value(statement.value, level, derivative)
     elif isinstance(statement, Expr):
-        yield from _value(statement.value, derivative)
+        yield from _value(statement.value, level, derivative)
     elif isinstance(statement, Return):
         if statement.value is not None:
-            yield from _expression(statement.value, derivative)
+            yield from _expression(statement.value, level, derivative)
     elif not isinstance(statement, (Assert, Raise)):
         yield statement, f"a {type(statement).__name__}"
 
 
-def _value(value: AST, derivative: bool) -> Iterator[tuple[AST, str]]:
+def _value(value: AST, level: int, derivative: bool) -> Iterator[tuple[AST, str]]:
     if (call_name(value) or "").startswith("user."):
         for argument in value.args:
-            yield from _expression(argument, derivative)
+            yield from _expression(argument, level, derivative)
     else:
-        yield from _expression(value, derivative)
+        yield from _expression(value, level, derivative)
 
 
-def _expression(node: AST, derivative: bool) -> Iterator[tuple[AST, str]]:
+def _expression(node: AST, level: int, derivative: bool) -> Iterator[tuple[AST, str]]:
     for part in walk(node):
         if (call_name(part) or "").startswith("user."):
             yield part, "a kernel's call inside an expression"
+        if isinstance(part, Subscript) and level and not isinstance(part.value, (Name, Attribute)):
+            yield part, "a part of an expression"
         if isinstance(part, IfExp) and not derivative:
             yield part, "a choice inside an expression"
         if hasattr(part, "lineno") and not isinstance(part, _EXPRESSIONS) and type(part).__name__ != "keyword":

@@ -13,7 +13,7 @@ from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Assert, BinOp, Call, Expr, FunctionDef, MatMult, Raise, Subscript, call_name, children, indices,
+    AST, Assert, Call, Expr, FunctionDef, Raise, Subscript, call_name, children, indices,
 )
 
 # what makes arrays, asks for their shape, or is no computation at all
@@ -42,8 +42,6 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
         return  # what is refused inside explains it
     if isinstance(node, Call):
         _call(node, typing, report)
-    elif isinstance(node, BinOp) and isinstance(node.op, MatMult):
-        report.error("S301", "no derivative rule for a @ b", node, help=_LOOP)
     elif isinstance(node, Subscript) and any(typing.of(s).is_array for s in indices(node)):
         report.error("S201", "an array as a subscript is not supported in a kernel yet (planned)", node,
                      help="write a loop over the elements, with an if in place of a mask")
@@ -52,6 +50,9 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
 def _call(node: Call, typing: Typing, report: Report) -> None:
     name = call_name(node)
     if name is None or name.startswith(("user.", "runtime.")) or name in _OTHER or rules.constant_result(name):
+        return
+    rule = rules.find_array(name)
+    if rule is not None and typing.of(node).kind != "unknown":
         return
     if name in _SUMS:
         if node.keywords or len(node.args) != 1:

@@ -1,13 +1,17 @@
 """scalarize: whole-array statements become loops over their elements, for the engine that compiles loops.
 
-Requires resolved views; establishes that every store and every load is of one element.
+Requires resolved views and functions of whole arrays that stand alone; establishes that every store and every load is
+of one element, but for the functions that have no such form (a matrix product), which stay, or, where the text is to
+be run (`final`), fill an array of their own whose elements are then copied.
 
-    u[...] += dt * du               for i in range(u.shape[0]):
+    u[1:-1] += dt * du[1:-1]        for i in range(1, u.shape[0] - 1):
                                         u[i] += dt * du[i]
     t = 0.5 * np.sum(u ** 2)        total = 0.0
                                     for i in range(u.shape[0]):
                                         total += u[i] ** 2
                                     t = 0.5 * total
+    w[...] = np.roll(u, 1, axis=0)  for i in range(w.shape[0]):
+                                        w[i] = u[(i - 1) % u.shape[0]]
 
 A sum runs in blocks of one row, so that its error grows with the length of a row and the number of rows.
 """
@@ -15,29 +19,44 @@ from __future__ import annotations
 
 from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
+from s2sad.infer.shapes import Shapes, full, single_values
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
+from s2sad.normalize.elements import Elements, moves
+from s2sad.normalize.functions import is_function
+from s2sad.normalize.reduced import Reduced, is_reduction
+from s2sad.normalize.views import array_operands
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, AugAssign, Constant, For, FunctionDef, If, Name, Subscript, While, add, assign, at,
-    attribute, augment, call, call_name, const, copy, counted_for, index, indices, name, rebuild, walk,
+    AST, Assign, AugAssign, BinOp, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While, assign,
+    at, augment, call_name, const, copy, counted_for, index, indices, name, rebuild, sub,
 )
 
-_BLOCK = 128
 
-
-def scalarize(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
+def scalarize(function: FunctionDef, typing: Typing, free: Names, final: bool = False) -> FunctionDef:
     """The function without whole-array statements; the table of `typing` gains the new counters."""
     new = copy(function)
-    new.body = _Scalarize(typing, free).block(function.body)
+    shapes = Shapes(typing, single_values(function))
+    new.body = Scalarize(typing, free, shapes, final).block(function.body)
     return new
 
 
-class _Scalarize:
-    def __init__(self, typing: Typing, free: Names):
-        self.typing, self.free = typing, free
+class Scalarize:
+    """The pass over one function."""
+
+    def __init__(self, typing: Typing, free: Names, shapes: Shapes, final: bool):
+        self.typing, self.free, self.shapes, self.final = typing, free, shapes, final
+        self.elements = Elements(typing, shapes)
+        self.reduced = Reduced(typing, shapes, self.elements, self.counters, self.number)
 
     def block(self, block: list[AST]) -> list[AST]:
-        return [at(made, s) if getattr(s, "lineno", None) else made for s in block for made in self.statement(s)]
+        new: list[AST] = []
+        known = dict(self.shapes.equal)
+        for statement in block:
+            new += [at(made, statement) if getattr(statement, "lineno", None) else made
+                    for made in self.statement(statement)]
+            self.shapes.learn(statement)
+        self.shapes.equal = known
+        return new
 
     def statement(self, statement: AST) -> list[AST]:
         if isinstance(statement, For):
@@ -48,119 +67,106 @@ class _Scalarize:
             return [If(statement.test, self.block(statement.body), self.block(statement.orelse))]
         if isinstance(statement, (Assign, AugAssign)):
             return self.store(statement)
+        if isinstance(statement, Return) and statement.value is not None and not self.final:
+            before: list[AST] = []
+            value = self.sums(statement.value, before, joined=True)
+            return [*before, Return(value)]
         return [statement]
 
-    def store(self, statement: AST) -> list[AST]:
-        before: list[AST] = []
+    def store(self, statement: Assign | AugAssign) -> list[AST]:
         value = statement.value
-        if not (call_name(value) or "").startswith("user."):
-            value = self.sums(value, before)
         target = statement.targets[0] if isinstance(statement, Assign) else statement.target
-        if isinstance(target, Subscript) and (kind := self.typing.of(target)).is_array:
-            counters = self.counters(kind.rank)
-            place, done = self.element(target, counters), _done(target)
-            value = self.held(value, base_name(target), before)
-            inner = self.element_of(value, counters)
-            made: AST = (assign(place, inner) if isinstance(statement, Assign)
-                         else augment(place, statement.op, inner))
-            return before + [self.nest(target.value, done, counters, [made])]
+        if (call_name(value) or "").startswith("user."):
+            return [statement]
+        if is_function(value) and not moves(value):
+            return self.function(statement, target)
+        before: list[AST] = []
+        value = self.sums(value, before)
+        if isinstance(target, Subscript) and self.typing.of(target).is_array:
+            return before + [self.filled(statement, target, self.held(value, base_name(target), before))]
         if not before:
             return [statement]
         return before + [assign(target, value) if isinstance(statement, Assign)
                          else augment(target, statement.op, value)]
 
-    def counters(self, rank: int) -> list[str]:
-        made = [self.free.fresh(c) for c in ("i", "j", "k", "l", "m", "o")[:rank]]
-        self.typing.table.update(dict.fromkeys(made, INT))
-        return made
+    def function(self, statement: Assign | AugAssign, target: AST) -> list[AST]:
+        """A function of whole arrays that does more than move elements."""
+        value = statement.value
+        if is_reduction(value) and isinstance(statement, Assign):
+            return self.reduced.statements(target, value)
+        if not self.final or isinstance(target, Name):
+            return [statement]
+        made = self.free.fresh(f"{(call_name(value) or '').rpartition('.')[2]}_value")
+        self.typing.table[made] = self.typing.of(value)
+        return [assign(made, copy(value)), self.filled(statement, target, name(made))]
 
-    def nest(self, base: AST, done: int, counters: list[str], body: list[AST]) -> AST:
-        for k in range(len(counters) - 1, -1, -1):
-            body = [counted_for(counters[k], [index(attribute(copy(base), "shape"), const(done + k))], body)]
+    def filled(self, statement: Assign | AugAssign, target: Subscript, value: AST) -> AST:
+        """The loops that store an elementwise expression."""
+        counters, bounds, cells, positions = self.walked(target)
+        inner = self.elements.element(value, positions)
+        body: list[AST] = [assign(cells, inner) if isinstance(statement, Assign)
+                           else augment(cells, statement.op, inner)]
+        for counter, bound in reversed(list(zip(counters, bounds))):
+            body = [counted_for(counter, bound, body)]
         return body[0]
 
-    def element(self, target: AST, counters: list[str]) -> Subscript:
-        if isinstance(target, Name):
-            return index(target, *map(name, counters))
-        assert isinstance(target, Subscript)
-        kept = indices(target)[:_done(target)]
-        return index(copy(target.value), *map(copy, kept), *map(name, counters))
+    def walked(self, target: Subscript) -> tuple[list[str], list[list[AST]], Subscript, list[AST]]:
+        """How a part of an array is walked: counters and their bounds, the cell, and the position in the part."""
+        base = target.value
+        entries = full(indices(target), self.typing.of(base).rank)
+        counters = self.counters(sum(isinstance(e, Slice) for e in entries))
+        bounds: list[list[AST]] = []
+        cell: list[AST] = []
+        positions: list[AST] = []
+        for axis, entry in enumerate(entries):
+            if not isinstance(entry, Slice):
+                cell.append(copy(entry))
+                continue
+            start, stop, step = self.shapes.span(entry, self.shapes.own(base.id, axis)) or (None, None, 1)
+            assert start is not None and stop is not None, "views has frozen the bounds"
+            counter = name(counters[len(bounds)])
+            low, high = (self.shapes.expression(x, reduced=False) for x in (start, stop))
+            zero = not start.terms and not start.constant
+            bounds.append([high] if zero and step == 1 else [low, high] if step == 1 else [low, high, const(step)])
+            cell.append(counter)
+            at_zero = counter if zero else sub(counter, copy(low))
+            positions.append(at_zero if step == 1 else BinOp(at_zero, FloorDiv(), const(step)))
+        return counters, bounds, index(name(base.id), *cell), positions
 
-    def element_of(self, value: AST, counters: list[str]) -> AST:
-        def change(n: AST) -> AST | None:
-            if isinstance(n, (Name, Subscript)) and (kind := self.typing.of(n)).is_array:
-                return self.element(n, counters[len(counters) - kind.rank:])
-            if isinstance(n, (Subscript, Attribute)) or call_name(n) == "builtins.len":
-                return copy(n)
-            return None
-        return rebuild(value, change)
+    def counters(self, rank: int) -> list[str]:
+        return [self.number(c, INT) for c in ("i", "j", "k", "l", "m", "o")[:rank]]
+
+    def number(self, wanted: str, kind: Type) -> str:
+        """A new name for a number."""
+        made = self.free.fresh(wanted)
+        self.typing.table[made] = kind
+        self.shapes.values = {**self.shapes.values, made: None}
+        return made
 
     def held(self, value: AST, array: str, before: list[AST]) -> AST:
         """The value with the elements that it reads of the array that is filled taken out before the loop: they are
         what they were before the statement, for all of it."""
         def change(n: AST) -> AST | None:
             if isinstance(n, Subscript) and base_name(n) == array and self.typing.of(n).is_number:
-                made = self.free.fresh(f"{array}_held")
-                self.typing.table[made] = self.typing.of(n)
+                made = self.number(f"{array}_held", self.typing.of(n))
                 before.append(assign(made, copy(n)))
                 return name(made)
             return None
         return rebuild(value, change)
 
-    def sums(self, value: AST, before: list[AST]) -> AST:
+    def sums(self, value: AST, before: list[AST], joined: bool = False) -> AST:
+        """The value with its sums named before; where `joined` only those that join arrays of different shapes."""
         def change(n: AST) -> AST | None:
-            if call_name(n) == "numpy.sum":
-                return self.sum(self.sums(n.args[0], before), before)
+            if call_name(n) == "numpy.sum" and not is_function(n) and not (joined and self.alike(n.args[0])):
+                operand = self.sums(n.args[0], before)
+                kind = self.typing.of(n)
+                total = self.number("total", kind if kind.is_float else INT)
+                before.extend(self.reduced.total(total, operand, kind))
+                return name(total)
             return None
         return rebuild(value, change)
 
-    def sum(self, operand: AST, before: list[AST]) -> AST:
-        parts = [n for n in walk(operand) if isinstance(n, (Name, Subscript)) and self.typing.of(n).is_array]
-        model = max(parts, key=lambda n: self.typing.of(n).rank)
-        kind = self.typing.of(operand)
-        number = Type("number", kind.dtype) if kind.is_float else INT
-        total = self.accumulator("total", number, before)
-        if isinstance(model, Name) and kind.rank == 1:
-            before.extend(self.blocked(model, operand, total, number))
-        else:
-            before.extend(self.rows(model, operand, total, number))
-        return name(total)
-
-    def accumulator(self, wanted: str, number: Type, before: list[AST]) -> str:
-        made = self.free.fresh(wanted)
-        self.typing.table[made] = number
-        before.append(assign(made, const(0.0 if number.is_float else 0)))
-        return made
-
-    def rows(self, model: AST, operand: AST, total: str, number: Type) -> list[AST]:
-        """The last axis summed on its own, then the rows' sums."""
-        rank = self.typing.of(model).rank
-        counters = self.counters(rank)
-        base, done = (model, 0) if isinstance(model, Name) else (model.value, _done(model))
-        row: list[AST] = []
-        part = self.accumulator("row_total", number, row)
-        last = index(attribute(copy(base), "shape"), const(done + rank - 1))
-        row.append(counted_for(counters[-1], [last], [augment(part, Add(), self.element_of(operand, counters))]))
-        row.append(augment(total, Add(), name(part)))
-        return row if rank == 1 else [self.nest(base, done, counters[:-1], row)]
-
-    def blocked(self, model: Name, operand: AST, total: str, number: Type) -> list[AST]:
-        """A vector summed in blocks."""
-        start, counter = self.free.fresh("start"), self.counters(1)[0]
-        self.typing.table[start] = INT
-        size = index(attribute(copy(model), "shape"), const(0))
-        row: list[AST] = []
-        part = self.accumulator("row_total", number, row)
-        stop = call("builtins.min", add(name(start), const(_BLOCK)), copy(size))
-        row.append(counted_for(counter, [name(start), stop], [
-            augment(part, Add(), self.element_of(operand, [counter]))]))
-        row.append(augment(total, Add(), name(part)))
-        return [counted_for(start, [const(0), size, const(_BLOCK)], row)]
-
-
-def _done(target: AST) -> int:
-    """How many subscripts of a region are given."""
-    if isinstance(target, Name):
-        return 0
-    assert isinstance(target, Subscript)
-    return sum(not (isinstance(s, Constant) and s.value is Ellipsis) for s in indices(target))
+    def alike(self, node: AST) -> bool:
+        """Whether all arrays of an expression have its own shape."""
+        whole = self.shapes.of(node)
+        return all(self.shapes.of(part) == whole for part in array_operands(node, self.typing))

@@ -2,14 +2,26 @@
 
     min(a, b, c)        min(min(a, b), c)
     math.log(x, b)      math.log(x) / math.log(b)
+    x.sum(axis=0)       np.sum(x, axis=0)
+    x.reshape(n, m)     np.reshape(x, (n, m))
+    x.T                 np.transpose(x)
+    [a] * 2 + [b]       [a, a, b]
+    a @ b               np.matmul(a, b)
+    np.roll(x, 1, 0)    np.roll(x, 1, axis=0)
 """
 from __future__ import annotations
 
 from functools import reduce
 
-from s2sad.tree import AST, BinOp, Call, Div, FunctionDef, at, call, call_name, copy, rebuild
+from s2sad import rules
+from s2sad.tree import (
+    AST, Add, Attribute, BinOp, Call, Constant, Div, FunctionDef, List, MatMult, Mult, Name, at, call, call_name, const,
+    copy, name, rebuild, tuple_of,
+)
 
 _PAIRED = {"builtins.min", "builtins.max"}
+_METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot"}
+_SHAPED = {"reshape", "transpose"}
 
 
 def spelled(function: FunctionDef) -> FunctionDef:
@@ -20,12 +32,57 @@ def spelled(function: FunctionDef) -> FunctionDef:
 
 
 def _plain(node: AST) -> AST | None:
-    name = call_name(node)
-    if not isinstance(node, Call) or node.keywords:
+    if isinstance(node, Name) and node.id == "numpy.newaxis":
+        return at(const(None), node)
+    if isinstance(node, BinOp) and isinstance(node.op, MatMult):
+        return at(call("numpy.matmul", rebuild(node.left, _plain), rebuild(node.right, _plain)), node)
+    if isinstance(node, BinOp) and (listed := _list(node)) is not None:
+        return at(List([rebuild(item, _plain) for item in listed], name("_").ctx), node)
+    if isinstance(node, Attribute) and node.attr == "T":
+        return at(call("numpy.transpose", rebuild(node.value, _plain)), node)
+    if not isinstance(node, Call):
+        return None
+    if isinstance(node.func, Attribute) and node.func.attr in _METHODS:
+        return _plain(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], node.keywords),
+                         node))
+    return _array_call(node) or _scalar_call(node)
+
+
+def _list(node: AST) -> list[AST] | None:
+    """The items of lists that are added and repeated: `[a] * 2 + [b]`."""
+    if isinstance(node, List):
+        return node.elts
+    if isinstance(node, BinOp) and isinstance(node.op, Add):
+        left, right = _list(node.left), _list(node.right)
+        return None if left is None or right is None else [*left, *right]
+    if isinstance(node, BinOp) and isinstance(node.op, Mult) and isinstance(node.right, Constant):
+        left = _list(node.left)
+        return None if left is None or type(node.right.value) is not int else [
+            copy(item) for _ in range(node.right.value) for item in left]
+    return None
+
+
+def _arguments(node: Call) -> list[AST]:
+    """The arguments of a method; those of reshape and transpose may be given one by one."""
+    several = node.func.attr in _SHAPED and len(node.args) > 1
+    return [tuple_of(*node.args)] if several else node.args
+
+
+def _array_call(node: Call) -> AST | None:
+    rule = rules.find_array(call_name(node))
+    ordered = rule and rules.bound(rule, node)
+    if ordered is None:
+        return None
+    return at(Call(ordered.func, [rebuild(a, _plain) for a in ordered.args], ordered.keywords), node)
+
+
+def _scalar_call(node: Call) -> AST | None:
+    function = call_name(node)
+    if node.keywords:
         return None
     args = [rebuild(a, _plain) for a in node.args]
-    if name in _PAIRED and len(args) > 2:
-        return at(reduce(lambda a, b: call(name, a, b), args), node)
-    if name == "math.log" and len(args) == 2:
-        return at(BinOp(call(name, args[0]), Div(), call(name, args[1])), node)
+    if function in _PAIRED and len(args) > 2:
+        return at(reduce(lambda a, b: call(function, a, b), args), node)
+    if function == "math.log" and len(args) == 2:
+        return at(BinOp(call(function, args[0]), Div(), call(function, args[1])), node)
     return None

@@ -10,20 +10,28 @@ stands for a part of another array. What a view's index was when it was bound is
                                     u[...] += v
     w = u.copy()                    w = np.empty_like(u)
                                     w[...] = u
+    inner = u[1:-1]                 v[...] = u[1:-3]
+    v = inner[:-2]
 """
 from __future__ import annotations
 
 from collections.abc import Mapping
 
+from s2sad.analyze.liveness import base_name
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
-from s2sad.infer.types import Type
+from s2sad.infer.laws import whole_number
+from s2sad.infer.shapes import Shapes, is_whole, single_values
+from s2sad.infer.types import INT, Type, array
 from s2sad.naming import Names
 from s2sad.normalize.allocations import Allocations
+from s2sad.normalize.apart import overlaps
+from s2sad.normalize.functions import is_function
+from s2sad.normalize.regions import composed, is_new
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, If, Name, Return,
-    Slice, Store, Subscript, Tuple, While, assign, at, attribute, augment, call, call_name, const, copy, dump, index,
-    indices, mult, name, names, rebuild, tuple_of, walk,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Constant, Eq, Expr, For, FunctionDef, GtE, If, Name,
+    Return, Slice, Store, Subscript, Tuple, While, assign, at, attribute, augment, call, call_name, compare, const,
+    copy, dump, index, indices, mult, name, names, rebuild, tuple_of, walk,
 )
 
 View = tuple[str, tuple[AST, ...]]
@@ -31,36 +39,54 @@ _AMBIGUOUS: View = ("", ())
 
 
 def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free: Names,
-          report: Report) -> FunctionDef:
-    """The function with views resolved; what cannot be resolved goes into the report."""
+          report: Report, loops: bool = False) -> FunctionDef:
+    """The function with views resolved; what cannot be resolved goes into the report. `loops` if whole-array statements
+    are to become loops."""
     bound = [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
-    pass_ = _Views(types, typing, free, report, bound)
+    shapes = Shapes(typing, single_values(function))
+    pass_ = _Views(types, typing, free, report, bound, shapes)
     pass_.seen = {p.id: (p.id, ()) for p in function.args.args if types[p.id].is_array}
     pass_.parameters = set(pass_.seen)
+    pass_.loops = loops
     new = copy(function)
-    new.body = pass_.block(function.body)
+    lengths = [Assert(compare(index(attribute(name(p.id), "shape"), const(k)), Eq(), const(1)), None)
+               for p in function.args.args for k in typing.ones.get(p.id, ())]
+    new.body = [*(at(test, function) for test in lengths), *pass_.block(function.body)]
     return new
 
 
 class _Views:
-    def __init__(self, types: Mapping[str, Type], typing: Typing, free: Names, report: Report, bound: list[str]):
-        self.types, self.typing, self.free, self.report = types, typing, free, report
+    def __init__(self, types: Mapping[str, Type], typing: Typing, free: Names, report: Report, bound: list[str],
+                 shapes: Shapes):
+        self.types, self.typing, self.free, self.report, self.shapes = types, typing, free, report, shapes
+        self.before: list[AST] = []
+        self.loops = False
         self.seen: dict[str, View] = {}
         self.tuples: dict[str, AST] = {}
         self.parameters: set[str] = set()
         self.bound = bound
         self.depth = 0
         self.versions: set[str] = set()
-        self.allocations = Allocations(typing, report, bound)
+        self.allocations = Allocations(typing, report, shapes)
 
     # -- statements --------------------------------------------------------------------------------------------------
 
     def block(self, block: list[AST]) -> list[AST]:
         new: list[AST] = []
+        known = dict(self.shapes.equal)
         for statement in block:
-            for made in self.statement(statement):
-                new.append(at(made, statement))
+            outer, self.before = self.before, []
+            made = self.statement(statement)
+            new += [at(s, statement) for s in [*self.before, *self.required(), *made]]
+            self.before = outer
+        self.shapes.equal = known
         return new
+
+    def required(self) -> list[AST]:
+        """Guards that slices which start from the end start inside."""
+        needed, self.shapes.required = self.shapes.required, []
+        tests = [compare(self.shapes.expression(form), GtE(), const(0)) for form in needed]
+        return [Assert(test, None) for test in {dump(t): t for t in tests}.values()]
 
     def statement(self, statement: AST) -> list[AST]:
         if isinstance(statement, Assign):
@@ -89,7 +115,11 @@ class _Views:
         self.seen = {n: _AMBIGUOUS if n in inside else v for n, v in self.seen.items()}
         self.depth += 1
         if isinstance(statement, For):
-            new: AST = For(statement.target, self.resolve(statement.iter), self.block(statement.body), [], None)
+            bounds = self.resolve(statement.iter)
+            counters = dict(self.shapes.counters)
+            self.shapes.counters |= least_of(statement)
+            new: AST = For(statement.target, bounds, self.block(statement.body), [], None)
+            self.shapes.counters = counters
         else:
             new = While(self.resolve(statement.test), self.block(statement.body), [])
         self.depth -= 1
@@ -121,9 +151,8 @@ class _Views:
     def bind_array(self, target: str, value: AST, statement: AST) -> list[AST]:
         if isinstance(value, (Name, Subscript)) and self.viewed(value):
             base, prefix = self.viewed(value) or _AMBIGUOUS
-            frozen, before = self.freeze(prefix, target)
-            self.seen[target] = (base, frozen)
-            return before
+            self.seen[target] = (base, tuple(self.frozen(s, f"{target}_at") for s in prefix))
+            return []
         if (call_name(value) or "").startswith("user."):
             self.report.error("S201", "a kernel that returns an array", statement,
                               help="pass the array as an argument and write into it")
@@ -144,19 +173,19 @@ class _Views:
         self.versions.add(target)
         return target
 
-    def freeze(self, prefix: tuple[AST, ...], target: str) -> tuple[tuple[AST, ...], list[AST]]:
-        """The indices as expressions that stay what they are now, and the bindings that this needs."""
-        frozen: list[AST] = []
-        before: list[AST] = []
-        for subscript in prefix:
-            simple = not any(isinstance(n, (Subscript, Call)) for n in walk(subscript))
-            if simple and all(self.bound.count(n) <= 1 for n in names(subscript)):
-                frozen.append(subscript)
-            else:
-                held = self.free.fresh(f"{target}_at")
-                before.append(assign(held, subscript))
-                frozen.append(name(held))
-        return tuple(frozen), before
+    def frozen(self, subscript: AST, wanted: str) -> AST:
+        """A subscript as an expression that stays what it is now; what may change gets a name before."""
+        if isinstance(subscript, Slice):
+            parts = (subscript.lower, subscript.upper, subscript.step)
+            return Slice(*(p and self.frozen(p, wanted) for p in parts))
+        simple = not any(isinstance(n, (Subscript, Call)) for n in walk(subscript))
+        if simple and all(self.bound.count(n) <= 1 for n in names(subscript)):
+            return subscript
+        held = self.free.fresh(wanted)
+        self.before.append(assign(held, subscript))
+        self.typing.table[held] = INT
+        self.shapes.values = {**self.shapes.values, held: None}
+        return name(held)
 
     def augmented(self, statement: AugAssign) -> list[AST]:
         target = statement.target
@@ -165,6 +194,7 @@ class _Views:
         place = self.place(target)
         value = self.resolve(statement.value)
         checks = self.checks(place, value) if self.is_region(place) else []
+        value = self.apart(place, value, checks, statement)
         if type(statement.op).__name__ in ("Add", "Sub"):
             return [*checks, augment(place, statement.op, value)]
         return [*checks, assign(place, BinOp(self.load(place), statement.op, value))]
@@ -172,7 +202,17 @@ class _Views:
     def store(self, target: Subscript, value: AST) -> list[AST]:
         place, new = self.place(target), self.resolve(value)
         checks = self.checks(place, new) if self.is_region(place) else []
+        new = self.apart(place, new, checks, target)
         return [*checks, assign(place, new)]
+
+    def apart(self, place: Subscript, value: AST, before: list[AST], origin: AST) -> AST:
+        """The value, in an array of its own if the loop that fills the place would read what it has filled."""
+        if not self.loops or not self.is_region(place) or not overlaps(place, value, self.typing):
+            return value
+        held = self.free.fresh(f"{base_name(place)}_next")
+        self.typing.table[held] = kind = array(self.typing.of(value).dtype, self.typing.of(value).rank)
+        before += self.allocations.allocate(held, kind, value, origin)
+        return name(held)
 
     def effect(self, statement: Expr) -> list[AST]:
         value = statement.value
@@ -211,11 +251,30 @@ class _Views:
             inner = self.viewed(node.value)
             if inner is None:
                 return None
-            added = [self.resolve(s) for s in indices(node) if not _is_full(s)]
-            if any(_is_full(s) for s in indices(node)[:-1]) and added:
-                self.report.error("S201", "a slice in front of an index", node, help="write a loop")
-            return inner[0], (*inner[1], *added)
+            added = [self.part(s) for s in indices(node)]
+            return inner[0], self.composed(inner, added, node)
         return None
+
+    def part(self, subscript: AST) -> AST:
+        """A subscript with views resolved; the bounds of a slice stay what they are now."""
+        if not isinstance(subscript, Slice):
+            return self.resolve(subscript)
+        parts = (subscript.lower, subscript.upper, subscript.step)
+        return self.frozen(Slice(*(p and self.resolve(p) for p in parts)), "bound")
+
+    def composed(self, view: View, added: list[AST], node: AST) -> tuple[AST, ...]:
+        """The subscripts of a view's part, trailing whole axes left out."""
+        def refuse(what: str) -> None:
+            self.report.error("S201", what, node, help="take the part from the array itself, or write a loop")
+        if not view[1] and len(added) == 1 and _is_full(added[0]):
+            return ()
+        if all(not isinstance(s, Slice) and not is_new(s) and not _is_full(s) for s in (*view[1], *added)):
+            return (*view[1], *added)
+        found = composed(self.shapes, name(view[0]), list(view[1]), added, refuse)
+        while found and is_whole(found[-1]) and not any(map(is_new, found)) and len(found) > 1 and \
+                not isinstance(found[-2], Slice):
+            found.pop()
+        return () if all(map(is_whole, found)) else tuple(found)
 
     def place(self, target: AST) -> Subscript:
         base, subscripts = self.viewed(target) or ("_", ())
@@ -256,7 +315,14 @@ class _Views:
 
     def shape_of(self, node: AST, axis: int) -> AST:
         base, subscripts = self.viewed(node) or ("_", ())
-        return index(attribute(name(base), "shape"), const(axis + len(subscripts)))
+        if not any(isinstance(x, Slice) or is_new(x) for x in subscripts):
+            return index(attribute(name(base), "shape"), const(axis + len(subscripts)))
+        size = self.shapes.of(index(name(base), *subscripts))[axis]
+        if size is None:
+            self.report.error("S201", "the size of a part of an array whose bounds change", node,
+                              help="give the bounds names that are bound once")
+            return const(0)
+        return self.shapes.expression(size)
 
     def attribute(self, node: Attribute) -> AST | None:
         skip, rank = self.prefix(node.value), self.typing.of(node.value).rank
@@ -278,25 +344,22 @@ class _Views:
 
     def method(self, node: Call) -> AST | None:
         assert isinstance(node.func, Attribute)
-        if node.func.attr == "sum" and not node.args and not node.keywords:
-            return call("numpy.sum", self.resolve(node.func.value))
         if node.func.attr == "copy":
             return call("numpy.copy", self.resolve(node.func.value))
         self.report.error("S201", f"the method '{node.func.attr}'", node, help="write it as a loop")
         return const(0.0)
 
     def checks(self, place: Subscript, value: AST) -> list[AST]:
-        """Guards that the arrays of a whole-array statement have the shape of what it stores into."""
-        made: list[AST] = []
-        rank = self.typing.of(place).rank
+        """Guards that the arrays of a whole-array statement fit what it stores into."""
         whole = self.load(place)
-        for part in array_operands(value, self.typing):
-            if self.typing.of(part).rank != rank:
-                self.report.error("S201", "broadcasting between arrays of different rank", place, help="write a loop")
-            elif not self.allocations.same_shape(whole, part):
-                made.append(Assert(self.allocations.shape_test(whole, part), None))
-        unique = {dump(m): m for m in made}
-        return list(unique.values())
+        made: list[AST] = []
+        for part in [value] if is_function(value) else array_operands(value, self.typing):
+            if self.typing.of(part).rank > self.typing.of(place).rank:
+                self.report.error("S203", f"a {self.typing.of(part)} does not fit into a {self.typing.of(place)}",
+                                  place, help="the shapes must be equal, or of length 1 where they differ")
+                continue
+            made += self.allocations.fitting(whole, part)
+        return list({dump(m): m for m in made}.values())
 
 
 def array_operands(node: AST, typing: Typing) -> list[AST]:
@@ -307,6 +370,17 @@ def array_operands(node: AST, typing: Typing) -> list[AST]:
         return []
     children = [c for f in node._fields for c in _children(getattr(node, f, None))]
     return [part for c in children for part in array_operands(c, typing)]
+
+
+def least_of(loop: For) -> dict[str, int]:
+    """The least value of a loop's counter, if it is written."""
+    args = loop.iter.args
+    low = 0 if len(args) == 1 else whole_number(args[0])
+    step = 1 if len(args) < 3 else whole_number(args[2])
+    if step is not None and step < 0:
+        stop = whole_number(args[1])
+        low = None if stop is None else stop + 1
+    return {} if low is None or not step else {loop.target.id: low}
 
 
 def _children(value: object) -> list[AST]:

@@ -151,34 +151,14 @@ def _subscript(node: AST, report: Report) -> list[AST] | None:
     if _is_string(node.value):
         report.error("S201", f"a subscript of a string {_NOT}", node, help=_STRINGS)
         return []
-    items = tree.indices(node)
-    if len(items) == 1 and isinstance(items[0], tree.Constant) and items[0].value is Ellipsis:
-        return [node.value]
-    if all(map(_is_full, items)) and items:
-        return [node.value]
-    if any(isinstance(item, tree.Slice) for item in items):
-        _slice(node, items, report)
-    for item in items:
-        if isinstance(item, tree.Constant) and item.value is None:
-            new_axis(item, report)
-    return [node.value, *(i for i in items if not isinstance(i, tree.Slice)
-                          and not (isinstance(i, tree.Constant) and i.value is None))]
+    return [node.value, *(part for item in tree.indices(node) for part in _parts(item))]
 
 
-def _is_full(item: AST) -> bool:
-    return isinstance(item, tree.Slice) and item.lower is item.upper is item.step is None
-
-
-def _slice(node: AST, items: list[AST], report: Report) -> None:
-    row = ", x[i] for a row" if len(items) > 1 else ""
-    report.error("S201", f"a slice of a part {_NOT} yet (planned)", node,
-                 help=f"write a loop over the elements; use x[:] or x[...] for the whole array{row}")
-
-
-def new_axis(item: AST, report: Report) -> None:
-    """Refuses a new axis, spelled None or np.newaxis."""
-    report.error("S201", f"a new axis in a subscript {_NOT} yet (planned)", item,
-                 help="write a loop over the elements with x[i, j]")
+def _parts(item: AST) -> list[AST]:
+    """What a subscript is made of: the bounds of a slice, nothing of `...` and of a new axis."""
+    if isinstance(item, tree.Slice):
+        return [part for part in (item.lower, item.upper, item.step) if part is not None]
+    return [] if isinstance(item, tree.Constant) and item.value in (None, Ellipsis) else [item]
 
 
 _CHECKS: dict[str, Callable[[AST, Report], list[AST] | None]] = {

@@ -212,8 +212,6 @@ class _Resolver:
         root, _, rest = path.partition(".")
         if root == "builtins":
             self._builtin(node, rest, called)
-        elif path == "numpy.newaxis":
-            fence.new_axis(node, self.report)
         elif root not in ("numpy", "math", "runtime") and (called or rest):
             self._refuse(f"'{text}' is not a function that s2sad can read", node, "write it with numpy and math, or "
                          f"give its derivative: s2sad.rule(\"{path}(x)\", x=...)")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.binding import admitted, bind, types as types_of
+from s2sad.binding import admitted, bind
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
 from s2sad.program import Request
 from s2sad.report.differences import differences
@@ -80,7 +80,7 @@ def check(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None = N
     carried = selection_of(f)
     engine = chosen(carried[2] if engine is None else engine)
     values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, bind(state.kernel, args))]
-    types, name = types_of(values), state.kernel.name
+    types, name = state.types(values), state.kernel.name
     inputs = selected_wrt(name, state.parameters, types, names_of(wrt) if wrt is not None else carried[0])
     outputs = selected_of(name, state.parameters, types, state.summary(types),
                           names_of(of) if of is not None else carried[1])
@@ -154,8 +154,8 @@ class _Measurement:
     def where(self, found: Checked, total: float) -> str:
         """The first statement where they part, in words."""
         def request(mode: str) -> Request:
-            return Request(mode, types_of(list(self.values.values())), self.wrt, self.of)
-        given = {**self.values, **self.state.outside(types_of(list(self.values.values())))}
+            return Request(mode, self.state.types(list(self.values.values())), self.wrt, self.of)
+        given = {**self.values, **self.state.outside(self.state.types(list(self.values.values())))}
         if not found.tangent_holds:
             place = wrong_tangent(self.state.program, request("tangent"), given, self.x_dot)
             return f"the tangent parts from the differences first at {place}" if place else _LOST

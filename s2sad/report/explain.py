@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from s2sad import pipeline
-from s2sad.binding import admitted, bind, types as types_of
+from s2sad.binding import admitted, bind
 from s2sad.normalize.hidden import hidden_arrays
 from s2sad.prepared import selection_of
 from s2sad.program import Program, Request
@@ -72,7 +72,7 @@ def explain(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None =
     state = derivatives_of(f).state()
     carried = selection_of(f)
     values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, bind(state.kernel, args))]
-    types, name = types_of(values), state.kernel.name
+    types, name = state.types(values), state.kernel.name
     request = Request("adjoint", types,
                       selected_wrt(name, state.parameters, types, names_of(wrt) if wrt is not None else carried[0]),
                       selected_of(name, state.parameters, types, state.summary(types),

@@ -3,6 +3,10 @@
     rule          what a rule is, how it is registered
     elementwise   functions that work number by number: arithmetic, exp, sin, hypot, maximum, ...
     power         a ** b, by what is known of the exponent
+    array         what a rule of a function of whole arrays is
+    reductions    sums, means, extremes along axes
+    shaping       functions that move elements about
+    linalg        products, solves
     constant      functions whose derivative is zero: floor, comparisons, argmax, ...
 
 A name is a resolved one ("numpy.exp", "math.exp", "builtins.abs") or an operator ("a + b", "a ** b", "-a"). A
@@ -10,11 +14,13 @@ function with neither a rule nor an entry in `constant` cannot be differentiated
 """
 from __future__ import annotations
 
-from s2sad.rules import constant, elementwise
+from s2sad.rules import constant, elementwise, linalg, reductions, shaping
+from s2sad.rules.array import ArrayRule, bound, find_array
 from s2sad.rules.power import power_partial
 from s2sad.rules.rule import TABLE, Rule
 
-__all__ = ["Rule", "constant", "constant_result", "elementwise", "find", "names", "power_partial", "result_kind"]
+__all__ = ["ArrayRule", "Rule", "bound", "constant", "constant_result", "elementwise", "find", "find_array", "linalg",
+           "names", "power_partial", "reductions", "result_kind", "shaping"]
 
 
 def find(name: str) -> Rule | None:

@@ -48,6 +48,9 @@ elementwise("numpy.clip(x, low, high)", x="numpy.where((x < low) | (x > high), 0
             high="numpy.where(numpy.maximum(x, low) > high, 1.0, 0.0)", result="same",
             domain={"x": (-2.0, 2.0), "low": (-1.3, -0.7), "high": (0.7, 1.3)}, kink="at its bounds clip(x) is x")
 
+elementwise("numpy.where(c, a, b)", c="0.0", a="numpy.where(c, 1.0, 0.0)", b="numpy.where(c, 0.0, 1.0)",
+            result="same")
+
 # -- exponentials and logarithms ------------------------------------------------------------------------------------
 # exp is marked singular for 1 / (1 + exp(-x)): where exp overflows the seed is 0 and the product must be, too
 elementwise("numpy.exp(x)", x="y", also=("math.exp",), singular=("x",))

@@ -19,7 +19,7 @@ from s2sad import tree
 from s2sad.tree import AST, Attribute, BinOp, Call, Name, UnaryOp
 
 RESULT = "y"
-_MODULES = ("numpy", "math", "builtins")
+_MODULES = ("numpy", "math", "builtins", "scipy", "runtime")
 _OPERATORS = {"Add": "+", "Sub": "-", "Mult": "*", "Div": "/", "FloorDiv": "//", "Mod": "%", "Pow": "**",
               "USub": "-", "UAdd": "+"}
 _KINDS = ("float", "int", "bool", "same")
@@ -103,15 +103,24 @@ def number(node: AST) -> int | float | None:
 
 
 def template(text: str) -> AST:
-    """The tree of an expression of a rule, `numpy.exp` as one name.
+    """The tree of an expression of a rule, `numpy.exp` as one name, `a @ b` and `x.T` as calls.
 
     >>> tree.dump(template("numpy.cos(x)"))
     "Call(Name('numpy.cos'), [Name('x')], [])"
     """
+    def path(node: AST) -> str | None:
+        if isinstance(node, Name):
+            return node.id if node.id in _MODULES else None
+        inner = path(node.value) if isinstance(node, Attribute) else None
+        return f"{inner}.{node.attr}" if inner else None
+
     def dotted(node: AST) -> AST | None:
-        if isinstance(node, Attribute) and isinstance(node.value, Name) and node.value.id in _MODULES:
-            return tree.name(f"{node.value.id}.{node.attr}")
-        return None
+        if isinstance(node, BinOp) and isinstance(node.op, tree.MatMult):
+            return tree.call("numpy.matmul", *(tree.rebuild(n, dotted) for n in (node.left, node.right)))
+        if isinstance(node, Attribute) and node.attr == "T":
+            return tree.call("numpy.transpose", tree.rebuild(node.value, dotted))
+        found = path(node) if isinstance(node, Attribute) else None
+        return tree.name(found) if found else None
     return tree.rebuild(tree.expression(text), dotted)
 
 

@@ -16,7 +16,6 @@ def kernel_adjoint(y, y_bar, x, x_bar, a, result_bar):
     # forward sweep: only what the reverse sweep reads
     assert y.shape == x.shape
     y[...] = a * x + y
-    assert y.shape == x.shape
     y_before = np.copy(y)
     y[...] = y * np.sin(x)
     # reverse sweep

@@ -19,7 +19,6 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, y_stack):
     assert y.shape == x.shape
     for i in range(y.shape[0]):
         y[i] = a * x[i] + y[i]
-    assert y.shape == x.shape
     y_stack = sized(y_stack, (y.shape[0],))
     for i in range(y.shape[0]):
         y_stack[i] = y[i]

@@ -13,7 +13,6 @@ def kernel_tangent(y, y_dot, x, x_dot, a, a_dot):
     assert y.shape == x.shape
     y_dot[...] = x * a_dot + a * x_dot + y_dot
     y[...] = a * x + y
-    assert y.shape == x.shape
     y_dot[...] = np.sin(x) * y_dot + y * (np.cos(x) * x_dot)
     y[...] = y * np.sin(x)
     return np.sum(y * y_dot + y * y_dot),

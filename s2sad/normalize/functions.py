@@ -1,0 +1,118 @@
+"""functions: every function of whole arrays stands alone, on arrays that have names.
+
+Requires structured form and types; establishes that a function of whole arrays is the whole right side of a statement
+that binds a name, and that its operands are names and parts of arrays; what is summed may be an expression.
+
+    hidden = np.tanh(w @ u + b)     matmul_value = np.matmul(w, u)
+                                    hidden = np.tanh(matmul_value + b)
+    x[:] = solve(a, x - y)          operand = x - y
+                                    solve_value = np.linalg.solve(a, operand)
+                                    x[:] = solve_value
+"""
+from __future__ import annotations
+
+from s2sad import rules
+from s2sad.infer.infer import Typing
+from s2sad.naming import Names
+from s2sad.tree import (
+    AST, Assign, AugAssign, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Return, Subscript, While, assign,
+    at, augment, call_name, const, copy, name, rebuild, walk,
+)
+
+_SUMMED = ("summed", "averaged")
+_MADE = {f"numpy.{made}{like}" for made in ("empty", "zeros", "ones", "full") for like in ("", "_like")} | {
+    "numpy.array", "numpy.copy"}
+
+
+def functions(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
+    """The function with those names; the table of `typing` gains them."""
+    new = copy(function)
+    new.body = _Functions(typing, free).block(function.body)
+    return new
+
+
+def is_function(node: AST) -> bool:
+    """Whether an expression is a call of a function of whole arrays that stands alone: a sum of everything may stand
+    in an expression."""
+    rule = rules.find_array(call_name(node))
+    return rule is not None and not (rule.name == "numpy.sum" and not node.keywords)
+
+
+class _Functions:
+    def __init__(self, typing: Typing, free: Names):
+        self.typing, self.free = typing, free
+
+    def block(self, block: list[AST]) -> list[AST]:
+        return [at(made, s) for s in block for made in self.statement(s)]
+
+    def statement(self, statement: AST) -> list[AST]:
+        before: list[AST] = []
+        if isinstance(statement, For):
+            bounds = self.moved(statement.iter, before)
+            return [*before, For(statement.target, bounds, self.block(statement.body), [], None)]
+        if isinstance(statement, While):
+            return self.loop(statement)
+        if isinstance(statement, If):
+            test = self.moved(statement.test, before)
+            return [*before, If(test, self.block(statement.body), self.block(statement.orelse))]
+        if isinstance(statement, Assign):
+            binds = isinstance(statement.targets[0], Name) or is_function(statement.value)
+            value = self.root(statement.value, before) if binds else self.moved(statement.value, before)
+            return [*before, Assign([self.moved(statement.targets[0], before)], value, None)]
+        if isinstance(statement, AugAssign):
+            value = self.moved(statement.value, before)
+            return [*before, augment(self.moved(statement.target, before), statement.op, value)]
+        if isinstance(statement, Return) and statement.value is not None:
+            value = self.moved(statement.value, before)
+            return [*before, Return(value)]
+        if isinstance(statement, Expr) and isinstance(called := statement.value, Call) and (
+                call_name(called) or "").startswith("user."):
+            value = self.moved(called, before)
+            return [*before, Expr(value)]
+        return [statement]
+
+    def loop(self, statement: While) -> list[AST]:
+        before: list[AST] = []
+        test = self.moved(statement.test, before)
+        body = self.block(statement.body)
+        if not before:
+            return [While(statement.test, body, [])]
+        return [While(const(True), [*before, If(test, body, [at(Break(), statement)])], [])]
+
+    def moved(self, node: AST, before: list[AST]) -> AST:
+        """The expression with its functions of whole arrays bound to names before."""
+        def change(n: AST) -> AST | None:
+            if isinstance(n, Subscript) and self.typing.of(n.value).is_array and not isinstance(
+                    n.value, (Name, Subscript)):
+                inner = name(self.bind(n.value, self.root(n.value, before), before))
+                return at(Subscript(inner, self.moved(n.slice, before), n.ctx), n)
+            if call_name(n) in _MADE:
+                return name(self.bind(n, copy(n), before))
+            return name(self.bind(n, self.operands(n, before), before)) if is_function(n) else None
+        return rebuild(node, change)
+
+    def root(self, node: AST, before: list[AST]) -> AST:
+        """The right side of a statement that binds a name."""
+        if call_name(node) in _MADE:
+            return node
+        return self.operands(node, before) if is_function(node) else self.moved(node, before)
+
+    def operands(self, node: Call, before: list[AST]) -> Call:
+        """The call with operands that are names or parts of arrays."""
+        rule = rules.find_array(call_name(node))
+        assert rule is not None
+        made: list[AST] = []
+        for operand in node.args:
+            inner = self.moved(operand, before)
+            plain = isinstance(inner, (Name, Subscript, Constant)) or not self.typing.of(inner).is_array
+            summed = rule.law in _SUMMED and any(isinstance(n, (Name, Subscript)) and self.typing.of(n).is_array
+                                                 for n in walk(inner))
+            made.append(inner if plain or summed else name(self.bind(operand, inner, before)))
+        return at(Call(node.func, made, node.keywords), node)
+
+    def bind(self, origin: AST, value: AST, before: list[AST]) -> str:
+        wanted = (call_name(origin) or "operand").rpartition(".")[2]
+        made = self.free.fresh(f"{wanted}_value" if is_function(origin) or call_name(origin) in _MADE else "operand")
+        self.typing.table[made] = self.typing.of(value)
+        before.append(at(assign(made, value), origin))
+        return made

@@ -1,0 +1,102 @@
+"""Parts of parts of arrays: what a subscript of a view is of the view's base.
+
+    inner = u[1:-1, 1:-1]           inner[2:, 0]    is  u[3:-1, 1]
+    row = u[i]                      row[None, ::2]  is  u[i, None, ::2]
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from s2sad.infer.affine import Affine
+from s2sad.infer.laws import whole_number
+from s2sad.infer.shapes import Shapes, full, is_whole
+from s2sad.tree import AST, Add, BinOp, Constant, Mult, Name, Slice, const, copy
+
+Refuse = Callable[[str], None]
+
+
+def composed(shapes: Shapes, base: Name, prefix: list[AST], added: list[AST], refuse: Refuse) -> list[AST]:
+    """The subscripts of `base` for subscripts of its part `base[prefix]`."""
+    rank = shapes.typing.of(base).rank
+    sizes = shapes.of(base)
+    entries = full(prefix, rank)
+    left = full(added, sum(isinstance(e, Slice) or is_new(e) for e in entries))
+    made: list[AST] = []
+    axis = 0
+    for entry in entries:
+        if not (isinstance(entry, Slice) or is_new(entry)):
+            made.append(entry)
+            axis += 1
+            continue
+        while left and is_new(left[0]):
+            made.append(left.pop(0))
+        subscript = left.pop(0)
+        if is_new(entry):
+            made += [] if not isinstance(subscript, Slice) else [entry]
+            continue
+        made.append(_combined(shapes, entry, subscript, sizes[axis], refuse))
+        axis += 1
+    return made + left
+
+
+def is_new(node: AST) -> bool:
+    """Whether a subscript adds an axis."""
+    return isinstance(node, Constant) and node.value is None
+
+
+def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refuse: Refuse) -> AST:
+    if is_whole(outer):
+        return inner
+    if is_whole(inner):
+        return outer
+    span = shapes.span(outer, size) if size is not None and isinstance(outer, Slice) else None
+    if span is None:
+        refuse("a part of a part of an array whose bounds change")
+        return inner
+    start, stop, step = span
+    length = shapes.sliced(outer, size)
+    if length is None:
+        refuse("a part of a part of an array whose bounds change")
+        return inner
+    if not isinstance(inner, Slice):
+        return _cell(shapes, start, step, inner, length, refuse)
+    within = shapes.span(inner, length)
+    if within is None or step < 0 or within[2] < 0:
+        refuse("a part of a part of an array that runs backwards, or whose bounds change")
+        return inner
+    first = start.plus(within[0], step)
+    last = start.plus(within[1], step) if step == 1 or within[1] != length else stop
+    both = step * within[2]
+    return Slice(_bound(shapes, first), _bound(shapes, last, size), const(both) if both != 1 else None)
+
+
+def _cell(shapes: Shapes, start: Affine, step: int, inner: AST, length: Affine, refuse: Refuse) -> AST:
+    """The position of one element of a slice."""
+    number = whole_number(inner)
+    if number is not None:
+        return shapes.expression(start.plus(Affine((), number) if number >= 0 else length.shift(number), step))
+    if not shapes.is_counted(inner):
+        refuse("an element of a part of an array by an index that may be negative")
+    scaled = inner if step == 1 else BinOp(copy(inner), Mult(), const(step))
+    return add_to(scaled, shapes, start)
+
+
+def add_to(node: AST, shapes: Shapes, offset: Affine) -> AST:
+    """`node + offset`, with written numbers added up."""
+    form = shapes.size(node)
+    if offset.terms or form is None or not isinstance(node, (BinOp, Name)):
+        return copy(node) if offset == Affine() else BinOp(shapes.expression(offset), Add(), copy(node))
+    return shapes.expression(form.plus(offset)) if offset.constant else copy(node)
+
+
+def _bound(shapes: Shapes, form: Affine, size: Affine | None = None) -> AST | None:
+    """A position as a bound of a slice, as one would write it."""
+    if size is not None:
+        rest = form.plus(size, -1)
+        if rest == Affine():
+            return None
+        if not rest.terms and rest.constant < 0:
+            return const(rest.constant)
+    elif form == Affine():
+        return None
+    return shapes.expression(form)

@@ -1,0 +1,18 @@
+"""The rules of functions that reduce an array along axes."""
+from __future__ import annotations
+
+from s2sad.rules.array import arrays
+
+_SPREAD = "runtime.spread(g, x.shape, axis, keepdims)"
+_FIRST = "runtime.extreme_mask(x, y, axis, keepdims)"
+
+arrays("numpy.sum(x, axis=None, keepdims=False)", law="summed", x=_SPREAD)
+arrays("numpy.mean(x, axis=None, keepdims=False)", law="averaged", x=f"{_SPREAD} * (numpy.size(y) / x.size)")
+# at a tie the first element is the one that is followed
+for _name in ("max", "min"):
+    arrays(f"numpy.{_name}(x, axis=None, keepdims=False)", law="reduced", also=(f"numpy.a{_name}",),
+           x=f"{_SPREAD} * {_FIRST}", tangent=f"numpy.sum(x_dot * {_FIRST}, axis=axis, keepdims=keepdims)")
+
+arrays("runtime.spread(x, shape, axis=None, keepdims=False)", law="spread")
+arrays("numpy.broadcast_to(x, shape)", law="spread")
+arrays("runtime.extreme_mask(x, y, axis=None, keepdims=False)", law="same")

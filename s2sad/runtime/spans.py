@@ -1,0 +1,24 @@
+"""Positions of slices, as Python counts them."""
+from __future__ import annotations
+
+
+def position(bound, size):
+    """Where a slice's bound lies on an axis of this size: from the end if negative, never beyond an end.
+
+    >>> position(2, 5), position(-1, 5), position(9, 5), position(-9, 5)
+    (2, 4, 5, 0)
+    """
+    if bound < 0:
+        return max(bound + size, 0)
+    return min(bound, size)
+
+
+def position_down(bound, size):
+    """The same for a slice with a negative step.
+
+    >>> position_down(2, 5), position_down(-1, 5), position_down(9, 5), position_down(-9, 5)
+    (2, 4, 4, -1)
+    """
+    if bound < 0:
+        return max(bound + size, -1)
+    return min(bound, size - 1)

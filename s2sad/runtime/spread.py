@@ -1,0 +1,34 @@
+"""What a reduction along axes gives back to the elements that it was made of."""
+from __future__ import annotations
+
+import numpy as np
+
+
+def spread(g, shape, axis=None, keepdims=False):
+    """An array of this shape that holds along `axis` what a sum along it left: read-only, not copied.
+
+    >>> spread(np.array([1.0, 2.0]), (2, 3), axis=1)
+    array([[1., 1., 1.],
+           [2., 2., 2.]])
+    """
+    if axis is not None and not keepdims:
+        g = np.expand_dims(g, axis)
+    return np.broadcast_to(g, shape)
+
+
+def extreme_mask(x, y, axis=None, keepdims=False):
+    """One at the first element along `axis` that equals the extreme `y`, or is nan as it is; zero elsewhere.
+
+    >>> extreme_mask(np.array([[3.0, 1.0, 3.0]]), np.array([3.0]), axis=1)
+    array([[1., 0., 0.]])
+    """
+    best = spread(y, x.shape, axis, keepdims)
+    found = (x == best) | ((x != x) & (best != best))
+    axes = tuple(range(x.ndim)) if axis is None else axis if isinstance(axis, tuple) else (axis,)
+    axes = tuple(sorted(a % x.ndim for a in axes))
+    kept = tuple(k for k in range(x.ndim) if k not in axes)
+    moved = np.transpose(found, kept + axes)
+    rows = moved.reshape(moved.shape[:len(kept)] + (-1,))
+    first = np.zeros(rows.shape, x.dtype)
+    np.put_along_axis(first, np.argmax(rows, axis=-1)[..., None], 1, axis=-1)
+    return np.transpose(first.reshape(moved.shape), np.argsort(kept + axes))
