@@ -9,6 +9,7 @@ from s2sad.analyze.liveness import base_name
 from s2sad.analyze.plan import Question, reads
 from s2sad.analyze.structure import Place, is_simple
 from s2sad.analyze.values import Values
+from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, For, While, dump
 
 
@@ -20,6 +21,8 @@ def may_rerun(loop: For, question: Question) -> bool:
         return False
     if any(type(p.statement).__name__ == "Break" and p.loops[-1] is loop for p in inner):
         return False
+    if any(is_allocation(p.statement) for p in inner):
+        return False                                    # the shadow would have the size of another iteration
     values = Values(structure)
     if any(x is loop and not _only_sum(structure.bindings[n]) for n, x in values.loops.items()):
         return False

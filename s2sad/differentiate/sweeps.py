@@ -13,7 +13,8 @@ from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.plan import Plan, Store
 from s2sad.analyze.structure import Structure, is_simple
 from s2sad.analyze.values import Value
-from s2sad.differentiate.tape import Stack, Tape, shape_of
+from s2sad.differentiate.resize import pop_sizes, push_sizes
+from s2sad.differentiate.tape import Stack, Tape
 from s2sad.infer.types import INT
 from s2sad.naming import Names
 from s2sad.tree import (
@@ -57,6 +58,8 @@ class Sweeps:
             return made + self.records(statement)
         before = [s for store in self.stores_of(statement)
                   for s in self.tape.push(self.store_stack(store), self.content(store.place))]
+        if id(statement) in self.plan.resized:
+            before += push_sizes(statement, self.tape)
         return [*before, copy(statement), *self.records(statement)]
 
     def forward_loop(self, loop: AST) -> list[AST]:
@@ -104,10 +107,7 @@ class Sweeps:
         return [s for s in self.plan.stores.values() if s.statement is statement]
 
     def store_stack(self, store: Store) -> Stack:
-        place = self.structure.place(store.statement)
-        base = store.place.value if hasattr(store.place, "value") else store.place
-        return self.tape.stack(store.key, base.id, self.typing.of(store.place), place.loops,
-                               shape_of(store.place, self.typing))
+        return self.tape.overwritten(store.key, store.place, self.structure.place(store.statement).loops)
 
     def content(self, place: AST) -> AST:
         whole = isinstance(getattr(place, "slice", None), Constant) and place.slice.value is Ellipsis
@@ -208,8 +208,10 @@ class Sweeps:
         popped = [s for store in stores for s in self.tape.pop(self.store_stack(store), whole_place(store.place))]
         called = isinstance(getattr(statement, "value", None), Call) and (
             call_name(statement.value) or "").startswith("user.")
-        again = [assign(whole_place(store.place), self.tape.cell(self.store_stack(store))) for store in stores] \
-            if called else []
+        again = [s for store in stores
+                 for s in self.tape.read(self.store_stack(store), whole_place(store.place))] if called else []
+        if id(statement) in self.plan.resized:
+            popped = [*pop_sizes(statement, self.tape), *popped]
         return [*popped, *self.adjoint(statement), *again]
 
     def written(self, loop: AST) -> list[str]:

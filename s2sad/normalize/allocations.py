@@ -31,6 +31,10 @@ class Allocations:
         self.typing, self.report, self.bound = typing, report, bound
         self.roots: dict[str, str] = {}
 
+    def forget(self, array: str) -> None:
+        """The array has the shape of none, from here on."""
+        self.roots[array] = f"array {array} of two branches"
+
     def allocate(self, target: str, kind: Type, value: AST, place: AST) -> list[AST]:
         """The statements that bind `target` to a new array holding `value` (an expression with resolved views)."""
         function = call_name(value)
