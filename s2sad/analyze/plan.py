@@ -36,7 +36,8 @@ class Shift:
 
 @dataclass
 class Plan:
-    """The table. Keys are ids of statements and blocks of the function that was analysed."""
+    """The table. Keys are ids of statements and blocks of the function that was analysed; `resized` are the allocations
+    in loops whose arrays the reverse sweep binds again."""
     rerun: frozenset[int] = frozenset()
     values: dict[str, Value] = field(default_factory=dict)
     recorded: dict[str, Value] = field(default_factory=dict)

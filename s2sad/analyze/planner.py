@@ -18,7 +18,7 @@ from s2sad.tree import AST, Assign, AugAssign, Expr
 def plan_for(question: Question, rerun: frozenset[int], shifts: dict[str, Shift] | None = None) -> Plan:
     """The plan in which the given loops run again; what is recorded must be restored, which may need more."""
     table = question.structure
-    resized = {id(a): a for a in to_reverse(table, question.active)}
+    resized = {id(a): a for a in to_reverse(table, question.active) if id(table.place(a).loops[-1]) not in rerun}
     working: set[int] = {id(s) for a in resized.values() for s in table.place(a).inside}
     restored: set[int] = set(resized)
     while True:

@@ -1,9 +1,10 @@
 """resized: arrays that a loop allocates anew in every iteration, in a size that may change there.
 
 Requires the structure table; `workspace` has moved out every allocation whose shape does not change. Such a name stands
-for one array after another. The reverse sweep binds it to each again, last first: before an allocation the forward
-sweep records the size of the array that the name gives up, and its content if that is read. What holds of the
-elements within an iteration holds as for any array; no element is carried into the next.
+for one array after another, and is read only after the allocation of the same iteration, or after the loop (`views`
+refuses the rest). The reverse sweep binds it to each again, last first: before an allocation the forward sweep records
+the size of the array that the name gives up, and its content if that is read. A loop that runs forward and back per
+iteration allocates it again instead.
 """
 from __future__ import annotations
 
