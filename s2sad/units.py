@@ -12,6 +12,7 @@ from s2sad.analyze.liveness import Liveness, base_name, targets
 from s2sad.analyze.order import order_free
 from s2sad.analyze.plan import Plan, Question
 from s2sad.analyze.recorded import recorded
+from s2sad.analyze.resized import repeated
 from s2sad.analyze.structure import Structure, structure
 from s2sad.analyze.uses import Uses, uses
 from s2sad.diagnostics import Report
@@ -37,8 +38,8 @@ from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects, Watch, simplify, unwatched
 from s2sad.simplify.dead import dead
 from s2sad.tree import (
-    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, Tuple, call_name, copy,
-    name, walk,
+    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, Tuple, call_name, const,
+    copy, index, name, walk,
 )
 
 
@@ -261,23 +262,12 @@ class Units:
             return uses(statement, typing, found.active,
                         lambda s, u: call_uses(s, typing, found.active, deriving, u) if is_kernel_call(s) else None)
 
-        self._refuse_changing_sizes(unit, table)
         question = Question(table, Dependence(table), lambda s: is_active_statement(s, typing, found), reads_of,
-                            self.writes)
+                            lambda s: [index(s.targets[0], const(...))] if repeated(table, s) else self.writes(s))
         plan = recorded(question)
         plan.forwards = order_free(question) if self.engine == "numba" else frozenset()
         made = adjoint(table, found, plan, wanted, names, deriving, title)
         return self._finished(unit, wanted, made, found, typing, names, plan)
-
-    def _refuse_changing_sizes(self, unit: Unit, table: Structure) -> None:
-        """An array that each iteration allocates anew in another size is gone when the reverse sweep comes to it."""
-        report = Report(unit.kernel.source)
-        for place in table.places.values():
-            if place.loops and is_allocation(place.statement):
-                array = place.statement.targets[0].id
-                report.error("S201", f"'{array}' is allocated in a loop, in a size that changes", place.statement,
-                             help="allocate it before the loop in the largest size, and use a part")
-        report.finish()
 
     def _tangent(self, unit: Unit, wanted: Wanted, title: str, flat: bool) -> Derived:
         found = self.activity(unit, wanted)

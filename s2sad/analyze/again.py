@@ -7,8 +7,10 @@ from __future__ import annotations
 from s2sad.analyze.dependence import Reference
 from s2sad.analyze.liveness import base_name
 from s2sad.analyze.plan import Question, reads
+from s2sad.analyze.resized import escapes
 from s2sad.analyze.structure import Place, is_simple
 from s2sad.analyze.values import Values
+from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, For, While, dump
 
 
@@ -23,7 +25,10 @@ def may_rerun(loop: For, question: Question) -> bool:
     values = Values(structure)
     if any(x is loop and not _only_sum(structure.bindings[n]) for n, x in values.loops.items()):
         return False
-    written = {base_name(t) for p in inner for t in question.writes(p.statement)}
+    own = {p.statement.targets[0].id for p in inner if is_allocation(p.statement)}
+    if any(escapes(structure, array) for array in own):
+        return False                                    # the last array's shadow is in use before the loop is reversed
+    written = {base_name(t) for p in inner for t in question.writes(p.statement)} - own
     return all(_private(array, loop, inner, question) for array in sorted(written))
 
 

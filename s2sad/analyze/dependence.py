@@ -9,8 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import product
 
-from s2sad.infer.affine import Affine, at_most, equals, feasible
+from s2sad.analyze.resized import escapes, own_loops, within as within_loops
 from s2sad.analyze.structure import Structure
+from s2sad.infer.affine import Affine, at_most, equals, feasible
+from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Break, Constant, For, Mult, Name, Sub, Subscript, Tuple, UnaryOp, USub,
     call_name, dump, indices, walk,
@@ -40,6 +42,7 @@ class Dependence:
         self.structure = structure
         self.extents: dict[str, list[Affine | None]] = {}
         self._known: dict[tuple[str, ...], bool] = {}
+        self._escapes: dict[str, bool] = {}
 
     # -- affine forms ------------------------------------------------------------------------------------------------
 
@@ -98,6 +101,8 @@ class Dependence:
         made = self.structure.bindings.get(array, [])
         if not made or depth > 20:
             return Affine.symbol(f"{array}.shape[{axis}]")
+        if len(made) > 1 or self.last_of_many(array):
+            return None                                 # a size that no expression gives wherever it is asked for
         value = made[0].value
         if (call_name(value) or "").endswith("_like"):
             return self._shape(value.args[0], axis, depth + 1)
@@ -170,6 +175,7 @@ class Dependence:
         a, b = self.structure.place(first.statement), self.structure.place(later.statement)
         common = [x for x, y in zip(a.loops, b.loops) if x is y]
         fixed = common.index(within) + 1 if within is not None and within in common else 0
+        fixed = max(fixed, self._own(first, later))
         if within is not None and within not in common:
             return False
         for level in range(fixed, len(common) + 1):
@@ -179,6 +185,19 @@ class Dependence:
             if self._overlap(first, later, common, level):
                 return True
         return False
+
+    def _own(self, first: Reference, later: Reference) -> int:
+        """In how many loops around both references the array is another one in each iteration."""
+        own = own_loops(self.structure, first.array)
+        places = [self.structure.place(r.statement) for r in (first, later)]
+        inside = all(within_loops(p.loops, own) and not is_allocation(p.statement) for p in places)
+        return len(own) if inside else 0
+
+    def last_of_many(self, array: str) -> bool:
+        """Whether an array that a loop allocates is used after the loop."""
+        if array not in self._escapes:
+            self._escapes[array] = escapes(self.structure, array)
+        return self._escapes[array]
 
     def _overlap(self, first: Reference, later: Reference, common: list[AST], level: int) -> bool:
         """The case in which the common loops are equal up to `level` and the next one is further on."""

@@ -3,8 +3,8 @@ from __future__ import annotations
 
 from s2sad.analyze.cut import Network
 from s2sad.analyze.liveness import targets
-from s2sad.analyze.plan import Plan, Question, Shift, Store, heads
-from s2sad.analyze.structure import Place, is_simple
+from s2sad.analyze.plan import Plan, Question, Shift, Store
+from s2sad.analyze.structure import Place, heads, is_simple
 from s2sad.analyze.uses import Uses
 from s2sad.analyze.values import Value, Values
 from s2sad.tree import AST, For, If, names

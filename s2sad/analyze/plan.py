@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 
 from s2sad.analyze.dependence import Dependence
 from s2sad.analyze.liveness import targets
-from s2sad.analyze.structure import Structure
+from s2sad.analyze.structure import Structure, heads
 from s2sad.analyze.uses import Uses, loads_of
 from s2sad.analyze.values import Value
 from s2sad.infer.infer import Typing
-from s2sad.tree import AST, Assign, AugAssign, Call, Expr, For, If, Subscript, While, dump
+from s2sad.tree import AST, Assign, AugAssign, Call, Expr, Subscript, dump
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,8 @@ class Shift:
 
 @dataclass
 class Plan:
-    """The table. Keys are ids of statements and blocks of the function that was analysed."""
+    """The table. Keys are ids of statements and blocks of the function that was analysed; `resized` are the allocations
+    in loops whose arrays the reverse sweep binds again."""
     rerun: frozenset[int] = frozenset()
     values: dict[str, Value] = field(default_factory=dict)
     recorded: dict[str, Value] = field(default_factory=dict)
@@ -47,6 +48,7 @@ class Plan:
     shifted: dict[str, Shift] = field(default_factory=dict)
     working: set[int] = field(default_factory=set)
     forwards: frozenset[int] = frozenset()
+    resized: set[int] = field(default_factory=set)
     weight: int = 0
     readers: dict[str, list[AST]] = field(default_factory=dict)
 
@@ -59,15 +61,6 @@ class Question:
     active: Callable[[AST], bool]
     uses: Callable[[AST], Uses]
     writes: Callable[[AST], list[AST]]
-
-
-def heads(statement: AST) -> list[AST]:
-    """The expressions of a statement itself, without its blocks."""
-    if isinstance(statement, (If, While)):
-        return [statement.test]
-    if isinstance(statement, For):
-        return [statement.iter]
-    return [statement]
 
 
 def subscripts(statement: AST) -> AST:

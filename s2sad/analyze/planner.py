@@ -8,21 +8,26 @@ from s2sad.analyze.dependence import Reference
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.placement import Placement
 from s2sad.analyze.plan import Plan, Question, Shift, Store, reads, subscripts
+from s2sad.analyze.resized import to_reverse
 from s2sad.analyze.uses import loads_of, owns_result
 from s2sad.analyze.values import Value
+from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, Expr
 
 
 def plan_for(question: Question, rerun: frozenset[int], shifts: dict[str, Shift] | None = None) -> Plan:
     """The plan in which the given loops run again; what is recorded must be restored, which may need more."""
-    working: set[int] = set()
-    restored: set[int] = set()
+    table = question.structure
+    resized = {id(a): a for a in to_reverse(table, question.active) if id(table.place(a).loops[-1]) not in rerun}
+    working: set[int] = {id(s) for a in resized.values() for s in table.place(a).inside}
+    restored: set[int] = set(resized)
     while True:
         plan = Planner(question, rerun, working, restored, shifts or {}).plan()
+        plan.resized = {i for i in restored if is_allocation(table.places[i].statement)}
         recorded_at = [s.statement for s in plan.stores.values()] + [v.home for v in plan.recorded.values()]
-        more = {id(s) for x in recorded_at for s in question.structure.place(x).inside}
+        more = {id(s) for x in recorded_at for s in table.place(x).inside}
         more |= {id(s) for value in plan.recorded.values() for b in value.bindings
-                 for s in question.structure.place(b).inside}
+                 for s in table.place(b).inside}
         if more <= plan.working and {id(x) for x in recorded_at} <= restored:
             return plan
         working = plan.working | more

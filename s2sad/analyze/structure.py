@@ -91,6 +91,15 @@ def reads_whole(node: AST, typing: Typing) -> bool:
     return bool(function) and function.startswith("user.") and any(typing.of(a).is_array for a in node.args)
 
 
+def heads(statement: AST) -> list[AST]:
+    """The expressions of a statement itself, without its blocks."""
+    if isinstance(statement, (If, While)):
+        return [statement.test]
+    if isinstance(statement, For):
+        return [statement.iter]
+    return [statement]
+
+
 @dataclass(frozen=True)
 class Around:
     """What is around a block."""

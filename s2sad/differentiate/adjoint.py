@@ -15,11 +15,13 @@ from dataclasses import dataclass, field
 from s2sad.analyze.activity import Activity
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.plan import Plan
+from s2sad.analyze.resized import escapes, own_loops
 from s2sad.analyze.structure import Structure
 from s2sad.analyze.uses import owns_result
 from s2sad.differentiate.arithmetic import Term
 from s2sad.differentiate.calls import Derive, is_kernel_call, pattern
 from s2sad.differentiate.expression import Pullback
+from s2sad.differentiate.resize import empty_at_first
 from s2sad.differentiate.sweeps import Sweeps
 from s2sad.differentiate.tape import Tape
 from s2sad.infer.shapes import shapes_of
@@ -89,7 +91,7 @@ class _Adjoint:
         self.seeds = seeds
         self.find_scopes()
         added = self.own_shadows()
-        forward = self.sweeps.forward(self.structure.function.body)
+        forward = [*empty_at_first(self.structure), *self.sweeps.forward(self.structure.function.body)]
         reverse = self.sweeps.reverse(self.structure.function.body)
         last = [augment(index(name(p), const(...)), Add(), name(s)) for p, s in added]
         returned = [p for p in self.wanted.wrt if self.typing.table[p].is_number]
@@ -170,6 +172,8 @@ class _Adjoint:
                     if isinstance(part, Name) and part.id in self.active:
                         chains.setdefault(part.id, []).append(place.blocks)
         for used, found in chains.items():
+            if escapes(self.structure, used):           # what the last array is used for lies outside
+                found.append(self.structure.place(own_loops(self.structure, used)[0]).blocks)
             common = [b for level, b in enumerate(found[0])
                       if all(len(c) > level and c[level] == b for c in found[1:])]
             self.scopes.setdefault(common[-1], []).append(used)
@@ -213,7 +217,9 @@ class _Adjoint:
             return [s for number, seed in self.seeds.items()
                     for s in self.gained(self.results()[number], Term(name(seed)))
                     if not self.typing.of(self.results()[number]).is_array]
-        if not isinstance(statement, (Assign, AugAssign)) or is_allocation(statement):
+        if is_allocation(statement):
+            return self.allocation(statement)
+        if not isinstance(statement, (Assign, AugAssign)):
             return []
         target = targets(statement)[0]
         if base_name(target) not in self.active or not self.typing.of(target).is_float:
@@ -221,6 +227,13 @@ class _Adjoint:
         if isinstance(target, Name):
             return self.number(target, statement)
         return self.store(target, statement)
+
+    def allocation(self, statement: Assign) -> list[AST]:
+        """The shadow of the array that the name stood for before: nothing has been read of it yet."""
+        array, home = statement.targets[0].id, self.structure.place(statement).block
+        if id(statement) not in self.plan.resized or array not in self.active or array in self.scopes.get(home, []):
+            return []
+        return [assign(self.shadow(array), call("numpy.zeros_like", name(array)))]
 
     def number(self, target: Name, statement: AST) -> list[AST]:
         seed = name(self.shadow(target.id))

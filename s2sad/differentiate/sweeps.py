@@ -11,17 +11,19 @@ from collections.abc import Callable
 from s2sad.analyze.dependence import range_parts
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.plan import Plan, Store
+from s2sad.analyze.resized import own_loops
 from s2sad.analyze.structure import Structure, is_simple
 from s2sad.analyze.uses import owns_result
 from s2sad.analyze.values import Value
+from s2sad.differentiate.resize import pop_sizes, push_sizes
 from s2sad.differentiate.tape import Stack, Tape
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.types import INT
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, Call, Constant, Expr, For, If, Mult, Name, Return, Sub, Subscript, UnaryOp,
-    USub, While, add, assign, at, augment, attribute, call, call_name, const, copy, counted_for, forget, index,
-    name, names, stored_names, tuple_of, walk,
+    AST, Add, Assign, AugAssign, BinOp, Call, Constant, Expr, For, If, Mult, Name, Return, Slice, Sub, Subscript, USub,
+    UnaryOp, While, add, assign, at, attribute, augment, call, call_name, const, copy, counted_for, forget, index,
+    indices, name, names, stored_names, tuple_of, walk,
 )
 
 Adjoint = Callable[[AST], list[AST]]
@@ -61,6 +63,8 @@ class Sweeps:
             return made + self.records(statement)
         before = [s for store in self.stores_of(statement)
                   for s in self.tape.push(self.store_stack(store), self.content(store))]
+        if id(statement) in self.plan.resized:
+            before += push_sizes(statement, self.tape)
         return [*before, copy(statement), *self.records(statement)]
 
     def forward_loop(self, loop: AST) -> list[AST]:
@@ -110,11 +114,12 @@ class Sweeps:
     def snapshot(self, store: Store) -> AST:
         """What is recorded of a store: the place itself, or all of its array where the place's size changes."""
         place = store.place
-        if not self.typing.of(place).is_array:
+        if not isinstance(place, Subscript) or not any(isinstance(s, Slice) for s in indices(place)):
             return place
         changing = {n for loop in self.structure.place(store.statement).loops for n in stored_names(loop)}
         fixed = self.shape_of(place)
-        return place.value if fixed is None or changing & set(names(fixed)) else place
+        resized = bool(own_loops(self.structure, base_name(place)))
+        return place.value if fixed is None or resized or changing & set(names(fixed)) else place
 
     def shape_of(self, place: AST) -> AST | None:
         """The shape of an array or of a part of one, as an expression."""
@@ -127,11 +132,9 @@ class Sweeps:
         return None if None in shape else tuple_of(*(self.shapes.expression(d) for d in shape if d is not None))
 
     def store_stack(self, store: Store) -> Stack:
-        place = self.structure.place(store.statement)
         kept = self.snapshot(store)
-        kind = self.typing.of(kept)
-        return self.tape.stack(store.key, base_name(kept), kind, place.loops,
-                               self.shape_of(kept) if kind.is_array else None)
+        return self.tape.overwritten(store.key, kept, self.structure.place(store.statement).loops,
+                                     self.shape_of(kept) if self.typing.of(kept).is_array else None)
 
     def popped(self, store: Store) -> list[AST]:
         """The snapshot of a store put back."""
@@ -237,8 +240,10 @@ class Sweeps:
         popped = [s for store in stores for s in self.popped(store)]
         called = isinstance(getattr(statement, "value", None), Call) and (
             call_name(statement.value) or "").startswith("user.")
-        again = [assign(whole_place(self.snapshot(store)), self.tape.cell(self.store_stack(store)))
-                 for store in stores if called]
+        again = [s for store in stores if called
+                 for s in self.tape.read(self.store_stack(store), whole_place(self.snapshot(store)))]
+        if id(statement) in self.plan.resized:
+            popped = [*pop_sizes(statement, self.tape), *popped]
         if owns_result(statement):
             return [*self.adjoint(statement), *popped]
         return [*popped, *self.adjoint(statement), *again]

@@ -13,14 +13,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from s2sad.analyze.liveness import base_name
+from s2sad.analyze.resized import own_loops
 from s2sad.analyze.structure import Structure
 from s2sad.analyze.trips import counter, known_trips
+from s2sad.differentiate.ragged import Region, pushed, put_back
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import INT, UNKNOWN, Type, array
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Add, BinOp, Gt, IfExp, Sub, assign, augment, call, compare, const, copy,
-    index, name, sub, tuple_of,
+    AST, Add, BinOp, Constant, Gt, IfExp, Name, Sub, Subscript, assign, augment, call, compare, const, copy, index,
+    indices, name, sub, tuple_of,
 )
 
 _FIRST = 64
@@ -29,7 +32,8 @@ _FIRST = 64
 @dataclass
 class Stack:
     """One stack: its names, the counters that index it if it does not grow, and for reports what lies in one entry
-    (`kind`, an array type with its `shape`) and how many entries each loop makes (`sizes`; none known if it grows)."""
+    (`kind`, an array type with its `shape`) and how many entries each loop makes (`sizes`; none known if it grows).
+    A `ragged` stack has the elements of arrays of several sizes one after the other."""
     array: str
     top: str = ""
     loops: tuple[AST, ...] = ()
@@ -37,6 +41,7 @@ class Stack:
     kind: Type = UNKNOWN
     shape: AST | None = None
     sizes: tuple[AST, ...] = ()
+    ragged: bool = False
 
 
 @dataclass
@@ -55,16 +60,30 @@ class Tape:
             self.stacks[key] = self._made(wanted, kind, loops, shape)
         return self.stacks[key]
 
-    def _made(self, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None) -> Stack:
-        last = max((k for k, loop in enumerate(loops) if id(loop) in self.rerun), default=-1)
-        inner, home = loops[last + 1:], loops[:1] if last < 0 else loops[min(k for k, x in enumerate(loops)
-                                                                            if id(x) in self.rerun):][:1]
+    def overwritten(self, key: str, place: AST, loops: tuple[AST, ...], shape: AST | None) -> Stack:
+        """The stack of what a store inside `loops` overwrites: an element, or an array or part of one of this shape."""
+        kind, array = self.typing.of(place), base_name(place)
+        inner, home = self._homes(loops)
+        if not kind.is_array or not inner or all(x is not home[0] for x in own_loops(self.structure, array)):
+            return self.stack(key, array, kind, loops, shape)
+        if key not in self.stacks:
+            self.stacks[key] = self._made(array, Type("number", kind.dtype), loops, None, True)
+            self.stacks[key].shape = shape
+        return self.stacks[key]
+
+    def _homes(self, loops: tuple[AST, ...]) -> tuple[tuple[AST, ...], tuple[AST, ...]]:
+        """The loops in each iteration of which a stack gets an entry, and the one before which it is made."""
+        again = [k for k, loop in enumerate(loops) if id(loop) in self.rerun]
+        return loops[again[-1] + 1 if again else 0:], loops[again[0] if again else 0:][:1]
+
+    def _made(self, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None, ragged: bool = False) -> Stack:
+        inner, home = self._homes(loops)
         made = Stack(self.free.fresh(f"{wanted}_stack" if inner else f"{wanted}_before"), loops=inner, kind=kind,
-                     shape=shape)
+                     shape=shape, ragged=ragged)
         if not inner:
             self.typing.table[made.array] = kind
             return made
-        sizes = known_trips(self.structure, inner, home[0])
+        sizes = None if ragged else known_trips(self.structure, inner, home[0])
         if sizes is not None:
             made.counters = tuple(counter(loop) for loop in inner)
             made.sizes = tuple(sizes)
@@ -88,6 +107,8 @@ class Tape:
     # -- statements --------------------------------------------------------------------------------------------------
 
     def push(self, stack: Stack, value: AST) -> list[AST]:
+        if stack.ragged:
+            return pushed(stack.array, stack.top, self.region(value))
         whole = self.typing.of(value).is_array
         if not stack.counters and not stack.top:
             return [assign(stack.array, call("numpy.copy", value) if whole else value)]
@@ -109,5 +130,24 @@ class Tape:
         return index(name(stack.array), *(map(copy, stack.counters) if stack.counters else [name(stack.top)]))
 
     def pop(self, stack: Stack, target: AST) -> list[AST]:
-        made: list[AST] = [augment(stack.top, Sub(), const(1))] if stack.top else []
-        return [*made, assign(target, self.cell(stack))]
+        entry: AST = self.region(target).size if stack.ragged else const(1)
+        made: list[AST] = [augment(stack.top, Sub(), entry)] if stack.top else []
+        return [*made, *self.read(stack, target)]
+
+    def read(self, stack: Stack, target: AST) -> list[AST]:
+        """The last entry into the target, left where it is."""
+        return [put_back(stack.array, stack.top, self.region(target))] if stack.ragged else [
+            assign(target, self.cell(stack))]
+
+    def region(self, place: AST) -> Region:
+        """The array or row that an entry of a ragged stack is of."""
+        base = place.value if isinstance(place, Subscript) else place
+        kept = [] if isinstance(place, Name) else given(place)
+        counters = [self.free.fresh(c) for c in ("i", "j", "k", "l", "m", "o")[:self.typing.of(place).rank]]
+        self.typing.table.update(dict.fromkeys(counters, INT))
+        return Region(base, tuple(kept), tuple(counters))
+
+
+def given(place: Subscript) -> list[AST]:
+    """The subscripts of an element or a row; none of `x[...]`."""
+    return [s for s in indices(place) if not (isinstance(s, Constant) and s.value is Ellipsis)]

@@ -89,6 +89,11 @@ def _recorded(derived: Derived, key: str, stack: Stack) -> Recorded:
             what = f"which way `{said}` went" if stack.kind.dtype == "bool" else f"a part of `{said}`"
         else:
             what = f"{variable} where an iteration of `{said}` begins" if carried else f"{variable} after `{said}`"
+    elif key.startswith("size "):
+        statement = places[int(key.split()[1])].statement
+        variable = base_name(statement.targets[0])
+        what = f"the size of {variable} before `{text_of(statement, source, _LONGEST)}`"
+        readers = readers or (statement,)
     else:
         statement = places[int(key.split()[1])].statement
         variable, what = "trips", f"the trips of `{text_of(statement, source, _LONGEST)}`"

@@ -12,9 +12,9 @@ from s2sad.infer.affine import Affine
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import LAWS, ONE, Shape, whole_number
 from s2sad.tree import (
-    AST, Add, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, Mod, Mult,
-    Name, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, attribute, call, call_name, children, const, copy, dump,
-    index, indices, name, names, tuple_of, walk,
+    AST, Add, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Mod,
+    Mult, Name, Slice, Store, Sub, Subscript, Tuple, USub, UnaryOp, While, attribute, call, call_name,
+    children, const, copy, dump, index, indices, name, names, tuple_of, walk,
 )
 
 
@@ -219,16 +219,35 @@ class Shapes:
         self.symbol(size)
         return Affine.symbol(dump(size))
 
+    def allocated(self, array: str, shape: Shape) -> None:
+        """Notes the shape in which an array has been allocated; it holds as long as equal sizes are remembered."""
+        self.arrays[array] = tuple(d if d is not None and not d.terms else self.own(array, k)
+                                   for k, d in enumerate(shape))
+        for own, size in zip(self.arrays[array], shape):
+            if own is not None and own.terms and size is not None:
+                (symbol, _), = own.terms
+                self.equal.pop(symbol, None)
+                known = self.reduced(size)
+                if symbol not in dict(known.terms):
+                    self.equal[symbol] = known
+
+    def forget(self, array: str) -> None:
+        """An array that is allocated in several places, of which any may have been the last."""
+        self.arrays[array] = tuple(self.own(array, k) for k in range(self.typing.table[array].rank))
+        for own in self.arrays[array]:
+            for symbol, _ in own.terms if own is not None else ():
+                self.equal.pop(symbol, None)
+
     def learn(self, statement: AST) -> None:
         """Notes what an allocation or a guard says of shapes."""
         if isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
             called, value = call_name(statement.value) or "", statement.value
+            target = statement.targets[0].id
             if called in ("numpy.empty_like", "numpy.zeros_like"):
-                self.arrays[statement.targets[0].id] = self.of(value.args[0])
+                self.allocated(target, self.of(value.args[0]))
             elif called in ("numpy.empty", "numpy.zeros"):
-                target = statement.targets[0].id
                 found = self.asked_for(value.args[0]) or (None,) * self.typing.table[target].rank
-                self.arrays[target] = tuple(self.own(target, k) if d is None else d for k, d in enumerate(found))
+                self.allocated(target, found)
         elif isinstance(statement, Assert) and isinstance(statement.test, Compare) and isinstance(
                 statement.test.ops[0], Eq):
             left, right = statement.test.left, statement.test.comparators[0]
@@ -350,8 +369,10 @@ def _content(node: AST) -> Iterable[AST]:
 def shapes_of(function: FunctionDef, typing: Typing) -> Shapes:
     """The shapes of a function with resolved views, as its allocations and guards tell them."""
     made = Shapes(typing, single_values(function))
+    inside = {id(s) for outer in walk(function.body) if isinstance(outer, (For, While, If)) for s in walk(outer)}
     for statement in walk(function.body):
-        made.learn(statement)
+        if isinstance(statement, Assert) or id(statement) not in inside:
+            made.learn(statement)
     return made
 
 

@@ -33,6 +33,10 @@ class Allocations:
     def __init__(self, typing: Typing, report: Report, shapes: Shapes):
         self.typing, self.report, self.shapes = typing, report, shapes
 
+    def forget(self, array: str) -> None:
+        """The array has the shape of none, from here on."""
+        self.shapes.forget(array)
+
     def allocate(self, target: str, kind: Type, value: AST, place: AST) -> list[AST]:
         """The statements that bind `target` to a new array holding `value` (an expression with resolved views)."""
         function = call_name(value)
@@ -57,7 +61,7 @@ class Allocations:
                               help="allocate it with np.empty and write it in a loop")
             return []
         guards = [] if is_function(value) else self.operands_fit(value, shape)
-        self.shapes.arrays[target] = shape
+        self.shapes.allocated(target, shape)
         model = next((n for n in walk(value) if isinstance(n, Name) and self.typing.of(n) == kind
                       and self.shapes.of(n) == shape), None)
         made = call("numpy.empty_like", model) if model is not None else call(
@@ -114,20 +118,18 @@ class Allocations:
         """Notes the shape that an array is allocated in, where its sizes stay what they are."""
         found = self.shapes.asked_for(shape)
         if found is not None:
-            self.shapes.arrays[target] = tuple(
-                self.shapes.symbol(index(attribute(name(target), "shape"), const(k))) if d is None else d
-                for k, d in enumerate(found))
+            self.shapes.allocated(target, found)
 
     def empty_like(self, target: str, kind: Type, model: AST, start: str) -> Assign:
         """`target = np.empty_like(model)`, or by shape where the model is a part or has another dtype."""
         shape = self.shapes.of(model)
         if isinstance(model, Name) and self.typing.of(model).dtype == kind.dtype:
-            self.shapes.arrays[target] = shape
+            self.shapes.allocated(target, shape)
             return assign(target, call(f"numpy.{start}_like", model))
         if None in shape:
             self.report.error("S201", "an array in the shape of a part whose bounds change", model,
                               help="give the bounds names that are bound once")
-        self.shapes.arrays[target] = shape
+        self.shapes.allocated(target, shape)
         return assign(target, call(f"numpy.{start}", shape_expression(self.shapes, shape), *_dtype(kind)))
 
     def _listed(self, target: str, kind: Type, value: AST) -> list[AST]:

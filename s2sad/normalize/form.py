@@ -13,7 +13,8 @@
 What holds from which pass on (each line adds to those before):
 
     structured   the statements above, with every operator in +=
-    views        += and -= only on arrays; an array's name is bound once, by an allocation; no slice but x[...]
+    views        += and -= only on arrays; an array's name is bound once on each path, by an allocation; no slice but
+                 x[...]
     rename       += and -= only; a number's name is bound once, but for copies where paths meet and sums in loops
     atoms        the test of a branch is a name; a kernel's numbers are names or constants
     derivative   as structured, with choices (E if E else E) and comments
@@ -29,6 +30,7 @@ from s2sad.tree import (
 )
 
 STAGES = ("structured", "views", "rename", "atoms", "derivative")
+ALLOCATIONS = frozenset({"numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like"})
 _EXPRESSIONS = (Attribute, BinOp, BoolOp, Call, Compare, Constant, IfExp, List, Name, Slice, Subscript, Tuple, UnaryOp)
 
 
@@ -122,11 +124,12 @@ def _expression(node: AST, level: int, derivative: bool) -> Iterator[tuple[AST, 
 
 
 def _rebound(function: FunctionDef) -> Iterator[tuple[AST, str]]:
-    """Names bound twice by anything but copies, sums and allocations."""
+    """Names bound twice by anything but copies, sums and allocations (of one array, in the branches of an if)."""
     seen: dict[str, AST] = {}
     for statement in walk(function.body):
         if isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
-            name, copies = statement.targets[0].id, isinstance(statement.value, (Name, Constant))
+            name = statement.targets[0].id
+            copies = isinstance(statement.value, (Name, Constant)) or call_name(statement.value) in ALLOCATIONS
             if name in seen and not (copies or isinstance(seen[name].value, (Name, Constant))):
                 yield statement, f"'{name}' bound twice"
             seen[name] = statement

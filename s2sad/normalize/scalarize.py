@@ -27,8 +27,8 @@ from s2sad.normalize.functions import is_function
 from s2sad.normalize.reduced import Reduced, is_reduction
 from s2sad.normalize.views import array_operands
 from s2sad.tree import (
-    AST, Assign, AugAssign, BinOp, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While, assign,
-    at, augment, call_name, const, copy, counted_for, index, indices, name, rebuild, sub,
+    AST, Assign, AugAssign, BinOp, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While, assign, at,
+    augment, call_name, const, copy, counted_for, index, indices, name, rebuild, sub,
 )
 
 

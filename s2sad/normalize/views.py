@@ -1,7 +1,8 @@
 """views: every array reference names its base array and all of its subscripts.
 
-Requires structured form and types; establishes that an array name is bound once, by an allocation, and that no name
-stands for a part of another array. What a view's index was when it was bound is frozen. Names of tuples go too.
+Requires structured form and types; establishes that an array name is bound once on each path, by an allocation, and
+that no name stands for a part of another array. What a view's index was when it was bound is frozen. Names of tuples go
+too.
 
     row = x[i]                      x[i, j] = 2.0 * x[i, 0]
     row[j] = 2.0 * row[0]
@@ -30,8 +31,8 @@ from s2sad.normalize.functions import is_function
 from s2sad.normalize.regions import composed, is_new
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Constant, Eq, Expr, For, FunctionDef, GtE, If, Name,
-    Return, Slice, Store, Subscript, Tuple, While, assign, at, attribute, augment, call, call_name, compare, const,
-    copy, dump, index, indices, mult, name, names, rebuild, tuple_of, walk,
+    Return, Slice, Store, Subscript, Tuple, While, assign, at, attribute, augment, call, call_name, compare,
+    const, copy, dump, index, indices, mult, name, names, rebuild, rename, tuple_of, walk,
 )
 
 View = tuple[str, tuple[AST, ...]]
@@ -67,6 +68,7 @@ class _Views:
         self.bound = bound
         self.depth = 0
         self.versions: set[str] = set()
+        self.home: dict[str, int] = {}                  # how many loops are around an allocation
         self.allocations = Allocations(typing, report, shapes)
 
     # -- statements --------------------------------------------------------------------------------------------------
@@ -105,10 +107,13 @@ class _Views:
         if isinstance(statement, If):
             test, before = self.resolve(statement.test), dict(self.seen)
             body, after = self.block(statement.body), self.seen
-            self.seen = before
+            self.seen = dict(before)
             orelse = self.block(statement.orelse)
+            one = self.allocated_on_both(before, after)
+            self.seen = {n: (one.get(base, base), subscripts) for n, (base, subscripts) in self.seen.items()}
+            self.tuples = {n: rename(t, one) for n, t in self.tuples.items()}
             self.seen = _merged(after, self.seen, self.depth > 0)
-            return If(test, body, orelse)
+            return If(test, body, [rename(s, one) for s in orelse])
         inside = {t.id for s in walk(statement.body) if isinstance(s, Assign) for t in s.targets
                   if isinstance(t, Name) and t.id in self.types and self.types[t.id].is_array}
         before = dict(self.seen)
@@ -125,6 +130,18 @@ class _Views:
         self.depth -= 1
         self.seen = {n: v if n not in inside or n not in before else _AMBIGUOUS for n, v in self.seen.items()}
         return new
+
+    def allocated_on_both(self, before: Mapping[str, View], after: Mapping[str, View]) -> dict[str, str]:
+        """The arrays of a second branch that go under the name of the first branch's: both were bound to one name."""
+        found: dict[str, str] = {}
+        for bound, (second, subscripts) in self.seen.items():
+            first = after.get(bound, _AMBIGUOUS)[0]
+            if first != second and not subscripts and bound in self.types and all(
+                    self.home.get(v) == self.depth and (v, ()) not in before.values() for v in (first, second)) \
+                    and after[bound] == (first, ()) and second not in found and first not in found.values():
+                found[second] = first
+                self.allocations.forget(first)
+        return found
 
     def assignment(self, statement: Assign) -> list[AST]:
         target, value = statement.targets[0], statement.value
@@ -164,6 +181,7 @@ class _Views:
         new = self.version(target)
         made = self.allocations.allocate(new, self.types[target], self.resolve(value), statement)
         self.seen[target] = (new, ())
+        self.home[new] = self.depth
         self.typing.table[new] = self.types[target]
         return made
 

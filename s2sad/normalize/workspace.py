@@ -1,6 +1,7 @@
 """workspace: allocations move out of the loops and branches in which their shape does not change.
 
-Requires resolved views; establishes that an allocation left inside a loop has a shape that changes there.
+Requires resolved views; establishes that an allocation left inside a loop has a shape that changes there, or is one of
+several of its name.
 
     for i in range(n):              w = np.empty(m)
         w = np.zeros(m)             for i in range(n):
@@ -9,43 +10,45 @@ Requires resolved views; establishes that an allocation left inside a loop has a
 """
 from __future__ import annotations
 
+from s2sad.normalize.form import ALLOCATIONS
 from s2sad.tree import (
     AST, Assign, For, FunctionDef, If, Name, Subscript, While, assign, at, call, call_name, const, copy, index, name,
     names, stored_names, walk,
 )
-
-_STARTS = {"numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like"}
 
 
 def workspace(function: FunctionDef) -> FunctionDef:
     """The function with its allocations as far out as their shapes allow."""
     new = copy(function)
     known = {p.id for p in function.args.args}
-    new.body = _block(function.body, known)
+    allocated = [s.targets[0].id for s in walk(function.body) if is_allocation(s)]
+    new.body = _block(function.body, known, {n for n in allocated if allocated.count(n) > 1})
     return new
 
 
-def _block(block: list[AST], known: set[str]) -> list[AST]:
-    """The block with the allocations that its compound statements let go; `known` are names bound before it."""
+def _block(block: list[AST], known: set[str], several: set[str]) -> list[AST]:
+    """The block with the allocations that its compound statements let go; `known` are names bound before it, `several`
+    those that are allocated in several branches, each in its own size."""
     new: list[AST] = []
     bound = set(known)
     for statement in block:
         freed: list[AST] = []
-        kept = _compound(statement, bound, freed) if isinstance(statement, (For, While, If)) else statement
+        kept = _compound(statement, bound, freed, several) if isinstance(statement, (For, While, If)) else statement
         new += [*freed, kept]
         bound |= set(stored_names(new))
     return new
 
 
-def _compound(statement: AST, bound: set[str], freed: list[AST]) -> AST:
+def _compound(statement: AST, bound: set[str], freed: list[AST], several: set[str]) -> AST:
     changed = set(stored_names(statement))
     looping = isinstance(statement, (For, While))
 
     def strip(block: list[AST], inner: set[str]) -> list[AST]:
         new: list[AST] = []
-        for item in _block(block, inner):
+        for item in _block(block, inner, several):
             gone = {f.targets[0].id for f in freed}
-            if not is_allocation(item) or not _may_leave(item, bound | gone, changed - gone):
+            if not is_allocation(item) or item.targets[0].id in several or not _may_leave(
+                    item, bound | gone, changed - gone):
                 new.append(item)
                 continue
             target = item.targets[0].id
@@ -66,7 +69,7 @@ def _compound(statement: AST, bound: set[str], freed: list[AST]) -> AST:
 def is_allocation(statement: AST) -> bool:
     """Whether a statement in normal form binds a name to a new array."""
     return (isinstance(statement, Assign) and isinstance(statement.targets[0], Name)
-            and call_name(statement.value) in _STARTS)
+            and call_name(statement.value) in ALLOCATIONS)
 
 
 def _may_leave(item: Assign, bound: set[str], changed: set[str]) -> bool:
