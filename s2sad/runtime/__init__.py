@@ -5,7 +5,11 @@ into the generated file: no line of it is over 100 columns.
 """
 from __future__ import annotations
 
+from s2sad.runtime.scalars import comb, factorial, heaviside, isclose, isqrt, lcm, perm, product, remainder
 from s2sad.runtime.stacks import grow, sized
 from s2sad.runtime.sums import blocked_sum, pairwise_sum
 
-__all__ = ["blocked_sum", "grow", "pairwise_sum", "sized"]
+__all__ = [
+    "blocked_sum", "comb", "factorial", "grow", "heaviside", "isclose", "isqrt", "lcm", "pairwise_sum", "perm",
+    "product", "remainder", "sized",
+]
