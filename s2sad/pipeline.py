@@ -6,7 +6,7 @@
     analyze     structure, activity, uses, dependence, recorded                      (units.Units._adjoint)
     differentiate   adjoint or tangent
     simplify    merge, dead, coalesce, fold, algebra
-    emit        origin comments, the header, the text
+    emit        origin comments, the engine's dialect, the header, the text
 """
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from typing import Any
 from s2sad.analyze.unshadowed import unshadowed
 from s2sad.differentiate.adjoint import Wanted
 from s2sad.simplify.taped import Taped, taped
+from s2sad.emit.dialect import in_dialect
 from s2sad.emit.header import header
 from s2sad.emit.module import module_text
 from s2sad.emit.origins import with_origins
@@ -57,8 +58,11 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
     if request.mode == "primal":
         parameters = tuple(Parameter(hidden_name(p.id, units.program), "primal", p.id, t)
                            for p, t in zip(unit.function.args.args, unit.types))
-        text = module_text(primal_functions(units, [unit.title]), header=[f"The primal of {unit.kernel.name}."],
-                           constants=program.constants, standalone=request.standalone)
+        functions = primal_functions(units, [unit.title])
+        if request.engine == "numba":
+            functions = in_dialect(functions, units)
+        text = module_text(functions, header=[f"The primal of {unit.kernel.name}."], constants=program.constants,
+                           standalone=request.standalone)
         return Generated(text, unit.title, parameters, ("result",))
     wanted = Wanted(request.wrt, expanded(request.of, unit), request.with_primal)
     derived = units.derive(request.mode, unit, wanted)
@@ -73,8 +77,8 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
     else:
         functions += [with_origins(kept.taped, unit.kernel.source), kept.public]
         found |= {"taped": kept.taped.name, "stacks": kept.stacks}
-    text = module_text(functions, header=header(derived, request, units), constants=program.constants,
-                       standalone=request.standalone)
+    text = module_text(in_dialect(functions, units), header=header(derived, request, units),
+                       constants=program.constants, standalone=request.standalone)
     parameters = tuple(Parameter(hidden_name(n, units.program) if role == "primal" else n, role,
                                  hidden_name(p, units.program), derived.types[n])
                        for n, role, p in derived.made.parameters)

@@ -192,6 +192,16 @@ def _with_trailing(function: Callable[..., Any], trailing: tuple[Any, ...]) -> C
     return lambda *args: function(*args, *trailing)
 
 
+def _unwarned(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function without NumPy's warnings: inf and nan are results of a derivative, and compiled code says nothing of
+    them either. Who has asked NumPy to raise or to call is heard."""
+    def called(*arguments: Any) -> Any:
+        kept: dict[str, Any] = {kind: "ignore" for kind, done in np.geterr().items() if done == "warn"}
+        with np.errstate(**kept):
+            return function(*arguments)
+    return called
+
+
 class Keeping:
     """A compiled adjoint with the stacks that it left behind at the last call of each thread, used again."""
 
@@ -217,7 +227,9 @@ class Variant:
         stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
         self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
         self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)
-        self.function: Callable[..., Any] = Keeping(self.dispatcher, self._first) if stacks else self.dispatcher
+        self.function: Callable[..., Any] = (
+            Keeping(self.dispatcher, self._first) if stacks else
+            _unwarned(self.dispatcher) if engine == "numpy" else self.dispatcher)
         self.shadows = {p.primal: p for p in self.parameters if p.role == "shadow"}
         self.seeds = tuple(p for p in self.parameters if p.role == "seed")
         self._written = frozenset(summary.written)

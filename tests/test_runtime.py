@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from s2sad import runtime
-from s2sad.runtime import stacks, sums
+from s2sad.runtime import scalars, stacks, sums
 
 
 def _compiled(module) -> dict:
@@ -89,4 +89,47 @@ def test_imports_nothing_of_ours():
             "import s2sad.runtime; "
             "print(sorted(m for m in sys.modules if m.startswith('s2sad') or m in ('numba', 'gast')))")
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert ran.stdout.strip() == str(["s2sad", "s2sad.runtime", "s2sad.runtime.stacks", "s2sad.runtime.sums"])
+    assert ran.stdout.strip() == str(["s2sad", "s2sad.runtime", *(
+        f"s2sad.runtime.{room}" for room in ("scalars", "spans", "spread", "stacks", "sums"))])
+
+
+@pytest.fixture(scope="module", params=["numpy", "numba"])
+def numbers(request):
+    return vars(scalars) if request.param == "numpy" else _compiled(scalars)
+
+
+def test_remainder_is_that_of_math(numbers):
+    values = [0.0, -0.0, 0.3, 1.0, 2.5, -3.5, 7.0, 1e300, 5e-324, -1e-3, math.inf, -math.inf, math.nan]
+    for a in values:
+        for b in values:
+            found = numbers["remainder"](np.float64(a), np.float64(b))
+            try:
+                expected = math.remainder(a, b)
+            except ValueError:
+                expected = math.nan
+            assert found == expected and math.copysign(1, found) == math.copysign(1, expected) or (
+                math.isnan(found) and math.isnan(expected)), (a, b)
+
+
+def test_integers_are_those_of_math(numbers):
+    for n in [*range(40), 2 ** 31, 2 ** 52 + 1, (2 ** 31 + 5) ** 2, (2 ** 31 + 5) ** 2 - 1, 2 ** 63 - 1]:
+        assert numbers["isqrt"](n) == math.isqrt(n)
+    for n in range(21):
+        assert numbers["factorial"](n) == math.factorial(n)
+        for k in range(24):
+            assert (numbers["comb"](n, k), numbers["perm"](n, k)) == (math.comb(n, k), math.perm(n, k))
+            assert numbers["lcm"](n - 7, k) == math.lcm(n - 7, k)
+    for name, arguments in (("factorial", (21,)), ("perm", (40, 30)), ("comb", (80, 40)), ("lcm", (2 ** 40, 3 ** 30))):
+        with pytest.raises(OverflowError):
+            numbers[name](*arguments)
+    for name, arguments in (("isqrt", (-1,)), ("factorial", (-1,)), ("perm", (-1, 2)), ("comb", (3, -2))):
+        with pytest.raises(ValueError, match="negative"):
+            numbers[name](*arguments)
+
+
+def test_heaviside_and_isclose(numbers):
+    for x in (-1.0, -0.0, 0.0, 2.0, math.nan, math.inf):
+        assert np.array_equal(numbers["heaviside"](x, 0.25), np.heaviside(x, 0.25), equal_nan=True)
+        for y in (0.0, 1e-10, 2.0 + 1e-9, math.inf, math.nan):
+            for absolute in (0.0, 1e-9):
+                assert numbers["isclose"](x, y, 1e-9, absolute) == math.isclose(x, y, abs_tol=absolute)

@@ -26,6 +26,8 @@ _RANKS = ("bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64"
 _ALLOCATIONS = {"numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full"}
 _LIKES = {"numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full_like", "numpy.copy", "numpy.asarray",
           "numpy.ascontiguousarray", "numpy.array"}
+_REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")  # without an axis
+_COMPARED = ("numpy.allclose", "numpy.array_equal")
 _CASTS = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": "bool", "numpy.float64": "float64",
           "numpy.float32": "float32", "numpy.int64": "int64", "numpy.int32": "int32", "numpy.bool_": "bool"}
 
@@ -190,20 +192,24 @@ class Typing:
             return INT
         if name in ("numpy.shape",):
             return Type("tuple", items=(INT,) * types[0].rank) if types else UNKNOWN
-        return self._function(name, types)
+        return self._function(name, types, bool(node.keywords))
 
     def _array_function(self, rule: rules.ArrayRule, node: Call, types: list[Type]) -> Type:
         if any(t.kind == "unknown" for t in types) or len(types) != len(rule.operands):
             return UNKNOWN
         return LAWS[rule.law].type(types, rule.arguments(node))
 
-    def _function(self, name: str, types: list[Type]) -> Type:
+    def _function(self, name: str, types: list[Type], keywords: bool) -> Type:
         if not types:
             return UNKNOWN
         result = types[0]
         for other in types[1:]:
             result = promote(result, other)
         kind = rules.constant_result(name)
+        if name in _COMPARED or name in _REDUCED and len(types) == 1 and not keywords:
+            return INT if kind == "int" else BOOL
+        if name == "numpy.searchsorted" and len(types) > 1 and types[1].is_number:
+            return INT
         if kind in ("int", "bool"):
             return Type(result.kind, "int64" if kind == "int" else "bool", result.rank)
         if name in ("builtins.abs", "builtins.min", "builtins.max", "numpy.abs", "numpy.absolute", "numpy.minimum",

@@ -14,6 +14,7 @@ import numpy as np
 
 from s2sad import pipeline
 from s2sad.analyze.liveness import base_name, targets
+from s2sad.emit.dialect import in_dialect
 from s2sad.emit.module import module_text
 from s2sad.emit.origins import text_of
 from s2sad.emit.primal import kernels_called, primal_functions
@@ -200,8 +201,8 @@ def _loaded(made: Generated, units: Units, replaced: Mapping[str, FunctionDef]) 
     """The entry of the module with some functions replaced, and the list into which its probes write."""
     functions = [replaced.get(d.function.name, d.function) for d in units.derived.values()]
     functions = primal_functions(units, kernels_called(functions, units)) + functions
-    text = module_text(functions, header=["A derivative with probes."], constants=units.program.constants,
-                       standalone=False)
+    text = module_text(in_dialect(functions, units), header=["A derivative with probes."],
+                       constants=units.program.constants, standalone=False)
     events: Events = []
     kept = [0]
 

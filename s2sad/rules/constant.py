@@ -10,7 +10,7 @@ from s2sad.rules.rule import constant
 # stair functions: flat between their jumps
 constant("same", "numpy.floor", "numpy.ceil", "numpy.rint", "numpy.trunc", "numpy.fix", "numpy.round",
          "numpy.around", "numpy.round_", "numpy.sign", "a // b", "numpy.floor_divide")
-constant("float", "numpy.heaviside")
+constant("float", "numpy.heaviside", "runtime.heaviside")
 constant("int", "math.floor", "math.ceil", "math.trunc", "builtins.round", "builtins.int", "numpy.int_",
          "numpy.int8", "numpy.int16", "numpy.int32", "numpy.int64", "numpy.intp", "numpy.uint8", "numpy.uint16",
          "numpy.uint32", "numpy.uint64")
@@ -19,12 +19,12 @@ constant("int", "math.floor", "math.ceil", "math.trunc", "builtins.round", "buil
 constant("int", "builtins.len", "numpy.argmax", "numpy.argmin", "numpy.argsort", "numpy.searchsorted",
          "numpy.count_nonzero", "numpy.size", "numpy.ndim", "numpy.bitwise_and", "numpy.bitwise_or",
          "numpy.bitwise_xor", "numpy.bitwise_not", "numpy.invert", "numpy.left_shift", "numpy.right_shift",
-         "math.gcd", "math.lcm", "math.comb", "math.perm", "math.factorial", "math.isqrt")
+         "math.gcd", "math.lcm", "math.comb", "math.perm", "math.factorial", "math.isqrt",
+         "runtime.lcm", "runtime.comb", "runtime.perm", "runtime.factorial", "runtime.isqrt")
 
 # questions
-constant("bool", "builtins.bool", "builtins.any", "builtins.all", "builtins.isinstance", "numpy.bool_",
-         "numpy.bool", "numpy.isnan", "numpy.isinf", "numpy.isfinite", "numpy.isclose", "numpy.allclose",
-         "numpy.array_equal", "numpy.signbit", "numpy.any", "numpy.all", "numpy.greater", "numpy.greater_equal",
-         "numpy.less", "numpy.less_equal", "numpy.equal", "numpy.not_equal", "numpy.logical_and",
-         "numpy.logical_or", "numpy.logical_not", "numpy.logical_xor", "math.isnan", "math.isinf",
-         "math.isfinite", "math.isclose")
+constant("bool", "builtins.bool", "numpy.bool_", "numpy.bool", "numpy.isnan", "numpy.isinf", "numpy.isfinite",
+         "numpy.isclose", "numpy.allclose", "numpy.array_equal", "numpy.signbit", "numpy.any", "numpy.all",
+         "numpy.greater", "numpy.greater_equal", "numpy.less", "numpy.less_equal", "numpy.equal", "numpy.not_equal",
+         "numpy.logical_and", "numpy.logical_or", "numpy.logical_not", "numpy.logical_xor", "math.isnan",
+         "math.isinf", "math.isfinite", "math.isclose", "runtime.isclose")

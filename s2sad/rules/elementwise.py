@@ -3,11 +3,15 @@
 Where an identity offers several forms of a partial, the one is written that neither overflows nor cancels: for
 `tanh` the square of 1 / cosh (1 - y * y has no correct digit left at x = 20), for `arcsin` (1 - x) * (1 + x)
 (1 - x * x has lost half of them near 1), for `log(exp(a) + exp(b))` a difference of a and b. `singular` marks
-partials that are infinite somewhere: a zero seed has to contribute an exact zero there.
+partials that are infinite or nan somewhere: a zero seed has to contribute an exact zero there. Where a function is nan
+its partials are: `log` at -1 has no derivative, whatever 1 / x is.
 """
 from __future__ import annotations
 
-from s2sad.rules.rule import elementwise
+from collections.abc import Mapping
+
+from s2sad.rules.rule import elementwise, number
+from s2sad.tree import AST
 
 # -- arithmetic -----------------------------------------------------------------------------------------------------
 elementwise("a + b", a="1.0", b="1.0", also=("numpy.add",), result="same")
@@ -15,13 +19,24 @@ elementwise("a - b", a="1.0", b="-1.0", also=("numpy.subtract",), result="same")
 elementwise("a * b", a="b", b="a", also=("numpy.multiply",), result="same")
 elementwise("a / b", a="1.0 / b", b="-y / b", also=("numpy.divide", "numpy.true_divide"), singular=("a", "b"),
             domain={"b": (0.3, 3.0)})
-# the quotient a // b is computed as the remainder is, so that it jumps where the remainder does
-elementwise("a % b", a="1.0", b="-(a // b)", also=("numpy.mod", "numpy.remainder"), result="same",
-            domain={"a": (1.1, 1.9), "b": (0.61, 0.94)}, kink="a % b jumps where a is a multiple of b")
-elementwise("numpy.fmod(a, b)", a="1.0", b="numpy.rint((y - a) / b)", also=("math.fmod",), result="same",
-            domain={"a": (1.1, 1.2), "b": (0.61, 0.94)}, kink="fmod(a, b) jumps where a is a multiple of b")
-elementwise("math.remainder(a, b)", a="1.0", b="numpy.rint((y - a) / b)",
-            domain={"a": (1.1, 1.2), "b": (0.9, 1.05)}, kink="remainder(a, b) jumps halfway between multiples of b")
+
+
+def _by_a_number(parameter: str, arguments: Mapping[str, AST]) -> str | None:
+    """The partial of a remainder where the divisor is a number, which is not 0."""
+    return "1.0" if parameter == "a" and "b" in arguments and number(arguments["b"]) else None
+
+
+# the quotient a // b is computed as the remainder is, so that it jumps where the remainder does; at b == 0 all are nan
+_ONE = "numpy.where(numpy.abs(b) > 0, 1.0, numpy.nan)"
+elementwise("a % b", a=_ONE, b="numpy.where(b == 0, numpy.nan, -(a // b))", also=("numpy.mod", "numpy.remainder"),
+            singular=("a", "b"), refine=_by_a_number, result="same", domain={"a": (1.1, 1.9), "b": (0.61, 0.94)},
+            kink="a % b jumps where a is a multiple of b")
+elementwise("numpy.fmod(a, b)", a=_ONE, b="numpy.rint((y - a) / b)", also=("math.fmod",), singular=("a", "b"),
+            refine=_by_a_number, result="same", domain={"a": (1.1, 1.2), "b": (0.61, 0.94)},
+            kink="fmod(a, b) jumps where a is a multiple of b")
+elementwise("math.remainder(a, b)", a=_ONE, b="numpy.rint((y - a) / b)", also=("runtime.remainder",),
+            singular=("a", "b"), refine=_by_a_number, domain={"a": (1.1, 1.2), "b": (0.9, 1.05)},
+            kink="remainder(a, b) jumps halfway between multiples of b")
 elementwise("-a", a="-1.0", also=("numpy.negative",), result="same")
 elementwise("+a", a="1.0", also=("numpy.positive",), result="same")
 elementwise("numpy.square(x)", x="2.0 * x", result="same")
@@ -57,10 +72,14 @@ elementwise("numpy.exp(x)", x="y", also=("math.exp",), singular=("x",))
 elementwise("numpy.exp2(x)", x="0.6931471805599453 * y", also=("math.exp2",), singular=("x",))
 elementwise("numpy.expm1(x)", x="numpy.exp(x)", also=("math.expm1",), singular=("x",))
 _POSITIVE = {"x": (0.05, 4.0)}
-elementwise("numpy.log(x)", x="1.0 / x", also=("math.log",), singular=("x",), domain=_POSITIVE)
-elementwise("numpy.log2(x)", x="1.4426950408889634 / x", also=("math.log2",), singular=("x",), domain=_POSITIVE)
-elementwise("numpy.log10(x)", x="0.4342944819032518 / x", also=("math.log10",), singular=("x",), domain=_POSITIVE)
-elementwise("numpy.log1p(x)", x="1.0 / (1.0 + x)", also=("math.log1p",), singular=("x",), domain={"x": (-0.9, 3.0)})
+elementwise("numpy.log(x)", x="1.0 / numpy.where(x < 0, numpy.nan, x)", also=("math.log",), singular=("x",),
+            domain=_POSITIVE)
+elementwise("numpy.log2(x)", x="1.4426950408889634 / numpy.where(x < 0, numpy.nan, x)", also=("math.log2",),
+            singular=("x",), domain=_POSITIVE)
+elementwise("numpy.log10(x)", x="0.4342944819032518 / numpy.where(x < 0, numpy.nan, x)", also=("math.log10",),
+            singular=("x",), domain=_POSITIVE)
+elementwise("numpy.log1p(x)", x="1.0 / (1.0 + numpy.where(x < -1, numpy.nan, x))", also=("math.log1p",),
+            singular=("x",), domain={"x": (-0.9, 3.0)})
 elementwise("numpy.logaddexp(a, b)", a="1.0 / (1.0 + numpy.exp(b - a))", b="1.0 / (1.0 + numpy.exp(a - b))",
             singular=("a", "b"))
 elementwise("numpy.logaddexp2(a, b)", a="1.0 / (1.0 + numpy.exp2(b - a))", b="1.0 / (1.0 + numpy.exp2(a - b))",
@@ -103,8 +122,8 @@ elementwise("numpy.tanh(x)", x="(1.0 / numpy.cosh(x)) ** 2", also=("math.tanh",)
 elementwise("numpy.arcsinh(x)", x="1.0 / numpy.hypot(1.0, x)", also=("numpy.asinh", "math.asinh"))
 elementwise("numpy.arccosh(x)", x="1.0 / (numpy.sqrt(x - 1.0) * numpy.sqrt(x + 1.0))", singular=("x",),
             also=("numpy.acosh", "math.acosh"), domain={"x": (1.05, 4.0)})
-elementwise("numpy.arctanh(x)", x="1.0 / ((1.0 - x) * (1.0 + x))", also=("numpy.atanh", "math.atanh"),
-            singular=("x",), domain=_UNIT)
+elementwise("numpy.arctanh(x)", x="1.0 / numpy.where(numpy.abs(x) > 1, numpy.nan, (1.0 - x) * (1.0 + x))",
+            also=("numpy.atanh", "math.atanh"), singular=("x",), domain=_UNIT)
 
 # -- error functions ------------------------------------------------------------------------------------------------
 elementwise("math.erf(x)", x="1.1283791670955126 * numpy.exp(-x * x)")

@@ -6,8 +6,8 @@
     exponent c > 0               c * a ** (c - 1)             right at a == 0, where y / a is not
     a variable                   b * a ** (b - 1), and 0 where b == 0
 
-With respect to the exponent it is y * log(a), taken as 0 where a <= 0: there a ** b has no derivative in b, or
-(a == 0, b > 0) a zero one. A nan in the base is not covered up by that choice.
+With respect to the exponent it is y * log(a): nan where a < 0, for there a ** b has no derivative in b, and taken as 0
+where a == 0, where it is 0 for b > 0.
 """
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from s2sad.tree import AST
 
 # where b is 0 so is the partial, but 0.0 * a ** -1.0 is nan at a == 0
 _BASE = "numpy.where(b == 0, 0.0, b * a ** (b - 1))"
-_EXPONENT = "y * numpy.log(numpy.where(a <= 0, 1.0, a))"
+_EXPONENT = "y * numpy.log(numpy.where(a == 0, 1.0, a))"
 _NAMES = ("numpy.power", "numpy.pow", "numpy.float_power", "math.pow", "builtins.pow")
 
 
@@ -47,8 +47,10 @@ def _integer_power(exponent: float) -> str:
 
 def refined(parameter: str, arguments: Mapping[str, AST]) -> str | None:
     """The partial for actual operands: shorter than the general one where the exponent is a number."""
-    exponent = arguments.get("b")
-    return _base_partial(number(exponent)) if parameter == "a" and exponent is not None else None
+    base, exponent = arguments.get("a"), arguments.get("b")
+    if parameter == "b":
+        return None if base is None or not number(base) else "y * numpy.log(a)"
+    return None if exponent is None else _base_partial(number(exponent))
 
 
 def power_partial(parameter: str, base: AST, exponent: AST, result: AST) -> AST:
@@ -65,4 +67,4 @@ def power_partial(parameter: str, base: AST, exponent: AST, result: AST) -> AST:
 
 elementwise("a ** b", a=_BASE, b=_EXPONENT, also=_NAMES, result="same", refine=refined, singular=("a", "b"),
             domain={"a": (0.1, 3.0), "b": (-2.5, 2.5)},
-            kink="a ** b with respect to b is taken as 0 where a <= 0")
+            kink="a ** b with respect to b is taken as 0 where a == 0, and is nan where a < 0")

@@ -64,7 +64,9 @@ class Rule:
             return False
         partial = self._template(parameter, arguments)
         denominators = [d for d in map(_denominator, tree.walk(partial)) if d is not None]
-        return not (_plain(partial) and all(_nonzero(tree.substitute(d, arguments)) for d in denominators))
+        # the result itself may be infinite: exp(x) is its own partial
+        bounded = _plain(partial) and RESULT not in tree.names(partial)
+        return not (bounded and all(_nonzero(tree.substitute(d, arguments)) for d in denominators))
 
     def _template(self, parameter: str, arguments: Mapping[str, AST]) -> AST:
         if parameter not in self.partials:

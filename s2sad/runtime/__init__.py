@@ -5,9 +5,13 @@ into the generated file: no line of it is over 100 columns.
 """
 from __future__ import annotations
 
+from s2sad.runtime.scalars import comb, factorial, heaviside, isclose, isqrt, lcm, perm, product, remainder
 from s2sad.runtime.spans import position, position_down
 from s2sad.runtime.spread import extreme_mask, spread
 from s2sad.runtime.stacks import grow, sized
 from s2sad.runtime.sums import blocked_sum, pairwise_sum
 
-__all__ = ["blocked_sum", "extreme_mask", "grow", "pairwise_sum", "position", "position_down", "sized", "spread"]
+__all__ = [
+    "blocked_sum", "comb", "extreme_mask", "factorial", "grow", "heaviside", "isclose", "isqrt", "lcm", "pairwise_sum",
+    "perm", "position", "position_down", "product", "remainder", "sized", "spread",
+]

@@ -8,8 +8,6 @@ It records:
         bytes
 """
 
-import math
-
 import numpy as np
 
 
@@ -19,7 +17,7 @@ def kernel_adjoint(x, x_bar, result_bar):
     state_1_stack = np.empty(x.size)
     for i in range(x.size):
         state_1_stack[i] = state
-        state = math.sin(state) * x[i]
+        state = np.sin(state) * x[i]
     # reverse sweep
     # return state
     state_bar = result_bar
@@ -28,4 +26,4 @@ def kernel_adjoint(x, x_bar, result_bar):
         # state = math.sin(state) * x[i]
         state_bar_1 = state_bar
         state_bar = np.cos(state) * (x[i] * state_bar_1)
-        x_bar[i] += math.sin(state) * state_bar_1
+        x_bar[i] += np.sin(state) * state_bar_1

@@ -7,8 +7,6 @@ Engine: NumPy. Level: plain. Arguments:
 It records nothing.
 """
 
-import math
-
 import numpy as np
 
 
@@ -21,7 +19,7 @@ def kernel_adjoint(x, x_bar, scales, scales_bar, result_bar):
     total_bar = result_bar
     for i in range(x.size - 1, -1, -1):
         for k in range(scales.size):
-            work[k] = math.sin(scales[k] * x[i])
+            work[k] = np.sin(scales[k] * x[i])
         for k in range(scales.size - 1, -1, -1):
             # total += work[k] * work[k]
             work_bar[k] += 2.0 * (work[k] * total_bar)

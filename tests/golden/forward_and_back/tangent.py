@@ -5,8 +5,6 @@ Engine: NumPy. Level: plain. Arguments:
     scales: float64[:], in
 """
 
-import math
-
 import numpy as np
 
 
@@ -17,7 +15,7 @@ def kernel_tangent(x, x_dot, scales, scales_dot):
     for i in range(x.size):
         for k in range(scales.size):
             work_dot[k] = np.cos(scales[k] * x[i]) * (x[i] * scales_dot[k] + scales[k] * x_dot[i])
-            work[k] = math.sin(scales[k] * x[i])
+            work[k] = np.sin(scales[k] * x[i])
         for k in range(scales.size):
             work_here = work[k]
             work_here_dot = work_dot[k]

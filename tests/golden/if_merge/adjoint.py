@@ -7,8 +7,6 @@ Engine: NumPy. Level: plain. Arguments:
 It records nothing.
 """
 
-import math
-
 import numpy as np
 
 
@@ -18,7 +16,7 @@ def kernel_adjoint(a, b, result_bar):
     taken = b > 0.0
     if taken:
         c_1 = a * b
-        d = math.sin(c_1)
+        d = np.sin(c_1)
         c_2 = c_1
     else:
         taken_2 = a > 0.0

@@ -7,8 +7,6 @@ Engine: NumPy. Level: plain. Arguments:
 
 # ruff: noqa: PLR1730, RUF100
 
-import math
-
 import numpy as np
 
 
@@ -18,7 +16,7 @@ def kernel_tangent(a, a_dot, b, b_dot):
     if b > 0.0:
         c = a * b
         c_dot = b * a_dot + a * b_dot
-        d = math.sin(c)
+        d = np.sin(c)
         d_dot = np.cos(c) * c_dot
     elif a > 0.0:
         d = c * b

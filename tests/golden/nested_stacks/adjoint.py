@@ -12,8 +12,6 @@ It records:
 
 # ruff: noqa: SIM113, RUF100
 
-import math
-
 import numpy as np
 
 from s2sad.runtime import grow  # isort: skip
@@ -33,7 +31,7 @@ def kernel_adjoint(x, x_bar, result_bar):
             part_1_stack = grow(part_1_stack, part_1_top)
             part_1_stack[part_1_top] = part
             part_1_top += 1
-            part = part * math.cos(part)
+            part = part * np.cos(part)
         part_1_stack_2[i] = part
         total = total * part
     # reverse sweep
@@ -50,6 +48,6 @@ def kernel_adjoint(x, x_bar, result_bar):
             part_1_top -= 1
             part = part_1_stack[part_1_top]
             # part = part * math.cos(part)
-            part_bar = math.cos(part) * part_bar - np.sin(part) * (part * part_bar)
+            part_bar = np.cos(part) * part_bar - np.sin(part) * (part * part_bar)
         # part = x[i]
         x_bar[i] += part_bar

@@ -4,8 +4,6 @@ Engine: NumPy. Level: plain. Arguments:
     x: float64[:], in
 """
 
-import math
-
 import numpy as np
 
 
@@ -16,8 +14,8 @@ def kernel_tangent(x, x_dot):
         part = x[i]
         part_dot = x_dot[i]
         for _ in range(i + 1):
-            part_1 = part * math.cos(part)
-            part_dot = math.cos(part) * part_dot - part * (np.sin(part) * part_dot)
+            part_1 = part * np.cos(part)
+            part_dot = np.cos(part) * part_dot - part * (np.sin(part) * part_dot)
             part = part_1
         total_1 = total * part
         total_dot = part * total_dot + total * part_dot

@@ -9,14 +9,12 @@ It records:
         len(range(1, u.size)) bytes
 """
 
-import math
-
 import numpy as np_
 
 
 def kernel_adjoint(u, u_bar_, seed, result_bar):
     # forward sweep: only what the reverse sweep reads
-    u_bar = math.sin(u[0])
+    u_bar = np_.sin(u[0])
     u_bar_1_stack = np_.empty(len(range(1, u.size)))
     for np in range(1, u.size):
         u_bar_1_stack[np - 1] = u_bar

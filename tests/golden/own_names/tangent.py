@@ -5,13 +5,11 @@ Engine: NumPy. Level: plain. Arguments:
     seed: float64, in
 """
 
-import math
-
 import numpy as np_
 
 
 def kernel_tangent(u, u_dot, seed, seed_dot):
-    u_bar = math.sin(u[0])
+    u_bar = np_.sin(u[0])
     u_bar_dot = np_.cos(u[0]) * u_dot[0]
     for np in range(1, u.size):
         u_bar_1 = u_bar * u[np] * seed

@@ -33,5 +33,6 @@ def kernel_adjoint(y, y_bar, x, x_bar, scale):
         x_bar[last] += np.cos(x[last]) * (factor * bent_bar)
         factor_bar += math.sin(x[last]) * bent_bar
     # factor = math.exp(scale) / n
-    scale_bar = exp_value * (factor_bar / n if factor_bar != 0.0 else 0.0)
+    exp_value_bar = factor_bar / n if factor_bar != 0.0 else 0.0
+    scale_bar = exp_value * exp_value_bar if exp_value_bar != 0.0 else 0.0
     return scale_bar,

@@ -8,13 +8,13 @@ It records nothing.
 
 # ruff: noqa: FURB136, RUF100
 
-import math
+import numpy as np
 
 
 def kernel_adjoint(a, a_bar):
     # forward sweep: only what the reverse sweep reads
     for j in range(a.shape[0]):
-        a[j, j] = math.sqrt(a[j, j])
+        a[j, j] = np.sqrt(a[j, j])
         for i in range(j + 1, a.shape[0]):
             a[i, j] = a[i, j] / a[j, j]
     # reverse sweep

@@ -6,13 +6,13 @@ Engine: NumPy. Level: plain. Arguments:
 
 # ruff: noqa: FURB136, RUF100
 
-import math
+import numpy as np
 
 
 def kernel_tangent(a, a_dot):
     for j in range(a.shape[0]):
         a_here_dot = a_dot[j, j]
-        sqrt_value = math.sqrt(a[j, j])
+        sqrt_value = np.sqrt(a[j, j])
         a_dot[j, j] = 0.5 * a_here_dot / sqrt_value if a_here_dot != 0.0 else 0.0
         a[j, j] = sqrt_value
         for i in range(j + 1, a.shape[0]):

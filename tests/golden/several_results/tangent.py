@@ -6,15 +6,13 @@ Engine: NumPy. Level: plain. Arguments:
 
 # ruff: noqa: FURB136, RUF100
 
-import math
-
 import numpy as np
 
 
 def polar_tangent(a, a_dot, b, b_dot):
-    result = math.hypot(a, b)
+    result = np.hypot(a, b)
     return (
-        result, math.atan2(b, a), 2,
+        result, np.arctan2(b, a), 2,
         a * a_dot / (1.0 if result == 0 else result) + b * b_dot / (1.0 if result == 0 else result),
         (a * b_dot / np.hypot(b, a) / np.hypot(b, a) if b_dot != 0.0 else 0.0) -
         (b * a_dot / np.hypot(b, a) / np.hypot(b, a) if a_dot != 0.0 else 0.0)

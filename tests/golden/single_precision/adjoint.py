@@ -7,7 +7,7 @@ Engine: NumPy. Level: plain. Arguments:
 It records nothing.
 """
 
-import math
+# ruff: noqa: FURB136, RUF100
 
 import numpy as np
 
@@ -17,10 +17,11 @@ def kernel_adjoint(y, y_bar, x, x_bar):
     for i in range(x.size - 1, -1, -1):
         half = np.float32(0.5) * x[i]
         # y[i] = half * math.exp(half)
-        exp_value = math.exp(half)
+        exp_value = np.exp(np.float64(half))
         seed = y_bar[i]
         y_bar[i] = 0.0
         half_bar = exp_value * seed
-        half_bar += exp_value * (half * seed)
+        exp_value_bar = half * seed
+        half_bar += exp_value * exp_value_bar if exp_value_bar != 0.0 else 0.0
         # half = np.float32(0.5) * x[i]
         x_bar[i] += np.float32(0.5) * half_bar

@@ -7,6 +7,8 @@ Engine: Numba. Level: fast. Arguments:
 It records nothing.
 """
 
+# ruff: noqa: FURB136, RUF100
+
 import math
 
 import numpy as np
@@ -21,6 +23,7 @@ def kernel_adjoint(y, y_bar, x, x_bar):
         seed = y_bar[i]
         y_bar[i] = 0.0
         half_bar = exp_value * seed
-        half_bar += exp_value * (half * seed)
+        exp_value_bar = half * seed
+        half_bar += exp_value * exp_value_bar if exp_value_bar != 0.0 else 0.0
         # half = np.float32(0.5) * x[i]
         x_bar[i] += np.float32(0.5) * half_bar

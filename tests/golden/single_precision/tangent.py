@@ -5,7 +5,7 @@ Engine: NumPy. Level: plain. Arguments:
     x: float32[:], in
 """
 
-import math
+# ruff: noqa: FURB136, RUF100
 
 import numpy as np
 
@@ -14,6 +14,6 @@ def kernel_tangent(y, y_dot, x, x_dot):
     for i in range(x.size):
         half = np.float32(0.5) * x[i]
         half_dot = np.float32(0.5) * x_dot[i]
-        exp_value = math.exp(half)
-        y_dot[i] = exp_value * half_dot + half * (exp_value * half_dot)
+        exp_value = np.exp(np.float64(half))
+        y_dot[i] = exp_value * half_dot + half * (exp_value * half_dot if half_dot != 0.0 else 0.0)
         y[i] = half * exp_value

@@ -9,14 +9,14 @@ It records nothing.
 
 # ruff: noqa: FURB136, RUF100
 
-import math
+import numpy as np
 
 
 def kernel_adjoint(y, y_bar, x, x_bar):
     # reverse sweep
     for i in range(x.size - 1, -1, -1):
         root_bar = 0.0
-        root = math.sqrt(x[i])
+        root = np.sqrt(x[i])
         if x[i] > 0.0:
             # y[i] = root if x[i] > 0.0 else 0.0
             seed = y_bar[i]

@@ -7,12 +7,12 @@ Engine: NumPy. Level: plain. Arguments:
 
 # ruff: noqa: FURB136, PLR1730, RUF100
 
-import math
+import numpy as np
 
 
 def kernel_tangent(y, y_dot, x, x_dot):
     for i in range(x.size):
-        root = math.sqrt(x[i])
+        root = np.sqrt(x[i])
         root_dot = 0.5 * x_dot[i] / root if x_dot[i] != 0.0 else 0.0
         if x[i] > 0.0:
             y_dot[i] = root_dot

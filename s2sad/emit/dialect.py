@@ -1,0 +1,71 @@
+"""dialect: the functions of a derivative's module in what their engine has.
+
+    NumPy       `unraised`: math.sqrt(x) -> np.sqrt(x), 1.0 / n -> 1.0 / np.float64(n)
+    Numba       math.cbrt(x) -> np.cbrt(x), math.isqrt(n) -> isqrt(n) of s2sad.runtime: what Numba lacks
+
+Functions of any form go in, and come out in the same.
+"""
+from __future__ import annotations
+
+from s2sad import tree
+from s2sad.emit.unraised import unraised
+from s2sad.tree import AST, BinOp, Call, Div, FunctionDef, call, call_name, const, rebuild
+from s2sad.units import Units
+
+_LACKING = {
+    "math.fmod": "numpy.fmod", "math.cbrt": "numpy.cbrt", "numpy.fix": "numpy.trunc",
+    "numpy.heaviside": "runtime.heaviside",
+    **{f"math.{n}": f"runtime.{n}" for n in ("remainder", "isqrt", "lcm", "comb", "perm", "factorial")}}
+
+
+def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:
+    """The functions, callees first, for the units' engine."""
+    if units.engine == "numba":
+        return list(map(for_numba, functions))
+    types = {d.function.name: d.types for d in units.derived.values()}
+    types |= {title: {**u.typing.table, **dict(zip((p.id for p in u.lowered.args.args), u.types))}
+              for title, u in units.titled.items()}
+    return unraised(functions, types, units.program.constants)
+
+
+def for_numba(function: FunctionDef) -> FunctionDef:
+    """The function without what Numba lacks.
+
+    >>> root = tree.function("root", ["x"], [tree.Return(call("math.cbrt", tree.name("x")))])
+    >>> tree.dump(for_numba(root).body[0].value)
+    "Call(Name('numpy.cbrt'), [Name('x')], [])"
+    """
+    made = tree.function(function.name, [p.id for p in function.args.args], rebuild(function.body, _change))
+    return tree.at(made, function) if getattr(function, "lineno", None) else made
+
+
+def _arguments(node: Call) -> list[AST]:
+    return [rebuild(a, _change) for a in node.args]
+
+
+def _change(node: AST) -> AST | None:
+    name = call_name(node)
+    if not isinstance(node, Call) or name is None:
+        return None
+    if name in _LACKING:
+        args = _arguments(node)
+        if name == "math.perm" and len(args) == 1:
+            return _at(call("runtime.factorial", *args), node)
+        return _at(call(_LACKING[name], *args), node)
+    if name == "math.log" and len(node.args) == 2:
+        x, base = _arguments(node)
+        return _at(BinOp(call(name, x), Div(), call(name, base)), node)
+    if name == "numpy.clip" and len(node.args) == 3:
+        x, low, high = _arguments(node)
+        return _at(call("numpy.minimum", call("numpy.maximum", x, low), high), node)
+    if name == "numpy.ndim" and len(node.args) == 1:
+        return _at(call("builtins.len", call("numpy.shape", *_arguments(node))), node)
+    if name == "math.isclose":
+        given = {k.arg: rebuild(k.value, _change) for k in node.keywords}
+        tolerances = given.get("rel_tol", const(1e-9)), given.get("abs_tol", const(0.0))
+        return _at(call("runtime.isclose", *_arguments(node), *tolerances), node)
+    return None
+
+
+def _at(new: AST, old: AST) -> AST:
+    return tree.at(new, old) if getattr(old, "lineno", None) else new
