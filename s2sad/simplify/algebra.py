@@ -2,14 +2,15 @@
 
     x ** (2 - 1)   ->   x           range(n - 1, 0 - 1, -1)   ->   range(n - 1, -1, -1)
     y + -1.0 * z   ->   y - z       i + 1 - 1                 ->   i
+    a if c else a  ->   a
 
 Only what is exact in floating point: integers are computed, factors one and double signs go.
 """
 from __future__ import annotations
 
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, Constant, Expr, For, FunctionDef, If, Mult, Pow, Return, Sub, UnaryOp, USub,
-    While, at, augment, call_name, const, copy,
+    AST, Add, Assign, AugAssign, BinOp, Constant, Expr, For, FunctionDef, If, IfExp, Mult, Pow, Return, Sub, UnaryOp, USub,
+    While, at, augment, call_name, const, copy, equal, walk,
 )
 
 
@@ -62,7 +63,14 @@ def simple(node: AST, integers: bool = False) -> AST:
     if isinstance(new, UnaryOp) and isinstance(new.op, USub) and isinstance(new.operand, UnaryOp) and isinstance(
             new.operand.op, USub):
         return new.operand.operand
+    if isinstance(new, IfExp) and equal(new.body, new.orelse) and not _calls(new.test):
+        return new.body
     return _binary(new, integers) if isinstance(new, BinOp) else new
+
+
+def _calls(node: AST) -> bool:
+    """Whether an expression calls a kernel, which may write its arguments or raise."""
+    return any((call_name(n) or "").startswith("user.") for n in walk(node))
 
 
 def _field(value: object, integers: bool) -> object:

@@ -36,7 +36,7 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, product_1_stack):
         product_bar = x[i] * product_bar_1
         # total += x[i] * x[i]
         x_bar[i] += 2.0 * (x[i] * total_bar) + (product * product_bar_1 - 2.0 * y_bar[0])
-    return product_1_stack,
+    return (product_1_stack,)
 
 
 def kernel_adjoint(y, y_bar, x, x_bar):

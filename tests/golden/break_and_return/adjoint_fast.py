@@ -9,7 +9,7 @@ It records:
         push
 """
 
-# ruff: noqa: PLR1730, RUF034, SIM113, SIM210, SIM211, RUF100
+# ruff: noqa: PLR1730, SIM113, RUF100
 
 import numpy as np
 
@@ -47,10 +47,6 @@ def kernel_adjoint_taped(x, x_bar, limit, result_bar, total_1_stack):
         total_1_top -= 1
         total = total_1_stack[total_1_top]
         taken = x[i] < 0.0
-        if not taken:
-            # total = total * x[i]
-            total_1 = total * x[i]
-            taken_2 = total_1 > limit
         if taken:
             # return total * x[i]
             result_bar_3 = result_bar_1
@@ -58,12 +54,11 @@ def kernel_adjoint_taped(x, x_bar, limit, result_bar, total_1_stack):
             total_bar += x[i] * result_bar_3
             x_bar[i] += total * result_bar_3
         else:
-            total_1_bar = total_bar if taken_2 else total_bar
-            total_bar = 0.0 if taken_2 else 0.0
+            total_1_bar = total_bar
             # total = total * x[i]
-            total_bar += x[i] * total_1_bar
+            total_bar = x[i] * total_1_bar
             x_bar[i] += total * total_1_bar
-    return total_1_stack,
+    return (total_1_stack,)
 
 
 def kernel_adjoint(x, x_bar, limit, result_bar):

@@ -51,4 +51,4 @@ def kernel_adjoint_taped(u, u_bar, c, u_stack):
 
 def kernel_adjoint(u, u_bar, c):
     returned = kernel_adjoint_taped(u, u_bar, c, np.empty(0))
-    return returned[0],
+    return (returned[0],)

@@ -31,7 +31,7 @@ def kernel_adjoint_taped(x, x_bar, result_bar, state_1_stack):
         state_bar_1 = state_bar
         state_bar = np.cos(state) * (x[i] * state_bar_1)
         x_bar[i] += math.sin(state) * state_bar_1
-    return state_1_stack,
+    return (state_1_stack,)
 
 
 def kernel_adjoint(x, x_bar, result_bar):

@@ -42,7 +42,7 @@ def kernel_adjoint_taped(x, x_bar, tolerance, guess_1_stack):
         guess_bar = seed
         guess_bar -= x[0] / guess * seed / guess if seed != 0.0 else 0.0
         x_bar[0] += seed / guess if seed != 0.0 else 0.0
-    return guess_1_stack,
+    return (guess_1_stack,)
 
 
 def kernel_adjoint(x, x_bar, tolerance):

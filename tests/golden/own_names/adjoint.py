@@ -35,4 +35,4 @@ def kernel_adjoint(u, u_bar_, seed, result_bar):
         seed_bar += u_bar * u[np] * u_bar_bar_1
     # u_bar = math.sin(u[0])
     u_bar_[0] += np_.cos(u[0]) * u_bar_bar
-    return seed_bar,
+    return (seed_bar,)

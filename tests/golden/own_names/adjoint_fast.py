@@ -42,4 +42,4 @@ def kernel_adjoint_taped(u, u_bar_, seed, result_bar, u_bar_1_stack):
 
 def kernel_adjoint(u, u_bar_, seed, result_bar):
     returned = kernel_adjoint_taped(u, u_bar_, seed, result_bar, np_.empty(0))
-    return returned[0],
+    return (returned[0],)

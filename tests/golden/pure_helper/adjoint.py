@@ -33,7 +33,7 @@ def bent_adjoint_2(a, b, result_bar):
     result_bar_1 = result_bar
     if not a * b <= 0.0:
         a_bar += 2.0 * (a * (result_bar_1 / b if result_bar_1 != 0.0 else 0.0))
-    return a_bar,
+    return (a_bar,)
 
 
 def kernel_adjoint(y, y_bar, x, x_bar):
@@ -44,7 +44,7 @@ def kernel_adjoint(y, y_bar, x, x_bar):
         y_bar[i] = 0.0
         bent_value_bar = seed
         bent_value_2_bar = 3.0 * seed
-        gain, = bent_adjoint_2(x[i - 1], 2.0, bent_value_2_bar)
+        (gain,) = bent_adjoint_2(x[i - 1], 2.0, bent_value_2_bar)
         x_bar[i - 1] += gain
         gain, gain_2 = bent_adjoint(x[i], x[i - 1], bent_value_bar)
         x_bar[i - 1] += gain_2

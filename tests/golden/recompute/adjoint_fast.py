@@ -34,4 +34,4 @@ def kernel_adjoint(y, y_bar, x, x_bar, scale):
         factor_bar += math.sin(x[last]) * bent_bar
     # factor = math.exp(scale) / n
     scale_bar = exp_value * (factor_bar / n if factor_bar != 0.0 else 0.0)
-    return scale_bar,
+    return (scale_bar,)

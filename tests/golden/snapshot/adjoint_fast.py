@@ -37,7 +37,7 @@ def kernel_adjoint_taped(u, u_bar, dt, steps, u_stack):
             du_bar[i] = 0.0
             u_bar[i] += u[i - 1] * seed
             u_bar[i - 1] += u[i] * seed
-    return u_stack,
+    return (u_stack,)
 
 
 def kernel_adjoint(u, u_bar, dt, steps):

@@ -35,4 +35,4 @@ def kernel_adjoint(x, x_bar, a, result_0_bar, result_1_bar):
         x_bar[i] += a * total_bar
     # total, product = 0.0, a
     a_bar += product_bar
-    return a_bar,
+    return (a_bar,)

@@ -41,4 +41,4 @@ def kernel_adjoint_taped(x, x_bar, a, result_0_bar, result_1_bar, product_1_stac
 
 def kernel_adjoint(x, x_bar, a, result_0_bar, result_1_bar):
     returned = kernel_adjoint_taped(x, x_bar, a, result_0_bar, result_1_bar, np.empty(0))
-    return returned[0],
+    return (returned[0],)

@@ -43,7 +43,7 @@ def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
     p_bar[2] += c_bar
     p_bar[1] += b_bar
     p_bar[0] += a_bar
-    return u_stack,
+    return (u_stack,)
 
 
 def kernel_adjoint(u, u_bar, p, p_bar):

@@ -28,7 +28,7 @@ def kernel_adjoint_taped(x, x_bar, x_stack):
             seed = x_bar[i, j]
             x_bar[i, j] = x[i - 1, j] * seed
             x_bar[i - 1, j] += x[i, j] * seed
-    return x_stack,
+    return (x_stack,)
 
 
 def kernel_adjoint(x, x_bar):

@@ -37,7 +37,7 @@ def kernel_adjoint_taped(x, x_bar, result_bar, k_1_stack):
         if not x[k - 1] < 0.0:
             # total += x[k - 1] ** 3
             x_bar[k - 1] += 3.0 * x[k - 1] ** 2 * total_bar
-    return k_1_stack,
+    return (k_1_stack,)
 
 
 def kernel_adjoint(x, x_bar, result_bar):

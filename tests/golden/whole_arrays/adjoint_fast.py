@@ -46,4 +46,4 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, y_stack):
 
 def kernel_adjoint(y, y_bar, x, x_bar, a, result_bar):
     returned = kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, np.empty(0))
-    return returned[0],
+    return (returned[0],)

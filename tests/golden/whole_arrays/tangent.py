@@ -16,4 +16,4 @@ def kernel_tangent(y, y_dot, x, x_dot, a, a_dot):
     assert y.shape == x.shape
     y_dot[...] = np.sin(x) * y_dot + y * (np.cos(x) * x_dot)
     y[...] = y * np.sin(x)
-    return np.sum(y * y_dot + y * y_dot),
+    return (np.sum(y * y_dot + y * y_dot),)

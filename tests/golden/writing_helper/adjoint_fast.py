@@ -37,7 +37,7 @@ def step_adjoint(u, u_bar, k):
         seed_2 = u_here * seed
         k_bar += u_here * seed_2
         u_bar[i] += k * seed_2 + k * u_here * seed
-    return k_bar,
+    return (k_bar,)
 
 
 def kernel_adjoint_taped(u, u_bar, k, steps, u_stack):
@@ -54,11 +54,11 @@ def kernel_adjoint_taped(u, u_bar, k, steps, u_stack):
             # step(u, k)
             u[i] = u_stack[_, i]
         # step(u, k)
-        gain, = step_adjoint(u, u_bar, k)
+        (gain,) = step_adjoint(u, u_bar, k)
         k_bar += gain
     return k_bar, u_stack
 
 
 def kernel_adjoint(u, u_bar, k, steps):
     returned = kernel_adjoint_taped(u, u_bar, k, steps, np.empty((0, 0)))
-    return returned[0],
+    return (returned[0],)
