@@ -80,7 +80,12 @@ class Derived:
     unit: Unit
     activity: Activity
     types: dict[str, Type]
+    wanted: Wanted
     plan: Plan | None = None
+
+    @property
+    def mode(self) -> str:
+        return "tangent" if self.plan is None else "adjoint"
 
 
 @dataclass
@@ -254,7 +259,7 @@ class Units:
                             self.writes)
         plan = recorded(question)
         plan.forwards = order_free(question) if self.engine == "numba" else frozenset()
-        made = adjoint(table, found, plan, wanted, names, deriving, title)
+        made = adjoint(table, found, plan, wanted, names, deriving, unit.family, title)
         return self._finished(unit, wanted, made, found, typing, names, plan)
 
     def _refuse_changing_sizes(self, unit: Unit, table: Structure) -> None:
@@ -300,7 +305,7 @@ class Units:
             tuple(order.index(p) for p in wanted.wrt if typing.table[p].is_number),
             tuple(k for k, p in enumerate(order) if position[p] in effect.reads),
             tuple(k for k, p in enumerate(order) if position[p] in effect.writes))
-        return Derived(callee, function, made, unit, found, dict(typing.table), plan)
+        return Derived(callee, function, made, unit, found, dict(typing.table), wanted, plan)
 
     def _live_out(self, made: Made, typing: Typing, primals: bool) -> set[str]:
         """The arrays whose content the caller reads: the shadows, of a tangent the primals too."""

@@ -191,6 +191,36 @@ def sum_with_a_size(x, y):
     y[:] = np.sum(x * x) / len(x)
 
 
+def loops_left_early_with_stacks(x, y):
+    total, trips = 0.5, 0
+    while total < 3.0:
+        trips += 1
+        total = total + 0.02 * math.sin(total) * x[trips % 3]
+        if trips == 150:
+            break
+        if trips % 2 == 0:
+            y[trips % 4] *= total
+        y[0] = y[0] * total - 0.7 * y[0] * y[1]
+    for k in range(x.size - 1, 0, -1):
+        y[k] = y[k] * y[k - 1]
+        if y[k] > 1e9:
+            break
+        total *= y[k - 1]
+    return total
+
+
+def loops_of_unknown_length_inside_others(x):
+    total = 1.0
+    for i in range(x.size):
+        part, limit = x[i], 1.5 + x[i]
+        while part < limit:
+            part = part * (1.02 + 0.01 * math.cos(part * total))
+            for k in range(3, 0, -1):
+                part = part * (1.0 + 0.001 * math.sin(part * x[k]))
+        total = total * part * 0.5
+    return total
+
+
 CASES = [
     (index_from_a_written_array, ("x", "y"), ("x",)), (one_array_for_two_parameters, ("x", "a"), ("x",)),
     (whole_statement_reads_its_own_target, ("x",), ("x",)), (recorded_under_a_test, ("x", "q"), ("return", "q")),
@@ -202,6 +232,8 @@ CASES = [
     (work_array_kept_by_some_iterations, ("x",), ("return",)), (diagonal_is_not_the_whole, ("x",), ("return",)),
     (several_spellings, ("x",), ("return",)), (allocated_in_a_branch, ("x",), ("return",)),
     (array_given_whole_and_by_element, ("x", "y"), ("x", "y")),
+    (loops_left_early_with_stacks, ("x", "y"), ("return", "y")),
+    (loops_of_unknown_length_inside_others, ("x",), ("return",)),
 ]
 
 

@@ -1,13 +1,15 @@
 """Tape placement: for every value recorded, the local names that hold it between the sweeps.
 
 A push outside of loops is a number. Inside loops with known trips the stack is an array with one index a loop, written
-at the counters; elsewhere it is an array and an integer, and doubles when it is full.
+at the counters. Elsewhere the array doubles when it is full: inside one loop it is written at the number of the
+iteration, inside several at an integer of its own.
 
-    u_stack = np.empty((len(range(steps)),) + u.shape)     x_stack, x_top = np.empty(64), 0
+    u_stack = np.empty((len(range(steps)),) + u.shape)     x_stack, trips = np.empty(64), 0
     for s in range(steps):                                 while ...:
-        u_stack[s] = u                                         x_stack = grow(x_stack, x_top)
-                                                               x_stack[x_top] = x
-                                                               x_top += 1
+        u_stack[s] = u                                         x_stack = grow(x_stack, trips)
+                                                               x_stack[trips] = x
+                                                               ...
+                                                               trips += 1
 """
 from __future__ import annotations
 
@@ -15,6 +17,7 @@ from dataclasses import dataclass, field
 
 from s2sad.analyze.structure import Structure
 from s2sad.analyze.trips import counter, known_trips
+from s2sad.differentiate.counting import Counting
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import INT, UNKNOWN, Type, array
 from s2sad.naming import Names
@@ -28,12 +31,15 @@ _FIRST = 64
 
 @dataclass
 class Stack:
-    """One stack: its names, the counters that index it if it does not grow, and for reports what lies in one entry
-    (`kind`, an array type with its `shape`) and how many entries each loop makes (`sizes`; none known if it grows)."""
+    """One stack: its array, what indexes it where it is popped (`counters`) and pushed (`pushed`, if that differs) or
+    else the integer that does (`top`), and for reports what lies in one entry (`kind`, an array type with its `shape`)
+    and how many entries each loop makes (`sizes`; none known if it grows)."""
     array: str
     top: str = ""
     loops: tuple[AST, ...] = ()
     counters: tuple[AST, ...] = ()
+    pushed: AST | None = None
+    grows: bool = False
     kind: Type = UNKNOWN
     shape: AST | None = None
     sizes: tuple[AST, ...] = ()
@@ -46,16 +52,19 @@ class Tape:
     typing: Typing
     free: Names
     rerun: frozenset[int]
+    counting: Counting
     stacks: dict[str, Stack] = field(default_factory=dict)
     allocations: dict[int, list[AST]] = field(default_factory=dict)
 
-    def stack(self, key: str, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None) -> Stack:
-        """The stack of a value of type `kind` (an array type with its `shape`) pushed inside `loops`."""
+    def stack(self, key: str, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None,
+              carried: bool = False) -> Stack:
+        """The stack of a value of type `kind` (an array type with its `shape`) pushed inside `loops`, a `carried` one
+        where an iteration begins."""
         if key not in self.stacks:
-            self.stacks[key] = self._made(wanted, kind, loops, shape)
+            self.stacks[key] = self._made(wanted, kind, loops, shape, carried)
         return self.stacks[key]
 
-    def _made(self, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None) -> Stack:
+    def _made(self, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None, carried: bool) -> Stack:
         last = max((k for k, loop in enumerate(loops) if id(loop) in self.rerun), default=-1)
         inner, home = loops[last + 1:], loops[:1] if last < 0 else loops[min(k for k, x in enumerate(loops)
                                                                             if id(x) in self.rerun):][:1]
@@ -70,12 +79,22 @@ class Tape:
             made.sizes = tuple(sizes)
             allocated = [self._allocate(made.array, kind, sizes, shape)]
         else:
-            made.top = self.free.fresh(f"{wanted}_top")
-            self.typing.table[made.top] = INT
-            allocated = [self._allocate(made.array, kind, [const(_FIRST)], shape), assign(made.top, const(0))]
+            allocated = [self._allocate(made.array, kind, [const(_FIRST)], shape),
+                         *self._growing(made, wanted, carried)]
         self.typing.table[made.array] = array(kind.dtype, kind.rank + max(1, len(made.counters)))
         self.allocations.setdefault(id(home[0]), []).extend(allocated)
         return made
+
+    def _growing(self, made: Stack, wanted: str, carried: bool) -> list[AST]:
+        """Sets what indexes a stack that grows; the statements that begin it."""
+        made.grows = True
+        found = self.counting.iteration(made.loops[0], carried) if len(made.loops) == 1 else None
+        if found is not None:
+            made.pushed, made.counters = found[0], (found[1],)
+            return []
+        made.top = self.free.fresh(f"{wanted}_top")
+        self.typing.table[made.top] = INT
+        return [assign(made.top, const(0))]
 
     def _allocate(self, target: str, kind: Type, sizes: list[AST], shape: AST | None) -> AST:
         dtype = [] if kind.dtype == "float64" else [name("numpy.bool_" if kind.dtype == "bool"
@@ -91,11 +110,12 @@ class Tape:
         whole = self.typing.of(value).is_array
         if not stack.counters and not stack.top:
             return [assign(stack.array, call("numpy.copy", value) if whole else value)]
-        cell = self.cell(stack)
-        if not stack.top:
-            return [assign(cell, value)]
-        return [assign(stack.array, call("runtime.grow", name(stack.array), name(stack.top))), assign(cell, value),
-                augment(stack.top, Add(), const(1))]
+        place = name(stack.top) if stack.top else stack.pushed
+        if place is None:
+            return [assign(self.cell(stack), value)]
+        return [assign(stack.array, call("runtime.grow", name(stack.array), copy(place))),
+                assign(index(name(stack.array), copy(place)), value),
+                *([augment(stack.top, Add(), const(1))] if stack.top else [])]
 
     def previous(self, stack: Stack, first: AST) -> AST:
         """What an indexed stack holds of the iteration before, or `first` in the first one."""

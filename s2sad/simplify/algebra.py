@@ -9,8 +9,8 @@ Only what is exact in floating point: integers are computed, factors one and dou
 from __future__ import annotations
 
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, Constant, Expr, For, FunctionDef, If, IfExp, Mult, Pow, Return, Sub, UnaryOp, USub,
-    While, at, augment, call_name, const, copy, equal, walk,
+    AST, Add, Assign, AugAssign, BinOp, Constant, Expr, For, FunctionDef, If, IfExp, Mult, Pow, Return, Sub, UnaryOp,
+    USub, While, at, augment, call_name, const, copy, equal, walk,
 )
 
 

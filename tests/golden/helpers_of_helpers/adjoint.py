@@ -25,6 +25,7 @@ def energy(row):
 
 
 def square_adjoint(a, result_bar):
+    """Adjoint of square: d(return) / d(a)."""
     # reverse sweep
     # return a * a
     a_bar = 2.0 * (a * result_bar)
@@ -32,6 +33,7 @@ def square_adjoint(a, result_bar):
 
 
 def energy_adjoint(row, row_bar, result_bar):
+    """Adjoint of energy: d(return) / d(row)."""
     # reverse sweep
     # return total
     total_bar = result_bar

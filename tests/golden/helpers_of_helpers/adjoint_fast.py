@@ -27,6 +27,7 @@ def energy(row):
 
 
 def square_adjoint(a, result_bar):
+    """Adjoint of square: d(return) / d(a)."""
     # reverse sweep
     # return a * a
     a_bar = 2.0 * (a * result_bar)
@@ -34,6 +35,7 @@ def square_adjoint(a, result_bar):
 
 
 def energy_adjoint(row, row_bar, result_bar):
+    """Adjoint of energy: d(return) / d(row)."""
     # reverse sweep
     # return total
     total_bar = result_bar
@@ -45,6 +47,7 @@ def energy_adjoint(row, row_bar, result_bar):
 
 
 def kernel_adjoint_taped(y, y_bar, x, x_bar, energy_value_stack, y_stack):
+    """Adjoint of kernel: d(y) / d(y, x), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     energy_value_stack = sized(energy_value_stack, (x.shape[0],))
     y_stack = sized(y_stack, (x.shape[0],))

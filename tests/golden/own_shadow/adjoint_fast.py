@@ -14,6 +14,7 @@ from s2sad.runtime import sized  # isort: skip
 
 
 def kernel_adjoint_taped(y, y_bar, x, x_bar, x_stack):
+    """Adjoint of kernel: d(y) / d(x), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     x_stack = sized(x_stack, (x.size,))
     for i in range(x.size):

@@ -11,6 +11,7 @@ It records nothing.
 
 
 def bent_adjoint(a, b, result_bar):
+    """Adjoint of bent: d(return) / d(a, b)."""
     # forward sweep: only what the reverse sweep reads
     taken = a * b <= 0.0
     if not taken:
@@ -27,6 +28,7 @@ def bent_adjoint(a, b, result_bar):
 
 
 def bent_adjoint_2(a, b, result_bar):
+    """Adjoint of bent: d(return) / d(a)."""
     # reverse sweep
     a_bar = 0.0
     # return a * a / b

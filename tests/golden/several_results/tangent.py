@@ -12,6 +12,7 @@ import numpy as np
 
 
 def polar_tangent(a, a_dot, b, b_dot):
+    """Tangent of polar: d(return 0, return 1) / d(a, b)."""
     result = math.hypot(a, b)
     return (
         result, math.atan2(b, a), 2,

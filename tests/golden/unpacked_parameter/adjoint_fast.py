@@ -16,6 +16,7 @@ from s2sad.runtime import sized  # isort: skip
 
 
 def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
+    """Adjoint of kernel: d(u) / d(u, p), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     a = p[0]
     b = p[1]

@@ -19,6 +19,7 @@ def step(u, k):
 
 
 def step_adjoint(u, u_bar, k):
+    """Adjoint of step: d(u) / d(u, k)."""
     # forward sweep: only what the reverse sweep reads
     u_stack = np.empty(u.size)
     for i in range(u.size):

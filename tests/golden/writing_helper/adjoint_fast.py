@@ -21,6 +21,7 @@ def step(u, k):
 
 
 def step_adjoint(u, u_bar, k):
+    """Adjoint of step: d(u) / d(u, k)."""
     # forward sweep: only what the reverse sweep reads
     u_stack = np.empty(u.size)
     for i in range(u.size):
@@ -41,6 +42,7 @@ def step_adjoint(u, u_bar, k):
 
 
 def kernel_adjoint_taped(u, u_bar, k, steps, u_stack):
+    """Adjoint of kernel: d(u) / d(u, k), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     u_stack = sized(u_stack, (len(range(steps)),) + u.shape)
     for _ in range(steps):
