@@ -23,12 +23,13 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
+from s2sad.normalize.choices import choices
 from s2sad.normalize.form import verify
 from s2sad.normalize.rename import rename
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize
 from s2sad.normalize.sharing import shared, specialised
-from s2sad.normalize.spelled import spelled
+from s2sad.normalize.spelled import rows, spelled
 from s2sad.normalize.views import views
 from s2sad.normalize.workspace import is_allocation, workspace
 from s2sad.program import Kernel, Program
@@ -138,7 +139,10 @@ class Units:
         report.finish()
         typing = Typing(table, self.call_types, report, values)
         typing.final = True
+        tree = choices(tree, typing, names)
         ruled(tree, typing, report)
+        report.finish()
+        tree = rows(tree, typing, report)
         report.finish()
         tree = views(tree, table, typing, names, report)
         report.finish()

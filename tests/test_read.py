@@ -94,7 +94,7 @@ REFUSED = [
     ("y = x[..., 0]", "...", "S201", f"... {NO} except as x[...]", "write x[...] for the whole array, or a loop"),
     ("y = x[1:3]", "x[1:3]", "S201", f"a slice of a part {PLANNED}", WRITE_SLICE),
     ("x[::2] = 0.0", "x[::2]", "S201", f"a slice of a part {PLANNED}", WRITE_SLICE),
-    ("y = x[0, :]", "x[0, :]", "S201", f"a slice of a part {PLANNED}", WRITE_SLICE + ", x[i] for a row"),
+    ("y = x[:, 0]", "x[:, 0]", "S201", f"a slice of a part {PLANNED}", WRITE_SLICE + ", x[i] for a row"),
     ("y = x[None]", "None", "S201", f"a new axis in a subscript {PLANNED}",
      "write a loop over the elements with x[i, j]"),
     ("y = x[np.newaxis]", "np.newaxis", "S201", f"a new axis in a subscript {PLANNED}",

@@ -8,7 +8,7 @@ import gast
 import numpy as np
 import pytest
 
-from s2sad import rules, tree
+from s2sad import rules, runtime, tree
 from s2sad.rules.rule import Table, signature, template
 
 NAMES = rules.names()
@@ -32,7 +32,7 @@ def scalar_form(node: tree.AST) -> tree.AST:
 
 def compiled(parameters: tuple[str, ...], node: tree.AST) -> Callable:
     text = f"lambda {', '.join(parameters)}: {spelled(node)}"
-    return eval(text, {"numpy": np, "math": math})
+    return eval(text, {"numpy": np, "math": math, "runtime": runtime})
 
 
 def primal(name: str) -> Callable:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from s2sad import runtime
-from s2sad.runtime import stacks, sums
+from s2sad.runtime import special, stacks, sums
 
 
 def _compiled(module) -> dict:
@@ -26,8 +26,9 @@ def _compiled(module) -> dict:
 @pytest.fixture(scope="module", params=["numpy", "numba"])
 def functions(request):
     if request.param == "numpy":
-        return {"grow": runtime.grow, "pairwise_sum": runtime.pairwise_sum, "blocked_sum": runtime.blocked_sum}
-    return {**_compiled(stacks), **_compiled(sums)}
+        return {"grow": runtime.grow, "pairwise_sum": runtime.pairwise_sum, "blocked_sum": runtime.blocked_sum,
+                "digamma": runtime.digamma}
+    return {**_compiled(stacks), **_compiled(sums), **_compiled(special)}
 
 
 @pytest.mark.parametrize("shape", [(3,), (2, 3), (2, 3, 2), (2, 1, 2, 2), (2, 0)])
@@ -89,4 +90,20 @@ def test_imports_nothing_of_ours():
             "import s2sad.runtime; "
             "print(sorted(m for m in sys.modules if m.startswith('s2sad') or m in ('numba', 'gast')))")
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert ran.stdout.strip() == str(["s2sad", "s2sad.runtime", "s2sad.runtime.stacks", "s2sad.runtime.sums"])
+    assert ran.stdout.strip() == str(["s2sad", "s2sad.runtime", "s2sad.runtime.special", "s2sad.runtime.stacks",
+                                      "s2sad.runtime.sums"])
+
+
+def test_digamma(functions):
+    """Against SciPy's; near its zeros, and far below 0 where x itself has few digits, to the size of its terms."""
+    reference = pytest.importorskip("scipy.special").digamma
+    rng = np.random.default_rng(1)
+    points = np.concatenate([rng.uniform(-30.0, 30.0, 4000), 10.0 ** rng.uniform(-300, 300, 1000),
+                             -10.0 ** rng.uniform(-300, -1, 500), [1.4616321449683622, 9.999999999999998, 10.0]])
+    for x in points:
+        away = abs(x - np.rint(x)) if x < 0.0 else 1.0
+        expected = reference(x)
+        assert abs(functions["digamma"](x) - expected) <= 1e-14 * max(1.0, abs(expected)) * max(1.0, 0.1 / away), x
+    assert math.isnan(functions["digamma"](0.0)) and math.isnan(functions["digamma"](-3.0))
+    assert math.isnan(functions["digamma"](math.nan)) and functions["digamma"](math.inf) == math.inf
+    assert math.isnan(functions["digamma"](-math.inf))

@@ -154,7 +154,9 @@ def _subscript(node: AST, report: Report) -> list[AST] | None:
     items = tree.indices(node)
     if len(items) == 1 and isinstance(items[0], tree.Constant) and items[0].value is Ellipsis:
         return [node.value]
-    if all(map(_is_full, items)) and items:
+    while len(items) > 1 and _is_full(items[-1]):
+        items = items[:-1]
+    if _is_full(items[0]) and len(items) == 1:
         return [node.value]
     if any(isinstance(item, tree.Slice) for item in items):
         _slice(node, items, report)

@@ -19,7 +19,7 @@ from s2sad import tree
 from s2sad.tree import AST, Attribute, BinOp, Call, Name, UnaryOp
 
 RESULT = "y"
-_MODULES = ("numpy", "math", "builtins")
+_MODULES = ("numpy", "math", "builtins", "runtime")
 _OPERATORS = {"Add": "+", "Sub": "-", "Mult": "*", "Div": "/", "FloorDiv": "//", "Mod": "%", "Pow": "**",
               "USub": "-", "UAdd": "+"}
 _KINDS = ("float", "int", "bool", "same")

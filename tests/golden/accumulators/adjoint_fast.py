@@ -5,8 +5,8 @@ Engine: Numba. Level: fast. Arguments:
     x: float64[:], in
 
 It records:
-    product_stack: product where an iteration of `for i in range(x.size):` begins, 8 * x.size
-        bytes
+    product_stack: product where an iteration of `for i in range(x.size):` begins,
+        8 * x.size bytes
 """
 
 import numpy as np

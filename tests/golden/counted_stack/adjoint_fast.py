@@ -4,8 +4,8 @@ Engine: Numba. Level: fast. Arguments:
     x: float64[:], in
 
 It records:
-    state_stack: state where an iteration of `for i in range(x.size):` begins, 8 * x.size
-        bytes
+    state_stack: state where an iteration of `for i in range(x.size):` begins,
+        8 * x.size bytes
 """
 
 import math

@@ -6,8 +6,8 @@ Engine: Numba. Level: fast. Arguments:
 
 It records:
     y_stack: y before `y[k] = total * value`, 8 * len(x) bytes
-    total_stack: total where an iteration of `for i in reversed(range(1, x.size)):` begins, 8
-        * len(range(x.size - 1, 0, -1)) bytes
+    total_stack: total where an iteration of `for i in reversed(range(1,
+        x.size)):` begins, 8 * len(range(x.size - 1, 0, -1)) bytes
 """
 
 import numpy as np

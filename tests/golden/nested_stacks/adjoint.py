@@ -6,8 +6,8 @@ Engine: NumPy. Level: plain. Arguments:
 It records:
     part_stack: part where an iteration of `for _ in range(i + 1):` begins, 8 bytes per push
     part_stack_2: part after `for _ in range(i + 1):`, 8 * x.size bytes
-    total_stack: total where an iteration of `for i in range(x.size):` begins, 8 * x.size
-        bytes
+    total_stack: total where an iteration of `for i in range(x.size):` begins,
+        8 * x.size bytes
 """
 
 # ruff: noqa: SIM113, RUF100

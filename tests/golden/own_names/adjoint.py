@@ -5,8 +5,8 @@ Engine: NumPy. Level: plain. Arguments:
     seed: float64, in
 
 It records:
-    u_bar_stack: u_bar where an iteration of `for np in range(1, u.size):` begins, 8 *
-        len(range(1, u.size)) bytes
+    u_bar_stack: u_bar where an iteration of `for np in range(1, u.size):` begins,
+        8 * len(range(1, u.size)) bytes
 """
 
 import math
