@@ -17,7 +17,7 @@ from s2sad.analyze.unshadowed import unshadowed
 from s2sad.differentiate.adjoint import Wanted
 from s2sad.simplify.taped import Taped, taped
 from s2sad.emit.dialect import in_dialect
-from s2sad.emit.header import header
+from s2sad.emit.header import documented, header
 from s2sad.emit.module import module_text
 from s2sad.emit.origins import with_origins
 from s2sad.emit.primal import kernels_called, primal_functions
@@ -70,12 +70,14 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
     found = facts(derived, request, units) | {"unshadowed": unshadowed(
         unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
     functions = primal_functions(units, kernels_called(made, units)) + [
-        with_origins(d.function, d.unit.kernel.source) for d in units.derived.values() if d is not derived]
+        documented(with_origins(d.function, d.unit.kernel.source), d) for d in units.derived.values()
+        if d is not derived]
     kept = kept_tape(derived, units) if request.level == "fast" else None
     if kept is None:
         functions.append(with_origins(derived.function, unit.kernel.source))
     else:
-        functions += [with_origins(kept.taped, unit.kernel.source), kept.public]
+        functions += [documented(with_origins(kept.taped, unit.kernel.source), derived, "over given stacks"),
+                      kept.public]
         found |= {"taped": kept.taped.name, "stacks": kept.stacks}
     text = module_text(in_dialect(functions, units), header=header(derived, request, units),
                        constants=program.constants, standalone=request.standalone)

@@ -25,6 +25,7 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
+from s2sad.normalize.choices import choices
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
 from s2sad.normalize.rename import rename
@@ -84,7 +85,12 @@ class Derived:
     unit: Unit
     activity: Activity
     types: dict[str, Type]
+    wanted: Wanted
     plan: Plan | None = None
+
+    @property
+    def mode(self) -> str:
+        return "tangent" if self.plan is None else "adjoint"
 
 
 @dataclass
@@ -137,6 +143,7 @@ class Units:
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
+        tree = choices(tree, typing, names)
         ruled(tree, typing, report)
         report.finish()
         plain = tree = functions(tree, typing, names)
@@ -266,7 +273,7 @@ class Units:
                             lambda s: [index(s.targets[0], const(...))] if repeated(table, s) else self.writes(s))
         plan = recorded(question)
         plan.forwards = order_free(question) if self.engine == "numba" else frozenset()
-        made = adjoint(table, found, plan, wanted, names, deriving, title)
+        made = adjoint(table, found, plan, wanted, names, deriving, unit.family, title)
         return self._finished(unit, wanted, made, found, typing, names, plan)
 
     def _tangent(self, unit: Unit, wanted: Wanted, title: str, flat: bool) -> Derived:
@@ -302,7 +309,7 @@ class Units:
             tuple(order.index(p) for p in wanted.wrt if typing.table[p].is_number),
             tuple(k for k, p in enumerate(order) if position[p] in effect.reads),
             tuple(k for k, p in enumerate(order) if position[p] in effect.writes))
-        return Derived(callee, function, made, unit, found, dict(typing.table), plan)
+        return Derived(callee, function, made, unit, found, dict(typing.table), wanted, plan)
 
     def _live_out(self, made: Made, typing: Typing, primals: bool) -> set[str]:
         """The arrays whose content the caller reads: the shadows, of a tangent the primals too."""

@@ -45,8 +45,8 @@ def lines(*rows: str) -> str:
 
 
 STATEMENTS = [
-    "x = 1", "x = y = 1", "a, b = b, a", "(a, b), c = d", "a, = p", "x[i, j] += 1", "x **= -y", "return",
-    "return a, b", "return a,", 'assert a < b, "a must be less"', 'raise ValueError("no")', "raise", "print(a, b)",
+    "x = 1", "x = y = 1", "a, b = b, a", "(a, b), c = d", "(a,) = p", "x[i, j] += 1", "x **= -y", "return",
+    "return a, b", "return (a,)", 'assert a < b, "a must be less"', 'raise ValueError("no")', "raise", "print(a, b)",
     "x = a if b else c", "x = ()", "a = b, (c, d)", "x += a, b", "def f():\n    pass",
     "def f(a, b=1, *c, d, e=2, **g):\n    return a",
     "def f(a, /, b: float, *, c: int = 1) -> float:\n    return a", "@njit\ndef f(x):\n    return x",

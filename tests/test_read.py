@@ -4,7 +4,10 @@ from __future__ import annotations
 import builtins
 import importlib.util
 import inspect
+import linecache
 import math
+import subprocess
+import sys
 import types
 
 import numpy as np
@@ -28,6 +31,8 @@ WHERE_NEEDED = "call it where it is needed"
 
 HEAD = """import functools
 import math
+import subprocess
+import sys
 import numpy as np
 import scipy.special as special
 G = 9.81
@@ -274,6 +279,26 @@ def test_no_source(tmp_path):
     assert refusal(read.load, module.f) == printed(
         module.__file__, 3, "f = lambda x: x", "lambda", "S101", "a lambda cannot be read",
         "write it as a function at module level, with def")
+
+
+@pytest.mark.parametrize("text", ["", "x = 1\n", "def made(x):\n    return 2 * x\n", "not Python"])
+def test_executed_text_is_never_taken_for_the_text_of_a_command(text, monkeypatch):
+    """Since Python 3.13 linecache has the text of `python -c` under "<string>", where `exec` puts its functions."""
+    monkeypatch.setitem(linecache.cache, "<string>", (len(text), None, text.splitlines(True), "<string>"))
+    space = {}
+    exec("def made(x):\n    return x\n", space)
+    assert refusal(read.load, space["made"]) == (
+        "error[S101]: the source of 'made' cannot be had: it was defined in <string>, not in a file\n"
+        "  help: write the function to a .py file and import it from there")
+
+
+def test_function_of_a_command():
+    """`python -c` keeps its text since Python 3.13; before, its functions have no source."""
+    command = ("from s2sad import S2sadError, read\ndef f(x):\n    return 2.0 * x\n"
+               "try:\n    print(read.load(f).entry)\nexcept S2sadError as error:\n    print(error)\n")
+    made = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True)
+    expected = "f" if sys.version_info >= (3, 13) else "error[S101]: the source of 'f' cannot be had"
+    assert made.stdout.startswith(expected)
 
 
 def test_helper_without_source_is_shown_at_the_call(tmp_path):

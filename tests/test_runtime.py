@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from s2sad import runtime
-from s2sad.runtime import scalars, stacks, sums
+from s2sad.runtime import scalars, special, stacks, sums
 
 
 def _compiled(module) -> dict:
@@ -26,8 +26,9 @@ def _compiled(module) -> dict:
 @pytest.fixture(scope="module", params=["numpy", "numba"])
 def functions(request):
     if request.param == "numpy":
-        return {"grow": runtime.grow, "pairwise_sum": runtime.pairwise_sum, "blocked_sum": runtime.blocked_sum}
-    return {**_compiled(stacks), **_compiled(sums)}
+        return {"grow": runtime.grow, "pairwise_sum": runtime.pairwise_sum, "blocked_sum": runtime.blocked_sum,
+                "digamma": runtime.digamma}
+    return {**_compiled(stacks), **_compiled(sums), **_compiled(special)}
 
 
 @pytest.mark.parametrize("shape", [(3,), (2, 3), (2, 3, 2), (2, 1, 2, 2), (2, 0)])
@@ -90,7 +91,7 @@ def test_imports_nothing_of_ours():
             "print(sorted(m for m in sys.modules if m.startswith('s2sad') or m in ('numba', 'gast')))")
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.strip() == str(["s2sad", "s2sad.runtime", *(
-        f"s2sad.runtime.{room}" for room in ("scalars", "spans", "spread", "stacks", "sums"))])
+        f"s2sad.runtime.{room}" for room in ("scalars", "spans", "special", "spread", "stacks", "sums"))])
 
 
 @pytest.fixture(scope="module", params=["numpy", "numba"])
@@ -133,3 +134,18 @@ def test_heaviside_and_isclose(numbers):
         for y in (0.0, 1e-10, 2.0 + 1e-9, math.inf, math.nan):
             for absolute in (0.0, 1e-9):
                 assert numbers["isclose"](x, y, 1e-9, absolute) == math.isclose(x, y, abs_tol=absolute)
+
+
+def test_digamma(functions):
+    """Against SciPy's; near its zeros, and far below 0 where x itself has few digits, to the size of its terms."""
+    reference = pytest.importorskip("scipy.special").digamma
+    rng = np.random.default_rng(1)
+    points = np.concatenate([rng.uniform(-30.0, 30.0, 4000), 10.0 ** rng.uniform(-300, 300, 1000),
+                             -10.0 ** rng.uniform(-300, -1, 500), [1.4616321449683622, 9.999999999999998, 10.0]])
+    for x in points:
+        away = abs(x - np.rint(x)) if x < 0.0 else 1.0
+        expected = reference(x)
+        assert abs(functions["digamma"](x) - expected) <= 1e-14 * max(1.0, abs(expected)) * max(1.0, 0.1 / away), x
+    assert math.isnan(functions["digamma"](0.0)) and math.isnan(functions["digamma"](-3.0))
+    assert math.isnan(functions["digamma"](math.nan)) and functions["digamma"](math.inf) == math.inf
+    assert math.isnan(functions["digamma"](-math.inf))

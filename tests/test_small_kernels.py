@@ -182,6 +182,63 @@ def sum_with_a_size(x, y):
     y[:] = np.sum(x * x) / len(x)
 
 
+def loops_left_early_with_stacks(x, y):
+    total, trips = 0.5, 0
+    while total < 3.0:
+        trips += 1
+        total = total + 0.02 * math.sin(total) * x[trips % 3]
+        if trips == 150:
+            break
+        if trips % 2 == 0:
+            y[trips % 4] *= total
+        y[0] = y[0] * total - 0.7 * y[0] * y[1]
+    for k in range(x.size - 1, 0, -1):
+        y[k] = y[k] * y[k - 1]
+        if y[k] > 1e9:
+            break
+        total *= y[k - 1]
+    return total
+
+
+def loops_of_unknown_length_inside_others(x):
+    total = 1.0
+    for i in range(x.size):
+        part, limit = x[i], 1.5 + x[i]
+        while part < limit:
+            part = part * (1.02 + 0.01 * math.cos(part * total))
+            for k in range(3, 0, -1):
+                part = part * (1.0 + 0.001 * math.sin(part * x[k]))
+        total = total * part * 0.5
+    return total
+
+
+def where_of_numbers(x, y):
+    total = 0.0
+    for i in range(x.size):
+        y[i] = np.where(x[i] > 0.7, x[i] * y[i], np.where(x[i] > 0.5, 2.0, math.sin(x[i])))
+        total += 2.0 * np.where(y[i] > 0.5, y[i], x[i] * x[i]) - y[i]
+    return 2.0 * np.where(total > 0.0, total * x[0], -total)
+
+
+def whole_axes(m):
+    for i in range(1, m.shape[0]):
+        row, m[i - 1, :] = m[i, :], 2.0 * m[i - 1, :] * m[i]
+        for j in range(row.size):
+            m[i, j] = row[j] * m[i - 1, :][j]
+    m[:, :] = m * m
+
+
+def products_and_gamma(x):
+    return math.prod((x[0], x[1], 2.0)) * math.prod([x[2]]) + math.gamma(x[0] + 0.4) * math.lgamma(x[1] + 2.5)
+
+
+def choice_under_two_names(x):
+    a = np.where(x[0] > 0.0, x[0], x[1])
+    b = a
+    a += x[2]
+    return a * b
+
+
 CASES = [
     (index_from_a_written_array, ("x", "y"), ("x",)), (one_array_for_two_parameters, ("x", "a"), ("x",)),
     (whole_statement_reads_its_own_target, ("x",), ("x",)), (recorded_under_a_test, ("x", "q"), ("return", "q")),
@@ -193,6 +250,10 @@ CASES = [
     (work_array_kept_by_some_iterations, ("x",), ("return",)), (diagonal_is_not_the_whole, ("x",), ("return",)),
     (several_spellings, ("x",), ("return",)), (allocated_in_a_branch, ("x",), ("return",)),
     (array_given_whole_and_by_element, ("x", "y"), ("x", "y")),
+    (where_of_numbers, ("x", "y"), ("return", "y")), (whole_axes, ("m",), ("m",)),
+    (products_and_gamma, ("x",), ("return",)),
+    (loops_left_early_with_stacks, ("x", "y"), ("return", "y")),
+    (loops_of_unknown_length_inside_others, ("x",), ("return",)),
 ]
 
 
@@ -213,6 +274,13 @@ def test_small_kernel(kernel, wrt, of, engine):
     names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]
     arguments = tuple(_argument(n, rng, "q" in names and "m" not in names) for n in names)
     check_derivatives(kernel, arguments, wrt, of, engine=engine)
+
+
+@pytest.mark.parametrize("kernel", [choice_under_two_names])
+def test_refused_for_want_of_a_rule(kernel):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(kernel)(np.array([0.4, 0.9, 0.8, 1.2]))
+    assert caught.value.diagnostics[0].code == "S301"
 
 
 @pytest.mark.parametrize(("kernel", "said"), [

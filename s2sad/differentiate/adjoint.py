@@ -10,6 +10,7 @@ pruned to what the reverse sweep reads (`simplify.dead` does that).
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from s2sad.analyze.activity import Activity
@@ -20,6 +21,7 @@ from s2sad.analyze.structure import Structure
 from s2sad.analyze.uses import owns_result
 from s2sad.differentiate.arithmetic import Term
 from s2sad.differentiate.calls import Derive, is_kernel_call, pattern
+from s2sad.differentiate.counting import Counting
 from s2sad.differentiate.expression import Pullback
 from s2sad.differentiate.resize import empty_at_first
 from s2sad.differentiate.sweeps import Sweeps
@@ -57,22 +59,22 @@ class Made:
 
 
 def adjoint(structure: Structure, active: Activity, plan: Plan, wanted: Wanted, free: Names, derive: Derive,
-            title: str) -> Made:
-    """The adjoint of a function; `title` is its name."""
-    return _Adjoint(structure, active, plan, wanted, free, derive).made(title)
+            family: Mapping[str, str], title: str) -> Made:
+    """The adjoint of a function; `title` is its name, `family` tells which variable of the user's a name stands for."""
+    return _Adjoint(structure, active, plan, wanted, free, derive, family).made(title)
 
 
 class _Adjoint:
     def __init__(self, structure: Structure, activity: Activity, plan: Plan, wanted: Wanted, free: Names,
-                 derive: Derive):
+                 derive: Derive, family: Mapping[str, str]):
         self.structure, self.typing, self.plan = structure, structure.typing, plan
         self.active = activity.active
         self.wanted, self.free, self.derive = wanted, free, derive
         self.shadows: dict[str, str] = {}
         self.scopes: dict[int, list[str]] = {}
-        self.tape = Tape(structure, self.typing, free, plan.rerun)
+        self.tape = Tape(structure, self.typing, free, plan.rerun, Counting(structure, plan, free))
         self.shapes = shapes_of(structure.function, self.typing)
-        self.sweeps = Sweeps(structure, plan, self.tape, free, self.statement, self.zeros, self.shapes)
+        self.sweeps = Sweeps(structure, plan, self.tape, free, self.statement, self.zeros, self.shapes, family)
         self.pullback = Pullback(self.typing, self.active, free, self.bind, self.shapes)
         self.parameters = [p.id for p in structure.function.args.args]
         self.written = {base_name(t) for s in walk(structure.function.body) if isinstance(s, (Assign, AugAssign))

@@ -6,7 +6,7 @@ At the top of the block stands what later segments read as well.
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from s2sad.analyze.dependence import range_parts
 from s2sad.analyze.liveness import base_name, targets
@@ -15,6 +15,7 @@ from s2sad.analyze.resized import own_loops
 from s2sad.analyze.structure import Structure, is_simple
 from s2sad.analyze.uses import owns_result
 from s2sad.analyze.values import Value
+from s2sad.differentiate.counting import has_break
 from s2sad.differentiate.resize import pop_sizes, push_sizes
 from s2sad.differentiate.tape import Stack, Tape
 from s2sad.infer.shapes import Shapes
@@ -23,7 +24,7 @@ from s2sad.naming import Names
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, Call, Constant, Expr, For, If, Mult, Name, Return, Slice, Sub, Subscript, USub,
     UnaryOp, While, add, assign, at, attribute, augment, call, call_name, const, copy, counted_for, forget, index,
-    indices, name, names, stored_names, tuple_of, walk,
+    indices, name, names, stored_names, sub, tuple_of, walk,
 )
 
 Adjoint = Callable[[AST], list[AST]]
@@ -33,16 +34,16 @@ class Sweeps:
     """Writes both sweeps of one function from its plan.
 
     `adjoint(statement)` gives the adjoint of a simple statement, a whole-array statement or a call;
-    `zeros(block)` what must be zero where the reverse of a block begins.
+    `zeros(block)` what must be zero where the reverse of a block begins; `family` says which variable a name is of.
     """
 
     def __init__(self, structure: Structure, plan: Plan, tape: Tape, free: Names, adjoint: Adjoint,
-                 zeros: Callable[[list[AST]], list[AST]], shapes: Shapes):
+                 zeros: Callable[[list[AST]], list[AST]], shapes: Shapes, family: Mapping[str, str]):
         self.shapes = shapes
         self.structure, self.plan, self.tape, self.free = structure, plan, tape, free
         self.typing = structure.typing
-        self.adjoint, self.zeros = adjoint, zeros
-        self.trips: dict[int, str] = {}
+        self.adjoint, self.zeros, self.family = adjoint, zeros, family
+        self.counting = tape.counting
 
     # -- forward -----------------------------------------------------------------------------------------------------
 
@@ -74,14 +75,15 @@ class Sweeps:
         carried = [s for key, value in self.plan.recorded.items() if value.kind == "carried" and value.home is loop
                    for s in self.tape.push(self.value_stack(key, value), name(value.name))]
         before: list[AST] = []
-        counting: list[AST] = []
         after: list[AST] = []
-        if id(loop) in self.plan.working and self.counts(loop):
-            trips = self.trip_count(loop)
-            before, counting = [assign(trips, const(0))], [augment(trips, Add(), const(1))]
-            if self.in_loop(loop):
+        if id(loop) in self.plan.working and self.counting.counts(loop):
+            trips = self.counting.count(loop)
+            before = [assign(trips, const(0))]
+            counted = augment(trips, Add(), const(1))
+            body = [counted, *body] if has_break(loop) else [*body, counted]
+            if self.counting.in_loop(loop):
                 after = self.tape.push(self.trip_stack(loop), name(trips))
-        body = [*counting, *carried, *body]
+        body = [*carried, *body]
         made = For(loop.target, copy(loop.iter), body, [], None) if isinstance(loop, For) else \
             While(copy(loop.test), body, [])
         return [*self.tape.allocations.pop(id(loop), []), *before, made, *after]
@@ -91,20 +93,6 @@ class Sweeps:
         return [s for key, value in self.plan.recorded.items()
                 if value.kind != "carried" and value.home is statement
                 for s in self.tape.push(self.value_stack(key, value), name(value.name))]
-
-    def counts(self, loop: AST) -> bool:
-        """Whether the trips of a loop are known only when it has run."""
-        return isinstance(loop, While) or any(type(n).__name__ == "Break" for n in walk(_own(loop)))
-
-    def trip_count(self, loop: AST) -> str:
-        if id(loop) not in self.trips:
-            self.trips[id(loop)] = self.free.fresh("trips")
-            self.typing.table[self.trips[id(loop)]] = INT
-        return self.trips[id(loop)]
-
-    def in_loop(self, loop: AST) -> bool:
-        loops = self.structure.place(loop).loops
-        return bool(loops) and id(loops[-1]) not in self.plan.rerun
 
     # -- stacks ------------------------------------------------------------------------------------------------------
 
@@ -149,7 +137,8 @@ class Sweeps:
         loops = self.structure.place(value.home).loops
         if value.kind == "carried":
             loops = (*loops, value.home)
-        return self.tape.stack(key, value.name, self.typing.table[value.name], loops, None)
+        wanted = self.family.get(value.name, value.name)
+        return self.tape.stack(key, wanted, self.typing.table[value.name], loops, None, value.kind == "carried")
 
     def trip_stack(self, loop: AST) -> Stack:
         return self.tape.stack(f"trips {id(loop)}", "trips", INT, self.structure.place(loop).loops, None)
@@ -261,18 +250,25 @@ class Sweeps:
             body = [forget(self.written(loop)), *self.forward(loop.body), *body]
         if rerun:
             before += self.tape.allocations.pop(id(loop), [])
-        if self.counts(loop) and self.in_loop(loop):
-            before += self.tape.pop(self.trip_stack(loop), name(self.trip_count(loop)))
+        if self.counting.counts(loop) and self.counting.in_loop(loop):
+            before += self.tape.pop(self.trip_stack(loop), name(self.counting.count(loop)))
         if isinstance(loop, While):
-            counter = self.free.fresh("trip")
-            self.typing.table[counter] = INT
-            return [*before, counted_for(counter, [name(self.trip_count(loop))], body)]
+            return [*before, self.reverse_while(loop, body)]
         assert isinstance(loop, For)
-        trips = name(self.trip_count(loop)) if self.counts(loop) else None
+        trips = name(self.counting.count(loop)) if self.counting.counts(loop) else None
         forwards = id(loop) in self.plan.forwards and not any(
             stack.top and any(x is loop for x in stack.loops) for stack in self.tape.stacks.values())
         bounds = list(map(copy, loop.iter.args)) if forwards else reversed_bounds(loop, trips)
         return [*before, counted_for(loop.target.id, bounds, body)]
+
+    def reverse_while(self, loop: While, body: list[AST]) -> AST:
+        """As often as the loop ran; backwards if the number of the iteration is read."""
+        trips, read = name(self.counting.count(loop)), self.counting.iterations.get(id(loop))
+        if read is not None:
+            return counted_for(read, [sub(trips, const(1)), const(-1), const(-1)], body)
+        unread = self.free.fresh("trip")
+        self.typing.table[unread] = INT
+        return counted_for(unread, [trips], body)
 
 
 def reversed_bounds(loop: For, trips: AST | None) -> list[AST]:
@@ -286,6 +282,10 @@ def reversed_bounds(loop: For, trips: AST | None) -> list[AST]:
         return [sub_one(stop), sub_one(start), const(-1)]
     if trips is None and step == -1:
         return [add(copy(stop), const(1)), add(copy(start), const(1))]
+    if trips is not None and step == 1:
+        return [sub_one(add(copy(start), trips)), sub_one(start), const(-1)]
+    if trips is not None and step == -1:
+        return [add(sub(copy(start), trips), const(1)), add(copy(start), const(1))]
     size = const(step) if isinstance(step, int) else copy(step)
     trips = trips or call("builtins.len", copy(loop.iter))
     last = add(copy(start), BinOp(BinOp(trips, Sub(), const(1)), Mult(), size))
@@ -307,19 +307,6 @@ def known(node: AST) -> int | None:
 
 def sub_one(node: AST) -> AST:
     return const(node.value - 1) if isinstance(node, Constant) else BinOp(copy(node), Sub(), const(1))
-
-
-def _own(loop: AST) -> list[AST]:
-    """The statements of a loop without those of the loops inside it."""
-    found: list[AST] = []
-    waiting = list(loop.body)
-    while waiting:
-        statement = waiting.pop()
-        if isinstance(statement, If):
-            waiting += [*statement.body, *statement.orelse]
-        elif not isinstance(statement, (For, While)):
-            found.append(statement)
-    return found
 
 
 def _without_prints(statement: AST) -> AST:

@@ -1,13 +1,15 @@
 """Tape placement: for every value recorded, the local names that hold it between the sweeps.
 
 A push outside of loops is a number. Inside loops with known trips the stack is an array with one index a loop, written
-at the counters; elsewhere it is an array and an integer, and doubles when it is full.
+at the counters. Elsewhere the array doubles when it is full: inside one loop it is written at the number of the
+iteration, inside several at an integer of its own.
 
-    u_stack = np.empty((len(range(steps)),) + u.shape)     x_stack, x_top = np.empty(64), 0
+    u_stack = np.empty((len(range(steps)),) + u.shape)     x_stack, trips = np.empty(64), 0
     for s in range(steps):                                 while ...:
-        u_stack[s] = u                                         x_stack = grow(x_stack, x_top)
-                                                               x_stack[x_top] = x
-                                                               x_top += 1
+        u_stack[s] = u                                         x_stack = grow(x_stack, trips)
+                                                               x_stack[trips] = x
+                                                               ...
+                                                               trips += 1
 """
 from __future__ import annotations
 
@@ -17,6 +19,7 @@ from s2sad.analyze.liveness import base_name
 from s2sad.analyze.resized import own_loops
 from s2sad.analyze.structure import Structure
 from s2sad.analyze.trips import counter, known_trips
+from s2sad.differentiate.counting import Counting
 from s2sad.differentiate.ragged import Region, pushed, put_back
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import INT, UNKNOWN, Type, array
@@ -31,13 +34,16 @@ _FIRST = 64
 
 @dataclass
 class Stack:
-    """One stack: its names, the counters that index it if it does not grow, and for reports what lies in one entry
-    (`kind`, an array type with its `shape`) and how many entries each loop makes (`sizes`; none known if it grows).
-    A `ragged` stack has the elements of arrays of several sizes one after the other."""
+    """One stack: its array, what indexes it where it is popped (`counters`) and pushed (`pushed`, if that differs) or
+    else the integer that does (`top`), and for reports what lies in one entry (`kind`, an array type with its `shape`)
+    and how many entries each loop makes (`sizes`; none known if it grows). A `ragged` stack has the elements of arrays
+    of several sizes one after the other."""
     array: str
     top: str = ""
     loops: tuple[AST, ...] = ()
     counters: tuple[AST, ...] = ()
+    pushed: AST | None = None
+    grows: bool = False
     kind: Type = UNKNOWN
     shape: AST | None = None
     sizes: tuple[AST, ...] = ()
@@ -51,13 +57,16 @@ class Tape:
     typing: Typing
     free: Names
     rerun: frozenset[int]
+    counting: Counting
     stacks: dict[str, Stack] = field(default_factory=dict)
     allocations: dict[int, list[AST]] = field(default_factory=dict)
 
-    def stack(self, key: str, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None) -> Stack:
-        """The stack of a value of type `kind` (an array type with its `shape`) pushed inside `loops`."""
+    def stack(self, key: str, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None,
+              carried: bool = False) -> Stack:
+        """The stack of a value of type `kind` (an array type with its `shape`) pushed inside `loops`, a `carried` one
+        where an iteration begins."""
         if key not in self.stacks:
-            self.stacks[key] = self._made(wanted, kind, loops, shape)
+            self.stacks[key] = self._made(wanted, kind, loops, shape, carried)
         return self.stacks[key]
 
     def overwritten(self, key: str, place: AST, loops: tuple[AST, ...], shape: AST | None) -> Stack:
@@ -67,7 +76,7 @@ class Tape:
         if not kind.is_array or not inner or all(x is not home[0] for x in own_loops(self.structure, array)):
             return self.stack(key, array, kind, loops, shape)
         if key not in self.stacks:
-            self.stacks[key] = self._made(array, Type("number", kind.dtype), loops, None, True)
+            self.stacks[key] = self._made(array, Type("number", kind.dtype), loops, None, ragged=True)
             self.stacks[key].shape = shape
         return self.stacks[key]
 
@@ -76,7 +85,8 @@ class Tape:
         again = [k for k, loop in enumerate(loops) if id(loop) in self.rerun]
         return loops[again[-1] + 1 if again else 0:], loops[again[0] if again else 0:][:1]
 
-    def _made(self, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None, ragged: bool = False) -> Stack:
+    def _made(self, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None, carried: bool = False,
+              ragged: bool = False) -> Stack:
         inner, home = self._homes(loops)
         made = Stack(self.free.fresh(f"{wanted}_stack" if inner else f"{wanted}_before"), loops=inner, kind=kind,
                      shape=shape, ragged=ragged)
@@ -89,12 +99,23 @@ class Tape:
             made.sizes = tuple(sizes)
             allocated = [self._allocate(made.array, kind, sizes, shape)]
         else:
-            made.top = self.free.fresh(f"{wanted}_top")
-            self.typing.table[made.top] = INT
-            allocated = [self._allocate(made.array, kind, [const(_FIRST)], shape), assign(made.top, const(0))]
+            allocated = [self._allocate(made.array, kind, [const(_FIRST)], shape),
+                         *self._growing(made, wanted, carried)]
         self.typing.table[made.array] = array(kind.dtype, kind.rank + max(1, len(made.counters)))
         self.allocations.setdefault(id(home[0]), []).extend(allocated)
         return made
+
+    def _growing(self, made: Stack, wanted: str, carried: bool) -> list[AST]:
+        """Sets what indexes a stack that grows; the statements that begin it."""
+        made.grows = True
+        single = len(made.loops) == 1 and not made.ragged
+        found = self.counting.iteration(made.loops[0], carried) if single else None
+        if found is not None:
+            made.pushed, made.counters = found[0], (found[1],)
+            return []
+        made.top = self.free.fresh(f"{wanted}_top")
+        self.typing.table[made.top] = INT
+        return [assign(made.top, const(0))]
 
     def _allocate(self, target: str, kind: Type, sizes: list[AST], shape: AST | None) -> AST:
         dtype = [] if kind.dtype == "float64" else [name("numpy.bool_" if kind.dtype == "bool"
@@ -112,11 +133,12 @@ class Tape:
         whole = self.typing.of(value).is_array
         if not stack.counters and not stack.top:
             return [assign(stack.array, call("numpy.copy", value) if whole else value)]
-        cell = self.cell(stack)
-        if not stack.top:
-            return [assign(cell, value)]
-        return [assign(stack.array, call("runtime.grow", name(stack.array), name(stack.top))), assign(cell, value),
-                augment(stack.top, Add(), const(1))]
+        place = name(stack.top) if stack.top else stack.pushed
+        if place is None:
+            return [assign(self.cell(stack), value)]
+        return [assign(stack.array, call("runtime.grow", name(stack.array), copy(place))),
+                assign(index(name(stack.array), copy(place)), value),
+                *([augment(stack.top, Add(), const(1))] if stack.top else [])]
 
     def previous(self, stack: Stack, first: AST) -> AST:
         """What an indexed stack holds of the iteration before, or `first` in the first one."""

@@ -5,7 +5,9 @@ from s2sad.analyze.liveness import base_name, read_names, targets
 from s2sad.emit.stacks import recorded_lines
 from s2sad.normalize.hidden import hidden_name
 from s2sad.program import Request
-from s2sad.tree import AST, Assign, AugAssign, Call, Expr, For, If, Return, Subscript, While, call_name, walk
+from s2sad.tree import (
+    AST, Assign, AugAssign, Call, Expr, For, FunctionDef, If, Return, Subscript, While, call_name, const, copy, walk,
+)
 from s2sad.units import Derived, Unit, Units
 
 
@@ -25,6 +27,17 @@ def header(derived: Derived, request: Request, units: Units) -> list[str]:
     if request.mode == "adjoint":
         lines += ["", *recorded_lines(derived, list(units.derived.values()))]
     return lines
+
+
+def documented(function: FunctionDef, derived: Derived, manner: str = "") -> FunctionDef:
+    """The function under a line that says what it differentiates with respect to what, and in what manner."""
+    results = len(derived.unit.summary.results)
+    of = ", ".join("return" if results == 1 and o.startswith("return ") else o for o in derived.wanted.of)
+    wrt = ", ".join(derived.wanted.wrt)
+    said = f"{derived.mode.capitalize()} of {derived.unit.kernel.name}: d({of or 'nothing'}) / d({wrt or 'nothing'})"
+    new = copy(function)
+    new.body = [Expr(const(f"{said}, {manner}." if manner else f"{said}.")), *new.body]
+    return new
 
 
 def role_of(parameter: str, unit: Unit, units: Units) -> str:

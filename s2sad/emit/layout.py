@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from s2sad import tree
-from s2sad.emit.expressions import TEST, Expressions
+from s2sad.emit.expressions import ATOM, TEST, Expressions
 from s2sad.emit.lines import BREAK, broken, flat
 from s2sad.emit.literals import docstring, formatted_string
 from s2sad.emit.spelling import SPELLING
@@ -135,8 +135,10 @@ class Layout(Expressions):
         self.bare(node.value)
 
     def target(self, node: tree.AST) -> None:
-        if isinstance(node, tree.Tuple):
+        if isinstance(node, tree.Tuple) and len(node.elts) != 1:
             self.bare(node)
+        elif isinstance(node, tree.Tuple):
+            self.dispatch(node, ATOM)
         else:
             self.dispatch(node)
 
@@ -150,7 +152,10 @@ class Layout(Expressions):
         self.fill("return")
         if node.value is not None:
             self.write(" ")
-            self.bare(node.value)
+            if isinstance(node.value, tree.Tuple) and len(node.value.elts) == 1:
+                self.dispatch(node.value, ATOM)  # a comma at the end of a line is easily missed
+            else:
+                self.bare(node.value)
 
     def _Assert(self, node: tree.Assert) -> None:
         self.fill("assert ")

@@ -86,7 +86,7 @@ def _wrapped(entry: str) -> list[str]:
             lines += textwrap.wrap(line, max(room, 16), subsequent_indent=indent[:8], break_on_hyphens=False)
         else:
             lines.append(line.rstrip())
-    return lines
+    return [line.replace("\xa0", " ") for line in lines]
 
 
 def _imports(spelling: Mapping[str, str], runtime_names: list[str]) -> str:

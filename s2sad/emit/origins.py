@@ -1,16 +1,21 @@
 """Origins: every adjoint block stands under a comment with the statement that it reverses."""
 from __future__ import annotations
 
+import io
 from functools import partial
+from tokenize import COMMENT, DEDENT, ENDMARKER, INDENT, NEWLINE, NL, TokenError, generate_tokens
 
-from s2sad.diagnostics import Source
+from s2sad.diagnostics import Source, Span
 from s2sad.differentiate.adjoint import REVERSE
 from s2sad.emit.layout import text
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.tree import AST, Assign, AugAssign, Expr, FunctionDef, Name, Return, comment, copy, is_comment
 
 _WIDTH = 98  # a line, less "# "
+_CUT = " ..."
 _COMPOUND = ("for ", "while ", "while(", "if ", "if(", "elif ", "else:", "break", "continue")
+_NO_WORDS = (COMMENT, DEDENT, ENDMARKER, INDENT, NEWLINE, NL)
+_OPENING, _CLOSING = ("(", "[", "{"), (")", "]", "}")
 
 
 def with_origins(function: FunctionDef, source: Source) -> FunctionDef:
@@ -55,12 +60,45 @@ def _speaks_for_itself(statement: AST, origin: str) -> bool:
 
 
 def text_of(statement: AST, source: Source, longest: int) -> str:
-    """The source of a statement on one line, cut where it is long; of a loop or branch its first line."""
-    first = source.line(statement.lineno).strip()
-    last = getattr(statement, "end_lineno", None) or statement.lineno
-    lines = [first]
-    if not first.startswith(_COMPOUND):
-        lines += [source.line(k) for k in range(statement.lineno + 1, last + 1)]
-    words = " ".join(line.split("#")[0].strip() if '"' not in line and "'" not in line else line.strip()
-                    for line in lines)
-    return words if len(words) <= longest else words[:longest - 4] + " ..."
+    """The source of a statement on one line, cut after a word where it is long; of a loop or branch its first line."""
+    words = joined(_lines(statement, source))
+    if len(words) <= longest:
+        return words
+    room = longest - len(_CUT)
+    end = words.rfind(" ", 0, room + 1)
+    return words[:end if end > room // 2 else room].rstrip() + _CUT
+
+
+def _lines(statement: AST, source: Source) -> list[str]:
+    """The lines of a statement, of a loop or branch the first one; without its neighbours on the same line."""
+    span = Span.of(source, statement)
+    first = source.line(span.line)
+    before = first[:span.column].rstrip()
+    own = before[-1:] in ("", ":", ";")  # else it is a part of a statement
+    if first.strip().startswith(_COMPOUND) and not (own and before):
+        return [first]
+    lines = [first, *(source.line(k) for k in range(span.line + 1, span.end_line + 1))]
+    if own:
+        lines[-1] = lines[-1][:span.end_column]
+        lines[0] = lines[0][span.column:]
+    return lines
+
+
+def joined(lines: list[str]) -> str:
+    """The lines of a statement as one, its comments left out, one space where there were several.
+
+    >>> joined(["total = (a +  # the first", "         # and the rest", "         f('#  ', b))"])
+    "total = (a + f('#  ', b))"
+    """
+    words, row, column = "", 1, 0
+    try:
+        for token in generate_tokens(io.StringIO("\n".join(line.strip() for line in lines) + "\n").readline):
+            if token.type in _NO_WORDS or not token.string:
+                continue
+            apart = token.start != (row, column) and words[-1:] not in _OPENING and (
+                token.start[0] == row or token.string[0] not in _CLOSING)
+            words += " " * (apart and bool(words)) + token.string.strip()
+            row, column = token.end
+    except (TokenError, SyntaxError):  # a part of a statement: the head of a loop over several lines
+        pass
+    return " ".join(words.splitlines())

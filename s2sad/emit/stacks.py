@@ -56,7 +56,7 @@ def recorded_by(derived: Derived) -> list[Recorded]:
     wished = derived.made.tape.free.wanted
     found: list[Recorded] = []
     for key, stack in derived.made.tape.stacks.items():
-        if stack.array in present or not stack.sizes and not stack.top and wished.get(stack.array) in present:
+        if stack.array in present or not stack.sizes and not stack.grows and wished.get(stack.array) in present:
             found.append(_recorded(derived, key, stack))
     return found
 
@@ -66,9 +66,14 @@ def recorded_lines(derived: Derived, others: list[Derived]) -> list[str]:
     lines = []
     for each in [derived, *(d for d in others if d is not derived)]:
         place = "" if each is derived else f" in {each.function.name}"
-        lines += [f"    {r.array}{place}: {r.what}, {r.formula.replace(' per push', '')} bytes"
+        lines += [f"    {r.array}{place}: {r.what}, {_unbroken(r)} bytes"
                   f"{' per push' if r.grows else ''}" for r in recorded_by(each)]
     return ["It records:", *lines] if lines else ["It records nothing."]
+
+
+def _unbroken(recorded: Recorded) -> str:
+    """The formula of the bytes, which no line's end divides."""
+    return recorded.formula.replace(" per push", "").replace(" ", "\xa0")
 
 
 def _recorded(derived: Derived, key: str, stack: Stack) -> Recorded:
@@ -99,7 +104,7 @@ def _recorded(derived: Derived, key: str, stack: Stack) -> Recorded:
         variable, what = "trips", f"the trips of `{text_of(statement, source, _LONGEST)}`"
         readers = readers or (statement,)
     return Recorded(stack.array, variable, what, stack.kind.dtype, statement, readers, _factors(stack),
-                    bool(stack.top), family)
+                    stack.grows, family)
 
 
 def names_of(derived: Derived) -> set[str]:

@@ -161,9 +161,10 @@ class Typing:
         added = sum(isinstance(s, Constant) and s.value is None for s in subscripts)
         dropped = sum(not isinstance(s, Slice) and not (isinstance(s, Constant) and s.value in (None, Ellipsis))
                       for s in subscripts)
-        if dropped > base.rank:
+        given = sum(not (isinstance(s, Constant) and s.value in (None, Ellipsis)) for s in subscripts)
+        if given > base.rank:
             if self.final:
-                self.report.error("S203", f"{len(subscripts)} subscripts for {base}", node,
+                self.report.error("S203", f"{given} subscripts for {base}", node,
                                   help="the types are taken from the arguments: check their ranks")
             return UNKNOWN
         return of_rank(base, base.rank - dropped + added)

@@ -61,6 +61,9 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
         elif not typing.of(node.args[0]).is_array or name == "builtins.sum" and typing.of(node.args[0]).rank > 1:
             report.error("S301", f"no derivative rule for {name} of {typing.of(node.args[0])}", node,
                          help="write a loop that adds the elements")
+    elif name == "numpy.where" and all(typing.of(a).is_number for a in node.args):
+        report.error("S301", "no derivative rule for numpy.where of numbers here", node,
+                     help="write it with if and else")
     elif operation(node) is None:
         known = rules.find(name)
         given = f" with {len(node.args) + len(node.keywords)} arguments" if known else ""

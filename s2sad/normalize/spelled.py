@@ -8,6 +8,7 @@
     [a] * 2 + [b]       [a, a, b]
     a @ b               np.matmul(a, b)
     np.roll(x, 1, 0)    np.roll(x, 1, axis=0)
+    math.prod((a, b))   a * b
 """
 from __future__ import annotations
 
@@ -15,8 +16,8 @@ from functools import reduce
 
 from s2sad import rules
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, Div, FunctionDef, List, MatMult, Mult, Name, at, call, call_name, const,
-    copy, name, rebuild, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Constant, Div, FunctionDef, List, MatMult, Mult, Name, Starred, Tuple, at, call,
+    call_name, const, copy, mult, name, rebuild, tuple_of,
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
@@ -85,4 +86,8 @@ def _scalar_call(node: Call) -> AST | None:
         return at(reduce(lambda a, b: call(function, a, b), args), node)
     if function == "math.log" and len(args) == 2:
         return at(BinOp(call(function, args[0]), Div(), call(function, args[1])), node)
+    if function == "math.prod" and len(args) == 1 and isinstance(args[0], (Tuple, List)):
+        items = args[0].elts
+        if not any(isinstance(item, Starred) for item in items):
+            return at(reduce(mult, items if len(items) > 1 else [const(1), *items]), node)
     return None

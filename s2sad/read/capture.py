@@ -79,12 +79,16 @@ def _text(function: types.FunctionType) -> str:
     text = "".join(linecache.getlines(path, function.__globals__))
     if text:
         return text
-    name = function.__name__
     if path.startswith("<"):
-        message = f"the source of '{name}' cannot be had: it was defined in {path}, not in a file"
-        raise S2sadError(Diagnostic("S101", message, help="write the function to a .py file and import it from there"))
+        raise S2sadError(_fileless(function.__code__))
+    name = function.__name__
     raise S2sadError(Diagnostic("S101", f"the source of '{name}' cannot be had: {path} cannot be read",
                                 help="restore the file that the function was imported from"))
+
+
+def _fileless(code: types.CodeType) -> Diagnostic:
+    return Diagnostic("S101", f"the source of '{code.co_name}' cannot be had: it was defined in {code.co_filename}, "
+                      "not in a file", help="write the function to a .py file and import it from there")
 
 
 def not_a_function(value: Any) -> Diagnostic:
@@ -114,6 +118,9 @@ def _lambda(code: types.CodeType, text: str) -> Diagnostic:
 
 
 def _stale(code: types.CodeType, place: Span | None) -> Diagnostic:
+    if code.co_filename == "<string>":
+        # since Python 3.13 the text of `python -c` goes by this name, as what `exec` compiles does
+        return _fileless(code)
     where = "" if place else f"{code.co_filename}: "
     message = f"{where}the source of '{code.co_name}' has changed since the function was defined"
     return Diagnostic("S104", message, place, help="import the module again (importlib.reload, or a new process) and "

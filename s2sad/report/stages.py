@@ -14,7 +14,7 @@ from s2sad.tree import AST, FunctionDef, Pass, copy, forgotten
 from s2sad.units import Units
 
 NORMALIZE = ("structured", "views", "workspace", "scalarize", "rename", "atoms")
-DERIVE = ("differentiate", "merge", "dead", "undone", "coalesce", "fold", "algebra", "select", "gains",
+DERIVE = ("differentiate", "merge", "dead", "undone", "coalesce", "branches", "fold", "algebra", "select", "gains",
           "final")
 STAGES = (*NORMALIZE, *DERIVE)
 ROOMS = {"normalize": "atoms", "simplify": "final"}

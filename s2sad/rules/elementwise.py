@@ -128,3 +128,7 @@ elementwise("numpy.arctanh(x)", x="1.0 / numpy.where(numpy.abs(x) > 1, numpy.nan
 # -- error functions ------------------------------------------------------------------------------------------------
 elementwise("math.erf(x)", x="1.1283791670955126 * numpy.exp(-x * x)")
 elementwise("math.erfc(x)", x="-1.1283791670955126 * numpy.exp(-x * x)")
+
+# -- the gamma function ---------------------------------------------------------------------------------------------
+elementwise("math.gamma(x)", x="y * runtime.digamma(x)", domain={"x": (0.3, 4.0)})
+elementwise("math.lgamma(x)", x="runtime.digamma(x)", domain={"x": (0.3, 4.0)})

@@ -1,7 +1,7 @@
 """simplify: the derivative becomes shorter and computes the same.
 
-In order: zeros merged with the first addition, dead statements out, versions of a variable under one name, names folded
-into their one use, arithmetic with constants.
+In order: zeros merged with the first addition, dead statements out, versions of a variable under one name, neighbouring
+branches joined, names folded into their one use, arithmetic with constants.
 """
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from s2sad.infer.infer import Typing
 from s2sad.differentiate.adjoint import REVERSE
 from s2sad.naming import Names
 from s2sad.simplify.algebra import algebra
+from s2sad.simplify.branches import branches
 from s2sad.simplify.coalesce import coalesce, share, split
 from s2sad.simplify.dead import dead
 from s2sad.simplify.fold import fold
@@ -108,6 +109,8 @@ def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], l
     watch("undone", function)
     function, renamed = coalesce(function, dict(family), live_out, effects.writes, fixed, names, shadows)
     watch("coalesce", function)
+    function = branches(function)
+    watch("branches", function)
     function = split(function, set(_temporaries(typing, names, set(family) | fixed)), names, typing, REVERSE)
     function = fold(function, fixed | {renamed.get(n, n) for n in kept}, effects.writes)
     watch("fold", function)

@@ -2,14 +2,16 @@
 
     x ** (2 - 1)   ->   x           range(n - 1, 0 - 1, -1)   ->   range(n - 1, -1, -1)
     y + -1.0 * z   ->   y - z       i + 1 - 1                 ->   i
+    a if c else a  ->   a
 
 Only what is exact in floating point: integers are computed, factors one and double signs go.
 """
 from __future__ import annotations
 
+from s2sad.simplify.signs import gained, signed
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, Constant, Expr, For, FunctionDef, If, Mult, Pow, Return, Sub, UnaryOp, USub,
-    While, at, augment, call_name, const, copy,
+    AST, Add, Assign, AugAssign, BinOp, Constant, Expr, For, FunctionDef, If, IfExp, Mult, Pow, Return, Sub, UnaryOp,
+    USub, While, at, augment, call_name, const, copy, equal, walk,
 )
 
 
@@ -29,10 +31,7 @@ def _statement(statement: AST) -> AST:
         made = If(simple(statement.test), list(map(_statement, statement.body)),
                   list(map(_statement, statement.orelse)))
     elif isinstance(statement, AugAssign):
-        value, op = simple(statement.value), statement.op
-        if isinstance(op, (Add, Sub)) and isinstance(value, UnaryOp) and isinstance(value.op, USub):
-            value, op = value.operand, Sub() if isinstance(op, Add) else Add()
-        made = augment(simple(statement.target), op, value)
+        made = gained(augment(simple(statement.target), statement.op, simple(statement.value)))
     elif isinstance(statement, (Assign, Return, Expr)):
         made = copy(statement)
         if isinstance(statement, Assign):
@@ -59,10 +58,15 @@ def simple(node: AST, integers: bool = False) -> AST:
     new = type(node)(*[_field(getattr(node, f), integers or f == "slice") for f in node._fields])
     if hasattr(node, "lineno"):
         at(new, node)
-    if isinstance(new, UnaryOp) and isinstance(new.op, USub) and isinstance(new.operand, UnaryOp) and isinstance(
-            new.operand.op, USub):
-        return new.operand.operand
+    new = signed(new)
+    if isinstance(new, IfExp) and equal(new.body, new.orelse) and not _calls(new.test):
+        return new.body
     return _binary(new, integers) if isinstance(new, BinOp) else new
+
+
+def _calls(node: AST) -> bool:
+    """Whether an expression calls a kernel, which may write its arguments or raise."""
+    return any((call_name(n) or "").startswith("user.") for n in walk(node))
 
 
 def _field(value: object, integers: bool) -> object:

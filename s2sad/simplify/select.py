@@ -13,7 +13,7 @@ from __future__ import annotations
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, If, IfExp, Mult, Name,
-    Sub, UnaryOp, USub, assign, at, augment, call_name, const, copy, dump, is_comment, name, names, stored_names,
+    Sub, UnaryOp, USub, assign, at, augment, call_name, const, copy, dump, equal, is_comment, name, names, stored_names,
     walk,
 )
 
@@ -123,11 +123,15 @@ def _is_cheap(node: AST) -> bool:
 def _choice(target: str, test: AST, yes: AST | None, no: AST | None, bound: bool) -> AST:
     """One statement for what two sides do to a name; one not `bound` before is bound whatever the test is."""
     if all(s is None or isinstance(s, AugAssign) for s in (yes, no)):
-        return augment(target, Add(), IfExp(copy(test), _gain(yes), _gain(no)))
+        return augment(target, Add(), _either(test, _gain(yes), _gain(no)))
     only = no if yes is None else yes if no is None else None
     if only is not None and not bound:
         return assign(target, copy(only.value))
-    return assign(target, IfExp(copy(test), _after(target, yes), _after(target, no)))
+    return assign(target, _either(test, _after(target, yes), _after(target, no)))
+
+
+def _either(test: AST, yes: AST, no: AST) -> AST:
+    return yes if equal(yes, no) else IfExp(copy(test), yes, no)
 
 
 def _gain(side: AST | None) -> AST:

@@ -84,7 +84,7 @@ def _shape(shape: AST, stack: Stack) -> AST:
     """The shape as a tuple; a growing stack stays as long as it has become."""
     if not isinstance(shape, (Tuple, BinOp)):
         shape = tuple_of(shape)
-    if not stack.top:
+    if not stack.grows:
         return shape
     length = call("builtins.max", const(64), index(attribute(name(stack.array), "shape"), const(0)))
     if isinstance(shape, Tuple):

@@ -5,8 +5,8 @@ Engine: NumPy. Level: plain. Arguments:
     x: float64[:], in
 
 It records:
-    product_1_stack: product where an iteration of `for i in range(x.size):` begins, 8 *
-        x.size bytes
+    product_stack: product where an iteration of `for i in range(x.size):` begins,
+        8 * x.size bytes
 """
 
 import numpy as np
@@ -16,9 +16,9 @@ def kernel_adjoint(y, y_bar, x, x_bar):
     # forward sweep: only what the reverse sweep reads
     total = 0.0
     product = 1.0
-    product_1_stack = np.empty(x.size)
+    product_stack = np.empty(x.size)
     for i in range(x.size):
-        product_1_stack[i] = product
+        product_stack[i] = product
         total += x[i] * x[i]
         product = product * x[i]
     # reverse sweep
@@ -28,7 +28,7 @@ def kernel_adjoint(y, y_bar, x, x_bar):
     total_bar = product * seed
     product_bar = total * seed
     for i in range(x.size - 1, -1, -1):
-        product = product_1_stack[i]
+        product = product_stack[i]
         # product *= x[i]
         product_bar_1 = product_bar
         product_bar = x[i] * product_bar_1

@@ -5,8 +5,8 @@ Engine: Numba. Level: fast. Arguments:
     x: float64[:], in
 
 It records:
-    product_1_stack: product where an iteration of `for i in range(x.size):` begins, 8 *
-        x.size bytes
+    product_stack: product where an iteration of `for i in range(x.size):` begins,
+        8 * x.size bytes
 """
 
 import numpy as np
@@ -14,13 +14,14 @@ import numpy as np
 from s2sad.runtime import sized  # isort: skip
 
 
-def kernel_adjoint_taped(y, y_bar, x, x_bar, product_1_stack):
+def kernel_adjoint_taped(y, y_bar, x, x_bar, product_stack):
+    """Adjoint of kernel: d(y) / d(y, x), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     total = 0.0
     product = 1.0
-    product_1_stack = sized(product_1_stack, (x.size,))
+    product_stack = sized(product_stack, (x.size,))
     for i in range(x.size):
-        product_1_stack[i] = product
+        product_stack[i] = product
         total += x[i] * x[i]
         product = product * x[i]
     # reverse sweep
@@ -30,13 +31,13 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, product_1_stack):
     total_bar = product * seed
     product_bar = total * seed
     for i in range(x.size - 1, -1, -1):
-        product = product_1_stack[i]
+        product = product_stack[i]
         # product *= x[i]
         product_bar_1 = product_bar
         product_bar = x[i] * product_bar_1
         # total += x[i] * x[i]
         x_bar[i] += 2.0 * (x[i] * total_bar) + (product * product_bar_1 - 2.0 * y_bar[0])
-    return product_1_stack,
+    return (product_stack,)
 
 
 def kernel_adjoint(y, y_bar, x, x_bar):

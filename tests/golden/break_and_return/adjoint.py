@@ -5,7 +5,7 @@ Engine: NumPy. Level: plain. Arguments:
     limit: float64, in
 
 It records:
-    total_1_stack: total where an iteration of `for i in range(x.size):` begins, 8 bytes per
+    total_stack: total where an iteration of `for i in range(x.size):` begins, 8 bytes per
         push
 """
 
@@ -20,14 +20,12 @@ def kernel_adjoint(x, x_bar, limit, result_bar):
     # forward sweep: only what the reverse sweep reads
     total = 1.0
     returned = False
-    total_1_stack = np.empty(64)
-    total_1_top = 0
+    total_stack = np.empty(64)
     trips = 0
     for i in range(x.size):
+        total_stack = grow(total_stack, i)
+        total_stack[i] = total
         trips += 1
-        total_1_stack = grow(total_1_stack, total_1_top)
-        total_1_stack[total_1_top] = total
-        total_1_top += 1
         if x[i] < 0.0:
             returned = True
             break
@@ -48,8 +46,7 @@ def kernel_adjoint(x, x_bar, limit, result_bar):
     else:
         result_bar_1 += result_bar_2
     for i in range(trips - 1, -1, -1):
-        total_1_top -= 1
-        total = total_1_stack[total_1_top]
+        total = total_stack[i]
         if x[i] < 0.0:
             # return total * x[i]
             result_bar_3 = result_bar_1
@@ -57,15 +54,7 @@ def kernel_adjoint(x, x_bar, limit, result_bar):
             total_bar += x[i] * result_bar_3
             x_bar[i] += total * result_bar_3
         else:
+            total_1_bar = total_bar
             # total = total * x[i]
-            total_1 = total * x[i]
-            total_1_bar = 0.0
-            if total_1 > limit:
-                total_1_bar += total_bar
-                total_bar = 0.0
-            else:
-                total_1_bar += total_bar
-                total_bar = 0.0
-            # total = total * x[i]
-            total_bar += x[i] * total_1_bar
+            total_bar = x[i] * total_1_bar
             x_bar[i] += total * total_1_bar

@@ -5,29 +5,28 @@ Engine: Numba. Level: fast. Arguments:
     limit: float64, in
 
 It records:
-    total_1_stack: total where an iteration of `for i in range(x.size):` begins, 8 bytes per
+    total_stack: total where an iteration of `for i in range(x.size):` begins, 8 bytes per
         push
 """
 
-# ruff: noqa: PLR1730, RUF034, SIM113, SIM210, SIM211, RUF100
+# ruff: noqa: PLR1730, SIM113, RUF100
 
 import numpy as np
 
 from s2sad.runtime import grow, sized  # isort: skip
 
 
-def kernel_adjoint_taped(x, x_bar, limit, result_bar, total_1_stack):
+def kernel_adjoint_taped(x, x_bar, limit, result_bar, total_stack):
+    """Adjoint of kernel: d(return) / d(x), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     total = 1.0
     returned = False
-    total_1_stack = sized(total_1_stack, (max(64, total_1_stack.shape[0]),))
-    total_1_top = 0
+    total_stack = sized(total_stack, (max(64, total_stack.shape[0]),))
     trips = 0
     for i in range(x.size):
+        total_stack = grow(total_stack, i)
+        total_stack[i] = total
         trips += 1
-        total_1_stack = grow(total_1_stack, total_1_top)
-        total_1_stack[total_1_top] = total
-        total_1_top += 1
         if x[i] < 0.0:
             returned = True
             break
@@ -44,13 +43,8 @@ def kernel_adjoint_taped(x, x_bar, limit, result_bar, total_1_stack):
     total_bar = 2.0 * (total * result_bar_2) if not returned else 0.0
     result_bar_1 = 0.0 if not returned else result_bar_2
     for i in range(trips - 1, -1, -1):
-        total_1_top -= 1
-        total = total_1_stack[total_1_top]
+        total = total_stack[i]
         taken = x[i] < 0.0
-        if not taken:
-            # total = total * x[i]
-            total_1 = total * x[i]
-            taken_2 = total_1 > limit
         if taken:
             # return total * x[i]
             result_bar_3 = result_bar_1
@@ -58,12 +52,11 @@ def kernel_adjoint_taped(x, x_bar, limit, result_bar, total_1_stack):
             total_bar += x[i] * result_bar_3
             x_bar[i] += total * result_bar_3
         else:
-            total_1_bar = total_bar if taken_2 else total_bar
-            total_bar = 0.0 if taken_2 else 0.0
+            total_1_bar = total_bar
             # total = total * x[i]
-            total_bar += x[i] * total_1_bar
+            total_bar = x[i] * total_1_bar
             x_bar[i] += total * total_1_bar
-    return total_1_stack,
+    return (total_stack,)
 
 
 def kernel_adjoint(x, x_bar, limit, result_bar):

@@ -28,4 +28,4 @@ def kernel_tangent(x, x_dot, limit):
                 total = total_1
     if not returned:
         result_dot = total * total_dot + total * total_dot
-    return result_dot,
+    return (result_dot,)

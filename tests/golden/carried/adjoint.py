@@ -44,4 +44,4 @@ def kernel_adjoint(u, u_bar, c):
         u_bar[i] = here_bar
     # left = u[u.size - 1]
     u_bar[u.size - 1] += left_bar
-    return c_bar,
+    return (c_bar,)

@@ -16,6 +16,7 @@ from s2sad.runtime import sized  # isort: skip
 
 
 def kernel_adjoint_taped(u, u_bar, c, u_stack):
+    """Adjoint of kernel: d(u) / d(u, c), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     left = u[u.size - 1]
     left_1 = left
@@ -51,4 +52,4 @@ def kernel_adjoint_taped(u, u_bar, c, u_stack):
 
 def kernel_adjoint(u, u_bar, c):
     returned = kernel_adjoint_taped(u, u_bar, c, np.empty(0))
-    return returned[0],
+    return (returned[0],)

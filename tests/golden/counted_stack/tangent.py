@@ -14,4 +14,4 @@ def kernel_tangent(x, x_dot):
         state_1 = np.sin(state) * x[i]
         state_dot = x[i] * (np.cos(state) * state_dot) + np.sin(state) * x_dot[i]
         state = state_1
-    return state_dot,
+    return (state_dot,)

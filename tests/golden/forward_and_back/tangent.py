@@ -20,4 +20,4 @@ def kernel_tangent(x, x_dot, scales, scales_dot):
             work_here = work[k]
             work_here_dot = work_dot[k]
             total_dot += work_here * work_here_dot + work_here * work_here_dot
-    return total_dot,
+    return (total_dot,)

@@ -27,24 +27,27 @@ def energy(row):
 
 
 def square_adjoint(a, result_bar):
+    """Adjoint of square: d(return) / d(a)."""
     # reverse sweep
     # return a * a
     a_bar = 2.0 * (a * result_bar)
-    return a_bar,
+    return (a_bar,)
 
 
 def energy_adjoint(row, row_bar, result_bar):
+    """Adjoint of energy: d(return) / d(row)."""
     # reverse sweep
     # return total
     total_bar = result_bar
     for i in range(row.size):
         # total += square(row[i])
         square_value_bar = total_bar
-        gain, = square_adjoint(row[i], square_value_bar)
+        (gain,) = square_adjoint(row[i], square_value_bar)
         row_bar[i] += gain
 
 
 def kernel_adjoint_taped(y, y_bar, x, x_bar, energy_value_stack, y_stack):
+    """Adjoint of kernel: d(y) / d(y, x), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     energy_value_stack = sized(energy_value_stack, (x.shape[0],))
     y_stack = sized(y_stack, (x.shape[0],))

@@ -7,10 +7,12 @@ Engine: NumPy. Level: plain. Arguments:
 
 
 def square_tangent(a, a_dot):
+    """Tangent of square: d(return) / d(a)."""
     return a * a, a * a_dot + a * a_dot
 
 
 def energy_tangent(row, row_dot):
+    """Tangent of energy: d(return) / d(row)."""
     total = 0.0
     total_dot = 0.0
     for i in range(row.size):

@@ -24,4 +24,4 @@ def kernel_tangent(a, a_dot, b, b_dot):
     else:
         d = 2.0
         d_dot = 0.0
-    return d * c_dot + c * d_dot,
+    return (d * c_dot + c * d_dot,)

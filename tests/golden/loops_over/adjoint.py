@@ -6,8 +6,8 @@ Engine: NumPy. Level: plain. Arguments:
 
 It records:
     y_stack: y before `y[k] = total * value`, 8 * len(x) bytes
-    total_2_stack: total where an iteration of `for i in reversed(range(1, x.size)):` begins,
-        8 * len(range(x.size - 1, 0, -1)) bytes
+    total_stack: total where an iteration of `for i in reversed(range(1,
+        x.size)):` begins, 8 * len(range(x.size - 1, 0, -1)) bytes
 """
 
 import numpy as np
@@ -26,15 +26,15 @@ def kernel_adjoint(x, x_bar, y, y_bar, result_bar):
         y_stack[k] = y[k]
         y[k] = total * value_1
     total_1 = total
-    total_2_stack = np.empty(len(range(x.size - 1, 0, -1)))
+    total_stack = np.empty(len(range(x.size - 1, 0, -1)))
     for i in range(x.size - 1, 0, -1):
-        total_2_stack[x.size - 1 - i] = total_1
+        total_stack[x.size - 1 - i] = total_1
         total_1 = total_1 * x[i]
     # reverse sweep
     # return total
     total_bar = result_bar
     for i in range(1, x.size):
-        total_1 = total_2_stack[x.size - 1 - i]
+        total_1 = total_stack[x.size - 1 - i]
         # total *= x[i]
         total_1_bar = total_bar
         total_bar = x[i] * total_1_bar

@@ -6,8 +6,8 @@ Engine: Numba. Level: fast. Arguments:
 
 It records:
     y_stack: y before `y[k] = total * value`, 8 * len(x) bytes
-    total_2_stack: total where an iteration of `for i in reversed(range(1, x.size)):` begins,
-        8 * len(range(x.size - 1, 0, -1)) bytes
+    total_stack: total where an iteration of `for i in reversed(range(1,
+        x.size)):` begins, 8 * len(range(x.size - 1, 0, -1)) bytes
 """
 
 import numpy as np
@@ -15,7 +15,8 @@ import numpy as np
 from s2sad.runtime import sized  # isort: skip
 
 
-def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_2_stack):
+def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_stack):
+    """Adjoint of kernel: d(y, return) / d(x, y), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     total = 0.0
     for index in range(min(len(x), len(y))):
@@ -28,15 +29,15 @@ def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_2_stack)
         y_stack[k] = y[k]
         y[k] = total * value_1
     total_1 = total
-    total_2_stack = sized(total_2_stack, (len(range(x.size - 1, 0, -1)),))
+    total_stack = sized(total_stack, (len(range(x.size - 1, 0, -1)),))
     for i in range(x.size - 1, 0, -1):
-        total_2_stack[x.size - 1 - i] = total_1
+        total_stack[x.size - 1 - i] = total_1
         total_1 = total_1 * x[i]
     # reverse sweep
     # return total
     total_bar = result_bar
     for i in range(1, x.size):
-        total_1 = total_2_stack[x.size - 1 - i]
+        total_1 = total_stack[x.size - 1 - i]
         # total *= x[i]
         total_1_bar = total_bar
         total_bar = x[i] * total_1_bar
@@ -58,7 +59,7 @@ def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_2_stack)
         other_bar = value * total_bar
         y_bar[index] += other_bar
         x_bar[index] += value_bar
-    return y_stack, total_2_stack
+    return y_stack, total_stack
 
 
 def kernel_adjoint(x, x_bar, y, y_bar, result_bar):

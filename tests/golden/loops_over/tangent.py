@@ -25,4 +25,4 @@ def kernel_tangent(x, x_dot, y, y_dot):
         total_1 = total * x[i]
         total_dot = x[i] * total_dot + total * x_dot[i]
         total = total_1
-    return total_dot,
+    return (total_dot,)

@@ -26,4 +26,4 @@ def kernel_adjoint(y, y_bar, x, x_bar, top):
             np.sign(x[i]) * (min(max(x[i], 0.1), top) * seed)
         )
         top_bar += (1.0 if top < max(x[i], 0.1) else 0.0) * seed_2
-    return top_bar,
+    return (top_bar,)

@@ -20,4 +20,4 @@ def kernel_tangent(x, x_dot):
         total_1 = total * part
         total_dot = part * total_dot + total * part_dot
         total = total_1
-    return total_dot,
+    return (total_dot,)

@@ -18,6 +18,7 @@ def add(out, a, b):
 
 
 def add_adjoint(out, out_bar, a, a_bar, b, b_bar):
+    """Adjoint of add: d(out) / d(out, a, b)."""
     # reverse sweep
     for i in range(out.size - 1, -1, -1):
         # out[i] = a[i] * b[i]
@@ -28,6 +29,7 @@ def add_adjoint(out, out_bar, a, a_bar, b, b_bar):
 
 
 def add_2_adjoint(out, out_bar, b, b_bar):
+    """Adjoint of add: d(out) / d(out, b)."""
     # forward sweep: only what the reverse sweep reads
     out_stack = np.empty(out.size)
     for i in range(out.size):

@@ -12,4 +12,4 @@ def kernel_tangent(x, x_dot, TABLE):
     total_dot = 0.0
     for i in range(x.size):
         total_dot += TABLE[i] * (2.0 * x[i] * x_dot[i])
-    return G * total_dot,
+    return (G * total_dot,)

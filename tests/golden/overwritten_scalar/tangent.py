@@ -16,4 +16,4 @@ def kernel_tangent(a, a_dot, b, b_dot):
     z_2 = z_1 * z_1 + a
     z_2_dot = z_1 * z_1_dot + z_1 * z_1_dot + a_dot
     z_dot_1 = b * z_2_dot + z_2 * b_dot
-    return z_dot_1,
+    return (z_dot_1,)

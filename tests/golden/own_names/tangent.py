@@ -15,4 +15,4 @@ def kernel_tangent(u, u_dot, seed, seed_dot):
         u_bar_1 = u_bar * u[np] * seed
         u_bar_dot = seed * (u[np] * u_bar_dot + u_bar * u_dot[np]) + u_bar * u[np] * seed_dot
         u_bar = u_bar_1
-    return u_bar_dot,
+    return (u_bar_dot,)

@@ -14,6 +14,7 @@ from s2sad.runtime import sized  # isort: skip
 
 
 def kernel_adjoint_taped(y, y_bar, x, x_bar, x_stack):
+    """Adjoint of kernel: d(y) / d(x), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     x_stack = sized(x_stack, (x.size,))
     for i in range(x.size):
@@ -33,7 +34,7 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, x_stack):
         x_shadow[i] = 2.0 * (x[i] * x_shadow[i])
     for i_2 in range(x_bar.shape[0]):
         x_bar[i_2] += x_shadow[i_2]
-    return x_stack,
+    return (x_stack,)
 
 
 def kernel_adjoint(y, y_bar, x, x_bar):

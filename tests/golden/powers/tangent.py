@@ -17,8 +17,8 @@ def kernel_tangent(a, a_dot, b, b_dot, n):
     power = b ** -1.5
     return (
         2.0 * a * a_dot + (
-            power * (3.0 * a ** 2 * a_dot) +
-            a ** 3 * -(1.5 * power * b_dot / b if b_dot != 0.0 else 0.0)
+            power * (3.0 * a ** 2 * a_dot) -
+            a ** 3 * (1.5 * power * b_dot / b if b_dot != 0.0 else 0.0)
         ) + (
             ((0.0 if a == 0 else a * b ** (a - 1)) * b_dot if b_dot != 0.0 else 0.0) +
             (b ** a * np.log(1.0 if b == 0 else b) * a_dot if a_dot != 0.0 else 0.0)

@@ -11,6 +11,7 @@ It records nothing.
 
 
 def bent_adjoint(a, b, result_bar):
+    """Adjoint of bent: d(return) / d(a, b)."""
     # forward sweep: only what the reverse sweep reads
     taken = a * b <= 0.0
     if not taken:
@@ -27,13 +28,14 @@ def bent_adjoint(a, b, result_bar):
 
 
 def bent_adjoint_2(a, b, result_bar):
+    """Adjoint of bent: d(return) / d(a)."""
     # reverse sweep
     a_bar = 0.0
     # return a * a / b
     result_bar_1 = result_bar
     if not a * b <= 0.0:
         a_bar += 2.0 * (a * (result_bar_1 / b if result_bar_1 != 0.0 else 0.0))
-    return a_bar,
+    return (a_bar,)
 
 
 def kernel_adjoint(y, y_bar, x, x_bar):
@@ -44,7 +46,7 @@ def kernel_adjoint(y, y_bar, x, x_bar):
         y_bar[i] = 0.0
         bent_value_bar = seed
         bent_value_2_bar = 3.0 * seed
-        gain, = bent_adjoint_2(x[i - 1], 2.0, bent_value_2_bar)
+        (gain,) = bent_adjoint_2(x[i - 1], 2.0, bent_value_2_bar)
         x_bar[i - 1] += gain
         gain, gain_2 = bent_adjoint(x[i], x[i - 1], bent_value_bar)
         x_bar[i - 1] += gain_2

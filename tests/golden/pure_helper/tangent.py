@@ -9,6 +9,7 @@ Engine: NumPy. Level: plain. Arguments:
 
 
 def bent_tangent(a, a_dot, b, b_dot):
+    """Tangent of bent: d(return) / d(a, b)."""
     if a * b <= 0.0:
         result = 0.0
         result_dot = 0.0
@@ -22,6 +23,7 @@ def bent_tangent(a, a_dot, b, b_dot):
 
 
 def bent_tangent_2(a, a_dot, b):
+    """Tangent of bent: d(return) / d(a)."""
     if a * b <= 0.0:
         result = 0.0
         result_dot = 0.0

@@ -33,4 +33,4 @@ def kernel_adjoint(y, y_bar, x, x_bar, scale):
     # factor = math.exp(scale) / n
     exp_value_bar = factor_bar / n if factor_bar != 0.0 else 0.0
     scale_bar = exp_value * exp_value_bar if exp_value_bar != 0.0 else 0.0
-    return scale_bar,
+    return (scale_bar,)

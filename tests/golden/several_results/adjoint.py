@@ -16,6 +16,7 @@ def polar(a, b):
 
 
 def polar_adjoint(a, b, result_0_bar, result_1_bar):
+    """Adjoint of polar: d(return 0, return 1) / d(a, b)."""
     # forward sweep: only what the reverse sweep reads
     result = np.hypot(a, b)
     # reverse sweep

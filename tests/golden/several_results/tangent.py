@@ -10,6 +10,7 @@ import numpy as np
 
 
 def polar_tangent(a, a_dot, b, b_dot):
+    """Tangent of polar: d(return 0, return 1) / d(a, b)."""
     result = np.hypot(a, b)
     return (
         result, np.arctan2(b, a), 2,

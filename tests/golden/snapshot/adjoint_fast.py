@@ -15,6 +15,7 @@ from s2sad.runtime import sized  # isort: skip
 
 
 def kernel_adjoint_taped(u, u_bar, dt, steps, u_stack):
+    """Adjoint of kernel: d(u) / d(u), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     du = np.empty_like(u)
     u_stack = sized(u_stack, (len(range(steps)), u.shape[0]))
@@ -37,7 +38,7 @@ def kernel_adjoint_taped(u, u_bar, dt, steps, u_stack):
             du_bar[i] = 0.0
             u_bar[i] += u[i - 1] * seed
             u_bar[i - 1] += u[i] * seed
-    return u_stack,
+    return (u_stack,)
 
 
 def kernel_adjoint(u, u_bar, dt, steps):

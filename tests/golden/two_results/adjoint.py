@@ -5,8 +5,8 @@ Engine: NumPy. Level: plain. Arguments:
     a: float64, in
 
 It records:
-    product_1_stack: product where an iteration of `for i in range(x.size):` begins, 8 *
-        x.size bytes
+    product_stack: product where an iteration of `for i in range(x.size):` begins,
+        8 * x.size bytes
 """
 
 import numpy as np
@@ -15,9 +15,9 @@ import numpy as np
 def kernel_adjoint(x, x_bar, a, result_0_bar, result_1_bar):
     # forward sweep: only what the reverse sweep reads
     product = a
-    product_1_stack = np.empty(x.size)
+    product_stack = np.empty(x.size)
     for i in range(x.size):
-        product_1_stack[i] = product
+        product_stack[i] = product
         product = product * x[i]
     # reverse sweep
     a_bar = 0.0
@@ -25,7 +25,7 @@ def kernel_adjoint(x, x_bar, a, result_0_bar, result_1_bar):
     total_bar = result_0_bar
     product_bar = result_1_bar
     for i in range(x.size - 1, -1, -1):
-        product = product_1_stack[i]
+        product = product_stack[i]
         # product *= x[i]
         product_bar_1 = product_bar
         product_bar = x[i] * product_bar_1
@@ -35,4 +35,4 @@ def kernel_adjoint(x, x_bar, a, result_0_bar, result_1_bar):
         x_bar[i] += a * total_bar
     # total, product = 0.0, a
     a_bar += product_bar
-    return a_bar,
+    return (a_bar,)

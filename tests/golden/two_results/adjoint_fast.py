@@ -5,8 +5,8 @@ Engine: Numba. Level: fast. Arguments:
     a: float64, in
 
 It records:
-    product_1_stack: product where an iteration of `for i in range(x.size):` begins, 8 *
-        x.size bytes
+    product_stack: product where an iteration of `for i in range(x.size):` begins,
+        8 * x.size bytes
 """
 
 import numpy as np
@@ -14,12 +14,13 @@ import numpy as np
 from s2sad.runtime import sized  # isort: skip
 
 
-def kernel_adjoint_taped(x, x_bar, a, result_0_bar, result_1_bar, product_1_stack):
+def kernel_adjoint_taped(x, x_bar, a, result_0_bar, result_1_bar, product_stack):
+    """Adjoint of kernel: d(return 0, return 1) / d(x, a), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     product = a
-    product_1_stack = sized(product_1_stack, (x.size,))
+    product_stack = sized(product_stack, (x.size,))
     for i in range(x.size):
-        product_1_stack[i] = product
+        product_stack[i] = product
         product = product * x[i]
     # reverse sweep
     a_bar = 0.0
@@ -27,7 +28,7 @@ def kernel_adjoint_taped(x, x_bar, a, result_0_bar, result_1_bar, product_1_stac
     total_bar = result_0_bar
     product_bar = result_1_bar
     for i in range(x.size - 1, -1, -1):
-        product = product_1_stack[i]
+        product = product_stack[i]
         # product *= x[i]
         product_bar_1 = product_bar
         product_bar = x[i] * product_bar_1
@@ -36,9 +37,9 @@ def kernel_adjoint_taped(x, x_bar, a, result_0_bar, result_1_bar, product_1_stac
         x_bar[i] += a * total_bar + product * product_bar_1
     # total, product = 0.0, a
     a_bar += product_bar
-    return a_bar, product_1_stack
+    return a_bar, product_stack
 
 
 def kernel_adjoint(x, x_bar, a, result_0_bar, result_1_bar):
     returned = kernel_adjoint_taped(x, x_bar, a, result_0_bar, result_1_bar, np.empty(0))
-    return returned[0],
+    return (returned[0],)

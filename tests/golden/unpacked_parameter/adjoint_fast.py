@@ -16,6 +16,7 @@ from s2sad.runtime import sized  # isort: skip
 
 
 def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
+    """Adjoint of kernel: d(u) / d(u, p), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     a = p[0]
     b = p[1]
@@ -43,7 +44,7 @@ def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
     p_bar[2] += c_bar
     p_bar[1] += b_bar
     p_bar[0] += a_bar
-    return u_stack,
+    return (u_stack,)
 
 
 def kernel_adjoint(u, u_bar, p, p_bar):

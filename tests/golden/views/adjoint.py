@@ -4,8 +4,8 @@ Engine: NumPy. Level: plain. Arguments:
     x: float64[:, :], in-out
 
 It records:
-    x_stack: x before `row[j] = row[j] * above[j]`, 8 * len(range(1, x.shape[0])) * x.shape[1]
-        bytes
+    x_stack: x before `row[j] = row[j] * above[j]`,
+        8 * len(range(1, x.shape[0])) * x.shape[1] bytes
 """
 
 import numpy as np

@@ -4,8 +4,8 @@ Engine: Numba. Level: fast. Arguments:
     x: float64[:, :], in-out
 
 It records:
-    x_stack: x before `row[j] = row[j] * above[j]`, 8 * len(range(1, x.shape[0])) * x.shape[1]
-        bytes
+    x_stack: x before `row[j] = row[j] * above[j]`,
+        8 * len(range(1, x.shape[0])) * x.shape[1] bytes
 """
 
 import numpy as np
@@ -14,6 +14,7 @@ from s2sad.runtime import sized  # isort: skip
 
 
 def kernel_adjoint_taped(x, x_bar, x_stack):
+    """Adjoint of kernel: d(x) / d(x), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     x_stack = sized(x_stack, (len(range(1, x.shape[0])), x.shape[1]))
     for i in range(1, x.shape[0]):
@@ -28,7 +29,7 @@ def kernel_adjoint_taped(x, x_bar, x_stack):
             seed = x_bar[i, j]
             x_bar[i, j] = x[i - 1, j] * seed
             x_bar[i - 1, j] += x[i, j] * seed
-    return x_stack,
+    return (x_stack,)
 
 
 def kernel_adjoint(x, x_bar):

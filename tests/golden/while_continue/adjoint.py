@@ -4,10 +4,8 @@ Engine: NumPy. Level: plain. Arguments:
     x: float64[:], in
 
 It records:
-    k_1_stack: k where an iteration of `while k < x.size:` begins, 8 bytes per push
+    k_stack: k where an iteration of `while k < x.size:` begins, 8 bytes per push
 """
-
-# ruff: noqa: SIM113, RUF100
 
 import numpy as np
 
@@ -17,21 +15,18 @@ from s2sad.runtime import grow  # isort: skip
 def kernel_adjoint(x, x_bar, result_bar):
     # forward sweep: only what the reverse sweep reads
     k = 0
-    k_1_stack = np.empty(64, np.int64)
-    k_1_top = 0
+    k_stack = np.empty(64, np.int64)
     trips = 0
     while k < x.size:
-        trips += 1
-        k_1_stack = grow(k_1_stack, k_1_top)
-        k_1_stack[k_1_top] = k
-        k_1_top += 1
+        k_stack = grow(k_stack, trips)
+        k_stack[trips] = k
         k = k + 1
+        trips += 1
     # reverse sweep
     # return total
     total_bar = result_bar
-    for trip in range(trips):
-        k_1_top -= 1
-        k = k_1_stack[k_1_top]
+    for trip in range(trips - 1, -1, -1):
+        k = k_stack[trip]
         # k += 1
         k = k + 1
         if not x[k - 1] < 0.0:

@@ -4,40 +4,36 @@ Engine: Numba. Level: fast. Arguments:
     x: float64[:], in
 
 It records:
-    k_1_stack: k where an iteration of `while k < x.size:` begins, 8 bytes per push
+    k_stack: k where an iteration of `while k < x.size:` begins, 8 bytes per push
 """
-
-# ruff: noqa: SIM113, RUF100
 
 import numpy as np
 
 from s2sad.runtime import grow, sized  # isort: skip
 
 
-def kernel_adjoint_taped(x, x_bar, result_bar, k_1_stack):
+def kernel_adjoint_taped(x, x_bar, result_bar, k_stack):
+    """Adjoint of kernel: d(return) / d(x), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     k = 0
-    k_1_stack = sized(k_1_stack, (max(64, k_1_stack.shape[0]),))
-    k_1_top = 0
+    k_stack = sized(k_stack, (max(64, k_stack.shape[0]),))
     trips = 0
     while k < x.size:
-        trips += 1
-        k_1_stack = grow(k_1_stack, k_1_top)
-        k_1_stack[k_1_top] = k
-        k_1_top += 1
+        k_stack = grow(k_stack, trips)
+        k_stack[trips] = k
         k = k + 1
+        trips += 1
     # reverse sweep
     # return total
     total_bar = result_bar
-    for trip in range(trips):
-        k_1_top -= 1
-        k = k_1_stack[k_1_top]
+    for trip in range(trips - 1, -1, -1):
+        k = k_stack[trip]
         # k += 1
         k = k + 1
         if not x[k - 1] < 0.0:
             # total += x[k - 1] ** 3
             x_bar[k - 1] += 3.0 * x[k - 1] ** 2 * total_bar
-    return k_1_stack,
+    return (k_stack,)
 
 
 def kernel_adjoint(x, x_bar, result_bar):

@@ -12,4 +12,4 @@ def kernel_tangent(x, x_dot):
         k = k + 1
         if not x[k - 1] < 0.0:
             total_dot += 3.0 * x[k - 1] ** 2 * x_dot[k - 1]
-    return total_dot,
+    return (total_dot,)

@@ -30,4 +30,4 @@ def kernel_adjoint(y, y_bar, x, x_bar, a, result_bar):
     seed_2 = np.copy(y_bar)
     a_bar = np.sum(x * seed_2)
     x_bar[...] += a * seed_2
-    return a_bar,
+    return (a_bar,)

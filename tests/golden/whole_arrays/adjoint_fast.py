@@ -15,6 +15,7 @@ from s2sad.runtime import sized  # isort: skip
 
 
 def kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, y_stack):
+    """Adjoint of kernel: d(y, return) / d(y, x, a), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     assert y.shape == x.shape
     for i in range(y.shape[0]):
@@ -45,4 +46,4 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, y_stack):
 
 def kernel_adjoint(y, y_bar, x, x_bar, a, result_bar):
     returned = kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, np.empty(0))
-    return returned[0],
+    return (returned[0],)

@@ -15,4 +15,4 @@ def kernel_tangent(y, y_dot, x, x_dot, a, a_dot):
     y[...] = a * x + y
     y_dot[...] = np.sin(x) * y_dot + y * (np.cos(x) * x_dot)
     y[...] = y * np.sin(x)
-    return np.sum(y * y_dot + y * y_dot),
+    return (np.sum(y * y_dot + y * y_dot),)

@@ -19,6 +19,7 @@ def step(u, k):
 
 
 def step_adjoint(u, u_bar, k):
+    """Adjoint of step: d(u) / d(u, k)."""
     # forward sweep: only what the reverse sweep reads
     u_stack = np.empty(u.size)
     for i in range(u.size):
@@ -35,7 +36,7 @@ def step_adjoint(u, u_bar, k):
         seed_2 = u_here * seed
         k_bar += u_here * seed_2
         u_bar[i] += k * seed_2 + k * u_here * seed
-    return k_bar,
+    return (k_bar,)
 
 
 def kernel_adjoint(u, u_bar, k, steps):
@@ -49,6 +50,6 @@ def kernel_adjoint(u, u_bar, k, steps):
     for _ in range(steps - 1, -1, -1):
         # step(u, k)
         u[...] = u_stack[_]
-        gain, = step_adjoint(u, u_bar, k)
+        (gain,) = step_adjoint(u, u_bar, k)
         k_bar += gain
-    return k_bar,
+    return (k_bar,)

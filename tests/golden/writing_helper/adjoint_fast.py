@@ -21,6 +21,7 @@ def step(u, k):
 
 
 def step_adjoint(u, u_bar, k):
+    """Adjoint of step: d(u) / d(u, k)."""
     # forward sweep: only what the reverse sweep reads
     u_stack = np.empty(u.size)
     for i in range(u.size):
@@ -37,10 +38,11 @@ def step_adjoint(u, u_bar, k):
         seed_2 = u_here * seed
         k_bar += u_here * seed_2
         u_bar[i] += k * seed_2 + k * u_here * seed
-    return k_bar,
+    return (k_bar,)
 
 
 def kernel_adjoint_taped(u, u_bar, k, steps, u_stack):
+    """Adjoint of kernel: d(u) / d(u, k), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     u_stack = sized(u_stack, (len(range(steps)),) + u.shape)
     for _ in range(steps):
@@ -54,11 +56,11 @@ def kernel_adjoint_taped(u, u_bar, k, steps, u_stack):
             # step(u, k)
             u[i] = u_stack[_, i]
         # step(u, k)
-        gain, = step_adjoint(u, u_bar, k)
+        (gain,) = step_adjoint(u, u_bar, k)
         k_bar += gain
     return k_bar, u_stack
 
 
 def kernel_adjoint(u, u_bar, k, steps):
     returned = kernel_adjoint_taped(u, u_bar, k, steps, np.empty((0, 0)))
-    return returned[0],
+    return (returned[0],)

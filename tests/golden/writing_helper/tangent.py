@@ -8,6 +8,7 @@ Engine: NumPy. Level: plain. Arguments:
 
 
 def step_tangent(u, u_dot, k, k_dot):
+    """Tangent of step: d(u) / d(u, k)."""
     for i in range(u.size):
         u_here = u[i]
         u_here_dot = u_dot[i]
