@@ -191,6 +191,15 @@ def sum_with_a_size(x, y):
     y[:] = np.sum(x * x) / len(x)
 
 
+def sums_of_rows(m):
+    total = 0.0
+    for row in m:
+        total += np.sum(row * row) / row.size
+    for i in range(m.shape[0]):
+        total *= np.sum(m[i] * m[0] / m.shape[1])
+    return total
+
+
 CASES = [
     (index_from_a_written_array, ("x", "y"), ("x",)), (one_array_for_two_parameters, ("x", "a"), ("x",)),
     (whole_statement_reads_its_own_target, ("x",), ("x",)), (recorded_under_a_test, ("x", "q"), ("return", "q")),
@@ -201,7 +210,7 @@ CASES = [
     (forward_and_back, ("x", "y"), ("return",)), (early_return, ("x",), ("return",)), (sum_with_a_size, ("x",), ("y",)),
     (work_array_kept_by_some_iterations, ("x",), ("return",)), (diagonal_is_not_the_whole, ("x",), ("return",)),
     (several_spellings, ("x",), ("return",)), (allocated_in_a_branch, ("x",), ("return",)),
-    (array_given_whole_and_by_element, ("x", "y"), ("x", "y")),
+    (array_given_whole_and_by_element, ("x", "y"), ("x", "y")), (sums_of_rows, ("m",), ("return",)),
 ]
 
 

@@ -19,7 +19,7 @@ from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, Constant, For, FunctionDef, If, Name, Subscript, While, add, assign, at,
-    attribute, augment, call, call_name, const, copy, counted_for, index, indices, name, rebuild, walk,
+    attribute, augment, call, call_name, children, const, copy, counted_for, index, indices, name, rebuild,
 )
 
 _BLOCK = 128
@@ -115,8 +115,7 @@ class _Scalarize:
         return rebuild(value, change)
 
     def sum(self, operand: AST, before: list[AST]) -> AST:
-        parts = [n for n in walk(operand) if isinstance(n, (Name, Subscript)) and self.typing.of(n).is_array]
-        model = max(parts, key=lambda n: self.typing.of(n).rank)
+        model = max(self.arrays(operand), key=lambda n: self.typing.of(n).rank)
         kind = self.typing.of(operand)
         number = Type("number", kind.dtype) if kind.is_float else INT
         total = self.accumulator("total", number, before)
@@ -125,6 +124,14 @@ class _Scalarize:
         else:
             before.extend(self.rows(model, operand, total, number))
         return name(total)
+
+    def arrays(self, node: AST) -> list[AST]:
+        """The arrays and regions that an expression reads, a region without the array that it is of."""
+        if isinstance(node, (Name, Subscript)) and self.typing.of(node).is_array:
+            return [node]
+        if isinstance(node, (Subscript, Attribute)) or call_name(node) == "builtins.len":
+            return []
+        return [a for child in children(node) for a in self.arrays(child)]
 
     def accumulator(self, wanted: str, number: Type, before: list[AST]) -> str:
         made = self.free.fresh(wanted)
