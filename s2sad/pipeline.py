@@ -5,7 +5,7 @@
     infer       the types of names, before views and after rename
     analyze     structure, activity, uses, dependence, recorded                      (units.Units._adjoint)
     differentiate   adjoint or tangent
-    simplify    merge, dead, coalesce, fold, algebra
+    simplify    merge, dead, coalesce, fold, algebra; for level "fast" faster, taped
     emit        origin comments, the engine's dialect, the header, the text
 """
 from __future__ import annotations
@@ -25,6 +25,9 @@ from s2sad.infer.types import Type, of_value
 from s2sad.normalize.hidden import hidden, hidden_name
 from s2sad.program import Generated, Parameter, Program, Request
 from s2sad.simplify import Watch, unwatched
+from s2sad.simplify.dead import dead
+from s2sad.simplify.faster import faster
+from s2sad.tree import FunctionDef, Name, walk
 from s2sad.units import Derived, Unit, Units
 
 __all__ = ["Summary", "derive", "summary"]
@@ -69,12 +72,15 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
     made = [d.function for d in units.derived.values()]
     found = facts(derived, request, units) | {"unshadowed": unshadowed(
         unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
+
+    def final(d: Derived) -> FunctionDef:
+        return in_loops(d, units) if request.level == "fast" and units.engine == "numba" else d.function
     functions = primal_functions(units, kernels_called(made, units)) + [
-        documented(with_origins(d.function, d.unit.kernel.source), d) for d in units.derived.values()
+        documented(with_origins(final(d), d.unit.kernel.source), d) for d in units.derived.values()
         if d is not derived]
-    kept = kept_tape(derived, units) if request.level == "fast" else None
+    kept = kept_tape(derived, final(derived), units) if request.level == "fast" else None
     if kept is None:
-        functions.append(with_origins(derived.function, unit.kernel.source))
+        functions.append(with_origins(final(derived), unit.kernel.source))
     else:
         functions += [documented(with_origins(kept.taped, unit.kernel.source), derived, "over given stacks"),
                       kept.public]
@@ -87,12 +93,33 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
     return Generated(text, derived.function.name, parameters, tuple(derived.made.returns), found)
 
 
-def kept_tape(derived: Derived, units: Units) -> Taped | None:
+def in_loops(derived: Derived, units: Units) -> FunctionDef:
+    """An adjoint with its innermost loops transformed; a tangent as it is."""
+    tape = derived.made.tape
+    if tape is None:
+        return derived.function
+    family = derived.unit.family
+    sums = {f"{family.get(p, p)}_bar" for p in derived.made.shadows} - {*family, *family.values()}
+    numbers = {n.id for n in walk(derived.function.body) if isinstance(n, Name) and shadow_of(n.id) in sums
+               and n.id not in family}
+    arrays = {s for s in derived.made.shadows.values() if derived.types[s].is_array}
+    function = faster(derived.function, derived.types, {s.array for s in tape.stacks.values()}, arrays, numbers)
+    read = {n for n, role, _ in derived.made.parameters if role == "shadow"}
+    return dead(function, read, units.effects.writes, units.effects.pure, units.effects.unread)
+
+
+def shadow_of(identifier: str) -> str:
+    """The name of a shadow without the number of its version."""
+    stem, _, number = identifier.rpartition("_")
+    return stem if number.isdigit() else identifier
+
+
+def kept_tape(derived: Derived, function: FunctionDef, units: Units) -> Taped | None:
     """The entry's adjoint over stacks that the caller keeps between calls."""
     tape = derived.made.tape
     if tape is None or units.engine != "numba":
         return None
-    return taped(derived.function, list(tape.stacks.values()), derived.types,
+    return taped(function, list(tape.stacks.values()), derived.types,
                  units.titles.fresh(f"{derived.function.name}_taped"))
 
 

@@ -239,6 +239,15 @@ def choice_under_two_names(x):
     return a * b
 
 
+def sums_of_rows(m):
+    total = 0.0
+    for row in m:
+        total += np.sum(row * row) / row.size
+    for i in range(m.shape[0]):
+        total *= np.sum(m[i] * m[0] / m.shape[1])
+    return total
+
+
 CASES = [
     (index_from_a_written_array, ("x", "y"), ("x",)), (one_array_for_two_parameters, ("x", "a"), ("x",)),
     (whole_statement_reads_its_own_target, ("x",), ("x",)), (recorded_under_a_test, ("x", "q"), ("return", "q")),
@@ -254,6 +263,7 @@ CASES = [
     (products_and_gamma, ("x",), ("return",)),
     (loops_left_early_with_stacks, ("x", "y"), ("return", "y")),
     (loops_of_unknown_length_inside_others, ("x",), ("return",)),
+    (sums_of_rows, ("m",), ("return",)),
 ]
 
 

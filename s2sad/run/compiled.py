@@ -25,6 +25,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.run.load import load
 
 _RUNTIME = "s2sad.runtime"
+_ANY_ORDER = {"added"}  # sums whose compiled form may be reassociated
 _CHECKED: ContextVar[bool] = ContextVar("s2sad_bounds_checked", default=False)
 
 
@@ -119,9 +120,9 @@ def _forget(dispatcher: Any) -> None:
         path.unlink(missing_ok=True)
 
 
-def _jit(function: FunctionType, bounds: bool, on_disk: bool) -> Any:
+def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | set[str] = False) -> Any:
     numba = importlib.import_module("numba")
-    flags = {"error_model": "numpy", "boundscheck": bounds, "nogil": True, "fastmath": False}
+    flags = {"error_model": "numpy", "boundscheck": bounds, "nogil": True, "fastmath": fastmath}
     try:
         return numba.njit(cache=on_disk, **flags)(function)
     except RuntimeError:  # Numba finds no place for its cache files
@@ -139,7 +140,8 @@ def _runtime(module_name: str, bounds: bool) -> dict[str, Any]:
         if value.__module__ == module_name:
             copy = FunctionType(value.__code__, space, value.__name__, value.__defaults__, value.__closure__)
             copy.__qualname__, copy.__module__ = value.__qualname__, value.__module__
-            space[identifier] = _jit(copy, bounds, on_disk=False)
+            fastmath = {"reassoc"} if identifier in _ANY_ORDER else False
+            space[identifier] = _jit(copy, bounds, on_disk=False, fastmath=fastmath)
         elif (value.__module__ or "").startswith(_RUNTIME):
             space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
     return space

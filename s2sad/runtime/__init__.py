@@ -10,9 +10,9 @@ from s2sad.runtime.spans import position, position_down
 from s2sad.runtime.special import digamma
 from s2sad.runtime.spread import extreme_mask, spread
 from s2sad.runtime.stacks import grow, sized
-from s2sad.runtime.sums import blocked_sum, pairwise_sum
+from s2sad.runtime.sums import added, blocked_sum, pairwise_sum
 
 __all__ = [
-    "blocked_sum", "comb", "digamma", "extreme_mask", "factorial", "grow", "heaviside", "isclose", "isqrt", "lcm",
-    "pairwise_sum", "perm", "position", "position_down", "product", "remainder", "sized", "spread",
+    "added", "blocked_sum", "comb", "digamma", "extreme_mask", "factorial", "grow", "heaviside", "isclose", "isqrt",
+    "lcm", "pairwise_sum", "perm", "position", "position_down", "product", "remainder", "sized", "spread",
 ]

@@ -4,6 +4,16 @@ from __future__ import annotations
 import numpy as np
 
 
+def added(total, gain):
+    """A sum with one more gain, where gains may come in any order: Numba compiles a loop of these
+    to partial sums, which are faster and round less.
+
+    >>> added(1.0, 2.0)
+    3.0
+    """
+    return total + gain
+
+
 def pairwise_sum(x):
     """The sum of a float array's elements, of any shape, rounded as NumPy's own pairwise sum is.
 

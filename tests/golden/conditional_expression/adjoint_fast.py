@@ -7,10 +7,28 @@ Engine: Numba. Level: fast. Arguments:
 It records nothing.
 """
 
+# ruff: noqa: PLR1730, RUF100
+
 
 def kernel_adjoint(y, y_bar, x, x_bar):
     # reverse sweep
-    for i in range(x.size):
+    if 0 < x.size - 1:
+        x_bar_held = x_bar[0]
+        for i in range(x.size - 1):
+            x_bar_held_2 = x_bar[i + 1]
+            # right = x[i + 1] if i < x.size - 1 else 0.5
+            right = x[i + 1]
+            # y[i] = right * x[i]
+            seed = y_bar[i]
+            y_bar[i] = 0.0
+            right_bar = x[i] * seed
+            x_bar_held += right * seed
+            # right = x[i + 1] if i < x.size - 1 else 0.5
+            x_bar_held_2 += right_bar
+            x_bar[i] = x_bar_held
+            x_bar_held = x_bar_held_2
+        x_bar[x.size - 1] = x_bar_held
+    for i in range(max(0, x.size - 1), x.size):
         # right = x[i + 1] if i < x.size - 1 else 0.5
         taken = i < x.size - 1
         if taken:

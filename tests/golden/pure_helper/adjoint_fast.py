@@ -7,7 +7,7 @@ Engine: Numba. Level: fast. Arguments:
 It records nothing.
 """
 
-# ruff: noqa: FURB136, RUF100
+# ruff: noqa: FURB136, PLR1730, RUF100
 
 
 def bent_adjoint(a, b, result_bar):
@@ -40,14 +40,20 @@ def bent_adjoint_2(a, b, result_bar):
 
 def kernel_adjoint(y, y_bar, x, x_bar):
     # reverse sweep
-    for i in range(1, x.size):
-        # y[i] = bent(x[i], x[i - 1]) + 3.0 * bent(x[i - 1], 2.0)
-        seed = y_bar[i]
-        y_bar[i] = 0.0
-        bent_value_bar = seed
-        bent_value_2_bar = 3.0 * seed
-        (gain,) = bent_adjoint_2(x[i - 1], 2.0, bent_value_2_bar)
-        x_bar[i - 1] += gain
-        gain, gain_2 = bent_adjoint(x[i], x[i - 1], bent_value_bar)
-        x_bar[i - 1] += gain_2
-        x_bar[i] += gain
+    if 1 < x.size:
+        x_bar_held = x_bar[0]
+        for i in range(1, x.size):
+            x_bar_held_2 = x_bar[i]
+            # y[i] = bent(x[i], x[i - 1]) + 3.0 * bent(x[i - 1], 2.0)
+            seed = y_bar[i]
+            y_bar[i] = 0.0
+            bent_value_bar = seed
+            bent_value_2_bar = 3.0 * seed
+            (gain,) = bent_adjoint_2(x[i - 1], 2.0, bent_value_2_bar)
+            x_bar_held += gain
+            gain, gain_2 = bent_adjoint(x[i], x[i - 1], bent_value_bar)
+            x_bar_held += gain_2
+            x_bar_held_2 += gain
+            x_bar[i - 1] = x_bar_held
+            x_bar_held = x_bar_held_2
+        x_bar[x.size - 1] = x_bar_held
