@@ -30,7 +30,7 @@ from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
 from s2sad.normalize.rename import rename
 from s2sad.normalize.ruled import ruled
-from s2sad.normalize.scalarize import scalarize
+from s2sad.normalize.scalarize import scalarize, scatter
 from s2sad.normalize.sharing import shared, specialised
 from s2sad.normalize.spelled import spelled
 from s2sad.normalize.views import views
@@ -159,6 +159,8 @@ class Units:
         if self.engine == "numba":
             lowered = with_choices(scalarize(tree, self.apart(typing), Names(names.taken), final=True))
             tree = verify(scalarize(tree, typing, names), "views", "scalarize")
+        else:
+            tree = lowered = verify(scatter(tree, typing, names), "views", "scatter")
         self.watch("scalarize", tree)
         renamed = rename(tree, typing.table, names, self.call_writes)
         self.watch("rename", verify(renamed.function, "rename", "rename"))

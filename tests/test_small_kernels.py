@@ -248,7 +248,14 @@ def sums_of_rows(m):
     return total
 
 
+def size_of_a_row(x, m):
+    row = m[int(x[0] * 2.0)]
+    x[2] = row.shape[0] * x[1]
+    return x[2] * row[0]
+
+
 CASES = [
+    (size_of_a_row, ("x", "m"), ("x", "return")),
     (index_from_a_written_array, ("x", "y"), ("x",)), (one_array_for_two_parameters, ("x", "a"), ("x",)),
     (whole_statement_reads_its_own_target, ("x",), ("x",)), (recorded_under_a_test, ("x", "q"), ("return", "q")),
     (unused_argument_of_a_helper, ("x",), ("x",)), (work_array_whose_content_is_not_read, ("x",), ("return",)),

@@ -89,15 +89,6 @@ def products(a, x, y):
     return np.dot(x, b) + np.sum(c @ c) + np.sum(x @ a)
 
 
-def solved(a, x, y):
-    m = a @ a.T + 4.0 * np.eye(3) if False else a @ a.T
-    for i in range(3):
-        m[i, i] += 5.0
-    x[:] = np.linalg.solve(m, x)
-    z = np.linalg.solve(m, a)
-    return np.sum(z * z) + np.sum(x ** 3)
-
-
 def chosen(a, x, y):
     b = np.where(a > 0.5, a * a, np.sqrt(a))
     b[0, :] = np.where(y > x[0], y, 0.0)
@@ -139,10 +130,56 @@ def batched_rows(a, x, y):
     return np.sum(d * d * y)
 
 
+def masked(x, y):
+    mask = x > 0.9
+    x[mask] *= y[mask] + x[mask] ** 2
+    y[x < 1.0] = 0.3
+    x[~mask] += 0.5 * np.sum(y[mask] ** 2)
+    part = x[mask] * x[mask]
+    mask[0] = False
+    y[mask] -= x[mask] * 0.1
+    x[mask] = x[mask] ** 3
+    return np.sum(part * part)
+
+
+def mask_that_changes(x, y):
+    for _ in range(3):
+        low = x < y
+        x[low] = x[low] * x[low] + 0.7
+        y[low] *= 0.9 * x[low]
+        x -= 0.05 * y
+
+
+def masked_matrix(a, x, y):
+    high = a > 0.6
+    a[high] = np.sqrt(a[high]) * x[0]
+    rows = x > 0.8
+    a[rows] *= y
+    a[rows, 1:] += x[1]
+    return np.sum(a[high]) * np.sum(a[rows] ** 2)
+
+
+def picked_elements(x, y):
+    places = np.array([0, 2, 2, 5])
+    y[:4] *= x[places] * x[places]
+    x[places] = y[:4] * y[1:5]
+    x[places] += y[places] * x[0]
+    z = x[places]
+    return np.sum(z * z) + x[places[1]] * y[-1]
+
+
+def picked_twice_in_a_loop(x, y):
+    places = np.array([1, 1, 3])
+    for k in range(3):
+        x[places] *= y[places + k % 2] * x[k]
+        places[0] = (places[0] + 1) % 4
+        y[places] = np.sin(x[places])
+
+
 THREE = (overlapping_store, strided, view_of_a_view, view_kept_across_a_rebinding, read_after_the_view_was_overwritten,
-         window)
-KERNELS = (*THREE, broadcast_both_ways, broadcast_in_a_sum, reductions, kept_dimensions, moved, products, chosen,
-           in_loops, part_passed_to_a_helper, batched_rows)
+         window, masked, mask_that_changes, picked_elements, picked_twice_in_a_loop)
+KERNELS = (*THREE, masked_matrix, broadcast_both_ways, broadcast_in_a_sum, reductions, kept_dimensions, moved,
+           products, chosen, in_loops, part_passed_to_a_helper, batched_rows)
 
 
 def arguments(kernel):

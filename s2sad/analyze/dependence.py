@@ -11,6 +11,7 @@ from itertools import product
 
 from s2sad.analyze.resized import escapes, own_loops, within as within_loops
 from s2sad.analyze.structure import Structure
+from s2sad.infer.types import INT
 from s2sad.infer.affine import Affine, at_most, equals, feasible
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import (
@@ -80,6 +81,8 @@ class Dependence:
         if identifier in self.structure.loop_of:
             return Affine.symbol(identifier)
         bound = self.structure.bindings.get(identifier, [])
+        if self.structure.typing.table.get(identifier, INT).is_array:
+            return None
         if len(bound) > 1 or depth > 20 or "." in identifier and not identifier.startswith("const."):
             return None
         if bound and isinstance(bound[0], Assign) and isinstance(bound[0].targets[0], Name):

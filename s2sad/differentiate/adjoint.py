@@ -26,14 +26,13 @@ from s2sad.differentiate.expression import Pullback
 from s2sad.differentiate.resize import empty_at_first
 from s2sad.differentiate.sweeps import Sweeps
 from s2sad.differentiate.tape import Tape
-from s2sad.infer.shapes import shapes_of
+from s2sad.infer.shapes import scattered, shapes_of
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, Constant, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple, assign, at, augment,
-    call,
-    comment, const, copy, function, index, name, tuple_of, walk,
+    AST, Add, Assign, AugAssign, Constant, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple, assign, at,
+    attribute, augment, call, comment, const, copy, function, index, indices, name, tuple_of, walk,
 )
 
 
@@ -159,6 +158,7 @@ class _Adjoint:
         if primal not in self.shadows:
             self.shadows[primal] = self.free.fresh(f"{primal}_bar")
             self.typing.table[self.shadows[primal]] = self.typing.table[primal]
+            self.shapes.arrays[self.shadows[primal]] = self.shapes.of(name(primal))
         return self.shadows[primal]
 
     # -- zeros -------------------------------------------------------------------------------------------------------
@@ -208,8 +208,17 @@ class _Adjoint:
 
     def gained(self, node: AST, seed: Term, result: AST | None = None, region: AST | None = None) -> list[AST]:
         gains = self.pullback.gains(node, seed, result, region)
-        return [*gains.before, *(augment(self.place(leaf), Sub() if term.negative else Add(), term.tree)
-                                 for leaf, term in gains.sums())]
+        return [*gains.before, *(self.gain(leaf, term) for leaf, term in gains.sums())]
+
+    def gain(self, leaf: AST, term: Term) -> AST:
+        """The statement that adds to the shadow of a leaf; an element that is picked twice gains twice."""
+        op = Sub() if term.negative else Add()
+        if not isinstance(leaf, Subscript) or not scattered(leaf, self.typing):
+            return augment(self.place(leaf), op, term.tree)
+        shadow = name(self.shadow(base_name(leaf)))
+        places = index(name("numpy.s_"), *map(copy, indices(leaf)))
+        return augment(index(shadow, const(...)), op, call("runtime.scattered", term.tree, attribute(
+            copy(shadow), "shape"), places))
 
     def statement(self, statement: AST) -> list[AST]:
         """The adjoint of a statement that is no loop and no branch."""

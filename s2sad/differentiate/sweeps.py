@@ -102,8 +102,10 @@ class Sweeps:
     def snapshot(self, store: Store) -> AST:
         """What is recorded of a store: the place itself, or all of its array where the place's size changes."""
         place = store.place
-        if not isinstance(place, Subscript) or not any(isinstance(s, Slice) for s in indices(place)):
+        if not isinstance(place, Subscript) or not self.typing.of(place).is_array:
             return place
+        if any(not isinstance(s, Slice) and self.typing.of(s).is_array for s in indices(place)):
+            return place.value
         changing = {n for loop in self.structure.place(store.statement).loops for n in stored_names(loop)}
         fixed = self.shape_of(place)
         resized = bool(own_loops(self.structure, base_name(place)))

@@ -34,8 +34,8 @@ class _Tangent:
         self.structure, self.typing, self.active = structure, structure.typing, activity.active
         self.wanted, self.free, self.derive, self.flat = wanted, free, derive, flat
         self.shadows: dict[str, str] = {}
-        shapes = shapes_of(structure.function, structure.typing)
-        self.pushforward = Pushforward(self.typing, self.active, self.value, shapes)
+        self.shapes = shapes_of(structure.function, structure.typing)
+        self.pushforward = Pushforward(self.typing, self.active, self.value, self.shapes)
         self.parameters = [p.id for p in structure.function.args.args]
 
     def made(self, title: str) -> Made:
@@ -57,6 +57,7 @@ class _Tangent:
         if primal not in self.shadows:
             self.shadows[primal] = self.free.fresh(f"{primal}_dot")
             self.typing.table[self.shadows[primal]] = self.typing.table[primal]
+            self.shapes.arrays[self.shadows[primal]] = self.shapes.of(name(primal))
         return self.shadows[primal]
 
     def value(self, leaf: AST) -> AST:

@@ -161,6 +161,9 @@ class Typing:
         added = sum(isinstance(s, Constant) and s.value is None for s in subscripts)
         dropped = sum(not isinstance(s, Slice) and not (isinstance(s, Constant) and s.value in (None, Ellipsis))
                       for s in subscripts)
+        arrays = [kind for s in subscripts if not isinstance(s, (Slice, Constant)) and (kind := self.of(s)).is_array]
+        if arrays:
+            return self._picked(node, base, subscripts, arrays)
         given = sum(not (isinstance(s, Constant) and s.value in (None, Ellipsis)) for s in subscripts)
         if given > base.rank:
             if self.final:
@@ -168,6 +171,25 @@ class Typing:
                                   help="the types are taken from the arguments: check their ranks")
             return UNKNOWN
         return of_rank(base, base.rank - dropped + added)
+
+    def _picked(self, node: Subscript, base: Type, subscripts: list[AST], arrays: list[Type]) -> Type:
+        """The type of the elements that arrays of integers, or one of bools, pick."""
+        masked = [a for a in arrays if a.dtype == "bool"]
+        if masked and len(arrays) > 1 or any(a.is_float for a in arrays):
+            if self.final:
+                self.report.error("S203", f"subscripts of {', '.join(map(str, arrays))}", node,
+                                  help="pick with one array of bools, or with arrays of integers")
+            return UNKNOWN
+        given = sum(not (isinstance(s, Constant) and s.value in (None, Ellipsis)) for s in subscripts)
+        used = given + sum(a.rank - 1 for a in masked)
+        if used > base.rank:
+            if self.final:
+                self.report.error("S203", f"{used} subscripts for {base}", node,
+                                  help="the types are taken from the arguments: check their ranks")
+            return UNKNOWN
+        added = sum(isinstance(s, Constant) and s.value is None for s in subscripts)
+        kept = sum(isinstance(s, Slice) for s in subscripts) + base.rank - used + added
+        return of_rank(base, kept + (1 if masked else max(a.rank for a in arrays)))
 
     def _Call(self, node: Call) -> Type:
         name = call_name(node)

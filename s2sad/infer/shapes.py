@@ -27,6 +27,7 @@ class Shapes:
         self.arrays: dict[str, Shape] = {}
         self.atoms: dict[str, AST] = {}
         self.equal: dict[str, Affine] = {}
+        self.serial = 0  # of the statement: an array of bools picks as many as it did only within one
         self.counters: dict[str, int] = {}  # the loop counters here, with the least that each can be
         self.required: list[Affine] = []  # sizes that must not be negative for slices to mean what they are taken for
 
@@ -262,15 +263,41 @@ class Shapes:
     def _region(self, node: Subscript) -> Shape:
         base = self.of(node.value)
         found: list[Affine | None] = []
-        axis = 0
-        for subscript in full(indices(node), len(base)):
+        axis, picked = 0, False
+        for subscript in self.full(indices(node), len(base)):
             if isinstance(subscript, Constant) and subscript.value is None:
                 found.append(ONE)
                 continue
             if isinstance(subscript, Slice):
                 found.append(self.sliced(subscript, base[axis]))
-            axis += 1
+            elif (kind := self.typing.of(subscript)).is_array and not picked:
+                picked = True
+                found += [self.symbol(call("numpy.count_nonzero", subscript), f"{dump(subscript)} {self.serial}")] \
+                    if kind.dtype == "bool" else self.picked(node)
+            axis += self.width(subscript)
         return tuple(found)
+
+    def picked(self, node: Subscript) -> Shape:
+        """The shape of the elements that arrays of integers pick."""
+        return self.broadcast(self.of(s) for s in indices(node) if not isinstance(s, (Slice, Constant)))
+
+    def width(self, subscript: AST) -> int:
+        """How many axes a subscript stands for: as many as it has for an array of bools."""
+        if isinstance(subscript, Constant) and subscript.value in (None, Ellipsis):
+            return 0
+        kind = None if isinstance(subscript, (Slice, Constant)) else self.typing.of(subscript)
+        return kind.rank if kind is not None and kind.is_array and kind.dtype == "bool" else 1
+
+    def full(self, subscripts: list[AST], rank: int) -> list[AST]:
+        """The subscripts with `...` written out and one for every axis."""
+        missing: list[AST] = [Slice(None, None, None) for _ in range(rank - sum(map(self.width, subscripts)))]
+        made: list[AST] = []
+        for s in subscripts:
+            if isinstance(s, Constant) and s.value is Ellipsis:
+                made, missing = made + missing, []
+            else:
+                made.append(s)
+        return made + missing
 
     def sliced(self, part: Slice, size: Affine | None) -> Affine | None:
         """How many elements a slice of an axis takes."""
@@ -331,17 +358,10 @@ class Shapes:
         return self.symbol(call(function, copy(node), self.expression(size)))
 
 
-def full(subscripts: list[AST], rank: int) -> list[AST]:
-    """The subscripts with `...` written out and one for every axis."""
-    given = sum(not (isinstance(s, Constant) and s.value in (None, Ellipsis)) for s in subscripts)
-    missing: list[AST] = [Slice(None, None, None) for _ in range(rank - given)]
-    made: list[AST] = []
-    for s in subscripts:
-        if isinstance(s, Constant) and s.value is Ellipsis:
-            made, missing = made + missing, []
-        else:
-            made.append(s)
-    return made + missing
+def scattered(place: AST, typing: Typing) -> bool:
+    """Whether arrays of integers pick the elements of a place, which may name one twice."""
+    return isinstance(place, Subscript) and any(
+        typing.of(s).is_array and typing.of(s).dtype != "bool" for s in indices(place) if not isinstance(s, Slice))
 
 
 def is_whole(subscript: AST) -> bool:

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
-from s2sad.infer.shapes import full
+from s2sad.infer.shapes import Shapes
 from s2sad.normalize.elements import moves
-from s2sad.tree import AST, Constant, Name, Slice, Subscript, children, dump, indices
+from s2sad.tree import AST, Constant, Name, Slice, Subscript, children, dump, indices, walk
 
 
 def overlaps(target: Subscript, value: AST, typing: Typing) -> bool:
     """Whether filling the target cell by cell could read a cell that was filled before."""
     base = base_name(target)
+    if any(typing.of(s).is_array for s in indices(target) if not isinstance(s, Slice)):
+        return any(_reads_other(n, target, typing) for n in walk(value))
     if moves(value):
         return any(base_name(a) == base for a in getattr(value, "args", []))
     if isinstance(value, (Name, Subscript)):
@@ -23,12 +25,22 @@ def overlaps(target: Subscript, value: AST, typing: Typing) -> bool:
     return any(overlaps(target, child, typing) for child in children(value))
 
 
+def _reads_other(node: AST, target: Subscript, typing: Typing) -> bool:
+    """Whether a node reads the array of which a target picks elements, other than those; an array of integers may pick
+    one twice."""
+    if not isinstance(node, (Name, Subscript)) or base_name(node) != base_name(target) or not typing.of(node).is_array:
+        return False
+    masked = any(typing.of(s).dtype == "bool" for s in indices(target) if not isinstance(s, Slice))
+    return not masked or isinstance(node, Subscript) and dump(node) != dump(target)
+
+
 def _aligned(target: Subscript, load: AST, typing: Typing) -> bool:
     """Whether two cells of the target that differ never read and fill the same cell: along each axis that is walked
     the load is at the same index."""
     rank = typing.of(target.value).rank
-    ours = full(indices(target), rank)
-    theirs = full(indices(load) if isinstance(load, Subscript) else [], rank)
+    shapes = Shapes(typing, {})
+    ours = shapes.full(indices(target), rank)
+    theirs = shapes.full(indices(load) if isinstance(load, Subscript) else [], rank)
     walked = _walked(theirs, typing.of(target).rank)
     return all(_same(ours[axis], walked.get(number)) and walked.get(number, (None, -1))[1] == axis
                for number, axis in enumerate(k for k, s in enumerate(ours) if isinstance(s, Slice)))

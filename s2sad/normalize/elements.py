@@ -10,10 +10,10 @@ from collections.abc import Callable, Mapping
 from s2sad import rules
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import ONE, whole_number
-from s2sad.infer.shapes import Shapes, full
+from s2sad.infer.shapes import Shapes
 from s2sad.tree import (
-    AST, Attribute, BinOp, Call, Constant, FloorDiv, Mod, Name, Slice, Subscript, Tuple, add, call_name, const, copy,
-    index, indices, mult, name, rebuild, sub,
+    AST, Attribute, BinOp, Call, Constant, FloorDiv, Mod, Name, Slice, Subscript, Tuple, add, call_name,
+    const, copy, index, indices, mult, name, rebuild, sub,
 )
 
 
@@ -22,6 +22,7 @@ class Elements:
 
     def __init__(self, typing: Typing, shapes: Shapes):
         self.typing, self.shapes = typing, shapes
+        self.mask: list[AST] = []  # where the mask of a statement is walked
 
     def element(self, node: AST, positions: list[AST]) -> AST:
         """The element of an expression at these positions; what is no array stays as it is."""
@@ -32,7 +33,7 @@ class Elements:
             if isinstance(n, Name):
                 return self.load(n, [Slice(None, None, None)] * self.typing.of(n).rank, positions)
             if isinstance(n, Subscript):
-                return self.load(n.value, full(indices(n), self.typing.of(n.value).rank), positions)
+                return self.load(n.value, self.shapes.full(indices(n), self.typing.of(n.value).rank), positions)
             moved = _MOVED.get(call_name(n) or "")
             return moved(self, n, positions) if moved else None
         return rebuild(node, change)
@@ -40,11 +41,19 @@ class Elements:
     def load(self, base: AST, subscripts: list[AST], positions: list[AST]) -> AST:
         """The element of a part of an array."""
         assert isinstance(base, Name)
-        waiting = positions[len(positions) - sum(isinstance(s, Slice) or _is_new(s) for s in subscripts):]
+        arrays = [k for s in subscripts if not isinstance(s, Slice) and (k := self.typing.of(s)).is_array]
+        masked = any(a.dtype == "bool" for a in arrays)
+        picked = 0 if not arrays else 1 if masked else max(a.rank for a in arrays)
+        waiting = positions[len(positions) - picked - sum(isinstance(s, Slice) or _is_new(s) for s in subscripts):]
+        held: list[AST] | None = None
         made: list[AST] = []
         for subscript in subscripts:
             if _is_new(subscript):
                 waiting = waiting[1:]
+            elif not isinstance(subscript, Slice) and (kind := self.typing.of(subscript)).is_array:
+                if held is None:
+                    held, waiting = waiting[:picked], waiting[picked:]
+                made += map(copy, self.mask) if masked else [self.element(subscript, held[picked - kind.rank:])]
             elif isinstance(subscript, Slice):
                 made.append(self.cell(base.id, len(made), subscript, waiting[0]))
                 waiting = waiting[1:]

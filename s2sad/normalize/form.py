@@ -115,7 +115,7 @@ def _expression(node: AST, level: int, derivative: bool) -> Iterator[tuple[AST, 
     for part in walk(node):
         if (call_name(part) or "").startswith("user."):
             yield part, "a kernel's call inside an expression"
-        if isinstance(part, Subscript) and level and not isinstance(part.value, (Name, Attribute)):
+        if isinstance(part, Subscript) and level and not isinstance(part.value, (Name, Attribute, Tuple)):
             yield part, "a part of an expression"
         if isinstance(part, IfExp) and not derivative:
             yield part, "a choice inside an expression"

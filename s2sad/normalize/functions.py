@@ -8,6 +8,12 @@ that binds a name, and that its operands are names and parts of arrays; what is 
     x[:] = solve(a, x - y)          operand = x - y
                                     solve_value = np.linalg.solve(a, operand)
                                     x[:] = solve_value
+    x[x > 1.0] = 0.0                mask = x > 1.0
+                                    x[mask] = 0.0
+    s = np.sum(x[mask])             picked = x[mask]
+                                    s = np.sum(picked)
+
+What an array of bools picks stands alone, too, but in a statement that fills what the same one picks.
 """
 from __future__ import annotations
 
@@ -15,8 +21,8 @@ from s2sad import rules
 from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Assign, AugAssign, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Return, Subscript, While, assign,
-    at, augment, call_name, const, copy, name, rebuild, walk,
+    AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Return, Slice, Subscript,
+    While, assign, at, augment, call_name, const, copy, dump, index, indices, name, rebuild, walk,
 )
 
 _SUMMED = ("summed", "averaged")
@@ -41,12 +47,14 @@ def is_function(node: AST) -> bool:
 class _Functions:
     def __init__(self, typing: Typing, free: Names):
         self.typing, self.free = typing, free
+        self.kept = ""  # the array of bools that the statement's target is picked by
 
     def block(self, block: list[AST]) -> list[AST]:
         return [at(made, s) for s in block for made in self.statement(s)]
 
     def statement(self, statement: AST) -> list[AST]:
         before: list[AST] = []
+        self.kept = ""
         if isinstance(statement, For):
             bounds = self.moved(statement.iter, before)
             return [*before, For(statement.target, bounds, self.block(statement.body), [], None)]
@@ -55,13 +63,8 @@ class _Functions:
         if isinstance(statement, If):
             test = self.moved(statement.test, before)
             return [*before, If(test, self.block(statement.body), self.block(statement.orelse))]
-        if isinstance(statement, Assign):
-            binds = isinstance(statement.targets[0], Name) or is_function(statement.value)
-            value = self.root(statement.value, before) if binds else self.moved(statement.value, before)
-            return [*before, Assign([self.moved(statement.targets[0], before)], value, None)]
-        if isinstance(statement, AugAssign):
-            value = self.moved(statement.value, before)
-            return [*before, augment(self.moved(statement.target, before), statement.op, value)]
+        if isinstance(statement, (Assign, AugAssign)):
+            return self.assignment(statement, before)
         if isinstance(statement, Return) and statement.value is not None:
             value = self.moved(statement.value, before)
             return [*before, Return(value)]
@@ -70,6 +73,23 @@ class _Functions:
             value = self.moved(called, before)
             return [*before, Expr(value)]
         return [statement]
+
+    def assignment(self, statement: Assign | AugAssign, before: list[AST]) -> list[AST]:
+        target = statement.targets[0] if isinstance(statement, Assign) else statement.target
+        if isinstance(target, Subscript) and self.arrays(target):
+            target = self.named(target, before)
+            masks = [dump(s) for s in self.arrays(target) if self.typing.of(s).dtype == "bool"]
+            self.kept = masks[0] if masks else ""
+            if isinstance(statement, AugAssign) and not masks:  # NumPy reads all elements before it fills one
+                statement = at(assign(target, BinOp(copy(target), statement.op, statement.value)), statement)
+        elif isinstance(target, Subscript):
+            target = self.moved(target, before)
+        if isinstance(statement, AugAssign):
+            value = self.moved(statement.value, before)
+            return [*before, augment(target, statement.op, value)]
+        binds = isinstance(target, Name) or is_function(statement.value)
+        value = self.root(statement.value, before) if binds else self.moved(statement.value, before)
+        return [*before, assign(target, value)]
 
     def loop(self, statement: While) -> list[AST]:
         before: list[AST] = []
@@ -82,6 +102,8 @@ class _Functions:
     def moved(self, node: AST, before: list[AST]) -> AST:
         """The expression with its functions of whole arrays bound to names before."""
         def change(n: AST) -> AST | None:
+            if isinstance(n, Subscript) and self.arrays(n):
+                return self.picked(n, before)
             if isinstance(n, Subscript) and self.typing.of(n.value).is_array and not isinstance(
                     n.value, (Name, Subscript)):
                 inner = name(self.bind(n.value, self.root(n.value, before), before))
@@ -91,10 +113,31 @@ class _Functions:
             return name(self.bind(n, self.operands(n, before), before)) if is_function(n) else None
         return rebuild(node, change)
 
+    def arrays(self, node: Subscript) -> list[AST]:
+        """The arrays among the subscripts."""
+        return [s for s in indices(node) if not isinstance(s, Slice) and self.typing.of(s).is_array]
+
+    def picked(self, node: Subscript, before: list[AST]) -> AST:
+        """The elements that arrays pick: the arrays have names, and what a mask picks has one."""
+        place = self.named(node, before)
+        mask = next((s for s in self.arrays(place) if self.typing.of(s).dtype == "bool"), None)
+        if mask is None or dump(mask) == self.kept:
+            return place
+        return name(self.bind(node, place, before, "picked"))
+
+    def named(self, node: Subscript, before: list[AST]) -> Subscript:
+        """The subscript with names for the arrays in it."""
+        parts = [name(self.bind(s, self.moved(s, before), before, "mask" if self.typing.of(s).dtype == "bool" else
+                                "places")) if s in self.arrays(node) and not isinstance(s, Name) else
+                 self.moved(s, before) for s in indices(node)]
+        return at(Subscript(self.moved(node.value, before), index(node.value, *parts).slice, node.ctx), node)
+
     def root(self, node: AST, before: list[AST]) -> AST:
         """The right side of a statement that binds a name."""
         if call_name(node) in _MADE:
             return node
+        if isinstance(node, Subscript) and self.arrays(node):
+            return self.named(node, before)
         return self.operands(node, before) if is_function(node) else self.moved(node, before)
 
     def operands(self, node: Call, before: list[AST]) -> Call:
@@ -110,9 +153,10 @@ class _Functions:
             made.append(inner if plain or summed else name(self.bind(operand, inner, before)))
         return at(Call(node.func, made, node.keywords), node)
 
-    def bind(self, origin: AST, value: AST, before: list[AST]) -> str:
+    def bind(self, origin: AST, value: AST, before: list[AST], called: str = "") -> str:
         wanted = (call_name(origin) or "operand").rpartition(".")[2]
-        made = self.free.fresh(f"{wanted}_value" if is_function(origin) or call_name(origin) in _MADE else "operand")
+        made_there = is_function(origin) or call_name(origin) in _MADE
+        made = self.free.fresh(called or (f"{wanted}_value" if made_there else "operand"))
         self.typing.table[made] = self.typing.of(value)
         before.append(at(assign(made, value), origin))
         return made

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from s2sad.infer.affine import Affine
 from s2sad.infer.laws import whole_number
-from s2sad.infer.shapes import Shapes, full, is_whole
+from s2sad.infer.shapes import Shapes, is_whole
 from s2sad.tree import AST, Add, BinOp, Constant, Mult, Name, Slice, const, copy
 
 Refuse = Callable[[str], None]
@@ -19,8 +19,8 @@ def composed(shapes: Shapes, base: Name, prefix: list[AST], added: list[AST], re
     """The subscripts of `base` for subscripts of its part `base[prefix]`."""
     rank = shapes.typing.of(base).rank
     sizes = shapes.of(base)
-    entries = full(prefix, rank)
-    left = full(added, sum(isinstance(e, Slice) or is_new(e) for e in entries))
+    entries = shapes.full(prefix, rank)
+    left = shapes.full(added, sum(isinstance(e, Slice) or is_new(e) for e in entries))
     made: list[AST] = []
     axis = 0
     for entry in entries:

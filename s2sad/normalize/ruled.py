@@ -12,9 +12,7 @@ from s2sad import rules
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.rules.operation import operation
-from s2sad.tree import (
-    AST, Assert, Call, Expr, FunctionDef, Raise, Subscript, call_name, children, indices,
-)
+from s2sad.tree import AST, Assert, Call, Expr, FunctionDef, Raise, call_name, children
 
 # what makes arrays, asks for their shape, or is no computation at all
 _OTHER = frozenset({
@@ -42,9 +40,6 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
         return  # what is refused inside explains it
     if isinstance(node, Call):
         _call(node, typing, report)
-    elif isinstance(node, Subscript) and any(typing.of(s).is_array for s in indices(node)):
-        report.error("S201", "an array as a subscript is not supported in a kernel yet (planned)", node,
-                     help="write a loop over the elements, with an if in place of a mask")
 
 
 def _call(node: Call, typing: Typing, report: Report) -> None:

@@ -17,9 +17,12 @@ A sum runs in blocks of one row, so that its error grows with the length of a ro
 """
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
-from s2sad.infer.shapes import Shapes, full, single_values
+from s2sad.infer.shapes import Shapes, scattered, single_values
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
 from s2sad.normalize.elements import Elements, moves
@@ -27,9 +30,39 @@ from s2sad.normalize.functions import is_function
 from s2sad.normalize.reduced import Reduced, is_reduction
 from s2sad.normalize.views import array_operands
 from s2sad.tree import (
-    AST, Assign, AugAssign, BinOp, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While, assign, at,
-    augment, call_name, const, copy, counted_for, index, indices, name, rebuild, sub,
+    AST, Add, Assign, AugAssign, BinOp, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While, assign,
+    at, augment, call_name, const, copy, counted_for, index, indices, name, rebuild, sub, walk,
 )
+
+
+@dataclass
+class Walked:
+    """How a part of an array is walked: the counters with the bounds of their loops, the cell, the position in the
+    part on each of its axes; `taken` counts what a mask has picked, in the loops from `first` to `masked`."""
+    counters: list[str]
+    bounds: list[list[AST]]
+    cell: AST
+    positions: list[AST]
+    taken: str = ""
+    first: int = 0
+    masked: int = 0
+
+    def add(self, bounds: list[list[AST]], counters: Callable[[int, int], list[str]]) -> list[AST]:
+        """New loops inside the others; their counters."""
+        made = counters(len(bounds), len(self.counters))
+        self.counters += made
+        self.bounds += bounds
+        return list(map(name, made))
+
+    def around(self, body: list[AST], test: AST | None = None, counted: bool = False) -> list[AST]:
+        """The loops around statements; inside those of a mask its `test`, where what it picks is counted if asked."""
+        for k in range(len(self.counters), 0, -1):
+            if test is not None and k == self.masked:
+                body = [If(test, [*body, augment(self.taken, Add(), const(1))] if counted else body, [])]
+            body = [counted_for(self.counters[k - 1], self.bounds[k - 1], body)]
+            if counted and k - 1 == self.first:
+                body = [assign(self.taken, const(0)), *body]
+        return body
 
 
 def scalarize(function: FunctionDef, typing: Typing, free: Names, final: bool = False) -> FunctionDef:
@@ -40,11 +73,19 @@ def scalarize(function: FunctionDef, typing: Typing, free: Names, final: bool = 
     return new
 
 
+def scatter(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
+    """The function with loops for the stores through arrays of integers alone: the last store to a cell counts."""
+    new = copy(function)
+    shapes = Shapes(typing, single_values(function))
+    new.body = Scalarize(typing, free, shapes, False, only=True).block(function.body)
+    return new
+
+
 class Scalarize:
     """The pass over one function."""
 
-    def __init__(self, typing: Typing, free: Names, shapes: Shapes, final: bool):
-        self.typing, self.free, self.shapes, self.final = typing, free, shapes, final
+    def __init__(self, typing: Typing, free: Names, shapes: Shapes, final: bool, only: bool = False):
+        self.typing, self.free, self.shapes, self.final, self.only = typing, free, shapes, final, only
         self.elements = Elements(typing, shapes)
         self.reduced = Reduced(typing, shapes, self.elements, self.counters, self.number)
 
@@ -52,6 +93,7 @@ class Scalarize:
         new: list[AST] = []
         known = dict(self.shapes.equal)
         for statement in block:
+            self.shapes.serial += 1
             new += [at(made, statement) if getattr(statement, "lineno", None) else made
                     for made in self.statement(statement)]
             self.shapes.learn(statement)
@@ -67,7 +109,7 @@ class Scalarize:
             return [If(statement.test, self.block(statement.body), self.block(statement.orelse))]
         if isinstance(statement, (Assign, AugAssign)):
             return self.store(statement)
-        if isinstance(statement, Return) and statement.value is not None and not self.final:
+        if isinstance(statement, Return) and statement.value is not None and not (self.final or self.only):
             before: list[AST] = []
             value = self.sums(statement.value, before, joined=True)
             return [*before, Return(value)]
@@ -76,14 +118,18 @@ class Scalarize:
     def store(self, statement: Assign | AugAssign) -> list[AST]:
         value = statement.value
         target = statement.targets[0] if isinstance(statement, Assign) else statement.target
-        if (call_name(value) or "").startswith("user."):
+        if (call_name(value) or "").startswith("user.") or self.only and not scattered(target, self.typing):
             return [statement]
         if is_function(value) and not moves(value):
             return self.function(statement, target)
+        if isinstance(target, Subscript) and isinstance(value, Subscript) and self.mask_of(value) is not None and \
+                self.mask_of(target) is None:
+            return self.picked(target, value)
         before: list[AST] = []
         value = self.sums(value, before)
         if isinstance(target, Subscript) and self.typing.of(target).is_array:
-            return before + [self.filled(statement, target, self.held(value, base_name(target), before))]
+            held = self.held(value, base_name(target), before)
+            return before + self.filled(statement, target, held)
         if not before:
             return [statement]
         return before + [assign(target, value) if isinstance(statement, Assign)
@@ -98,43 +144,76 @@ class Scalarize:
             return [statement]
         made = self.free.fresh(f"{(call_name(value) or '').rpartition('.')[2]}_value")
         self.typing.table[made] = self.typing.of(value)
-        return [assign(made, copy(value)), self.filled(statement, target, name(made))]
+        return [assign(made, copy(value)), *self.filled(statement, target, name(made))]
 
-    def filled(self, statement: Assign | AugAssign, target: Subscript, value: AST) -> AST:
+    def filled(self, statement: Assign | AugAssign, target: Subscript, value: AST) -> list[AST]:
         """The loops that store an elementwise expression."""
-        counters, bounds, cells, positions = self.walked(target)
-        inner = self.elements.element(value, positions)
-        body: list[AST] = [assign(cells, inner) if isinstance(statement, Assign)
-                           else augment(cells, statement.op, inner)]
-        for counter, bound in reversed(list(zip(counters, bounds))):
-            body = [counted_for(counter, bound, body)]
-        return body[0]
+        found = self.walked(target)
+        inner = self.elements.element(value, found.positions)
+        body: list[AST] = [assign(found.cell, inner) if isinstance(statement, Assign)
+                           else augment(found.cell, statement.op, inner)]
+        mask = self.mask_of(target)
+        if mask is None:
+            return found.around(body)
+        counted = any(isinstance(n, Name) and n.id == found.taken for n in walk(inner))
+        return found.around(body, index(mask, *map(copy, self.elements.mask)), counted)
 
-    def walked(self, target: Subscript) -> tuple[list[str], list[list[AST]], Subscript, list[AST]]:
-        """How a part of an array is walked: counters and their bounds, the cell, and the position in the part."""
+    def picked(self, target: Subscript, value: Subscript) -> list[AST]:
+        """An array filled with what a mask picks, one element after the other."""
+        source, mask = self.walked(value), self.mask_of(value)
+        assert mask is not None
+        store = assign(self.elements.element(target.value, source.positions), source.cell)
+        return source.around([store], index(mask, *map(copy, self.elements.mask)), counted=True)
+
+    def mask_of(self, place: Subscript) -> Name | None:
+        """The array of bools that picks elements, if there is one."""
+        return next((s for s in indices(place) if isinstance(s, Name) and self.typing.of(s).is_array
+                     and self.typing.of(s).dtype == "bool"), None)
+
+    def walked(self, target: Subscript) -> Walked:
+        """How a part of an array is walked."""
         base = target.value
-        entries = full(indices(target), self.typing.of(base).rank)
-        counters = self.counters(sum(isinstance(e, Slice) for e in entries))
-        bounds: list[list[AST]] = []
+        assert isinstance(base, Name)
+        found = Walked([], [], index(base), [])
         cell: list[AST] = []
-        positions: list[AST] = []
-        for axis, entry in enumerate(entries):
-            if not isinstance(entry, Slice):
+        picked: list[AST] | None = None
+        for entry in self.shapes.full(indices(target), self.typing.of(base).rank):
+            kind = None if isinstance(entry, Slice) else self.typing.of(entry)
+            if isinstance(entry, Slice):
+                self.sliced(found, base.id, cell, entry)
+            elif kind is None or not kind.is_array:
                 cell.append(copy(entry))
-                continue
-            start, stop, step = self.shapes.span(entry, self.shapes.own(base.id, axis)) or (None, None, 1)
-            assert start is not None and stop is not None, "views has frozen the bounds"
-            counter = name(counters[len(bounds)])
-            low, high = (self.shapes.expression(x, reduced=False) for x in (start, stop))
-            zero = not start.terms and not start.constant
-            bounds.append([high] if zero and step == 1 else [low, high] if step == 1 else [low, high, const(step)])
-            cell.append(counter)
-            at_zero = counter if zero else sub(counter, copy(low))
-            positions.append(at_zero if step == 1 else BinOp(at_zero, FloorDiv(), const(step)))
-        return counters, bounds, index(name(base.id), *cell), positions
+            elif kind.dtype == "bool":
+                found.first = len(found.counters)
+                counters = found.add([[self.elements.size_of(entry, k)] for k in range(kind.rank)], self.counters)
+                self.elements.mask = counters
+                cell += map(copy, counters)
+                found.masked = len(found.counters)
+                found.taken = self.number("taken", INT)
+                found.positions.append(name(found.taken))
+            else:
+                if picked is None:
+                    sizes = [self.shapes.expression(d) for d in self.shapes.picked(target) if d is not None]
+                    picked = found.add([[size] for size in sizes], self.counters)
+                    found.positions += picked
+                cell.append(self.elements.element(entry, picked[len(picked) - kind.rank:]))
+        found.cell = index(name(base.id), *cell)
+        return found
 
-    def counters(self, rank: int) -> list[str]:
-        return [self.number(c, INT) for c in ("i", "j", "k", "l", "m", "o")[:rank]]
+    def sliced(self, found: Walked, base: str, cell: list[AST], entry: Slice) -> None:
+        """One axis of which a slice is walked: by the index itself where the step is 1."""
+        start, stop, step = self.shapes.span(entry, self.shapes.own(base, len(cell))) or (None, None, 1)
+        assert start is not None and stop is not None
+        low, high = (self.shapes.expression(x, reduced=False) for x in (start, stop))
+        zero = not start.terms and not start.constant
+        bounds = [high] if zero and step == 1 else [low, high] if step == 1 else [low, high, const(step)]
+        counter = found.add([bounds], self.counters)[0]
+        cell.append(counter)
+        at_zero = counter if zero else sub(counter, copy(low))
+        found.positions.append(at_zero if step == 1 else BinOp(at_zero, FloorDiv(), const(step)))
+
+    def counters(self, rank: int, first: int = 0) -> list[str]:
+        return [self.number(c, INT) for c in ("i", "j", "k", "l", "m", "o")[first:first + rank]]
 
     def number(self, wanted: str, kind: Type) -> str:
         """A new name for a number."""

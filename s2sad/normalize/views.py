@@ -22,7 +22,7 @@ from s2sad.analyze.liveness import base_name
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import whole_number
-from s2sad.infer.shapes import Shapes, is_whole, single_values
+from s2sad.infer.shapes import Shapes, is_whole, scattered, single_values
 from s2sad.infer.types import INT, Type, array
 from s2sad.naming import Names
 from s2sad.normalize.allocations import Allocations
@@ -78,6 +78,7 @@ class _Views:
         known = dict(self.shapes.equal)
         for statement in block:
             outer, self.before = self.before, []
+            self.shapes.serial += 1
             made = self.statement(statement)
             new += [at(s, statement) for s in [*self.before, *self.required(), *made]]
             self.before = outer
@@ -166,7 +167,7 @@ class _Views:
                                   help="pass the array as an argument and write into it")
 
     def bind_array(self, target: str, value: AST, statement: AST) -> list[AST]:
-        if isinstance(value, (Name, Subscript)) and self.viewed(value):
+        if isinstance(value, (Name, Subscript)) and not self.picks(value) and self.viewed(value):
             base, prefix = self.viewed(value) or _AMBIGUOUS
             self.seen[target] = (base, tuple(self.frozen(s, f"{target}_at") for s in prefix))
             return []
@@ -184,6 +185,11 @@ class _Views:
         self.home[new] = self.depth
         self.typing.table[new] = self.types[target]
         return made
+
+    def picks(self, value: AST) -> bool:
+        """Whether an expression is a copy of elements that an array picks."""
+        return isinstance(value, Subscript) and (self.picks(value.value) or any(
+            self.typing.of(s).is_array for s in indices(value) if not isinstance(s, Slice)))
 
     def version(self, target: str) -> str:
         if target in self.versions or target in self.parameters:
@@ -225,7 +231,8 @@ class _Views:
 
     def apart(self, place: Subscript, value: AST, before: list[AST], origin: AST) -> AST:
         """The value, in an array of its own if the loop that fills the place would read what it has filled."""
-        if not self.loops or not self.is_region(place) or not overlaps(place, value, self.typing):
+        whole = self.is_region(place) and (self.loops or scattered(place, self.typing))
+        if not whole or not overlaps(place, value, self.typing):
             return value
         held = self.free.fresh(f"{base_name(place)}_next")
         self.typing.table[held] = kind = array(self.typing.of(value).dtype, self.typing.of(value).rank)
@@ -275,6 +282,8 @@ class _Views:
 
     def part(self, subscript: AST) -> AST:
         """A subscript with views resolved; the bounds of a slice stay what they are now."""
+        if isinstance(subscript, Name) and self.typing.of(subscript).is_array:
+            return self.whole(subscript)
         if not isinstance(subscript, Slice):
             return self.resolve(subscript)
         parts = (subscript.lower, subscript.upper, subscript.step)
@@ -286,6 +295,10 @@ class _Views:
             self.report.error("S201", what, node, help="take the part from the array itself, or write a loop")
         if not view[1] and len(added) == 1 and _is_full(added[0]):
             return ()
+        if any(self.typing.of(s).is_array for s in (*view[1], *added) if not isinstance(s, Slice)):
+            if any(isinstance(s, Slice) or is_new(s) or self.typing.of(s).is_array for s in view[1]):
+                refuse("elements picked from a part of an array")
+            return (*view[1], *added)
         if all(not isinstance(s, Slice) and not is_new(s) and not _is_full(s) for s in (*view[1], *added)):
             return (*view[1], *added)
         found = composed(self.shapes, name(view[0]), list(view[1]), added, refuse)
@@ -293,6 +306,14 @@ class _Views:
                 not isinstance(found[-2], Slice):
             found.pop()
         return () if all(map(is_whole, found)) else tuple(found)
+
+    def whole(self, array: Name) -> AST:
+        """An array of subscripts: a name, or refused."""
+        base, subscripts = self.viewed(array) or _AMBIGUOUS
+        if subscripts or base == "":
+            self.report.error("S201", "a part of an array as a subscript", array,
+                              help="copy it before: places = x[...].copy()")
+        return name(base or array.id)
 
     def place(self, target: AST) -> Subscript:
         base, subscripts = self.viewed(target) or ("_", ())
@@ -315,6 +336,8 @@ class _Views:
                 return copy(self.tuples[n.id])
             if isinstance(n, Subscript) and isinstance(n.value, Name) and n.value.id in self.tuples:
                 return _item(self.tuples[n.value.id], self.resolve(n.slice))
+            if isinstance(n, Subscript) and isinstance(n.value, Attribute) and self.typing.of(n.value.value).is_array:
+                return _item(self.attribute(n.value) or n.value, self.resolve(n.slice))
             if isinstance(n, Attribute) and self.typing.of(n.value).is_array:
                 return self.attribute(n)
             if isinstance(n, Call) and isinstance(n.func, Attribute):

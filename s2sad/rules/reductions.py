@@ -15,4 +15,5 @@ for _name in ("max", "min"):
 
 arrays("runtime.spread(x, shape, axis=None, keepdims=False)", law="spread")
 arrays("numpy.broadcast_to(x, shape)", law="spread")
+arrays("runtime.scattered(x, shape, places)", law="spread")
 arrays("runtime.extreme_mask(x, y, axis=None, keepdims=False)", law="same")

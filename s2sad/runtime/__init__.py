@@ -8,11 +8,11 @@ from __future__ import annotations
 from s2sad.runtime.scalars import comb, factorial, heaviside, isclose, isqrt, lcm, perm, product, remainder
 from s2sad.runtime.spans import position, position_down
 from s2sad.runtime.special import digamma
-from s2sad.runtime.spread import extreme_mask, spread
+from s2sad.runtime.spread import extreme_mask, scattered, spread
 from s2sad.runtime.stacks import grow, sized
 from s2sad.runtime.sums import added, blocked_sum, pairwise_sum
 
 __all__ = [
     "added", "blocked_sum", "comb", "digamma", "extreme_mask", "factorial", "grow", "heaviside", "isclose", "isqrt",
-    "lcm", "pairwise_sum", "perm", "position", "position_down", "product", "remainder", "sized", "spread",
+    "lcm", "pairwise_sum", "perm", "position", "position_down", "product", "remainder", "scattered", "sized", "spread",
 ]

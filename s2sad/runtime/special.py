@@ -12,7 +12,7 @@ def digamma(x):
     (M. Abramowitz, I. A. Stegun, Handbook of Mathematical Functions, 1964, 6.3.5, 6.3.7, 6.3.18).
 
     >>> round(digamma(1.0), 12), round(digamma(-0.5), 12)
-    (-0.577215664902, 0.03648997398)
+    (-0.577215664902, 0.036489973979)
     """
     shifted = np.float64(x)
     if shifted <= 0.0 and shifted == np.floor(shifted):

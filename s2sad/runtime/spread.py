@@ -32,3 +32,14 @@ def extreme_mask(x, y, axis=None, keepdims=False):
     first = np.zeros(rows.shape, x.dtype)
     np.put_along_axis(first, np.argmax(rows, axis=-1)[..., None], 1, axis=-1)
     return np.transpose(first.reshape(moved.shape), np.argsort(kept + axes))
+
+
+def scattered(g, shape, places):
+    """An array of zeros of this shape to which `g` was added at `places`, where one is named twice twice.
+
+    >>> scattered(np.array([1.0, 2.0, 4.0]), (3,), np.s_[np.array([0, 2, 2])])
+    array([1., 0., 6.])
+    """
+    found = np.zeros(shape, np.result_type(g))
+    np.add.at(found, places, g)
+    return found
