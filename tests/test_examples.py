@@ -8,11 +8,11 @@ import pytest
 
 from tests.documents import ROOT, environment
 
-EXAMPLE = ROOT / "examples" / "brusselator.py"
+EXAMPLE, GLACIER = ROOT / "examples" / "brusselator.py", ROOT / "examples" / "glacier.py"
 
 
-def run(*arguments, cwd=None, code=None):
-    command = [sys.executable, *(["-c", code] if code else [str(EXAMPLE)]), *arguments]
+def run(*arguments, cwd=None, code=None, example=EXAMPLE):
+    command = [sys.executable, *(["-c", code] if code else [str(example)]), *arguments]
     return subprocess.run(command, cwd=cwd, env=environment(), capture_output=True, text=True, encoding="utf-8",
                           check=False)
 
@@ -56,3 +56,16 @@ runpy.run_path({str(EXAMPLE)!r}, run_name="__main__")
     done = run(cwd=tmp_path, code=code)
     assert done.returncode == 1
     assert done.stderr == 'this example needs rich, matplotlib: pip install "s2sad[progress,plot]"\n'
+
+
+def test_glacier_finds_its_bed_and_the_softness_of_its_ice(tmp_path):
+    for module in ("numba", "scipy", "rich", "matplotlib"):
+        pytest.importorskip(module)
+    done = run("--quick", "--output", "glacier.png", cwd=tmp_path, example=GLACIER)
+    assert done.returncode == 0, done.stderr
+    text = " ".join(done.stdout.split())
+    assert float(text.split(" m rms")[0].split()[-1]) < 1.0
+    assert float(text.split("differences agree to ")[1].split()[0].rstrip(".")) < 1e-6
+    assert float(text.split("rate factor is within ")[1].split("%")[0]) < 5.0
+    picture = (tmp_path / "glacier.png").read_bytes()
+    assert picture.startswith(b"\x89PNG") and len(picture) > 20_000
