@@ -24,9 +24,9 @@ def plain_numba(function: Callable[..., Any]) -> Any:
     return space[function.__name__]
 
 
-def differentiated(case: Case) -> Any:
+def differentiated(case: Case, engine: str = "auto") -> Any:
     """The case's function with its derivatives."""
-    return s2sad.differentiate(case.function, wrt=case.wrt, of=case.of)
+    return s2sad.differentiate(case.function, wrt=case.wrt, of=case.of, engine=engine)
 
 
 def fresh(arguments: Sequence[Any]) -> list[Any]:
