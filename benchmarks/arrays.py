@@ -1,5 +1,5 @@
-"""Adjoint over primal of kernels of whole arrays, each engine against itself: the generated adjoint, called bare, against
-the compiled primal, or under NumPy against the kernel as it is written."""
+"""Adjoint over primal of kernels of whole arrays, each engine against itself: the generated adjoint, called bare,
+against the compiled primal, or under NumPy against the kernel as it is written."""
 from __future__ import annotations
 
 from functools import partial
