@@ -139,16 +139,47 @@ def batched_rows(a, x, y):
     return np.sum(d * d * y)
 
 
+def operand_as_result(m, q):
+    m[:] = m @ q
+    m[1] = q @ m[1]
+    for i in range(4):
+        q[i, i] += 4.0
+    q[:] = np.linalg.solve(q, m)
+    q[2] = np.max(q, axis=0)
+    q[:, 1] = np.mean(q, axis=1)
+    q[0, 0] = q[0] @ q[1]
+
+
+def reductions_into_parts(a, x, y):
+    b = a * a
+    a[0] = np.max(b, axis=0)
+    a[:, 1] = np.sum(b * b, axis=1)
+    a[:, ::-1] -= np.mean(b, axis=0)
+    x[2] = np.mean(a)
+    x[0] = np.mean(x)
+    y[1:3] = np.sum(y * y)
+    y[2:] = np.max(y[1:])
+    a[1:] = np.sum(b, axis=0, keepdims=True)
+
+
+def sums_within_sums(a, x, y):
+    x[1] = np.sum(np.sum(x) * x)
+    return np.sum(np.max(y) * y * x[0]) + np.sum(y @ y * a + np.sum(x) * y)
+
+
 THREE = (overlapping_store, strided, view_of_a_view, view_kept_across_a_rebinding, read_after_the_view_was_overwritten,
          window)
 KERNELS = (*THREE, broadcast_both_ways, broadcast_in_a_sum, reductions, kept_dimensions, moved, products, chosen,
-           in_loops, part_passed_to_a_helper, batched_rows)
+           in_loops, part_passed_to_a_helper, batched_rows, operand_as_result, reductions_into_parts, sums_within_sums)
+SQUARE = (operand_as_result,)
 
 
 def arguments(kernel):
     random = np.random.default_rng(11)
     if kernel in THREE:
         return 0.5 + random.random(6), 0.5 + random.random(6)
+    if kernel in SQUARE:
+        return 0.3 + 0.7 * random.random((4, 4)), 0.3 + 0.7 * random.random((4, 4))
     return 0.3 + 0.7 * random.random((3, 4)), 0.5 + random.random(3), 0.5 + random.random(4)
 
 
@@ -170,3 +201,26 @@ def test_kernel(kernel, engine):
 @pytest.mark.parametrize("case", ARRAYS, ids=lambda case: case.name)
 def test_case(case, engine):
     check_derivatives(case.function, case.arguments("small"), case.wrt, case.of, engine)
+
+
+def joined_in_a_sum(p, q):
+    return np.sum(p * q + p)
+
+
+def joined_by_a_helper(x, y):
+    scaled_by(x, y)
+    return joined_in_a_sum(x, y) + np.max(y - x)
+
+
+def scaled_by(p, q):
+    p *= q
+    p += q * q
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("kernel", (joined_in_a_sum, joined_by_a_helper), ids=lambda kernel: kernel.__name__)
+def test_lengths_of_one(kernel, engine):
+    long, one = np.linspace(0.4, 1.3, 6), np.array([0.7])
+    for x, y in ((long, long), (long, one), (one, one), (long, one + 0.1)):
+        outputs = ("x", "return") if kernel is joined_by_a_helper else ("return",)
+        check_derivatives(kernel, (x.copy(), y.copy()), kernel.__code__.co_varnames[:2], outputs, engine)
