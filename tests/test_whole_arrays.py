@@ -4,6 +4,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import s2sad
 from benchmarks.kernels.cases import ARRAYS
 from tests.derivatives import check_derivatives
 
@@ -224,3 +225,65 @@ def test_lengths_of_one(kernel, engine):
     for x, y in ((long, long), (long, one), (one, one), (long, one + 0.1)):
         outputs = ("x", "return") if kernel is joined_by_a_helper else ("return",)
         check_derivatives(kernel, (x.copy(), y.copy()), kernel.__code__.co_varnames[:2], outputs, engine)
+
+
+def transposed_and_written(m):
+    w = m.T
+    w[0] = 1.0
+
+
+def reshaped_then_the_operand_written(m, v):
+    w = m.reshape(-1)
+    m *= 2.0
+    v[:] = w[:4]
+
+
+def as_array_written(m):
+    w = np.asarray(m)
+    w *= w
+
+
+def squared(p):
+    p *= p
+
+
+def transposed_for_a_helper_that_writes(m):
+    squared(m.T)
+
+
+def flipped_and_the_operand_read(m):
+    t = m * m
+    w = np.flip(t, axis=0)
+    w *= 3.0
+    return np.sum(t)
+
+
+@pytest.mark.parametrize("kernel", (transposed_and_written, reshaped_then_the_operand_written, as_array_written,
+                                    transposed_for_a_helper_that_writes, flipped_and_the_operand_read),
+                         ids=lambda kernel: kernel.__name__)
+def test_views_by_functions_are_refused_where_it_tells(kernel):
+    arguments = (np.ones((4, 4)), np.ones(4))[:kernel.__code__.co_argcount]
+    with pytest.raises(s2sad.S2sadError, match="an array is written that NumPy shares with another one"):
+        s2sad.differentiate(kernel, engine="numpy").adjoint_source(*arguments)
+
+
+def transposed_and_read(m, v):
+    for _ in range(3):
+        w = m.T
+        v += 0.1 * (w @ v)
+        m *= 0.9
+    t = (m * m).reshape(-1)
+    t *= 2.0
+    v *= t[:4]
+
+
+def quotient_in_a_sum(m, v):
+    return np.sum((m + v) * m / v)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("kernel", (transposed_and_read, quotient_in_a_sum), ids=lambda kernel: kernel.__name__)
+def test_square(kernel, engine):
+    random = np.random.default_rng(5)
+    of = ("m", "v") if kernel is transposed_and_read else ("return",)
+    check_derivatives(kernel, (0.3 + random.random((4, 4)), 0.3 + random.random(4)), ("m", "v"), of, engine)
