@@ -1,5 +1,5 @@
-"""viewing: what NumPy's functions give as a view of their operand is here an array of its own; where that would tell, it
-is refused.
+"""viewing: what NumPy's functions give as a view of their operand is here an array of its own; where that would tell,
+it is refused.
 
 Requires structured form in which functions of whole arrays stand alone; changes nothing.
 
@@ -69,7 +69,7 @@ def _above(identifier: str, direct: dict[str, set[tuple[str, bool]]]) -> dict[st
 
 def _differ(written: str, other: str, links: Links) -> bool:
     """Whether two names share an array in NumPy that here they do not share."""
-    first, second = ({**links.get(n, {}), **({n: False} if n not in links.get(n, {}) else {})} for n in (written, other))
+    first, second = ({n: False, **links.get(n, {})} for n in (written, other))
     common = [first[n] or second[n] for n in first if n in second]
     if written == other:
         return first[written]
