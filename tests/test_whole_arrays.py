@@ -287,3 +287,45 @@ def test_square(kernel, engine):
     random = np.random.default_rng(5)
     of = ("m", "v") if kernel is transposed_and_read else ("return",)
     check_derivatives(kernel, (0.3 + random.random((4, 4)), 0.3 + random.random(4)), ("m", "v"), of, engine)
+
+
+def bounds_that_cross(x, y):
+    for i in range(8):
+        for j in range(4):
+            t = x[i:j] * y[i:j]
+            x[i:j] = 0.5 * t * t
+            y[j] += np.sum(t) + np.sum(x[i - 4:i])
+
+
+def bound_of_a_view_that_changes(x, n, y):
+    part = x[n:]
+    n -= 1
+    part *= 2.0 * y[3:]
+    x[n:] *= x[n:]
+    while n > 0:
+        t = x[n:] * x[:-n]
+        y[n] += np.sum(t)
+        x[n:] = t
+        n -= 1
+
+
+def one_column_at_a_time(m):
+    for i in range(3):
+        f = m[i + 1:, i:i + 1] / m[i, i]
+        m[i + 1:] -= f * m[i]
+        f *= f
+        m[:1] += f[:1] * m[-1:]
+        if i > 1:
+            g = np.mean(m[i:], axis=0, keepdims=True)
+        else:
+            g = np.ones((1, 4))
+        m *= g
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_bounds_known_at_run_time(engine):
+    random = np.random.default_rng(7)
+    x, y, m = 0.5 + random.random(6), 0.5 + random.random(6), 0.5 + random.random((4, 4)) + 2.0 * np.eye(4)
+    check_derivatives(bounds_that_cross, (x, y), ("x", "y"), ("x", "y"), engine)
+    check_derivatives(bound_of_a_view_that_changes, (x, 3, y), ("x", "y"), ("x", "y"), engine)
+    check_derivatives(one_column_at_a_time, (m,), ("m",), ("m",), engine)

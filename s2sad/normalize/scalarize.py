@@ -136,8 +136,10 @@ class Scalarize:
             if not isinstance(entry, Slice):
                 cell.append(copy(entry))
                 continue
-            start, stop, step = self.shapes.span(entry, self.shapes.own(base.id, axis)) or (None, None, 1)
-            assert start is not None and stop is not None, "views has frozen the bounds"
+            size = self.shapes.own(base.id, axis)
+            span = self.shapes.span(entry, size) or self.shapes.span_here(entry, size)
+            assert span is not None, "the bounds of a slice are names and numbers"
+            start, stop, step = span
             counter = name(counters[len(bounds)])
             low, high = (self.shapes.expression(x, reduced=False) for x in (start, stop))
             zero = not start.terms and not start.constant

@@ -45,7 +45,8 @@ def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free
           report: Report, loops: bool = False) -> FunctionDef:
     """The function with views resolved; what cannot be resolved goes into the report. `loops` if whole-array statements
     are to become loops."""
-    bound = [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
+    bound = [p.id for p in function.args.args]
+    bound += [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
     shapes = Shapes(typing, single_values(function))
     pass_ = _Views(types, typing, free, report, bound, shapes)
     pass_.seen = {p.id: (p.id, ()) for p in function.args.args if types[p.id].is_array}
@@ -142,7 +143,7 @@ class _Views:
                     self.home.get(v) == self.depth and (v, ()) not in before.values() for v in (first, second)) \
                     and after[bound] == (first, ()) and second not in found and first not in found.values():
                 found[second] = first
-                self.allocations.forget(first)
+                self.allocations.forget(first, second)
         return found
 
     def assignment(self, statement: Assign) -> list[AST]:
