@@ -33,6 +33,7 @@ from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize, scatter
 from s2sad.normalize.sharing import shared, specialised
 from s2sad.normalize.spelled import spelled
+from s2sad.normalize.viewing import viewing
 from s2sad.normalize.views import views
 from s2sad.normalize.workspace import is_allocation, workspace
 from s2sad.program import Kernel, Program
@@ -147,6 +148,8 @@ class Units:
         ruled(tree, typing, report)
         report.finish()
         plain = tree = functions(tree, typing, names)
+        viewing(tree, typing, lambda c: [base_name(c.args[k]) for k in self.of_call(c, typing).summary.written], report)
+        report.finish()
         tree = views(tree, typing.table, typing, names, report, self.engine == "numba")
         report.finish()
         guarded = count(tree, Assert) > count(plain, Assert)

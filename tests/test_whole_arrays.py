@@ -4,6 +4,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import s2sad
 from benchmarks.kernels.cases import ARRAYS
 from tests.derivatives import check_derivatives
 
@@ -176,16 +177,48 @@ def picked_twice_in_a_loop(x, y):
         y[places] = np.sin(x[places])
 
 
+def operand_as_result(m, q):
+    m[:] = m @ q
+    m[1] = q @ m[1]
+    for i in range(4):
+        q[i, i] += 4.0
+    q[:] = np.linalg.solve(q, m)
+    q[2] = np.max(q, axis=0)
+    q[:, 1] = np.mean(q, axis=1)
+    q[0, 0] = q[0] @ q[1]
+
+
+def reductions_into_parts(a, x, y):
+    b = a * a
+    a[0] = np.max(b, axis=0)
+    a[:, 1] = np.sum(b * b, axis=1)
+    a[:, ::-1] -= np.mean(b, axis=0)
+    x[2] = np.mean(a)
+    x[0] = np.mean(x)
+    y[1:3] = np.sum(y * y)
+    y[2:] = np.max(y[1:])
+    a[1:] = np.sum(b, axis=0, keepdims=True)
+
+
+def sums_within_sums(a, x, y):
+    x[1] = np.sum(np.sum(x) * x)
+    return np.sum(np.max(y) * y * x[0]) + np.sum(y @ y * a + np.sum(x) * y)
+
+
 THREE = (overlapping_store, strided, view_of_a_view, view_kept_across_a_rebinding, read_after_the_view_was_overwritten,
          window, masked, mask_that_changes, picked_elements, picked_twice_in_a_loop)
-KERNELS = (*THREE, masked_matrix, broadcast_both_ways, broadcast_in_a_sum, reductions, kept_dimensions, moved,
-           products, chosen, in_loops, part_passed_to_a_helper, batched_rows)
+KERNELS = (*THREE, masked_matrix, broadcast_both_ways, broadcast_in_a_sum, reductions, kept_dimensions, moved, products,
+           chosen, in_loops, part_passed_to_a_helper, batched_rows, operand_as_result, reductions_into_parts,
+           sums_within_sums)
+SQUARE = (operand_as_result,)
 
 
 def arguments(kernel):
     random = np.random.default_rng(11)
     if kernel in THREE:
         return 0.5 + random.random(6), 0.5 + random.random(6)
+    if kernel in SQUARE:
+        return 0.3 + 0.7 * random.random((4, 4)), 0.3 + 0.7 * random.random((4, 4))
     return 0.3 + 0.7 * random.random((3, 4)), 0.5 + random.random(3), 0.5 + random.random(4)
 
 
@@ -207,3 +240,130 @@ def test_kernel(kernel, engine):
 @pytest.mark.parametrize("case", ARRAYS, ids=lambda case: case.name)
 def test_case(case, engine):
     check_derivatives(case.function, case.arguments("small"), case.wrt, case.of, engine)
+
+
+def joined_in_a_sum(p, q):
+    return np.sum(p * q + p)
+
+
+def joined_by_a_helper(x, y):
+    scaled_by(x, y)
+    return joined_in_a_sum(x, y) + np.max(y - x)
+
+
+def scaled_by(p, q):
+    p *= q
+    p += q * q
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("kernel", (joined_in_a_sum, joined_by_a_helper), ids=lambda kernel: kernel.__name__)
+def test_lengths_of_one(kernel, engine):
+    long, one = np.linspace(0.4, 1.3, 6), np.array([0.7])
+    for x, y in ((long, long), (long, one), (one, one), (long, one + 0.1)):
+        outputs = ("x", "return") if kernel is joined_by_a_helper else ("return",)
+        check_derivatives(kernel, (x.copy(), y.copy()), kernel.__code__.co_varnames[:2], outputs, engine)
+
+
+def transposed_and_written(m):
+    w = m.T
+    w[0] = 1.0
+
+
+def reshaped_then_the_operand_written(m, v):
+    w = m.reshape(-1)
+    m *= 2.0
+    v[:] = w[:4]
+
+
+def as_array_written(m):
+    w = np.asarray(m)
+    w *= w
+
+
+def squared(p):
+    p *= p
+
+
+def transposed_for_a_helper_that_writes(m):
+    squared(m.T)
+
+
+def flipped_and_the_operand_read(m):
+    t = m * m
+    w = np.flip(t, axis=0)
+    w *= 3.0
+    return np.sum(t)
+
+
+@pytest.mark.parametrize("kernel", (transposed_and_written, reshaped_then_the_operand_written, as_array_written,
+                                    transposed_for_a_helper_that_writes, flipped_and_the_operand_read),
+                         ids=lambda kernel: kernel.__name__)
+def test_views_by_functions_are_refused_where_it_tells(kernel):
+    arguments = (np.ones((4, 4)), np.ones(4))[:kernel.__code__.co_argcount]
+    with pytest.raises(s2sad.S2sadError, match="an array is written that NumPy shares with another one"):
+        s2sad.differentiate(kernel, engine="numpy").adjoint_source(*arguments)
+
+
+def transposed_and_read(m, v):
+    for _ in range(3):
+        w = m.T
+        v += 0.1 * (w @ v)
+        m *= 0.9
+    t = (m * m).reshape(-1)
+    t *= 2.0
+    v *= t[:4]
+
+
+def quotient_in_a_sum(m, v):
+    return np.sum((m + v) * m / v)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("kernel", (transposed_and_read, quotient_in_a_sum), ids=lambda kernel: kernel.__name__)
+def test_square(kernel, engine):
+    random = np.random.default_rng(5)
+    of = ("m", "v") if kernel is transposed_and_read else ("return",)
+    check_derivatives(kernel, (0.3 + random.random((4, 4)), 0.3 + random.random(4)), ("m", "v"), of, engine)
+
+
+def bounds_that_cross(x, y):
+    for i in range(8):
+        for j in range(4):
+            t = x[i:j] * y[i:j]
+            x[i:j] = 0.5 * t * t
+            y[j] += np.sum(t) + np.sum(x[i - 4:i])
+
+
+def bound_of_a_view_that_changes(x, n, y):
+    part = x[n:]
+    n -= 1
+    part *= 2.0 * y[3:]
+    x[n:] *= x[n:]
+    while n > 0:
+        t = x[n:] * x[:-n]
+        y[n] += np.sum(t)
+        x[n:] = t
+        n -= 1
+
+
+def one_column_at_a_time(m):
+    for i in range(3):
+        f = m[i + 1:, i:i + 1] / m[i, i]
+        m[i + 1:] -= f * m[i]
+        f *= f
+        m[:1] += f[:1] * m[-1:]
+        if i > 1:
+            g = np.mean(m[i:], axis=0, keepdims=True)
+        else:
+            g = np.ones((1, 4))
+        m *= g
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_bounds_known_at_run_time(engine):
+    random = np.random.default_rng(7)
+    x, y, m = 0.5 + random.random(6), 0.5 + random.random(6), 0.5 + random.random((4, 4)) + 2.0 * np.eye(4)
+    check_derivatives(bounds_that_cross, (x, y), ("x", "y"), ("x", "y"), engine)
+    check_derivatives(bound_of_a_view_that_changes, (x, 3, y), ("x", "y"), ("x", "y"), engine)
+    check_derivatives(one_column_at_a_time, (m,), ("m",), ("m",), engine)

@@ -71,7 +71,7 @@ class Pullback:
             found.add(node, self.narrowed(node, seed, region))
             return
         if rules.find_array(call_name(node)) is not None:
-            self.pull_function(node, seed, result, found)
+            self.pull_function(node, self.narrowed(node, seed, region), result, found)
             return
         operated = operation(node)
         assert operated is not None

@@ -232,9 +232,10 @@ class Shapes:
                 if symbol not in dict(known.terms):
                     self.equal[symbol] = known
 
-    def forget(self, array: str) -> None:
-        """An array that is allocated in several places, of which any may have been the last."""
-        self.arrays[array] = tuple(self.own(array, k) for k in range(self.typing.table[array].rank))
+    def forget(self, array: str, other: str) -> None:
+        """An array that is allocated in several places, of which any may have been the last, as `other` may."""
+        both = zip(self.of(name(array)), self.of(name(other)))
+        self.arrays[array] = tuple(ONE if ONE == a == b else self.own(array, k) for k, (a, b) in enumerate(both))
         for own in self.arrays[array]:
             for symbol, _ in own.terms if own is not None else ():
                 self.equal.pop(symbol, None)
@@ -259,6 +260,20 @@ class Shapes:
             for a, b in pairs:
                 if a is not None and b is not None:
                     self.unify(a, b)
+
+    def learn_single(self, statement: Assign) -> None:
+        """Notes the axes of length 1 of an array that is allocated anew in a loop or a branch; all else may change."""
+        called, value, target = call_name(statement.value) or "", statement.value, statement.targets[0].id
+        if called in ("numpy.empty_like", "numpy.zeros_like"):
+            found: Shape | None = self.of(value.args[0])
+        elif called in ("numpy.empty", "numpy.zeros"):
+            found = self.asked_for(value.args[0])
+        else:
+            return
+        known = self.arrays.get(target, found)
+        if found is not None and known is not None:
+            self.arrays[target] = tuple(ONE if ONE == a == b else self.own(target, k)
+                                        for k, (a, b) in enumerate(zip(found, known)))
 
     def _region(self, node: Subscript) -> Shape:
         base = self.of(node.value)
@@ -305,14 +320,41 @@ class Shapes:
             return size
         if size is None:
             return None
+        if self.is_single(part, size):
+            return ONE
         span = self.span(part, size)
         if span is None:
             return None
         start, stop, step = span
-        if step == 1:
+        if step == 1 and (stop == size or self.ordered(part)):
             return stop.plus(start, -1)
         return self.symbol(call("builtins.len", call("builtins.range", self.expression(start), self.expression(stop),
                                                      const(step))))
+
+    def is_single(self, part: Slice, size: Affine) -> bool:
+        """Whether a slice is written to take one element, `i:i + 1`; that there is one becomes a guard."""
+        if part.upper is None or part.step is not None:
+            return False
+        low, high = (Affine() if p is None else self.size(p) for p in (part.lower, part.upper))
+        if low is None or high is None or high.plus(low, -1) != ONE or not (
+                part.lower is None or self.is_counted(part.lower)):
+            return False
+        self.required.append(size.plus(high, -1))
+        return True
+
+    def ordered(self, part: Slice) -> bool:
+        """Whether a slice is taken not to stop before it starts: its bounds are written, or follow each other."""
+        bounds = [p for p in (part.lower, part.upper) if p is not None and whole_number(p) is None]
+        if not bounds or len(bounds) == 1 and (part.lower is None or whole_number(part.lower) == 0):
+            return True
+        low, high = (None if p is None else self.size(p) for p in (part.lower, part.upper))
+        if part.upper is None:
+            return True
+        if low is None or high is None or not self.is_counted(part.lower):
+            return False
+        rest = high.plus(low, -1)
+        return all(c > 0 and s in self.least() for s, c in rest.terms) and rest.constant + sum(
+            c * self.least()[s] for s, c in rest.terms) >= 0
 
     def span(self, part: Slice, size: Affine) -> tuple[Affine, Affine, int] | None:
         """Where a slice of an axis of this size starts and stops, and its step, as a range; None if it may change."""
@@ -326,6 +368,14 @@ class Shapes:
             start = Affine() if part.lower is None else self.lower(part.lower, size)
             stop = size if part.upper is None else self.upper(part.upper, size)
         return None if start is None or stop is None else (start, stop, step)
+
+    def span_here(self, part: Slice, size: Affine) -> tuple[Affine, Affine, int] | None:
+        """The same at one place, where the names in the bounds are what they are there."""
+        values, equal = self.values, self.equal
+        self.values, self.equal = {**dict.fromkeys(names(part)), **values}, {}
+        found = self.span(part, size)
+        self.values, self.equal = values, equal
+        return found
 
     def lower(self, node: AST, size: Affine) -> Affine | None:
         """Where a slice starts: a written number as it is (beyond the end nothing is taken anyway)."""
@@ -393,6 +443,8 @@ def shapes_of(function: FunctionDef, typing: Typing) -> Shapes:
     for statement in walk(function.body):
         if isinstance(statement, Assert) or id(statement) not in inside:
             made.learn(statement)
+        elif isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
+            made.learn_single(statement)
     return made
 
 

@@ -33,9 +33,9 @@ class Allocations:
     def __init__(self, typing: Typing, report: Report, shapes: Shapes):
         self.typing, self.report, self.shapes = typing, report, shapes
 
-    def forget(self, array: str) -> None:
-        """The array has the shape of none, from here on."""
-        self.shapes.forget(array)
+    def forget(self, array: str, other: str) -> None:
+        """The array may have been allocated as another one, from here on."""
+        self.shapes.forget(array, other)
 
     def allocate(self, target: str, kind: Type, value: AST, place: AST) -> list[AST]:
         """The statements that bind `target` to a new array holding `value` (an expression with resolved views)."""
@@ -65,7 +65,7 @@ class Allocations:
         model = next((n for n in walk(value) if isinstance(n, Name) and self.typing.of(n) == kind
                       and self.shapes.of(n) == shape), None)
         made = call("numpy.empty_like", model) if model is not None else call(
-            "numpy.empty", shape_expression(self.shapes, shape), *_dtype(kind))
+            "numpy.empty", shape_expression(self.shapes, shape), *dtype_of(kind))
         return [*guards, assign(target, made), assign(index(name(target), const(...)), value)]
 
     def operands_fit(self, value: AST, shape: Shape) -> list[AST]:
@@ -108,7 +108,7 @@ class Allocations:
             shape = shape.elts[0]
         self.known(target, shape)
         start = "numpy.zeros" if function == "numpy.zeros" else "numpy.empty"
-        made: list[AST] = [assign(target, call(start, shape, *_dtype(kind)))]
+        made: list[AST] = [assign(target, call(start, shape, *dtype_of(kind)))]
         if function in _FILLS or function == "numpy.full":
             fill = const(_FILLS[function]) if function in _FILLS else args[1]
             made.append(assign(index(name(target), const(...)), fill))
@@ -130,7 +130,7 @@ class Allocations:
             self.report.error("S201", "an array in the shape of a part whose bounds change", model,
                               help="give the bounds names that are bound once")
         self.shapes.allocated(target, shape)
-        return assign(target, call(f"numpy.{start}", shape_expression(self.shapes, shape), *_dtype(kind)))
+        return assign(target, call(f"numpy.{start}", shape_expression(self.shapes, shape), *dtype_of(kind)))
 
     def _listed(self, target: str, kind: Type, value: AST) -> list[AST]:
         entries: list[tuple[list[AST], AST]] = []
@@ -146,7 +146,7 @@ class Allocations:
         visit(value, [])
         shape = const(sizes[0]) if len(sizes) == 1 else tuple_of(*map(const, sizes))
         self.known(target, shape)
-        return [assign(target, call("numpy.empty", shape, *_dtype(kind))),
+        return [assign(target, call("numpy.empty", shape, *dtype_of(kind))),
                 *(assign(index(name(target), *at), item) for at, item in entries)]
 
 
@@ -159,5 +159,6 @@ def _outermost(node: AST, typing: Typing) -> list[AST]:
     return [part for child in children(node) for part in _outermost(child, typing)]
 
 
-def _dtype(kind: Type) -> list[AST]:
+def dtype_of(kind: Type) -> list[AST]:
+    """The argument for the dtype of an allocation, none for float64."""
     return [] if kind.dtype == "float64" else [name(f"numpy.{kind.dtype}" if kind.dtype != "bool" else "numpy.bool_")]

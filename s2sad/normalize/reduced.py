@@ -92,7 +92,7 @@ class Reduced:
         axes = axes_of(arguments["axis"], rank) or ()
         sizes, counters = self.bounds(operand), self.counters(rank)
         kept = [k for k in range(rank) if k not in axes]
-        if isinstance(target, Name):
+        if not self.typing.of(target).is_array:
             cell: AST = target
         else:
             assert isinstance(target, Subscript)

@@ -22,16 +22,18 @@ from dataclasses import dataclass
 
 from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
-from s2sad.infer.shapes import Shapes, scattered, single_values
+from s2sad.infer.shapes import Shapes, scattered, shape_expression, single_values
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
+from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.elements import Elements, moves
 from s2sad.normalize.functions import is_function
 from s2sad.normalize.reduced import Reduced, is_reduction
 from s2sad.normalize.views import array_operands
+from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While, assign,
-    at, augment, call_name, const, copy, counted_for, index, indices, name, rebuild, sub, walk,
+    at, augment, call, call_name, const, copy, counted_for, index, indices, name, rebuild, sub, walk,
 )
 
 
@@ -130,6 +132,8 @@ class Scalarize:
         if isinstance(target, Subscript) and self.typing.of(target).is_array:
             held = self.held(value, base_name(target), before)
             return before + self.filled(statement, target, held)
+        if isinstance(target, Name) and isinstance(statement, Assign) and (made := self.allocated(target, value)):
+            return before + [made, *self.filled(statement, index(name(target.id), const(...)), value)]
         if not before:
             return [statement]
         return before + [assign(target, value) if isinstance(statement, Assign)
@@ -145,6 +149,16 @@ class Scalarize:
         made = self.free.fresh(f"{(call_name(value) or '').rpartition('.')[2]}_value")
         self.typing.table[made] = self.typing.of(value)
         return [assign(made, copy(value)), *self.filled(statement, target, name(made))]
+
+    def allocated(self, target: Name, value: AST) -> AST | None:
+        """The allocation of a name for the value of an elementwise expression of arrays, None for any other value."""
+        kind, shape = self.typing.of(value), self.shapes.of(value)
+        if isinstance(value, (Name, Subscript)) or operation(value) is None or not shape or None in shape:
+            return None
+        self.typing.table[target.id] = kind
+        made = assign(target.id, call("numpy.empty", shape_expression(self.shapes, shape), *dtype_of(kind)))
+        self.shapes.allocated(target.id, shape)
+        return made
 
     def filled(self, statement: Assign | AugAssign, target: Subscript, value: AST) -> list[AST]:
         """The loops that store an elementwise expression."""
@@ -202,8 +216,10 @@ class Scalarize:
 
     def sliced(self, found: Walked, base: str, cell: list[AST], entry: Slice) -> None:
         """One axis of which a slice is walked: by the index itself where the step is 1."""
-        start, stop, step = self.shapes.span(entry, self.shapes.own(base, len(cell))) or (None, None, 1)
-        assert start is not None and stop is not None
+        size = self.shapes.own(base, len(cell))
+        span = self.shapes.span(entry, size) or self.shapes.span_here(entry, size)
+        assert span is not None, "the bounds of a slice are names and numbers"
+        start, stop, step = span
         low, high = (self.shapes.expression(x, reduced=False) for x in (start, stop))
         zero = not start.terms and not start.constant
         bounds = [high] if zero and step == 1 else [low, high] if step == 1 else [low, high, const(step)]

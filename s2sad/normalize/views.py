@@ -18,16 +18,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from s2sad import rules
 from s2sad.analyze.liveness import base_name
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import whole_number
+from s2sad.infer.laws import ONE, whole_number
 from s2sad.infer.shapes import Shapes, is_whole, scattered, single_values
 from s2sad.infer.types import INT, Type, array
 from s2sad.naming import Names
 from s2sad.normalize.allocations import Allocations
 from s2sad.normalize.apart import overlaps
 from s2sad.normalize.functions import is_function
+from s2sad.normalize.reduced import is_reduction
 from s2sad.normalize.regions import composed, is_new
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Constant, Eq, Expr, For, FunctionDef, GtE, If, Name,
@@ -43,7 +45,8 @@ def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free
           report: Report, loops: bool = False) -> FunctionDef:
     """The function with views resolved; what cannot be resolved goes into the report. `loops` if whole-array statements
     are to become loops."""
-    bound = [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
+    bound = [p.id for p in function.args.args]
+    bound += [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
     shapes = Shapes(typing, single_values(function))
     pass_ = _Views(types, typing, free, report, bound, shapes)
     pass_.seen = {p.id: (p.id, ()) for p in function.args.args if types[p.id].is_array}
@@ -141,7 +144,7 @@ class _Views:
                     self.home.get(v) == self.depth and (v, ()) not in before.values() for v in (first, second)) \
                     and after[bound] == (first, ()) and second not in found and first not in found.values():
                 found[second] = first
-                self.allocations.forget(first)
+                self.allocations.forget(first, second)
         return found
 
     def assignment(self, statement: Assign) -> list[AST]:
@@ -230,14 +233,33 @@ class _Views:
         return [*checks, assign(place, new)]
 
     def apart(self, place: Subscript, value: AST, before: list[AST], origin: AST) -> AST:
-        """The value, in an array of its own if the loop that fills the place would read what it has filled."""
-        whole = self.is_region(place) and (self.loops or scattered(place, self.typing))
-        if not whole or not overlaps(place, value, self.typing):
+        """The value, under a name of its own where the place cannot hold it while it is made: a loop would read what
+        it has filled, or a function's derivative or loop needs its result as it is."""
+        if not self.made_first(place, value):
             return value
+        kind = self.typing.of(value)
         held = self.free.fresh(f"{base_name(place)}_next")
-        self.typing.table[held] = kind = array(self.typing.of(value).dtype, self.typing.of(value).rank)
-        before += self.allocations.allocate(held, kind, value, origin)
+        self.typing.table[held] = kind
+        if not kind.is_array:
+            self.shapes.values = {**self.shapes.values, held: None}
+            before.append(assign(held, value))
+            return name(held)
+        before += self.allocations.allocate(held, array(kind.dtype, kind.rank), value, origin)
         return name(held)
+
+    def made_first(self, place: Subscript, value: AST) -> bool:
+        """Whether a value must be there before the place is filled with it."""
+        if not self.is_region(place):
+            return rules.find_array(call_name(value)) is not None and base_name(place) in names(value)
+        looped = self.loops or scattered(place, self.typing)
+        if self.typing.of(value).is_array and looped and overlaps(place, value, self.typing):
+            return True
+        if rules.find_array(call_name(value)) is None:
+            return False
+        filled, made = self.shapes.of(self.load(place)), self.shapes.of(value)
+        spread = len(filled) != len(made) or any(m == ONE != f for f, m in zip(filled, made))
+        part = self.loops and is_reduction(value) and not is_whole_place(place)
+        return spread or part or base_name(place) in names(value)
 
     def effect(self, statement: Expr) -> list[AST]:
         value = statement.value
@@ -349,7 +371,15 @@ class _Views:
                 return at(index(name(base), *map(copy, subscripts)) if subscripts else name(base), n) \
                     if hasattr(n, "lineno") else index(name(base), *subscripts) if subscripts else name(base)
             return None
-        return rebuild(node, change)
+        made = rebuild(node, change)
+        self.before += self.operands_fit(made)
+        return made
+
+    def operands_fit(self, node: AST) -> list[AST]:
+        """Guards that the arrays in an operand of a function of whole arrays fit each other."""
+        operands = [a for n in walk(node) if rules.find_array(call_name(n)) is not None for a in n.args]
+        return [guard for o in operands if not isinstance(o, (Name, Subscript)) and self.typing.of(o).is_array
+                for guard in self.allocations.operands_fit(o, self.shapes.of(o))]
 
     def prefix(self, node: AST) -> int:
         return len((self.viewed(node) or _AMBIGUOUS)[1])
@@ -401,6 +431,11 @@ class _Views:
                 continue
             made += self.allocations.fitting(whole, part)
         return list({dump(m): m for m in made}.values())
+
+
+def is_whole_place(place: Subscript) -> bool:
+    """Whether a place is all of its array."""
+    return all(map(is_whole, indices(place)))
 
 
 def array_operands(node: AST, typing: Typing) -> list[AST]:
