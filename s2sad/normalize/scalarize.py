@@ -137,7 +137,7 @@ class Scalarize:
                 cell.append(copy(entry))
                 continue
             size = self.shapes.own(base.id, axis)
-            span = self.shapes.span(entry, size) or self.shapes.span_here(entry, size)
+            span = self.shapes.here(entry, size).span(entry, size)
             assert span is not None, "the bounds of a slice are names and numbers"
             start, stop, step = span
             counter = name(counters[len(bounds)])
