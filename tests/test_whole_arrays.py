@@ -367,3 +367,28 @@ def test_bounds_known_at_run_time(engine):
     check_derivatives(bounds_that_cross, (x, y), ("x", "y"), ("x", "y"), engine)
     check_derivatives(bound_of_a_view_that_changes, (x, 3, y), ("x", "y"), ("x", "y"), engine)
     check_derivatives(one_column_at_a_time, (m,), ("m",), ("m",), engine)
+
+
+def one_counter_for_two_loops(m, v):
+    for i in range(4):
+        v[i] -= m[i, :i] @ v[:i]
+    for i in range(3, -1, -1):
+        v[i] = (v[i] - m[i, i + 1:] @ v[i + 1:]) / m[i, i]
+
+
+def step_that_changes(x):
+    for i in range(1, 3):
+        x[::i] *= 2.0
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_bounds_of_products(engine):
+    random = np.random.default_rng(7)
+    given = 0.5 + random.random((4, 4)), 0.5 + random.random(4)
+    check_derivatives(one_counter_for_two_loops, given, ("m", "v"), ("v",), engine)
+
+
+def test_a_step_that_changes_is_refused_for_loops():
+    with pytest.raises(s2sad.S2sadError, match="a slice whose step is not a written number"):
+        s2sad.differentiate(step_that_changes, engine="numba").adjoint_source(np.ones(6))
+    check_derivatives(step_that_changes, (np.ones(6),), ("x",), ("x",), "numpy")

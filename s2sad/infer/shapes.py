@@ -6,6 +6,7 @@ the guards that were put before. A size that is no such form is a symbol of its 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from copy import copy as replica
 
 from s2sad import rules
 from s2sad.infer.affine import Affine
@@ -369,13 +370,13 @@ class Shapes:
             stop = size if part.upper is None else self.upper(part.upper, size)
         return None if start is None or stop is None else (start, stop, step)
 
-    def span_here(self, part: Slice, size: Affine) -> tuple[Affine, Affine, int] | None:
-        """The same at one place, where the names in the bounds are what they are there."""
-        values, equal = self.values, self.equal
-        self.values, self.equal = {**dict.fromkeys(names(part)), **values}, {}
-        found = self.span(part, size)
-        self.values, self.equal = values, equal
-        return found
+    def here(self, part: Slice, size: Affine) -> Shapes:
+        """The shapes for a slice at one place, where the names in its bounds are what they are there."""
+        if self.span(part, size) is not None:
+            return self
+        made = replica(self)
+        made.values, made.equal = {**dict.fromkeys(names(part)), **self.values}, {}
+        return made
 
     def lower(self, node: AST, size: Affine) -> Affine | None:
         """Where a slice starts: a written number as it is (beyond the end nothing is taken anyway)."""

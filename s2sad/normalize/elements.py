@@ -64,9 +64,11 @@ class Elements:
     def cell(self, base: str, axis: int, part: Slice, position: AST) -> AST:
         """The index on one axis of the element at a position of a slice; of a single one whatever the position."""
         size = self.shapes.own(base, axis)
-        start, _, step = self.shapes.span(part, size) or (None, None, 1)
-        assert start is not None
-        if self.shapes.sliced(part, self.shapes.of(name(base))[axis]) == ONE:
+        shapes = self.shapes.here(part, size)
+        span = shapes.span(part, size)
+        assert span is not None, "the bounds of a slice are names and numbers"
+        start, _, step = span
+        if shapes.sliced(part, shapes.of(name(base))[axis]) == ONE:
             return self.shapes.expression(start, reduced=False)
         form = self.shapes.size(position)
         if form is None:

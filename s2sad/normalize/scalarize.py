@@ -217,7 +217,7 @@ class Scalarize:
     def sliced(self, found: Walked, base: str, cell: list[AST], entry: Slice) -> None:
         """One axis of which a slice is walked: by the index itself where the step is 1."""
         size = self.shapes.own(base, len(cell))
-        span = self.shapes.span(entry, size) or self.shapes.span_here(entry, size)
+        span = self.shapes.here(entry, size).span(entry, size)
         assert span is not None, "the bounds of a slice are names and numbers"
         start, stop, step = span
         low, high = (self.shapes.expression(x, reduced=False) for x in (start, stop))

@@ -308,6 +308,9 @@ class _Views:
             return self.whole(subscript)
         if not isinstance(subscript, Slice):
             return self.resolve(subscript)
+        if self.loops and subscript.step is not None and whole_number(subscript.step) is None:
+            self.report.error("S201", "a slice whose step is not a written number", subscript.step,
+                              help="write a loop")
         parts = (subscript.lower, subscript.upper, subscript.step)
         return self.frozen(Slice(*(p and self.resolve(p) for p in parts)), "bound")
 
@@ -378,7 +381,7 @@ class _Views:
     def operands_fit(self, node: AST) -> list[AST]:
         """Guards that the arrays in an operand of a function of whole arrays fit each other."""
         operands = [a for n in walk(node) if rules.find_array(call_name(n)) is not None for a in n.args]
-        return [guard for o in operands if not isinstance(o, (Name, Subscript)) and self.typing.of(o).is_array
+        return [guard for o in operands if len({dump(p) for p in array_operands(o, self.typing)}) > 1
                 for guard in self.allocations.operands_fit(o, self.shapes.of(o))]
 
     def prefix(self, node: AST) -> int:
