@@ -28,6 +28,7 @@ from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
+from s2sad.normalize.parts import parts
 from s2sad.normalize.rename import rename
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize
@@ -136,7 +137,7 @@ class Units:
         report = Report(kernel.source)
         names = Names()
         values = {**self.program.constants, **self.program.arrays}
-        tree = verify(spelled(structured(kernel, names, self.program)), "structured", "spelled")
+        tree = verify(spelled(parts(structured(kernel, names, self.program), names)), "structured", "spelled")
         given = dict(zip((p.id for p in tree.args.args), types))
         self.watch("structured", tree)
         table = infer(tree, given, self.call_types, report, values)

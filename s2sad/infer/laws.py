@@ -102,6 +102,23 @@ def _solved_type(args: list[Type], options: Options) -> Type:
     return array("float64" if _common(args) != "float32" else "float32", args[1].rank)
 
 
+def _of_matrix(rank: int) -> Callable[[list[Type], Options], Type]:
+    """The type of what a float matrix gives (stacks of matrices and integers are for NumPy alone)."""
+    def made(args: list[Type], options: Options) -> Type:
+        return of_rank(args[0], rank) if args[0].is_float and args[0].rank == 2 else UNKNOWN
+    return made
+
+
+def _least_type(args: list[Type], options: Options) -> Type:
+    a, b = args[:2]
+    return b if a.is_float and a.rank == 2 and b.dtype == a.dtype and b.rank in (1, 2) else UNKNOWN
+
+
+def _singular_shape(args: list[Shape], options: Options) -> Shape | None:
+    rows, columns = args[0]
+    return (rows,) if rows == columns else None
+
+
 def _shape_option(options: Options) -> list[AST]:
     shape = options["shape"]
     return list(shape.elts) if isinstance(shape, (Tuple, List)) else [shape]
@@ -132,5 +149,11 @@ LAWS: dict[str, Law] = {
     "spread": Law(_spread_type, lambda args, options: None),
     "matmul": Law(_matmul_type, _matmul_shape),
     "outer": Law(_outer_type, lambda args, options: (args[0] + args[1]) if len(args[0]) == len(args[1]) == 1 else None),
+    "matrix": Law(_of_matrix(2), lambda args, options: args[0]),
+    "determinant": Law(_of_matrix(0), lambda args, options: ()),
+    "eigenvalues": Law(_of_matrix(1), lambda args, options: args[0][:1]),
+    "singular": Law(_of_matrix(1), _singular_shape),
+    "inverted": Law(_of_matrix(2), lambda args, options: args[0][::-1]),
+    "least": Law(_least_type, lambda args, options: args[0][1:] + args[1][1:]),
     "solved": Law(_solved_type, lambda args, options: args[1]),
 }

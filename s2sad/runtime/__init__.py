@@ -5,6 +5,11 @@ into the generated file: no line of it is over 100 columns.
 """
 from __future__ import annotations
 
+from s2sad.runtime.matrices import (
+    apart, cholesky_change, cholesky_gain, cofactors, det_sign, eigenvalues_change, eigenvalues_gain, eigenvectors,
+    eigenvectors_change, eigenvectors_gain, from_lower, half_lower, least_squares, least_squares_change, log_det,
+    power_change, singular_values, singular_values_change, singular_values_gain, to_lower,
+)
 from s2sad.runtime.scalars import comb, factorial, heaviside, isclose, isqrt, lcm, perm, product, remainder
 from s2sad.runtime.spans import position, position_down
 from s2sad.runtime.special import digamma
@@ -13,6 +18,10 @@ from s2sad.runtime.stacks import grow, sized
 from s2sad.runtime.sums import added, blocked_sum, pairwise_sum
 
 __all__ = [
-    "added", "blocked_sum", "comb", "digamma", "extreme_mask", "factorial", "grow", "heaviside", "isclose", "isqrt",
-    "lcm", "pairwise_sum", "perm", "position", "position_down", "product", "remainder", "sized", "spread",
+    "added", "apart", "blocked_sum", "cholesky_change", "cholesky_gain", "cofactors", "comb", "det_sign", "digamma",
+    "eigenvalues_change", "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain",
+    "extreme_mask", "factorial", "from_lower", "grow", "half_lower", "heaviside", "isclose", "isqrt", "lcm",
+    "least_squares", "least_squares_change", "log_det", "pairwise_sum", "perm", "position", "position_down",
+    "power_change", "product", "remainder", "singular_values", "singular_values_change", "singular_values_gain",
+    "sized", "spread", "to_lower",
 ]
