@@ -26,6 +26,7 @@ from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
+from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
 from s2sad.normalize.parts import parts
@@ -159,7 +160,7 @@ class Units:
         lowered = tree
         if self.engine == "numba":
             lowered = with_choices(scalarize(tree, self.apart(typing), Names(names.taken), final=True))
-            tree = verify(scalarize(tree, typing, names), "views", "scalarize")
+            tree = verify(scalarize(factored(tree, typing, names), typing, names), "views", "scalarize")
         self.watch("scalarize", tree)
         renamed = rename(tree, typing.table, names, self.call_writes)
         self.watch("rename", verify(renamed.function, "rename", "rename"))

@@ -119,6 +119,10 @@ def _singular_shape(args: list[Shape], options: Options) -> Shape | None:
     return (rows,) if rows == columns else None
 
 
+def _one_more(size: Affine | None) -> Affine | None:
+    return size and size.shift(1)
+
+
 def _shape_option(options: Options) -> list[AST]:
     shape = options["shape"]
     return list(shape.elts) if isinstance(shape, (Tuple, List)) else [shape]
@@ -155,5 +159,9 @@ LAWS: dict[str, Law] = {
     "singular": Law(_of_matrix(1), _singular_shape),
     "inverted": Law(_of_matrix(2), lambda args, options: args[0][::-1]),
     "least": Law(_least_type, lambda args, options: args[0][1:] + args[1][1:]),
+    "factored": Law(_of_matrix(2), lambda args, options: (_one_more(args[0][0]), args[0][1])),
+    "unfactored": Law(_of_matrix(2), lambda args, options: (args[0][1], args[0][1])),
+    "gained": Law(lambda args, options: array(args[0].dtype, 2),
+                  lambda args, options: (_one_more(args[0][0]), args[0][0])),
     "solved": Law(_solved_type, lambda args, options: args[1]),
 }

@@ -43,3 +43,12 @@ for _text in ("cofactors(a)", "cholesky_gain(y, g)", "cholesky_change(y, e)", "e
 arrays("runtime.least_squares_change(a, b, y, e, f)", law="least")
 arrays("runtime.eigenvalues_change(a, e)", law="eigenvalues")
 arrays("runtime.singular_values_change(a, e)", law="singular")
+
+# a matrix factored once; the shadow of its factors is the matrix's own
+arrays("runtime.factored(a)", law="factored", a="runtime.to_matrix(g)", tangent="runtime.of_matrix(a_dot)")
+arrays("runtime.solved(f, b)", law="solved", shared={"s": "runtime.solved_transposed(f, g)"}, b="s",
+       f="runtime.factors_gain(s, y)", tangent="runtime.solved(f, b_dot - runtime.to_matrix(f_dot) @ y)")
+arrays("runtime.solved_transposed(f, b)", law="solved")
+arrays("runtime.factors_gain(s, y)", law="gained")
+arrays("runtime.of_matrix(a)", law="factored")
+arrays("runtime.to_matrix(g)", law="unfactored")
