@@ -26,6 +26,7 @@ from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
+from s2sad.normalize.contracted import batched, contracted
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
@@ -138,14 +139,15 @@ class Units:
         report = Report(kernel.source)
         names = Names()
         values = {**self.program.constants, **self.program.arrays}
-        tree = verify(spelled(parts(structured(kernel, names, self.program), names)), "structured", "spelled")
+        tree = contracted(parts(structured(kernel, names, self.program), names))
+        tree = verify(spelled(tree), "structured", "spelled")
         given = dict(zip((p.id for p in tree.args.args), types))
         self.watch("structured", tree)
         table = infer(tree, given, self.call_types, report, values)
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
-        tree = choices(tree, typing, names)
+        tree = batched(choices(tree, typing, names), typing)
         ruled(tree, typing, report)
         report.finish()
         plain = tree = functions(tree, typing, names)

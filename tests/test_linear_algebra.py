@@ -4,6 +4,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import s2sad
+from s2sad.runtime import cofactors
 from tests.derivatives import check_derivatives
 
 ENGINES = ("numpy", "numba")
@@ -74,8 +76,22 @@ def in_a_loop(a, b, x):
         a *= np.log(np.linalg.det(a)) / 3.0
 
 
+def summed_by_letters(a, b, x):
+    b[...] = np.einsum("ij,kj->ik", a, b) * np.einsum("ij->ji", a) + np.einsum("i,j", x, x)
+    x *= np.einsum("ij,ij->i", a, b) + np.einsum("ji,j->i", b, x) + np.einsum("ij->j", a)
+    return np.einsum("ij,i,j->", a, x, x) + np.einsum("ij,jk,kl->il", a, b, a)[1, 2]
+
+
+def stacks_of_matrices(a, b, x):
+    c = np.einsum("i,jk->ijk", x, a)
+    d = np.matmul(c, b)
+    e = d @ c
+    b[...] = b + np.einsum("bij,bjk->ik", e, c) + (e @ x)
+    return np.sum(e * d) + np.sum(x @ e)
+
+
 KERNELS = (inverted, determinant, log_determinant, lower_triangle, solved, eigenvalues, singular, pseudoinverse, least,
-           powers, in_a_loop)
+           powers, in_a_loop, summed_by_letters, stacks_of_matrices)
 
 
 def arguments():
@@ -89,6 +105,44 @@ def outputs(kernel):
     result = kernel(*left)
     changed = tuple(n for n, a, b in zip("abx", given, left) if not np.array_equal(a, b))
     return changed + (("return",) if result is not None else ())
+
+
+def stack(a):
+    return np.sum(np.linalg.inv(a[None]))
+
+
+def diagonal(a):
+    return np.sum(np.einsum("ii->i", a))
+
+
+def factors_of(a):
+    return np.sum(np.linalg.qr(a)[0])
+
+
+def singular_vectors(a):
+    return np.sum(np.linalg.svd(a)[0])
+
+
+def part_of_a_derivative(a):
+    return np.sum(cofactors(a))
+
+
+def spread_out(a):
+    return np.sum(np.broadcast_to(a, (3, 2, 2)))
+
+
+@pytest.mark.parametrize("kernel", [stack, diagonal, factors_of, singular_vectors, part_of_a_derivative, spread_out],
+                         ids=lambda kernel: kernel.__name__)
+def test_refused(kernel):
+    with pytest.raises(s2sad.S2sadError, match=r"error\[S301\]: no derivative rule for"):
+        s2sad.gradient(kernel)(np.eye(2))
+
+
+def test_a_determinant_of_zero():
+    def kernel(a):
+        return np.linalg.det(a)
+    a = np.array([[1.0, 2.0, 0.0], [2.0, 4.0, 0.0], [0.0, 0.0, 3.0]])
+    np.testing.assert_allclose(s2sad.gradient(kernel)(a), [[12, -6, 0], [-6, 3, 0], [0, 0, 0]], atol=1e-12)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
