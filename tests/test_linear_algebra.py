@@ -90,8 +90,14 @@ def stacks_of_matrices(a, b, x):
     return np.sum(e * d) + np.sum(x @ e)
 
 
+def tensors(a, b, x):
+    c = np.tensordot(a, x, 0)
+    b *= np.tensordot(c, b, axes=([0, 1], [0, 1])) + np.tensordot(a, b, axes=1)
+    return np.tensordot(a, b, 2) + np.sum(np.tensordot(a, b, axes=(0, 1)) * a)
+
+
 KERNELS = (inverted, determinant, log_determinant, lower_triangle, solved, eigenvalues, singular, pseudoinverse, least,
-           powers, in_a_loop, summed_by_letters, stacks_of_matrices)
+           powers, in_a_loop, tensors, summed_by_letters, stacks_of_matrices)
 
 
 def arguments():

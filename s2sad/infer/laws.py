@@ -42,6 +42,24 @@ def axes_of(node: AST, rank: int) -> tuple[int, ...] | None:
     return tuple(sorted({(a or 0) % rank for a in found}))
 
 
+def paired_axes(node: AST | None, ranks: list[int]) -> list[tuple[int, int]] | None:
+    """The axes that `np.tensordot` sums over, those of the first operand with those of the second; None if they are
+    not written out or out of range."""
+    if isinstance(node, (Tuple, List)) and len(node.elts) == 2:
+        parts = [list(e.elts) if isinstance(e, (Tuple, List)) else [e] for e in node.elts]
+        found = [[whole_number(p) for p in side] for side in parts]
+    else:
+        count = 2 if node is None else whole_number(node)
+        if count is None or count < 0:
+            return None
+        found = [list(range(ranks[0] - count, ranks[0])), list(range(count))]
+    pairs = [(a, b) for a, b in zip(*found) if a is not None and b is not None
+             and -ranks[0] <= a < ranks[0] and -ranks[1] <= b < ranks[1]]
+    if len(found[0]) != len(found[1]) or len(pairs) != len(found[0]):
+        return None
+    return [(a % ranks[0], b % ranks[1]) for a, b in pairs]
+
+
 def is_true(node: AST | None) -> bool:
     return isinstance(node, Constant) and node.value is True
 
@@ -92,6 +110,12 @@ def _matmul_shape(args: list[Shape], options: Options) -> Shape | None:
     if max(len(a), len(b)) > 2:
         return None
     return (a[:-1] if len(a) > 1 else ()) + (b[1:] if len(b) > 1 else ())
+
+
+def _tensor_type(args: list[Type], options: Options) -> Type:
+    ranks = [a.rank for a in args]
+    pairs = paired_axes(options["axes"], ranks) if all(ranks) else None
+    return UNKNOWN if pairs is None else of_rank(Type("array", _common(args)), sum(ranks) - 2 * len(pairs))
 
 
 def _outer_type(args: list[Type], options: Options) -> Type:
@@ -152,6 +176,7 @@ LAWS: dict[str, Law] = {
     "raveled": Law(lambda args, options: array(args[0].dtype, 1), lambda args, options: None),
     "spread": Law(_spread_type, lambda args, options: None),
     "matmul": Law(_matmul_type, _matmul_shape),
+    "tensor": Law(_tensor_type, lambda args, options: None),
     "outer": Law(_outer_type, lambda args, options: (args[0] + args[1]) if len(args[0]) == len(args[1]) == 1 else None),
     "matrix": Law(_of_matrix(2), lambda args, options: args[0]),
     "determinant": Law(_of_matrix(0), lambda args, options: ()),

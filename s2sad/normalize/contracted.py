@@ -3,6 +3,7 @@
     np.einsum("ij,jk->ik", a, b)        np.matmul(a, b)
     np.einsum("ij,kj->ik", a, b)        np.matmul(a, np.transpose(b))
     np.einsum("bi,bi->b", a, b)         np.sum(a * b, axis=1)
+    np.tensordot(a, b, axes=1)          np.matmul(a, b)
     np.einsum("bij,bjk->bik", a, b)     np.sum(a[:, :, :, None] * b[:, None, :, :], axis=2)
 
 `contracted` requires structured form, `batched` and types too. A letter twice in one operand, `...`, and axes in an
@@ -14,11 +15,13 @@ from functools import reduce
 from itertools import permutations
 
 from s2sad.infer.infer import Typing
+from s2sad.infer.laws import paired_axes
 from s2sad.tree import (
     AST, Call, Constant, FunctionDef, Slice, at, call, call_name, const, copy, index, mult, rebuild, tuple_of,
 )
 
 _BATCH = "abcdefgh"
+_LETTERS = "ijklmnop"
 
 
 def contracted(function: FunctionDef) -> FunctionDef:
@@ -38,11 +41,13 @@ def contracted(function: FunctionDef) -> FunctionDef:
 
 
 def batched(function: FunctionDef, typing: Typing) -> FunctionDef:
-    """The function with each matrix product of stacks of matrices as products and sums."""
+    """The function with each product of stacks of matrices, and each `np.tensordot`, as products and sums."""
     def change(node: AST) -> AST | None:
-        if not isinstance(node, Call) or call_name(node) != "numpy.matmul":
+        if not isinstance(node, Call) or call_name(node) not in ("numpy.matmul", "numpy.tensordot"):
             return None
         ranks = [typing.of(a).rank for a in node.args]
+        if call_name(node) == "numpy.tensordot":
+            return tensor_product(node, ranks, [rebuild(a, change) for a in node.args])
         if max(ranks) < 3:
             return None
         outer = _BATCH[:max(ranks) - 2]
@@ -53,6 +58,20 @@ def batched(function: FunctionDef, typing: Typing) -> FunctionDef:
     new = copy(function)
     new.body = [rebuild(statement, change) for statement in function.body]
     return new
+
+
+def tensor_product(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:
+    """`np.tensordot` over written axes."""
+    pairs = paired_axes({k.arg: k.value for k in node.keywords}.get("axes"), ranks)
+    if pairs is None or sum(ranks) - len(pairs) > len(_LETTERS):
+        return None
+    left = list(_LETTERS[:ranks[0]])
+    right = list(_LETTERS[ranks[0]:sum(ranks)])
+    for a, b in pairs:
+        right[b] = left[a]
+    output = "".join(c for c in (*left, *right) if (c in left) != (c in right))
+    made = contraction(["".join(left), "".join(right)], output, operands)
+    return None if made is None else at(made, node)
 
 
 def _letters(subscripts: str) -> tuple[list[str], str]:
