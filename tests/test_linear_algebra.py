@@ -96,8 +96,16 @@ def tensors(a, b, x):
     return np.tensordot(a, b, 2) + np.sum(np.tensordot(a, b, axes=(0, 1)) * a)
 
 
+def blocks(a, b, x):
+    c = np.kron(a, b)
+    c *= np.kron(b, b)
+    y = np.kron(x, x)
+    b *= c[3:6, 2:5]
+    return np.sum(c * c) + np.sum(y[1:8] ** 3) + c[0, 8]
+
+
 KERNELS = (inverted, determinant, log_determinant, lower_triangle, solved, eigenvalues, singular, pseudoinverse, least,
-           powers, in_a_loop, tensors, summed_by_letters, stacks_of_matrices)
+           powers, in_a_loop, tensors, blocks, summed_by_letters, stacks_of_matrices)
 
 
 def arguments():

@@ -10,8 +10,9 @@ arrays("numpy.outer(a, b)", law="outer", a="g @ b", b="g.T @ a")
 arrays("numpy.linalg.solve(a, b)", law="solved", shared={"s": "numpy.linalg.solve(a.T, g)"}, b="s",
        a={(2, 1): "-numpy.outer(s, y)", (2, 2): "-(s @ y.T)"}, tangent="numpy.linalg.solve(a, b_dot - a_dot @ y)")
 
-# written as products and sums where its axes are (normalize.contracted)
+# become products and sums (normalize.contracted)
 arrays("numpy.tensordot(a, b, axes=2)", law="tensor")
+arrays("numpy.kron(a, b)", law="blocks")
 
 arrays("numpy.linalg.inv(a)", law="matrix", a="-(y.T @ g @ y.T)", tangent="-(y @ a_dot @ y)")
 arrays("numpy.linalg.det(a)", law="determinant", a="g * runtime.cofactors(a)",
