@@ -26,8 +26,11 @@ from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
+from s2sad.normalize.contracted import batched, contracted
+from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
+from s2sad.normalize.parts import parts
 from s2sad.normalize.rename import rename
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize, scatter
@@ -137,14 +140,15 @@ class Units:
         report = Report(kernel.source)
         names = Names()
         values = {**self.program.constants, **self.program.arrays}
-        tree = verify(spelled(structured(kernel, names, self.program)), "structured", "spelled")
+        tree = contracted(parts(structured(kernel, names, self.program), names))
+        tree = verify(spelled(tree), "structured", "spelled")
         given = dict(zip((p.id for p in tree.args.args), types))
         self.watch("structured", tree)
         table = infer(tree, given, self.call_types, report, values)
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
-        tree = choices(tree, typing, names)
+        tree = batched(choices(tree, typing, names), typing)
         ruled(tree, typing, report)
         report.finish()
         plain = tree = functions(tree, typing, names)
@@ -161,7 +165,7 @@ class Units:
         lowered = tree
         if self.engine == "numba":
             lowered = with_choices(scalarize(tree, self.apart(typing), Names(names.taken), final=True))
-            tree = verify(scalarize(tree, typing, names), "views", "scalarize")
+            tree = verify(scalarize(factored(tree, typing, names), typing, names), "views", "scalarize")
         else:
             tree = lowered = verify(scatter(tree, typing, names), "views", "scatter")
         self.watch("scalarize", tree)

@@ -11,7 +11,7 @@ import s2sad
 LOOP, OTHERS = "write it as a loop over the elements", "write it with functions that have a rule"
 SUM = "write a loop that adds the elements"
 CASES = [
-    ("np.linalg.det(a)", "error[S301]: no derivative rule for numpy.linalg.det", LOOP),
+    ("np.linalg.cond(a)", "error[S301]: no derivative rule for numpy.linalg.cond", LOOP),
     ("np.sort(u)[0]", "error[S301]: no derivative rule for numpy.sort", LOOP),
     ("np.exp(u[0], u[1])", "error[S301]: no derivative rule for numpy.exp with 2 arguments there is one for "
      "numpy.exp(x)", OTHERS),

@@ -91,7 +91,8 @@ def test_imports_nothing_of_ours():
             "print(sorted(m for m in sys.modules if m.startswith('s2sad') or m in ('numba', 'gast')))")
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.strip() == str(["s2sad", "s2sad.runtime", *(
-        f"s2sad.runtime.{room}" for room in ("scalars", "spans", "special", "spread", "stacks", "sums"))])
+        f"s2sad.runtime.{room}" for room in (
+            "factors", "matrices", "scalars", "spans", "special", "spread", "stacks", "sums"))])
 
 
 @pytest.fixture(scope="module", params=["numpy", "numba"])

@@ -42,6 +42,24 @@ def axes_of(node: AST, rank: int) -> tuple[int, ...] | None:
     return tuple(sorted({(a or 0) % rank for a in found}))
 
 
+def paired_axes(node: AST | None, ranks: list[int]) -> list[tuple[int, int]] | None:
+    """The axes that `np.tensordot` sums over, those of the first operand with those of the second; None if they are
+    not written out or out of range."""
+    if isinstance(node, (Tuple, List)) and len(node.elts) == 2:
+        parts = [list(e.elts) if isinstance(e, (Tuple, List)) else [e] for e in node.elts]
+        found = [[whole_number(p) for p in side] for side in parts]
+    else:
+        count = 2 if node is None else whole_number(node)
+        if count is None or count < 0:
+            return None
+        found = [list(range(ranks[0] - count, ranks[0])), list(range(count))]
+    pairs = [(a, b) for a, b in zip(*found) if a is not None and b is not None
+             and -ranks[0] <= a < ranks[0] and -ranks[1] <= b < ranks[1]]
+    if len(found[0]) != len(found[1]) or len(pairs) != len(found[0]):
+        return None
+    return [(a % ranks[0], b % ranks[1]) for a, b in pairs]
+
+
 def is_true(node: AST | None) -> bool:
     return isinstance(node, Constant) and node.value is True
 
@@ -94,12 +112,43 @@ def _matmul_shape(args: list[Shape], options: Options) -> Shape | None:
     return (a[:-1] if len(a) > 1 else ()) + (b[1:] if len(b) > 1 else ())
 
 
+def _tensor_type(args: list[Type], options: Options) -> Type:
+    ranks = [a.rank for a in args]
+    pairs = paired_axes(options["axes"], ranks) if all(ranks) else None
+    return UNKNOWN if pairs is None else of_rank(Type("array", _common(args)), sum(ranks) - 2 * len(pairs))
+
+
+def _blocks_type(args: list[Type], options: Options) -> Type:
+    return array(_common(args), args[0].rank) if args[0].rank == args[1].rank else UNKNOWN
+
+
 def _outer_type(args: list[Type], options: Options) -> Type:
     return array(_common(args), 2)
 
 
 def _solved_type(args: list[Type], options: Options) -> Type:
     return array("float64" if _common(args) != "float32" else "float32", args[1].rank)
+
+
+def _of_matrix(rank: int) -> Callable[[list[Type], Options], Type]:
+    """The type of what a float matrix gives (stacks of matrices and integers are for NumPy alone)."""
+    def made(args: list[Type], options: Options) -> Type:
+        return of_rank(args[0], rank) if args[0].is_float and args[0].rank == 2 else UNKNOWN
+    return made
+
+
+def _least_type(args: list[Type], options: Options) -> Type:
+    a, b = args[:2]
+    return b if a.is_float and a.rank == 2 and b.dtype == a.dtype and b.rank in (1, 2) else UNKNOWN
+
+
+def _singular_shape(args: list[Shape], options: Options) -> Shape | None:
+    rows, columns = args[0]
+    return (rows,) if rows == columns else None
+
+
+def _one_more(size: Affine | None) -> Affine | None:
+    return size and size.shift(1)
 
 
 def _shape_option(options: Options) -> list[AST]:
@@ -131,6 +180,18 @@ LAWS: dict[str, Law] = {
     "raveled": Law(lambda args, options: array(args[0].dtype, 1), lambda args, options: None),
     "spread": Law(_spread_type, lambda args, options: None),
     "matmul": Law(_matmul_type, _matmul_shape),
+    "tensor": Law(_tensor_type, lambda args, options: None),
+    "blocks": Law(_blocks_type, lambda args, options: None),
     "outer": Law(_outer_type, lambda args, options: (args[0] + args[1]) if len(args[0]) == len(args[1]) == 1 else None),
+    "matrix": Law(_of_matrix(2), lambda args, options: args[0]),
+    "determinant": Law(_of_matrix(0), lambda args, options: ()),
+    "eigenvalues": Law(_of_matrix(1), lambda args, options: args[0][:1]),
+    "singular": Law(_of_matrix(1), _singular_shape),
+    "inverted": Law(_of_matrix(2), lambda args, options: args[0][::-1]),
+    "least": Law(_least_type, lambda args, options: args[0][1:] + args[1][1:]),
+    "factored": Law(_of_matrix(2), lambda args, options: (_one_more(args[0][0]), args[0][1])),
+    "unfactored": Law(_of_matrix(2), lambda args, options: (args[0][1], args[0][1])),
+    "gained": Law(lambda args, options: array(args[0].dtype, 2),
+                  lambda args, options: (_one_more(args[0][0]), args[0][0])),
     "solved": Law(_solved_type, lambda args, options: args[1]),
 }

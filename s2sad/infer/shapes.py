@@ -166,6 +166,8 @@ class Shapes:
                 made = self.asked_for(arguments["shape"], self.of(arguments["x"]))
             elif rule.law == "raveled":
                 made = self.asked_for(const(-1), self.of(arguments["x"]))
+            elif made is None and rule.law == "singular":
+                made = (self._least(self.of(arguments["a"])),)
             return made if made is not None else (None,) * self.typing.of(node).rank
         return self.broadcast(self.of(part) for part in children(node) if self.typing.of(part).is_array)
 
@@ -198,6 +200,11 @@ class Shapes:
             return above[0] if above else ONE
         made = self._product(above)
         return self.symbol(BinOp(made, FloorDiv(), self._product(below)) if below else made)
+
+    def _least(self, sizes: Shape) -> Affine | None:
+        if None in sizes:
+            return None
+        return self.symbol(call("builtins.min", *(self.expression(d) for d in sizes if d is not None)))
 
     def _product(self, sizes: list[Affine]) -> AST:
         made = self.expression(sizes[0])

@@ -19,6 +19,8 @@ _OTHER = frozenset({
     "numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full", "numpy.empty_like", "numpy.zeros_like", "numpy.ones_like",
     "numpy.full_like", "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array", "numpy.shape",
     "builtins.range"})
+# functions of whole arrays whose derivative is zero; what else has no adjoint is a part of derivatives
+_FLAT = frozenset({"runtime.det_sign", "runtime.extreme_mask"})
 _SUMS = ("numpy.sum", "builtins.sum")
 _LOOP = "write it as a loop over the elements"
 _OTHERS = "write it with functions that have a rule"
@@ -44,9 +46,12 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
 
 def _call(node: Call, typing: Typing, report: Report) -> None:
     name = call_name(node)
+    rule = rules.find_array(name)
+    if rule is not None and not rule.adjoints and name not in _FLAT:
+        report.error("S301", f"no derivative rule for {name}", node, help=_OTHERS)
+        return
     if name is None or name.startswith(("user.", "runtime.")) or name in _OTHER or rules.constant_result(name):
         return
-    rule = rules.find_array(name)
     if rule is not None and typing.of(node).kind != "unknown":
         return
     if name in _SUMS:

@@ -6,7 +6,7 @@
     array         what a rule of a function of whole arrays is
     reductions    sums, means, extremes along axes
     shaping       functions that move elements about
-    linalg        products, solves
+    linalg        products, solves, functions of matrices
     constant      functions whose derivative is zero: floor, comparisons, argmax, ...
 
 A name is a resolved one ("numpy.exp", "math.exp", "builtins.abs") or an operator ("a + b", "a ** b", "-a"). A

@@ -56,7 +56,9 @@ class ArrayRule:
 
     def needs(self, operand: str, ranks: Ranks) -> list[str]:
         """The shared expressions that an operand's adjoint reads, in their order."""
-        read = tree.names(self.adjoint(operand, ranks))
+        read = set(tree.names(self.adjoint(operand, ranks)))
+        for s in reversed(list(self.shared)):
+            read |= set(tree.names(self.shared[s])) if s in read else set()
         return [s for s in self.shared if s in read]
 
     def uses(self, operand: str, ranks: Ranks) -> frozenset[str]:

@@ -9,3 +9,50 @@ arrays("numpy.matmul(a, b)", law="matmul", also=("numpy.dot",),
 arrays("numpy.outer(a, b)", law="outer", a="g @ b", b="g.T @ a")
 arrays("numpy.linalg.solve(a, b)", law="solved", shared={"s": "numpy.linalg.solve(a.T, g)"}, b="s",
        a={(2, 1): "-numpy.outer(s, y)", (2, 2): "-(s @ y.T)"}, tangent="numpy.linalg.solve(a, b_dot - a_dot @ y)")
+
+# become products and sums (normalize.contracted)
+arrays("numpy.tensordot(a, b, axes=2)", law="tensor")
+arrays("numpy.kron(a, b)", law="blocks")
+
+arrays("numpy.linalg.inv(a)", law="matrix", a="-(y.T @ g @ y.T)", tangent="-(y @ a_dot @ y)")
+arrays("numpy.linalg.det(a)", law="determinant", a="g * runtime.cofactors(a)",
+       tangent="numpy.sum(runtime.cofactors(a) * a_dot)")
+arrays("runtime.log_det(a)", law="determinant", a="g * numpy.linalg.inv(a).T",
+       tangent="numpy.sum(numpy.linalg.inv(a).T * a_dot)")
+arrays("runtime.det_sign(a)", law="determinant")
+arrays("numpy.linalg.cholesky(a)", law="matrix", a="runtime.cholesky_gain(y, g)",
+       tangent="runtime.cholesky_change(y, a_dot)")
+arrays("numpy.linalg.eigvalsh(a)", law="eigenvalues", a="runtime.eigenvalues_gain(a, g)",
+       tangent="runtime.eigenvalues_change(a, a_dot)")
+arrays("runtime.eigenvectors(a)", law="matrix", a="runtime.eigenvectors_gain(a, y, g)",
+       tangent="runtime.eigenvectors_change(a, y, a_dot)")
+arrays("runtime.singular_values(a)", law="singular", a="runtime.singular_values_gain(a, g)",
+       tangent="runtime.singular_values_change(a, a_dot)")
+arrays("numpy.linalg.matrix_power(a, n)", law="matrix", a="runtime.power_change(a.T, n, g)",
+       tangent="runtime.power_change(a, n, a_dot)")
+# G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10, 1973: the rank does not change near by
+arrays("numpy.linalg.pinv(a)", law="inverted", shared={"t": "g.T @ y", "s": "y @ g.T"},
+       a="(g.T - a @ s) @ (y @ y.T) + (y.T @ y) @ (g.T - t @ a) - y.T @ g @ y.T",
+       tangent="(y @ y.T) @ (a_dot.T - (a_dot.T @ a) @ y) + (a_dot.T - y @ (a @ a_dot.T)) @ (y.T @ y) - y @ a_dot @ y")
+arrays("runtime.least_squares(a, b)", law="least", shared={"p": "numpy.linalg.pinv(a)", "s": "p.T @ g"}, b="s",
+       a={(2, 1): "numpy.outer(b - a @ y, p @ s) + numpy.outer(p.T @ y, g - a.T @ s) - numpy.outer(s, y)",
+          (2, 2): "(b - a @ y) @ (p @ s).T + (p.T @ y) @ (g - a.T @ s).T - s @ y.T"},
+       tangent="runtime.least_squares_change(a, b, y, a_dot, b_dot)")
+
+# parts of derivatives
+for _text in ("cofactors(a)", "cholesky_gain(y, g)", "cholesky_change(y, e)", "eigenvalues_gain(a, g)",
+              "eigenvectors_gain(a, y, g)", "eigenvectors_change(a, y, e)", "singular_values_gain(a, g)",
+              "power_change(a, n, e)"):
+    arrays(f"runtime.{_text}", law="matrix")
+arrays("runtime.least_squares_change(a, b, y, e, f)", law="least")
+arrays("runtime.eigenvalues_change(a, e)", law="eigenvalues")
+arrays("runtime.singular_values_change(a, e)", law="singular")
+
+# a matrix factored once; the shadow of its factors is the matrix's own
+arrays("runtime.factored(a)", law="factored", a="runtime.to_matrix(g)", tangent="runtime.of_matrix(a_dot)")
+arrays("runtime.solved(f, b)", law="solved", shared={"s": "runtime.solved_transposed(f, g)"}, b="s",
+       f="runtime.factors_gain(s, y)", tangent="runtime.solved(f, b_dot - runtime.to_matrix(f_dot) @ y)")
+arrays("runtime.solved_transposed(f, b)", law="solved")
+arrays("runtime.factors_gain(s, y)", law="gained")
+arrays("runtime.of_matrix(a)", law="factored")
+arrays("runtime.to_matrix(g)", law="unfactored")

@@ -5,6 +5,14 @@ into the generated file: no line of it is over 100 columns.
 """
 from __future__ import annotations
 
+from s2sad.runtime.factors import (
+    factor_panel, factored, factors_gain, of_matrix, solved, solved_transposed, take_row, to_matrix, update_rest,
+)
+from s2sad.runtime.matrices import (
+    apart, cholesky_change, cholesky_gain, cofactors, det_sign, eigenvalues_change, eigenvalues_gain, eigenvectors,
+    eigenvectors_change, eigenvectors_gain, from_lower, half_lower, least_squares, least_squares_change, log_det,
+    power_change, singular_values, singular_values_change, singular_values_gain, to_lower,
+)
 from s2sad.runtime.scalars import comb, factorial, heaviside, isclose, isqrt, lcm, perm, product, remainder
 from s2sad.runtime.spans import position, position_down
 from s2sad.runtime.special import digamma
@@ -13,6 +21,11 @@ from s2sad.runtime.stacks import grow, sized
 from s2sad.runtime.sums import added, blocked_sum, pairwise_sum
 
 __all__ = [
-    "added", "blocked_sum", "comb", "digamma", "extreme_mask", "factorial", "grow", "heaviside", "isclose", "isqrt",
-    "lcm", "pairwise_sum", "perm", "position", "position_down", "product", "remainder", "scattered", "sized", "spread",
+    "added", "apart", "blocked_sum", "cholesky_change", "cholesky_gain", "cofactors", "comb", "det_sign", "digamma",
+    "eigenvalues_change", "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain",
+    "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain", "from_lower", "grow", "half_lower",
+    "heaviside", "isclose", "isqrt", "lcm", "least_squares", "least_squares_change", "log_det", "of_matrix",
+    "pairwise_sum", "perm", "position", "position_down", "power_change", "product", "remainder", "scattered",
+    "singular_values", "singular_values_change", "singular_values_gain", "sized", "solved", "solved_transposed", "spread",
+    "take_row", "to_lower", "to_matrix", "update_rest",
 ]

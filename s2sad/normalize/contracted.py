@@ -1,0 +1,165 @@
+"""contracted: products summed over named axes are products and sums.
+
+    np.einsum("ij,jk->ik", a, b)        np.matmul(a, b)
+    np.einsum("ij,kj->ik", a, b)        np.matmul(a, np.transpose(b))
+    np.einsum("bi,bi->b", a, b)         np.sum(a * b, axis=1)
+    np.tensordot(a, b, axes=1)          np.matmul(a, b)
+    np.einsum("bij,bjk->bik", a, b)     np.sum(a[:, :, :, None] * b[:, None, :, :], axis=2)
+
+`contracted` requires structured form, `batched` and types too. A letter twice in one operand, `...`, and axes in an
+order that neither the operands nor their transposes have are left, to be refused.
+"""
+from __future__ import annotations
+
+from functools import reduce
+from itertools import permutations
+
+from s2sad.infer.infer import Typing
+from s2sad.infer.laws import paired_axes
+from s2sad.tree import (
+    AST, Call, Constant, FunctionDef, Name, Slice, at, attribute, call, call_name, const, copy, index, mult, rebuild,
+    tuple_of,
+)
+
+_BATCH = "abcdefgh"
+_LETTERS = "ijklmnop"
+
+
+def contracted(function: FunctionDef) -> FunctionDef:
+    """The function with each `np.einsum` whose subscripts are written out as such products."""
+    def change(node: AST) -> AST | None:
+        if call_name(node) != "numpy.einsum" or node.keywords or len(node.args) < 2:
+            return None
+        subscripts, *operands = node.args
+        if not isinstance(subscripts, Constant) or not isinstance(subscripts.value, str):
+            return None
+        inputs, output = _letters(subscripts.value)
+        made = contraction(inputs, output, [rebuild(o, change) for o in operands])
+        return None if made is None else at(made, node)
+    new = copy(function)
+    new.body = [rebuild(statement, change) for statement in function.body]
+    return new
+
+
+def batched(function: FunctionDef, typing: Typing) -> FunctionDef:
+    """The function with each product of stacks of matrices, and each `np.tensordot` and `np.kron`, as products
+    and sums."""
+    def change(node: AST) -> AST | None:
+        if call_name(node) == "numpy.kron":
+            return blocks(node, typing)
+        if not isinstance(node, Call) or call_name(node) not in ("numpy.matmul", "numpy.tensordot"):
+            return None
+        ranks = [typing.of(a).rank for a in node.args]
+        if call_name(node) == "numpy.tensordot":
+            return tensor_product(node, ranks, [rebuild(a, change) for a in node.args])
+        if max(ranks) < 3:
+            return None
+        outer = _BATCH[:max(ranks) - 2]
+        left, right = ("j" if r == 1 else outer[len(outer) - (r - 2):] + own for r, own in zip(ranks, ("ij", "jk")))
+        output = outer + ("i" if ranks[0] > 1 else "") + ("k" if ranks[1] > 1 else "")
+        made = contraction([left, right], output, [rebuild(a, change) for a in node.args])
+        return None if made is None else at(made, node)
+    new = copy(function)
+    new.body = [rebuild(statement, change) for statement in function.body]
+    return new
+
+
+def blocks(node: AST, typing: Typing) -> AST | None:
+    """`np.kron` of two vectors or matrices that have names: a product of elements in another shape."""
+    a, b = node.args
+    rank = typing.of(a).rank
+    if not (isinstance(a, Name) and isinstance(b, Name)) or typing.of(b).rank != rank or rank not in (1, 2):
+        return None
+    whole, new = Slice(None, None, None), const(None)
+    product = mult(index(a, *[whole, new] * rank), index(b, *[new, whole] * rank))
+    sizes = [mult(*(index(attribute(copy(o), "shape"), const(k)) for o in (a, b))) for k in range(rank)]
+    return at(call("numpy.reshape", product, tuple_of(*sizes)), node)
+
+
+def tensor_product(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:
+    """`np.tensordot` over written axes."""
+    pairs = paired_axes({k.arg: k.value for k in node.keywords}.get("axes"), ranks)
+    if pairs is None or sum(ranks) - len(pairs) > len(_LETTERS):
+        return None
+    left = list(_LETTERS[:ranks[0]])
+    right = list(_LETTERS[ranks[0]:sum(ranks)])
+    for a, b in pairs:
+        right[b] = left[a]
+    output = "".join(c for c in (*left, *right) if (c in left) != (c in right))
+    made = contraction(["".join(left), "".join(right)], output, operands)
+    return None if made is None else at(made, node)
+
+
+def _letters(subscripts: str) -> tuple[list[str], str]:
+    """The letters of the operands and of the result.
+
+    >>> _letters("ij, jk")
+    (['ij', 'jk'], 'ik')
+    """
+    given, arrow, output = subscripts.replace(" ", "").partition("->")
+    inputs = given.split(",")
+    return inputs, output if arrow else "".join(sorted(c for c in set(given) - {","} if given.count(c) == 1))
+
+
+def contraction(inputs: list[str], output: str, operands: list[AST]) -> AST | None:
+    """The product of the operands, summed over the letters that the output lacks; None if it has no such form."""
+    letters = "".join(dict.fromkeys("".join(inputs)))
+    plain = all(len(set(part)) == len(part) and part.isalpha() for part in inputs) and len(set(output)) == len(output)
+    if not plain or not set(output) <= set(letters) or len(inputs) != len(operands) or len(letters) > 6:
+        return None
+    if len(operands) == 2:
+        made = _matrix_product(inputs, output, operands) or _matrix_product(inputs[::-1], output, operands[::-1])
+        if made is not None:
+            return made
+    if len(operands) > 2 and (made := _pairwise(inputs, output, operands)) is not None:
+        return made
+    order = _order(inputs, output, letters)
+    if order is None:
+        return None
+    product = reduce(mult, (_spread(part, order, operand) for part, operand in zip(inputs, operands)))
+    axes = [const(k) for k, c in enumerate(order) if c not in output]
+    if not axes:
+        return product
+    return call("numpy.sum", product) if not output else call(
+        "numpy.sum", product, axis=axes[0] if len(axes) == 1 else tuple_of(*axes))
+
+
+def _pairwise(inputs: list[str], output: str, operands: list[AST]) -> AST | None:
+    """The first two operands first: no larger array is made than the two have."""
+    later = {*"".join(inputs[2:]), *output}
+    middle = "".join(c for c in dict.fromkeys(inputs[0] + inputs[1]) if c in later)
+    first = contraction(inputs[:2], middle, operands[:2])
+    return None if first is None else contraction([middle, *inputs[2:]], output, [first, *operands[2:]])
+
+
+def _matrix_product(inputs: list[str], output: str, operands: list[AST]) -> AST | None:
+    """The product of two matrices or vectors over the one letter that both have."""
+    both = set(inputs[0]) & set(inputs[1])
+    left, right = (part.replace(c, "") for part in inputs for c in both) if len(both) == 1 else ("", "")
+    if len(both) != 1 or max(map(len, inputs)) > 2 or output != left + right:
+        return None
+    a, b = operands
+    a = call("numpy.transpose", a) if len(inputs[0]) == 2 and inputs[0][0] in both else a
+    b = call("numpy.transpose", b) if len(inputs[1]) == 2 and inputs[1][1] in both else b
+    return call("numpy.matmul", a, b)
+
+
+def _order(inputs: list[str], output: str, letters: str) -> str | None:
+    """An order of all letters in which the output's are in their order, and each operand's, or reversed."""
+    orders = [o for o in map("".join, permutations(letters)) if _within(output, o)]
+    straight = next((o for o in orders if all(_within(part, o) for part in inputs)), None)
+    turned = (o for o in orders if all(_within(part, o) or _within(part[::-1], o) for part in inputs))
+    return straight or next(turned, None)
+
+
+def _within(part: str, order: str) -> bool:
+    return "".join(c for c in order if c in part) == part
+
+
+def _spread(part: str, order: str, operand: AST) -> AST:
+    """The operand with its axes where the order has them."""
+    if not _within(part, order):
+        operand = call("numpy.transpose", operand)
+    if len(part) == len(order):
+        return operand
+    return index(operand, *(Slice(None, None, None) if c in part else const(None) for c in order))

@@ -1,0 +1,51 @@
+"""factored: a matrix that is solved with is factored by itself, so that a derivative factors it once.
+
+Requires resolved views; for the engine that compiles loops. The factors are an array like any other: what a
+derivative reads of them later is recorded, in place of the matrix.
+
+    u[...] = np.linalg.solve(a, u)      factors = np.empty((a.shape[0] + 1, a.shape[0]))
+                                        factors[...] = runtime.factored(a)
+                                        u[...] = runtime.solved(factors, u)
+"""
+from __future__ import annotations
+
+from s2sad.infer.infer import Typing
+from s2sad.naming import Names
+from s2sad.normalize.workspace import workspace
+from s2sad.tree import (
+    AST, Assign, For, FunctionDef, If, Name, Subscript, While, add, assign, at, attribute, call, call_name, const, copy,
+    index, name, tuple_of,
+)
+
+
+def factored(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
+    """The function with those factors; the table of `typing` gains them."""
+    new = copy(function)
+    new.body = _block(function.body, typing, free)
+    return workspace(new)
+
+
+def _block(block: list[AST], typing: Typing, free: Names) -> list[AST]:
+    return [at(made, s) for s in block for made in _statement(s, typing, free)]
+
+
+def _statement(statement: AST, typing: Typing, free: Names) -> list[AST]:
+    if isinstance(statement, (For, While, If)):
+        new = copy(statement)
+        new.body = _block(statement.body, typing, free)
+        new.orelse = _block(statement.orelse, typing, free)
+        return [new]
+    if not isinstance(statement, Assign) or call_name(statement.value) != "numpy.linalg.solve":
+        return [statement]
+    a, b = statement.value.args
+    kind = typing.of(a)
+    if not isinstance(a, Name) or not isinstance(statement.targets[0], Subscript) or \
+            kind.rank != 2 or not kind.is_float or typing.of(b).dtype != kind.dtype:
+        return [statement]
+    made = free.fresh("factors")
+    typing.table[made] = kind
+    size = index(attribute(a, "shape"), const(0))
+    dtype = [] if kind.dtype == "float64" else [name(f"numpy.{kind.dtype}")]
+    return [assign(made, call("numpy.empty", tuple_of(add(size, const(1)), copy(size)), *dtype)),
+            assign(index(name(made), const(...)), call("runtime.factored", a)),
+            assign(statement.targets[0], call("runtime.solved", name(made), b))]
