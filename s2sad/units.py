@@ -28,6 +28,7 @@ from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
+from s2sad.normalize.pieces import pieces
 from s2sad.normalize.rename import rename
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize
@@ -146,7 +147,9 @@ class Units:
         tree = choices(tree, typing, names)
         ruled(tree, typing, report)
         report.finish()
-        plain = tree = functions(tree, typing, names)
+        plain = functions(tree, typing, names)
+        tree = pieces(plain, typing, names, report)
+        report.finish()
         tree = views(tree, typing.table, typing, names, report, self.engine == "numba")
         report.finish()
         guarded = count(tree, Assert) > count(plain, Assert)

@@ -5,6 +5,7 @@
     x.sum(axis=0)       np.sum(x, axis=0)
     x.reshape(n, m)     np.reshape(x, (n, m))
     x.T                 np.transpose(x)
+    x.transpose(2, 0, 1)    np.moveaxis(x, (2, 0, 1), (0, 1, 2))
     [a] * 2 + [b]       [a, a, b]
     a @ b               np.matmul(a, b)
     np.roll(x, 1, 0)    np.roll(x, 1, axis=0)
@@ -21,7 +22,8 @@ from s2sad.tree import (
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
-_METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot"}
+_METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot", "var", "std", "prod", "cumsum", "cumprod",
+            "squeeze", "swapaxes", "repeat", "diagonal", "trace"}
 _SHAPED = {"reshape", "transpose"}
 
 
@@ -63,6 +65,13 @@ def _list(node: AST) -> list[AST] | None:
     return None
 
 
+def _axes(node: Call) -> Tuple | None:
+    """The order of axes that a transposition is given."""
+    given = [*node.args[1:], *(k.value for k in node.keywords if k.arg == "axes")]
+    written = len(given) == 1 and len(node.args) + len(node.keywords) == 2 and isinstance(given[0], (Tuple, List))
+    return tuple_of(*given[0].elts) if written else None
+
+
 def _arguments(node: Call) -> list[AST]:
     """The arguments of a method; those of reshape and transpose may be given one by one."""
     several = node.func.attr in _SHAPED and len(node.args) > 1
@@ -70,6 +79,8 @@ def _arguments(node: Call) -> list[AST]:
 
 
 def _array_call(node: Call) -> AST | None:
+    if call_name(node) == "numpy.transpose" and (axes := _axes(node)) is not None:
+        node = at(call("numpy.moveaxis", node.args[0], axes, tuple_of(*map(const, range(len(axes.elts))))), node)
     rule = rules.find_array(call_name(node))
     ordered = rule and rules.bound(rule, node)
     if ordered is None:
