@@ -31,6 +31,7 @@ from s2sad.normalize.functions import functions
 from s2sad.normalize.pieces import pieces
 from s2sad.normalize.rename import rename
 from s2sad.normalize.ruled import ruled
+from s2sad.normalize.same_memory import same_memory
 from s2sad.normalize.scalarize import scalarize
 from s2sad.normalize.sharing import shared, specialised
 from s2sad.normalize.spelled import spelled
@@ -148,6 +149,7 @@ class Units:
         ruled(tree, typing, report)
         report.finish()
         plain = functions(tree, typing, names)
+        same_memory(plain, typing, report)
         tree = pieces(plain, typing, names, report)
         report.finish()
         tree = views(tree, typing.table, typing, names, report, self.engine == "numba")

@@ -4,6 +4,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import s2sad
 from tests.derivatives import check_derivatives
 
 ENGINES = ("numpy", "numba")
@@ -177,10 +178,33 @@ def questions(a, x, y):
     return s + np.sum(a)
 
 
+def spread_out(a, x, y):
+    b = np.broadcast_to(x[:, None], a.shape)
+    c = np.broadcast_to(y, (2, 4))
+    return np.sum(b * a) + np.sum(c[0] * c[1])
+
+
+def questions_along_axes(a, x, y):
+    b = np.where(np.any(a > 0.9, axis=1), x, x * x)
+    c = np.where(np.all(a > 0.31, axis=0), y, y * y)
+    k = x.argmax()
+    return np.sum(b) + np.sum(c) + np.sum(np.count_nonzero(a > 0.6, axis=1) * x ** 2) + x[k] * a.any()
+
+
+def in_place_and_in_loops(a, x, y):
+    for k in range(3):
+        x[1:] += np.diff(x) * a[k, 0]
+        y[:] = np.cumsum(y) / np.sum(y)
+        row = np.concatenate((a[k, 1:], a[k, :1]))
+        a[k] *= row * np.linalg.norm(row)
+        x[k] = np.var(row) + np.trapezoid(row)
+    return np.sum(a) + np.sum(x) + np.sum(y * y)
+
+
 KERNELS = (diff, concatenate, stacks, appended, axes_added_and_dropped, axes_swapped, axes_of_three, tiled, repeated,
            padded, mirrored, diagonals, triangles, identity_matrices, ranges, spreads, deviations, norms,
            products_of_elements, running, averages, inner_products, integrals, gradients, convolved, interpolated,
-           questions)
+           questions, spread_out, questions_along_axes, in_place_and_in_loops)
 
 
 def arguments(kernel):
@@ -195,3 +219,80 @@ def arguments(kernel):
 def test_function(kernel, engine):
     names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]
     check_derivatives(kernel, arguments(kernel), names, ("return",), engine)
+
+
+def no_slope_where_all_is_equal(x):
+    return np.std(0.0 * x) + np.linalg.norm(0.0 * x)
+
+
+def zero_factors(x):
+    return np.prod(x) + np.sum(np.cumprod(x))
+
+
+def ends(x):
+    return np.sum(np.diff(x)) + np.sum(np.cumsum(x)) + np.prod(x) + np.var(x) + np.sum(np.pad(x, 1, mode="edge")) + \
+        np.sum(np.concatenate((x, x))) + np.sum(np.repeat(x, 2)) + np.sum(np.tile(x, 2)) + np.trapezoid(x)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_where_formulas_of_calculus_divide_by_zero(engine):
+    np.testing.assert_array_equal(s2sad.gradient(s2sad.differentiate(no_slope_where_all_is_equal, engine=engine))(
+        np.array([1.0, 2.0, 3.0])), np.zeros(3))
+    check_derivatives(zero_factors, (np.array([2.0, 0.0, 3.0, 5.0]),), ("x",), ("return",), engine)
+    check_derivatives(zero_factors, (np.array([2.0, 0.0, 3.0, 0.0]),), ("x",), ("return",), engine)
+    check_derivatives(ends, (np.array([1.5]),), ("x",), ("return",), engine)
+
+
+def unknown_option(x):
+    return np.sum(np.cumsum(x, dtype=np.float32))
+
+
+def unknown_mode(x):
+    return np.sum(np.pad(x, 1, mode="linear_ramp"))
+
+
+def spectral(x):
+    return np.linalg.norm(np.diag(x), 2)
+
+
+def initial(x):
+    return np.sum(np.max(x, initial=3.0))
+
+
+def along(x):
+    return np.sum(x) * np.sum(np.argmax(np.diag(x), axis=0))
+
+
+@pytest.mark.parametrize("kernel", (unknown_option, unknown_mode, spectral, initial, along), ids=lambda k: k.__name__)
+def test_refused(kernel):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(kernel)(np.arange(3.0))
+    assert caught.value.diagnostics[0].code == "S301"
+
+
+def transposed_kept(a, x):
+    c = a.T
+    a[0] = 3.0
+    return np.sum(c * x)
+
+
+def reshaped_written(a, x):
+    c = a.reshape(-1)
+    c[0] = 2.0 * x[0]
+    return np.sum(a * a)
+
+
+def diagonal_read_in_the_next_iteration(a, x):
+    d = np.diag(a)
+    s = 0.0
+    for k in range(2):
+        s += d[k] * x[k]
+        a[1, 1] = x[0]
+    return s
+
+
+@pytest.mark.parametrize("kernel", (transposed_kept, reshaped_written, diagonal_read_in_the_next_iteration),
+                         ids=lambda kernel: kernel.__name__)
+def test_a_view_that_would_be_a_copy_is_refused(kernel):
+    with pytest.raises(s2sad.S2sadError, match="shares its memory"):
+        s2sad.gradient(kernel)(np.ones((3, 3)), np.ones(3))

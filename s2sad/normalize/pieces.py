@@ -1,6 +1,7 @@
 """pieces: functions of whole arrays that are made of others are written out in them.
 
-Requires functions that stand alone on operands with names; establishes that none of those in `rules/composed` is left.
+Requires functions that stand alone on operands with names; establishes that none of those in `rules/composed` is left,
+and no `np.broadcast_to` of the kernel's.
 What each is made of stands in `normalize/pieces_of_shapes` and `normalize/pieces_of_sums`.
 
     d = np.diff(x)                  d = x[1:] - x[:-1]
@@ -18,10 +19,9 @@ from s2sad.normalize.asked import Asked
 from s2sad.normalize.functions import functions
 from s2sad.normalize.pieces_of_shapes import SHAPES
 from s2sad.normalize.pieces_of_sums import SUMS
-from s2sad.rules.composed import LAW
 from s2sad.rules.rule import resolved
 from s2sad.tree import (
-    AST, Assert, Assign, Constant, Expr, For, FunctionDef, If, List, Name, Raise, Store, Subscript, Tuple, UnaryOp,
+    AST, Assign, Constant, Expr, For, FunctionDef, If, List, Name, Store, Subscript, Tuple, UnaryOp,
     While, assign, at, call_name, copy, name, names, rebuild, statements, stored_names, walk,
 )
 
@@ -44,8 +44,7 @@ def pieces(function: FunctionDef, typing: Typing, free: Names, report: Report) -
 
 
 def _is_piece(node: AST) -> bool:
-    rule = rules.find_array(call_name(node))
-    return rule is not None and rule.law == LAW
+    return call_name(node) in _PIECES
 
 
 def _is_made(statement: Assign) -> bool:

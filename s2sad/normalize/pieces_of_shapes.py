@@ -105,6 +105,12 @@ def _swapaxes(asked: Asked) -> str:
     return f"result = numpy.moveaxis(x, ({a}, {b}), ({b}, {a}))" if a != b else "result = x[...]"
 
 
+def _broadcast_to(asked: Asked) -> str:
+    dtype = asked.type("x").dtype
+    kind = "" if dtype == "float64" else f", dtype=numpy.{dtype if dtype != 'bool' else 'bool_'}"
+    return lines(f"result = numpy.empty(shape{kind})", "result[...] = x")
+
+
 # -- repetition ------------------------------------------------------------------------------------------------------
 
 def _tile(asked: Asked) -> str:
@@ -227,7 +233,7 @@ def _arange(asked: Asked) -> str:
 SHAPES: dict[str, Callable[[Asked], str]] = {
     "numpy.diff": _diff, "numpy.concatenate": _concatenate, "numpy.append": _append, "numpy.hstack": _hstack,
     "numpy.vstack": _vstack, "numpy.column_stack": _column_stack, "numpy.stack": _stack,
-    "numpy.expand_dims": _expand_dims, "numpy.squeeze": _squeeze, "numpy.swapaxes": _swapaxes, "numpy.tile": _tile,
+    "numpy.broadcast_to": _broadcast_to, "numpy.expand_dims": _expand_dims, "numpy.squeeze": _squeeze, "numpy.swapaxes": _swapaxes, "numpy.tile": _tile,
     "numpy.repeat": _repeat, "numpy.pad": _pad, "numpy.diag": _diag, "numpy.diagonal": _diagonal,
     "numpy.trace": _trace, "numpy.tril": lambda asked: _triangle(asked, ":bound", " + 1"),
     "numpy.triu": lambda asked: _triangle(asked, "bound:", ""), "numpy.eye": _eye, "numpy.identity": _identity,

@@ -22,6 +22,7 @@ _OTHER = frozenset({
     "numpy.full_like", "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array", "numpy.shape",
     "builtins.range"})
 _SUMS = ("numpy.sum", "builtins.sum")
+_REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
 _LOOP = "write it as a loop over the elements"
 _OTHERS = "write it with functions that have a rule"
 
@@ -49,6 +50,9 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
 
 def _call(node: Call, typing: Typing, report: Report) -> None:
     name = call_name(node)
+    if name in _REDUCED and len(node.args) + len(node.keywords) != 1:
+        report.error("S301", f"no derivative rule for {name} with more than the array", node, help=_LOOP)
+        return
     if name is None or name.startswith(("user.", "runtime.")) or name in _OTHER or rules.constant_result(name):
         return
     rule = rules.find_array(name)

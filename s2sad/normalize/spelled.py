@@ -6,6 +6,7 @@
     x.reshape(n, m)     np.reshape(x, (n, m))
     x.T                 np.transpose(x)
     x.transpose(2, 0, 1)    np.moveaxis(x, (2, 0, 1), (0, 1, 2))
+    np.any(x > 1, axis=0)   np.sum((x > 1) != 0, axis=0) > 0
     [a] * 2 + [b]       [a, a, b]
     a @ b               np.matmul(a, b)
     np.roll(x, 1, 0)    np.roll(x, 1, axis=0)
@@ -17,13 +18,14 @@ from functools import reduce
 
 from s2sad import rules
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, Div, FunctionDef, List, MatMult, Mult, Name, Starred, Tuple, at, call,
-    call_name, const, copy, mult, name, rebuild, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Starred,
+    Tuple, at, call, call_name, compare, const, copy, mult, name, rebuild, tuple_of,
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
-_METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot", "var", "std", "prod", "cumsum", "cumprod",
-            "squeeze", "swapaxes", "repeat", "diagonal", "trace"}
+_METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot", "var", "std", "prod", "cumsum",
+            "cumprod", "squeeze", "swapaxes", "repeat", "diagonal", "trace"}
+_QUESTIONS = {"any", "all", "argmax", "argmin"}
 _SHAPED = {"reshape", "transpose"}
 
 
@@ -48,7 +50,25 @@ def _plain(node: AST) -> AST | None:
     if isinstance(node.func, Attribute) and node.func.attr in _METHODS:
         return _plain(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], node.keywords),
                          node))
-    return _array_call(node) or _scalar_call(node)
+    if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
+        asked = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node)
+        return rebuild(asked, _plain)
+    return _question(node) or _array_call(node) or _scalar_call(node)
+
+
+def _question(node: Call) -> AST | None:
+    """A question along an axis, as a count."""
+    function = (call_name(node) or "").removeprefix("numpy.")
+    options = {"axis": node.args[1]} if len(node.args) == 2 else {}
+    options |= {str(k.arg): k.value for k in node.keywords}
+    if function not in ("any", "all", "count_nonzero") or "axis" not in options or not options.keys() <= {
+            "axis", "keepdims"} or not 1 <= len(node.args) <= 2:
+        return None
+    zero = compare(rebuild(node.args[0], _plain), Eq() if function == "all" else NotEq(), const(0))
+    count = call("numpy.sum", zero, **options)
+    if function == "count_nonzero":
+        return at(count, node)
+    return at(compare(count, Eq() if function == "all" else Gt(), const(0)), node)
 
 
 def _list(node: AST) -> list[AST] | None:

@@ -20,8 +20,8 @@ from s2sad.rules.array import ArrayRule, bound, find_array
 from s2sad.rules.power import power_partial
 from s2sad.rules.rule import TABLE, Rule
 
-__all__ = ["ArrayRule", "Rule", "bound", "composed", "constant", "constant_result", "elementwise", "find", "find_array", "linalg",
-           "names", "power_partial", "reductions", "result_kind", "shaping"]
+__all__ = ["ArrayRule", "Rule", "bound", "composed", "constant", "constant_result", "elementwise", "find", "find_array",
+           "linalg", "names", "power_partial", "reductions", "result_kind", "shaping"]
 
 
 def find(name: str) -> Rule | None:
