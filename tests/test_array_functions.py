@@ -296,3 +296,26 @@ def diagonal_read_in_the_next_iteration(a, x):
 def test_a_view_that_would_be_a_copy_is_refused(kernel):
     with pytest.raises(s2sad.S2sadError, match="shares its memory"):
         s2sad.gradient(kernel)(np.ones((3, 3)), np.ones(3))
+
+
+def made_matrix_written(x):
+    m = np.diag(x)
+    m[0, 1] = x[0] * x[1]
+    c = (2.0 * m).reshape(-1)
+    c[0] *= c[1]
+    return np.sum(c * c)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_is_no_view_may_be_written(engine):
+    check_derivatives(made_matrix_written, (np.array([0.5, 0.7, 0.9]),), ("x",), ("return",), engine)
+
+
+def spacings(a):
+    held = np.gradient(a, 1, 1)
+    return np.sum(held[0])
+
+
+def test_one_spacing_for_each_axis_is_refused():
+    with pytest.raises(s2sad.S2sadError):
+        s2sad.gradient(spacings)(np.ones((3, 3)))

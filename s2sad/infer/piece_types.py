@@ -182,6 +182,9 @@ def _averaged(args: list[Type], options: Arguments) -> Type:
 
 def _reduced(args: list[Type], options: Arguments) -> Type:
     axes = axes_of(options["axis"], args[0].rank) if _array(args) else None
+    kept = options.get("keepdims")
+    if kept is not None and not (isinstance(kept, Constant) and isinstance(kept.value, bool)):
+        return UNKNOWN
     if axes is None or is_true(options.get("keepdims")) and is_none(options["axis"]):
         return UNKNOWN
     return of_rank(args[0], args[0].rank if is_true(options.get("keepdims")) else args[0].rank - len(axes))
@@ -257,7 +260,8 @@ _TYPES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.pad": _padded, "numpy.diag": _diag, "numpy.diagonal": _diagonal, "numpy.tril": _triangle,
     "numpy.triu": _triangle, "numpy.trace": _trace, "numpy.eye": _eye, "numpy.identity": _eye,
     "numpy.linspace": _linspace, "numpy.arange": _arange, "numpy.var": _averaged, "numpy.std": _averaged,
-    "numpy.prod": _product, "numpy.cumprod": _running, "numpy.cumsum": _running, "numpy.average": _averaged, "numpy.linalg.norm": _norm,
+    "numpy.prod": _product, "numpy.cumprod": _running, "numpy.cumsum": _running,
+    "numpy.average": _averaged, "numpy.linalg.norm": _norm,
     "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.trapezoid": _trapezoid, "numpy.trapz": _trapezoid,
     "numpy.gradient": _gradient, "numpy.convolve": _convolve, "numpy.interp": _interp,
 }

@@ -165,7 +165,8 @@ def _borders(mode: str, axis: int, a: str, b: str, n: str) -> list[str]:
         return [f"assert {a} <= {n} and {b} <= {n}", f"{low} = {taken(n, f'{n} + {a}')}",
                 f"{high} = {taken(a, f'{a} + {b}')}"]
     skip = 1 if mode == "reflect" else 0
-    below, above = taken(f"{a} + {skip}", f"2 * {a} + {skip}"), taken(f"{a} + {n} - {b} - {skip}", f"{a} + {n} - {skip}")
+    below = taken(f"{a} + {skip}", f"2 * {a} + {skip}")
+    above = taken(f"{a} + {n} - {b} - {skip}", f"{a} + {n} - {skip}")
     return [f"assert {a} + {skip} <= {n} and {b} + {skip} <= {n}", f"{low} = numpy.flip({below}, axis={axis})",
             f"{high} = numpy.flip({above}, axis={axis})"]
 
@@ -196,7 +197,8 @@ def _trace(asked: Asked) -> str:
 
 def _triangle(asked: Asked, kept: str, first: str) -> str:
     return lines(f"result = {zeros(sizes('x', 2), asked.type('x').dtype)}", f"for row in range({size('x', 0)}):",
-                 f"    bound = max(0, min(row + k{first}, {size('x', 1)}))", f"    result[row, {kept}] = x[row, {kept}]")
+                 f"    bound = max(0, min(row + k{first}, {size('x', 1)}))",
+                 f"    result[row, {kept}] = x[row, {kept}]")
 
 
 def _eye(asked: Asked) -> str:
@@ -233,7 +235,8 @@ def _arange(asked: Asked) -> str:
 SHAPES: dict[str, Callable[[Asked], str]] = {
     "numpy.diff": _diff, "numpy.concatenate": _concatenate, "numpy.append": _append, "numpy.hstack": _hstack,
     "numpy.vstack": _vstack, "numpy.column_stack": _column_stack, "numpy.stack": _stack,
-    "numpy.broadcast_to": _broadcast_to, "numpy.expand_dims": _expand_dims, "numpy.squeeze": _squeeze, "numpy.swapaxes": _swapaxes, "numpy.tile": _tile,
+    "numpy.broadcast_to": _broadcast_to,
+    "numpy.expand_dims": _expand_dims, "numpy.squeeze": _squeeze, "numpy.swapaxes": _swapaxes, "numpy.tile": _tile,
     "numpy.repeat": _repeat, "numpy.pad": _pad, "numpy.diag": _diag, "numpy.diagonal": _diagonal,
     "numpy.trace": _trace, "numpy.tril": lambda asked: _triangle(asked, ":bound", " + 1"),
     "numpy.triu": lambda asked: _triangle(asked, "bound:", ""), "numpy.eye": _eye, "numpy.identity": _identity,

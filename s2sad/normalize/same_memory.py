@@ -28,15 +28,15 @@ def same_memory(function: FunctionDef, typing: Typing, report: Report) -> None:
     flow = _Flow(order)
     parameters = {p.id for p in function.args.args}
     for view in bound:
-        if call_name(view.value) not in _VIEWING or not isinstance(view.value.args[0], (Name, Subscript)):
+        if not _is_view(view.value, typing):
             continue
         target, source = view.targets[0].id, base_name(view.value.args[0])
         own = source not in parameters and sum(isinstance(n, Name) and n.id == source for n in order) == 2
         parts = {n for n, found in roots.items() if target in found}
         writes = [s for s in order if any(roots.get(n, {n}) & roots[target] for n in _written(s, typing))]
         reads = [n for n in order if isinstance(n, Name) and n.id == target and n is not view.targets[0]]
-        if not own and any(_written(s, typing) & parts for s in order) or any(
-                flow.meets(view, write, read) for write in writes for read in reads):
+        if not own and (any(_written(s, typing) & parts for s in order) or any(
+                flow.meets(view, write, read) for write in writes for read in reads)):
             report.error("S201", f"'{target}' shares its memory with an array that is written later", view,
                          help="copy it: np.copy(...), or write it where it is used")
 
@@ -59,6 +59,14 @@ class _Flow:
         return False
 
 
+def _is_view(value: AST, typing: Typing) -> bool:
+    """Whether an expression is a view in NumPy and a copy here; of a vector np.diag makes a matrix."""
+    if not isinstance(value, Call) or call_name(value) not in _VIEWING or not isinstance(
+            value.args[0], (Name, Subscript)):
+        return False
+    return call_name(value) != "numpy.diag" or typing.of(value.args[0]).rank == 2
+
+
 def _roots(bound: list[AST], typing: Typing) -> dict[str, set[str]]:
     """For each name of an array those whose memory it may share."""
     found: dict[str, set[str]] = {}
@@ -66,7 +74,7 @@ def _roots(bound: list[AST], typing: Typing) -> dict[str, set[str]]:
         before = {n: set(r) for n, r in found.items()}
         for statement in bound:
             target, value = statement.targets[0].id, statement.value
-            source = value.args[0] if isinstance(value, Call) and call_name(value) in _VIEWING else value
+            source = value.args[0] if _is_view(value, typing) else value
             roots = found.setdefault(target, {target})
             if isinstance(source, (Name, Subscript)) and typing.of(source).is_array:
                 roots |= {base_name(source)} | found.get(base_name(source), set())

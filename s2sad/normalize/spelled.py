@@ -101,6 +101,8 @@ def _arguments(node: Call) -> list[AST]:
 def _array_call(node: Call) -> AST | None:
     if call_name(node) == "numpy.transpose" and (axes := _axes(node)) is not None:
         node = at(call("numpy.moveaxis", node.args[0], axes, tuple_of(*map(const, range(len(axes.elts))))), node)
+    if call_name(node) == "numpy.gradient" and len(node.args) > 2:
+        return None  # one spacing for each axis
     rule = rules.find_array(call_name(node))
     ordered = rule and rules.bound(rule, node)
     if ordered is None:
