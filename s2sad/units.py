@@ -149,7 +149,7 @@ class Units:
         ruled(tree, typing, report)
         report.finish()
         plain = functions(tree, typing, names)
-        same_memory(plain, typing, report)
+        same_memory(plain, typing, report, lambda c: [c.args[p] for p in self.of_call(c, typing).summary.written])
         tree = pieces(plain, typing, names, report)
         report.finish()
         tree = views(tree, typing.table, typing, names, report, self.engine == "numba")

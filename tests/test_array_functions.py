@@ -311,6 +311,22 @@ def test_what_is_no_view_may_be_written(engine):
     check_derivatives(made_matrix_written, (np.array([0.5, 0.7, 0.9]),), ("x",), ("return",), engine)
 
 
+def total_of_squares(c):
+    s = 0.0
+    for k in range(c.shape[0]):
+        s += c[k, 0] ** 2
+    return s
+
+
+def view_read_by_a_helper(a):
+    c = a.T
+    return total_of_squares(c) * np.sum(c)
+
+
+def test_a_view_may_be_read_by_a_helper():
+    check_derivatives(view_read_by_a_helper, (np.array([[0.5, 0.7, 0.9]]),), ("a",), ("return",))
+
+
 def spacings(a):
     held = np.gradient(a, 1, 1)
     return np.sum(held[0])

@@ -8,19 +8,21 @@ or the array is written in place later: here it is a copy.
 """
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from s2sad.analyze.liveness import base_name
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, For, FunctionDef, Name, Subscript, While, call_name, names, walk,
+    AST, Assign, AugAssign, Call, For, FunctionDef, Name, Subscript, While, call_name, walk,
 )
 
 _VIEWING = {f"numpy.{f}" for f in ("transpose", "moveaxis", "swapaxes", "reshape", "ravel", "diag", "diagonal",
                                    "broadcast_to")}
 
 
-def same_memory(function: FunctionDef, typing: Typing, report: Report) -> None:
-    """Puts one diagnostic into the report for each such name."""
+def same_memory(function: FunctionDef, typing: Typing, report: Report, stores: Callable[[Call], list[AST]]) -> None:
+    """Puts one diagnostic into the report for each such name; `stores` gives the arguments that a call writes."""
     order = list(walk(function.body))
     bound = [s for s in order if isinstance(s, Assign) and isinstance(s.targets[0], Name)
              and typing.of(s.targets[0]).is_array]
@@ -33,9 +35,9 @@ def same_memory(function: FunctionDef, typing: Typing, report: Report) -> None:
         target, source = view.targets[0].id, base_name(view.value.args[0])
         own = source not in parameters and sum(isinstance(n, Name) and n.id == source for n in order) == 2
         parts = {n for n, found in roots.items() if target in found}
-        writes = [s for s in order if any(roots.get(n, {n}) & roots[target] for n in _written(s, typing))]
+        writes = [s for s in order if any(roots.get(n, {n}) & roots[target] for n in _written(s, typing, stores))]
         reads = [n for n in order if isinstance(n, Name) and n.id == target and n is not view.targets[0]]
-        if not own and (any(_written(s, typing) & parts for s in order) or any(
+        if not own and (any(_written(s, typing, stores) & parts for s in order) or any(
                 flow.meets(view, write, read) for write in writes for read in reads)):
             report.error("S201", f"'{target}' shares its memory with an array that is written later", view,
                          help="copy it: np.copy(...), or write it where it is used")
@@ -83,12 +85,12 @@ def _roots(bound: list[AST], typing: Typing) -> dict[str, set[str]]:
     return found
 
 
-def _written(statement: AST, typing: Typing) -> set[str]:
+def _written(statement: AST, typing: Typing, stores: Callable[[Call], list[AST]]) -> set[str]:
     """The arrays that a statement writes in place, as far as it may."""
     if isinstance(statement, (Assign, AugAssign)):
         target = statement.targets[0] if isinstance(statement, Assign) else statement.target
         array = isinstance(target, Subscript) or isinstance(statement, AugAssign) and typing.of(target).is_array
         return {base_name(target)} if array else set()
     if isinstance(statement, Call) and (call_name(statement) or "").startswith("user."):
-        return {n for a in statement.args for n in names(a) if typing.table.get(n) and typing.table[n].is_array}
+        return {base_name(a) for a in stores(statement)}
     return set()
