@@ -31,6 +31,7 @@ from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
 from s2sad.normalize.parts import parts
+from s2sad.normalize.pieces import pieces
 from s2sad.normalize.rename import rename
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize, scatter
@@ -151,8 +152,9 @@ class Units:
         tree = batched(choices(tree, typing, names), typing)
         ruled(tree, typing, report)
         report.finish()
-        plain = tree = functions(tree, typing, names)
+        tree = functions(tree, typing, names)
         viewing(tree, typing, lambda c: [base_name(c.args[k]) for k in self.of_call(c, typing).summary.written], report)
+        plain = tree = pieces(tree, typing, names, report)
         report.finish()
         tree = views(tree, typing.table, typing, names, report, self.engine == "numba")
         report.finish()

@@ -13,7 +13,9 @@ from dataclasses import replace
 from s2sad import rules
 from s2sad.diagnostics import Report
 from s2sad.infer.laws import LAWS, of_rank
+from s2sad.infer.piece_types import piece_type
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, TEXT, UNKNOWN, Type, array, of_value
+from s2sad.rules.composed import LAW as PIECES
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
     FunctionDef, If, IfExp, List, LShift, Name, Not, Return, RShift, Slice, Subscript, Tuple, UnaryOp, While,
@@ -204,7 +206,7 @@ class Typing:
             return self._like(name, node)
         types = [self.of(a) for a in node.args]
         rule = rules.find_array(name)
-        if rule is not None and types and types[0].kind != "tuple":
+        if rule is not None and types and (rule.law == PIECES or types[0].kind != "tuple"):
             return self._array_function(rule, node, types)
         if name in _CASTS:
             rank = types[0].rank if types else 0
@@ -220,7 +222,12 @@ class Typing:
     def _array_function(self, rule: rules.ArrayRule, node: Call, types: list[Type]) -> Type:
         if any(t.kind == "unknown" for t in types) or len(types) != len(rule.operands):
             return UNKNOWN
-        return LAWS[rule.law].type(types, rule.arguments(node))
+        arguments = rule.arguments(node)
+        if not arguments.keys() <= {*rule.operands, *rule.options}:
+            return UNKNOWN
+        if rule.law == PIECES:
+            return piece_type(rule.name, [*types, *(self.of(arguments[o]) for o in rule.options)], arguments)
+        return LAWS[rule.law].type(types, arguments)
 
     def _function(self, name: str, types: list[Type], keywords: bool) -> Type:
         if not types:
@@ -322,6 +329,11 @@ def join(a: Type, b: Type) -> Type | None:
         items = [join(x, y) for x, y in zip(a.items, b.items)]
         return None if None in items else Type("tuple", items=tuple(i for i in items if i is not None))
     return None
+
+
+def learn(block: list[AST], typing: Typing) -> None:
+    """Adds the types of the names that statements bind to the table."""
+    _block(block, typing)
 
 
 def _block(block: list[AST], typing: Typing) -> None:

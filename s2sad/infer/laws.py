@@ -170,12 +170,41 @@ def _same_type(args: list[Type], options: Options) -> Type:
     return args[0]
 
 
+def moved_axes(options: Options, rank: int) -> list[int] | None:
+    """For each axis of the result of `np.moveaxis` the axis that it comes from; None if they are not written out."""
+    source, destination = (written_axes(options[o], rank) for o in ("source", "destination"))
+    if source is None or destination is None or len(source) != len(destination):
+        return None
+    order = [k for k in range(rank) if k not in source]
+    for to, start in sorted(zip(destination, source)):
+        order.insert(to, start)
+    return order
+
+
+def written_axes(node: AST, rank: int) -> list[int] | None:
+    """The different axes that an argument names, from 0, in its order."""
+    parts = list(node.elts) if isinstance(node, (Tuple, List)) else [node]
+    found = [whole_number(p) for p in parts]
+    axes = [a % rank for a in found if a is not None and -rank <= a < rank]
+    return axes if len(axes) == len(found) == len(set(axes)) else None
+
+
+def _moved_type(args: list[Type], options: Options) -> Type:
+    return args[0] if args[0].is_array and moved_axes(options, args[0].rank) is not None else UNKNOWN
+
+
+def _moved_shape(args: list[Shape], options: Options) -> Shape | None:
+    order = moved_axes(options, len(args[0]))
+    return None if order is None else tuple(args[0][k] for k in order)
+
+
 LAWS: dict[str, Law] = {
     "same": Law(_same_type, lambda args, options: args[0]),
     "reduced": Law(_reduced_type, _reduced_shape),
     "summed": Law(lambda args, options: _widened(_reduced_type(args, options)), _reduced_shape),
     "averaged": Law(_averaged_type, _reduced_shape),
     "transposed": Law(_same_type, lambda args, options: args[0][::-1]),
+    "moved": Law(_moved_type, _moved_shape),
     "reshaped": Law(_reshaped_type, lambda args, options: None),
     "raveled": Law(lambda args, options: array(args[0].dtype, 1), lambda args, options: None),
     "spread": Law(_spread_type, lambda args, options: None),

@@ -410,10 +410,20 @@ class Shapes:
         form = self.size(node)
         if form is None:
             return None
-        below = form.plus(size, -1)
-        if function == "runtime.position" and not below.terms and below.constant <= 0:
+        below = size.plus(form, -1)
+        if function == "runtime.position" and (not below.terms and below.constant >= 0 or all(
+                self._sizes_only(f) for f in (form, below))):
             return form
         return self.symbol(call(function, copy(node), self.expression(size)))
+
+
+    def _sizes_only(self, form: Affine) -> bool:
+        """Whether a form adds up sizes of arrays, so that it is never negative."""
+        return form.constant >= 0 and all(c > 0 and _is_size(self.atoms[s]) for s, c in form.terms)
+
+
+def _is_size(node: AST) -> bool:
+    return isinstance(node, Subscript) and isinstance(node.value, Attribute) and node.value.attr == "shape"
 
 
 def scattered(place: AST, typing: Typing) -> bool:

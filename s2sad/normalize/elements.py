@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 
 from s2sad import rules
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import ONE, whole_number
+from s2sad.infer.laws import ONE, moved_axes, whole_number
 from s2sad.infer.shapes import Shapes
 from s2sad.tree import (
     AST, Attribute, BinOp, Call, Constant, FloorDiv, Mod, Name, Slice, Subscript, Tuple, add, call_name,
@@ -117,6 +117,11 @@ def _transpose(elements: Elements, node: AST, positions: list[AST]) -> AST:
     return elements.element(node.args[0], positions[::-1])
 
 
+def _moveaxis(elements: Elements, node: AST, positions: list[AST]) -> AST:
+    order = moved_axes(_arguments(node), len(positions)) or []
+    return elements.element(node.args[0], [positions[order.index(k)] for k in range(len(positions))])
+
+
 def _outer(elements: Elements, node: AST, positions: list[AST]) -> AST:
     a, b = node.args
     return mult(elements.element(a, positions[:1]), elements.element(b, positions[1:]))
@@ -153,8 +158,8 @@ def _listed(node: AST) -> list[AST]:
 
 
 _MOVED: Mapping[str, Callable[[Elements, AST, list[AST]], AST]] = {
-    "numpy.roll": _roll, "numpy.flip": _flip, "numpy.transpose": _transpose, "numpy.reshape": _reshape,
-    "numpy.ravel": _reshape, "numpy.outer": _outer,
+    "numpy.roll": _roll, "numpy.flip": _flip, "numpy.transpose": _transpose, "numpy.moveaxis": _moveaxis,
+    "numpy.reshape": _reshape, "numpy.ravel": _reshape, "numpy.outer": _outer,
 }
 
 

@@ -19,9 +19,11 @@ _OTHER = frozenset({
     "numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full", "numpy.empty_like", "numpy.zeros_like", "numpy.ones_like",
     "numpy.full_like", "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array", "numpy.shape",
     "builtins.range"})
-# functions of whole arrays whose derivative is zero; what else has no adjoint is a part of derivatives
-_FLAT = frozenset({"runtime.det_sign", "runtime.extreme_mask"})
+# functions of whole arrays whose derivative is zero, or that `pieces` writes out; what else has no adjoint is a part of
+# derivatives
+_FLAT = frozenset({"runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to"})
 _SUMS = ("numpy.sum", "builtins.sum")
+_REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
 _LOOP = "write it as a loop over the elements"
 _OTHERS = "write it with functions that have a rule"
 
@@ -46,8 +48,11 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
 
 def _call(node: Call, typing: Typing, report: Report) -> None:
     name = call_name(node)
+    if name in _REDUCED and len(node.args) + len(node.keywords) != 1:
+        report.error("S301", f"no derivative rule for {name} with more than the array", node, help=_LOOP)
+        return
     rule = rules.find_array(name)
-    if rule is not None and not rule.adjoints and name not in _FLAT:
+    if rule is not None and not rule.adjoints and rule.law != "pieces" and name not in _FLAT:
         report.error("S301", f"no derivative rule for {name}", node, help=_OTHERS)
         return
     if name is None or name.startswith(("user.", "runtime.")) or name in _OTHER or rules.constant_result(name):

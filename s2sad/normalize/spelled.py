@@ -5,6 +5,8 @@
     x.sum(axis=0)       np.sum(x, axis=0)
     x.reshape(n, m)     np.reshape(x, (n, m))
     x.T                 np.transpose(x)
+    x.transpose(2, 0, 1)    np.moveaxis(x, (2, 0, 1), (0, 1, 2))
+    np.any(x > 1, axis=0)   np.sum((x > 1) != 0, axis=0) > 0
     [a] * 2 + [b]       [a, a, b]
     a @ b               np.matmul(a, b)
     np.roll(x, 1, 0)    np.roll(x, 1, axis=0)
@@ -16,12 +18,14 @@ from functools import reduce
 
 from s2sad import rules
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, Div, FunctionDef, List, MatMult, Mult, Name, Starred, Tuple, at, call,
-    call_name, const, copy, mult, name, rebuild, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Starred,
+    Tuple, at, call, call_name, compare, const, copy, mult, name, rebuild, tuple_of,
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
-_METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot"}
+_METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot", "var", "std", "prod", "cumsum",
+            "cumprod", "squeeze", "swapaxes", "repeat", "diagonal", "trace"}
+_QUESTIONS = {"any", "all", "argmax", "argmin"}
 _SHAPED = {"reshape", "transpose"}
 
 
@@ -46,7 +50,25 @@ def _plain(node: AST) -> AST | None:
     if isinstance(node.func, Attribute) and node.func.attr in _METHODS:
         return _plain(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], node.keywords),
                          node))
-    return _array_call(node) or _scalar_call(node)
+    if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
+        asked = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node)
+        return rebuild(asked, _plain)
+    return _question(node) or _array_call(node) or _scalar_call(node)
+
+
+def _question(node: Call) -> AST | None:
+    """A question along an axis, as a count."""
+    function = (call_name(node) or "").removeprefix("numpy.")
+    options = {"axis": node.args[1]} if len(node.args) == 2 else {}
+    options |= {str(k.arg): k.value for k in node.keywords}
+    if function not in ("any", "all", "count_nonzero") or "axis" not in options or not options.keys() <= {
+            "axis", "keepdims"} or not 1 <= len(node.args) <= 2:
+        return None
+    zero = compare(rebuild(node.args[0], _plain), Eq() if function == "all" else NotEq(), const(0))
+    count = call("numpy.sum", zero, **options)
+    if function == "count_nonzero":
+        return at(count, node)
+    return at(compare(count, Eq() if function == "all" else Gt(), const(0)), node)
 
 
 def _list(node: AST) -> list[AST] | None:
@@ -63,6 +85,13 @@ def _list(node: AST) -> list[AST] | None:
     return None
 
 
+def _axes(node: Call) -> Tuple | None:
+    """The order of axes that a transposition is given."""
+    given = [*node.args[1:], *(k.value for k in node.keywords if k.arg == "axes")]
+    written = len(given) == 1 and len(node.args) + len(node.keywords) == 2 and isinstance(given[0], (Tuple, List))
+    return tuple_of(*given[0].elts) if written else None
+
+
 def _arguments(node: Call) -> list[AST]:
     """The arguments of a method; those of reshape and transpose may be given one by one."""
     several = node.func.attr in _SHAPED and len(node.args) > 1
@@ -70,6 +99,10 @@ def _arguments(node: Call) -> list[AST]:
 
 
 def _array_call(node: Call) -> AST | None:
+    if call_name(node) == "numpy.transpose" and (axes := _axes(node)) is not None:
+        node = at(call("numpy.moveaxis", node.args[0], axes, tuple_of(*map(const, range(len(axes.elts))))), node)
+    if call_name(node) == "numpy.gradient" and len(node.args) > 2:
+        return None  # one spacing for each axis
     rule = rules.find_array(call_name(node))
     ordered = rule and rules.bound(rule, node)
     if ordered is None:

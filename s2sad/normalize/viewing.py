@@ -49,6 +49,8 @@ def _links(function: FunctionDef, typing: Typing) -> Links:
         if not isinstance(statement, Assign) or not isinstance(statement.targets[0], Name):
             continue
         value, shown = statement.value, call_name(statement.value) in SHOWN
+        if call_name(value) == "numpy.diag" and typing.of(value.args[0]).rank == 1:
+            continue  # a matrix is made
         source = value.args[0] if shown and isinstance(value, Call) and value.args else value
         if isinstance(source, (Name, Subscript)) and typing.of(source).is_array:
             direct.setdefault(statement.targets[0].id, set()).add((base_name(source), shown))

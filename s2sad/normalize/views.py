@@ -206,13 +206,21 @@ class _Views:
             parts = (subscript.lower, subscript.upper, subscript.step)
             return Slice(*(p and self.frozen(p, wanted) for p in parts))
         simple = not any(isinstance(n, (Subscript, Call)) for n in walk(subscript))
-        if simple and all(self.bound.count(n) <= 1 for n in names(subscript)):
+        if simple and all(self.bound.count(n) <= 1 for n in names(subscript)) or self.lasts(subscript):
             return subscript
         held = self.free.fresh(wanted)
         self.before.append(assign(held, subscript))
         self.typing.table[held] = INT
         self.shapes.values = {**self.shapes.values, held: None}
         return name(held)
+
+    def lasts(self, node: AST) -> bool:
+        """Whether an expression is made of sizes of arrays that are bound once: they stay what they are."""
+        if isinstance(node, BinOp):
+            return self.lasts(node.left) and self.lasts(node.right)
+        asked = isinstance(node, Subscript) and isinstance(node.value, Attribute) and node.value.attr == "shape"
+        return isinstance(node, Constant) or asked and self.depth == 0 and all(
+            self.bound.count(n) <= 1 for n in names(node))
 
     def augmented(self, statement: AugAssign) -> list[AST]:
         target = statement.target
@@ -365,6 +373,9 @@ class _Views:
                 return _item(self.attribute(n.value) or n.value, self.resolve(n.slice))
             if isinstance(n, Attribute) and self.typing.of(n.value).is_array:
                 return self.attribute(n)
+            if isinstance(n, Subscript) and isinstance(n.value, Attribute) and n.value.attr == "shape" and (
+                    axis := whole_number(n.slice)) is not None and self.prefix(n.value.value):
+                return self.shape_of(n.value.value, axis % self.typing.of(n.value.value).rank)
             if isinstance(n, Call) and isinstance(n.func, Attribute):
                 return self.method(n)
             if call_name(n) == "builtins.len" and self.typing.of(n.args[0]).is_array:

@@ -110,6 +110,11 @@ def template(text: str) -> AST:
     >>> tree.dump(template("numpy.cos(x)"))
     "Call(Name('numpy.cos'), [Name('x')], [])"
     """
+    return resolved(tree.expression(text))
+
+
+def resolved(node: AST) -> AST:
+    """A tree of plain Python with its dotted names as one name each."""
     def path(node: AST) -> str | None:
         if isinstance(node, Name):
             return node.id if node.id in _MODULES else None
@@ -123,7 +128,7 @@ def template(text: str) -> AST:
             return tree.call("numpy.transpose", tree.rebuild(node.value, dotted))
         found = path(node) if isinstance(node, Attribute) else None
         return tree.name(found) if found else None
-    return tree.rebuild(tree.expression(text), dotted)
+    return tree.rebuild(node, dotted)
 
 
 def signature(text: str) -> tuple[str, tuple[str, ...]]:

@@ -26,6 +26,6 @@ __all__ = [
     "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain", "from_lower", "grow", "half_lower",
     "heaviside", "isclose", "isqrt", "lcm", "least_squares", "least_squares_change", "log_det", "of_matrix",
     "pairwise_sum", "perm", "position", "position_down", "power_change", "product", "remainder", "scattered",
-    "singular_values", "singular_values_change", "singular_values_gain", "sized", "solved", "solved_transposed", "spread",
-    "take_row", "to_lower", "to_matrix", "update_rest",
+    "singular_values", "singular_values_change", "singular_values_gain", "sized", "solved", "solved_transposed",
+    "spread", "take_row", "to_lower", "to_matrix", "update_rest",
 ]

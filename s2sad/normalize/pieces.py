@@ -1,0 +1,111 @@
+"""pieces: functions of whole arrays that are made of others are written out in them.
+
+Requires functions that stand alone on operands with names; establishes that none of those in `rules/composed` is left,
+and no `np.broadcast_to` of the kernel's.
+What each is made of stands in `normalize/pieces_of_shapes` and `normalize/pieces_of_sums`.
+
+    d = np.diff(x)                  d = x[1:] - x[:-1]
+    y = np.concatenate((u, v))      y = np.empty(u.shape[0] + v.shape[0])
+                                    y[:u.shape[0]] = u
+                                    y[u.shape[0]:] = v
+"""
+from __future__ import annotations
+
+from s2sad import rules
+from s2sad.diagnostics import Report
+from s2sad.infer.infer import Typing, learn
+from s2sad.naming import Names
+from s2sad.normalize.asked import Asked
+from s2sad.normalize.functions import functions
+from s2sad.normalize.pieces_of_shapes import SHAPES
+from s2sad.normalize.pieces_of_sums import SUMS
+from s2sad.rules.rule import resolved
+from s2sad.tree import (
+    AST, Assign, Constant, Expr, For, FunctionDef, If, List, Name, Store, Subscript, Tuple, UnaryOp,
+    While, assign, at, call_name, copy, name, names, rebuild, statements, stored_names, walk,
+)
+
+_PIECES = {**SHAPES, **SUMS}
+RESULT = "result"
+_BUILTINS = ("len", "max", "min", "range")
+
+
+def pieces(function: FunctionDef, typing: Typing, free: Names, report: Report) -> FunctionDef:
+    """The function with its pieces; the table of `typing` gains their names."""
+    while any(_is_made(s) for s in walk(function.body) if isinstance(s, Assign)):
+        new = copy(function)
+        new.body = _Pieces(typing, free).block(function.body)
+        function = functions(new, typing, free)
+    for statement in walk(function.body):
+        if isinstance(statement, (Assign, Expr)) and any(_is_piece(n) for n in walk(statement)):
+            report.error("S301", "no derivative rule for this function here", statement,
+                         help="bind its result to a name")
+    return function
+
+
+def _is_piece(node: AST) -> bool:
+    return call_name(node) in _PIECES
+
+
+def _is_made(statement: Assign) -> bool:
+    return isinstance(statement.targets[0], (Name, Subscript)) and _is_piece(statement.value)
+
+
+class _Pieces:
+    def __init__(self, typing: Typing, free: Names):
+        self.typing, self.free = typing, free
+
+    def block(self, block: list[AST]) -> list[AST]:
+        return [at(made, s) for s in block for made in self.statement(s)]
+
+    def statement(self, statement: AST) -> list[AST]:
+        if isinstance(statement, For):
+            return [For(statement.target, statement.iter, self.block(statement.body), [], None)]
+        if isinstance(statement, While):
+            return [While(statement.test, self.block(statement.body), [])]
+        if isinstance(statement, If):
+            return [If(statement.test, self.block(statement.body), self.block(statement.orelse))]
+        if isinstance(statement, Assign) and _is_made(statement):
+            return self.written(statement)
+        return [statement]
+
+    def written(self, statement: Assign) -> list[AST]:
+        """The statements in place of one; what they read more than once has a name."""
+        target, value = statement.targets[0], statement.value
+        rule = rules.find_array(call_name(value))
+        assert rule is not None
+        asked = Asked(rule.arguments(value), self.typing)
+        text = _PIECES[rule.name](asked)
+        before = [made for key, node in asked.arguments.items() for made in self.held(asked, key, node)]
+        body = [resolved(s) for s in statements(text)]
+        direct = isinstance(target, Name) and target.id not in names([value, *asked.arguments.values()])
+        made = {n: self.free.fresh(n) for n in stored_names(body) if n != RESULT or not direct}
+        if direct:
+            made[RESULT] = target.id
+        body = [_filled(s, made, asked.arguments) for s in body]
+        learn(body, self.typing)
+        return [*before, *body, *([] if direct else [assign(target, name(made[RESULT]))])]
+
+    def held(self, asked: Asked, key: str, node: AST) -> list[AST]:
+        """A name for an argument that is an expression."""
+        kind = self.typing.of(node)
+        if isinstance(node, (Name, Constant, Tuple, List)) or kind.kind not in ("array", "number") or isinstance(
+                node, Subscript) and kind.is_array or isinstance(node, UnaryOp) and isinstance(node.operand, Constant):
+            return []
+        held = self.free.fresh("operand")
+        self.typing.table[held] = kind
+        asked.arguments[key] = name(held)
+        return [assign(held, node)]
+
+
+def _filled(statement: AST, made: dict[str, str], arguments: dict[str, AST]) -> AST:
+    """A statement of a piece with its own names in place, and the arguments of the call."""
+    def change(n: AST) -> AST | None:
+        if not isinstance(n, Name):
+            return None
+        if n.id in made:
+            return Name(made[n.id], n.ctx, None, None)
+        if n.id in _BUILTINS:
+            return name(f"builtins.{n.id}")
+        return copy(arguments[n.id]) if n.id in arguments and not isinstance(n.ctx, Store) else None
+    return rebuild(statement, change)

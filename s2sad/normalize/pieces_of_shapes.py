@@ -1,0 +1,244 @@
+"""What functions that arrange elements are made of: views, allocations and stores into parts."""
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from s2sad.infer.piece_types import common, widths_of
+from s2sad.infer.types import Type
+from s2sad.normalize.asked import Asked, empty, lines, part, size, sizes, zeros
+from s2sad.tree import List, Tuple, call
+
+Piece = tuple[str, list[str], Type]     # text, sizes and type of something that is put into a larger array
+
+
+def _diff(asked: Asked) -> str:
+    axis, times = asked.axis(asked.rank("x")), asked.number("n") or 1
+    steps = ["x", *(f"apart{k}" for k in range(1, times)), "result"]
+    return lines(*(f"{new} = {part(old, axis, '1:')} - {part(old, axis, ':-1')}" for old, new in zip(steps, steps[1:])))
+
+
+# -- one array out of several ----------------------------------------------------------------------------------------
+
+def _given(asked: Asked, before: list[str], parameter: str = "x") -> list[Piece]:
+    found: list[Piece] = []
+    for item in asked.items(parameter):
+        kind = asked.typing.of(item)
+        text = asked.let("item", item)
+        if isinstance(item, (List, Tuple)):
+            asked.arguments[text] = call("numpy.array", item)
+            kind = asked.typing.of(asked.arguments[text])
+        if kind.is_array:
+            before.append(f"part{len(found)} = {text}")
+            text = f"part{len(found)}"
+        found.append((text, sizes(text, kind.rank), kind))
+    return found
+
+
+def _joined(parts: list[Piece], axis: int, before: list[str]) -> str:
+    """The parts one after the other along an axis; numbers are parts of size 1."""
+    stores, start = [], ""
+    for text, found, _ in parts:
+        stop = f"{start} + {found[axis]}" if start else found[axis]
+        last = len(stores) == len(parts) - 1
+        stores.append(f"{part('result', axis, f'{start}:' + ('' if last else stop))} = {text}")
+        start = stop
+    whole = [*parts[0][1]]
+    whole[axis] = start
+    return lines(*before, f"result = {empty(whole, common([kind for _, _, kind in parts]))}", *stores)
+
+
+def _concatenate(asked: Asked) -> str:
+    before: list[str] = []
+    parts = _given(asked, before)
+    return _joined(parts, asked.axis(parts[0][2].rank), before)
+
+
+def _append(asked: Asked) -> str:
+    parts = [(p, sizes(p, 1) if asked.rank(p) else ["1"], asked.type(p)) for p in ("x", "values")]
+    return _joined(parts, 0, [])
+
+
+def _hstack(asked: Asked) -> str:
+    before: list[str] = []
+    parts = [(text, found or ["1"], kind) for text, found, kind in _given(asked, before)]
+    return _joined(parts, 0 if len(parts[0][1]) == 1 else 1, before)
+
+
+def _vstack(asked: Asked) -> str:
+    before: list[str] = []
+    parts = [(f"{text}[None, :]" if len(found) == 1 else text, ["1", *found][-2:], kind)
+             for text, found, kind in _given(asked, before)]
+    return _joined(parts, 0, before)
+
+
+def _column_stack(asked: Asked) -> str:
+    before: list[str] = []
+    parts = [(f"{text}[:, None]" if len(found) == 1 else text, [*found, "1"][:2], kind)
+             for text, found, kind in _given(asked, before)]
+    return _joined(parts, 1, before)
+
+
+def _stack(asked: Asked) -> str:
+    before: list[str] = []
+    parts = _given(asked, before)
+    axis = asked.axis(parts[0][2].rank + 1)
+    whole = [*parts[0][1]]
+    whole.insert(axis, str(len(parts)))
+    return lines(*before, f"result = {empty(whole, common([kind for _, _, kind in parts]))}",
+                 *(f"{part('result', axis, str(k))} = {text}" for k, (text, _, _) in enumerate(parts)))
+
+
+# -- axes ------------------------------------------------------------------------------------------------------------
+
+def _expand_dims(asked: Asked) -> str:
+    return f"result = {part('x', asked.axis(asked.rank('x') + 1), 'None')}"
+
+
+def _squeeze(asked: Asked) -> str:
+    axis = asked.axis(asked.rank("x"))
+    return lines(f"assert {size('x', axis)} == 1", f"result = {part('x', axis, '0')}")
+
+
+def _swapaxes(asked: Asked) -> str:
+    rank = asked.rank("x")
+    a, b = asked.axis(rank, "axis1"), asked.axis(rank, "axis2")
+    return f"result = numpy.moveaxis(x, ({a}, {b}), ({b}, {a}))" if a != b else "result = x[...]"
+
+
+def _broadcast_to(asked: Asked) -> str:
+    dtype = asked.type("x").dtype
+    kind = "" if dtype == "float64" else f", dtype=numpy.{dtype if dtype != 'bool' else 'bool_'}"
+    return lines(f"result = numpy.empty(shape{kind})", "result[...] = x")
+
+
+# -- repetition ------------------------------------------------------------------------------------------------------
+
+def _tile(asked: Asked) -> str:
+    times = [asked.let("times", node) for node in asked.items("reps")]
+    rank = asked.rank("x")
+    whole = max(rank, len(times))
+    times = ["1"] * (whole - len(times)) + times
+    own = ["1"] * (whole - rank) + sizes("x", rank)
+    taken = ["None"] * (2 * (whole - rank)) + ["None, :"] * rank
+    return lines(f"rows = {empty([s for pair in zip(times, own) for s in pair], asked.type('x').dtype)}",
+                 f"rows[...] = x[{', '.join(taken)}]",
+                 f"result = numpy.reshape(rows, ({', '.join(f'{t} * {s}' for t, s in zip(times, own))},))")
+
+
+def _repeat(asked: Asked) -> str:
+    rank = asked.rank("x")
+    if rank > 1 and not asked.given("axis"):
+        return lines("flat = numpy.ravel(x)", "result = numpy.repeat(flat, repeats)")
+    axis = asked.axis(rank)
+    rows, whole = sizes("x", rank), sizes("x", rank)
+    rows.insert(axis + 1, "repeats")
+    whole[axis] += " * repeats"
+    return lines(f"rows = {empty(rows, asked.type('x').dtype)}",
+                 f"rows[...] = x[{', '.join([':'] * (axis + 1))}, None{', :' * (rank - axis - 1)}]",
+                 f"result = numpy.reshape(rows, ({', '.join(whole)},))")
+
+
+def _pad(asked: Asked) -> str:
+    rank, mode = asked.rank("x"), asked.text("mode")
+    widths = [(asked.let("low", a), asked.let("high", b)) for a, b in
+              widths_of(asked.arguments["pad_width"], rank) or []]
+    whole = [f"{a} + {size('x', k)} + {b}" for k, (a, b) in enumerate(widths)]
+    inner = ", ".join(f"{a}:{a} + {size('x', k)}" for k, (a, b) in enumerate(widths))
+    start = zeros(whole, asked.type("x").dtype)
+    found = [f"result = {start}", f"result[{inner}] = x"]
+    if mode == "constant":
+        return lines(found[0], "result[...] = constant_values", found[1])
+    for k, (a, b) in enumerate(widths):
+        found += _borders(mode, k, a, b, size("x", k))
+    return lines(*found)
+
+
+def _borders(mode: str, axis: int, a: str, b: str, n: str) -> list[str]:
+    """Guards and stores that fill both ends of one axis from what lies between."""
+    low, high = part("result", axis, f":{a}"), part("result", axis, f"{a} + {n}:")
+
+    def taken(start: str, stop: str) -> str:
+        return part("result", axis, f"{start}:{stop}")
+    if mode == "edge":
+        return [f"{low} = {taken(a, f'{a} + 1')}", f"{high} = {taken(f'{a} + {n} - 1', f'{a} + {n}')}"]
+    if mode == "wrap":
+        return [f"assert {a} <= {n} and {b} <= {n}", f"{low} = {taken(n, f'{n} + {a}')}",
+                f"{high} = {taken(a, f'{a} + {b}')}"]
+    skip = 1 if mode == "reflect" else 0
+    below = taken(f"{a} + {skip}", f"2 * {a} + {skip}")
+    above = taken(f"{a} + {n} - {b} - {skip}", f"{a} + {n} - {skip}")
+    return [f"assert {a} + {skip} <= {n} and {b} + {skip} <= {n}", f"{low} = numpy.flip({below}, axis={axis})",
+            f"{high} = numpy.flip({above}, axis={axis})"]
+
+
+# -- diagonals and triangles -----------------------------------------------------------------------------------------
+
+def _diag(asked: Asked, offset: str = "k") -> str:
+    dtype = asked.type("x").dtype
+    shift = [f"right = max(0, {offset})", f"down = max(0, -{offset})"]
+    if asked.rank("x") == 1:
+        side = f"{size('x', 0)} + right + down"
+        return lines(*shift, f"result = {zeros([side, side], dtype)}", f"for place in range({size('x', 0)}):",
+                     "    result[place + down, place + right] = x[place]")
+    return lines(*shift, f"count = max(0, min({size('x', 0)} - down, {size('x', 1)} - right))",
+                 f"result = {empty(['count'], dtype)}", "for place in range(count):",
+                 "    result[place] = x[place + down, place + right]")
+
+
+def _diagonal(asked: Asked) -> str:
+    return _diag(asked, "offset")
+
+
+def _trace(asked: Asked) -> str:
+    return lines("right = max(0, offset)", "down = max(0, -offset)", "result = 0.0",
+                 f"for place in range(min({size('x', 0)} - down, {size('x', 1)} - right)):",
+                 "    result += x[place + down, place + right]")
+
+
+def _triangle(asked: Asked, kept: str, first: str) -> str:
+    return lines(f"result = {zeros(sizes('x', 2), asked.type('x').dtype)}", f"for row in range({size('x', 0)}):",
+                 f"    bound = max(0, min(row + k{first}, {size('x', 1)}))",
+                 f"    result[row, {kept}] = x[row, {kept}]")
+
+
+def _eye(asked: Asked) -> str:
+    columns = "M" if asked.given("M") else "N"
+    return lines(f"result = {zeros(['N', columns], 'float64')}",
+                 f"for place in range(max(0, -k), min(N, {columns} - k)):", "    result[place, place + k] = 1.0")
+
+
+def _identity(asked: Asked) -> str:
+    return "result = numpy.eye(n)"
+
+
+def _linspace(asked: Asked) -> str:
+    gaps = "max(num - 1, 1)" if asked.true("endpoint") else "num"
+    found = [f"gap = (stop - start) / {gaps}", f"result = {empty(['num'], 'float64')}", "for place in range(num):",
+             "    result[place] = start + place * gap"]
+    return lines(*found, *(["if num > 1:", "    result[num - 1] = stop"] if asked.true("endpoint") else []))
+
+
+def _arange(asked: Asked) -> str:
+    numbers = [asked.type(p) for p in ("start", "stop", "step")]
+    low, high = ("start", "stop") if asked.given("stop") else ("0", "start")
+    if any(n.is_float for n in numbers):
+        count, dtype = f"max(0, math.ceil(({high} - {low}) / step))", "float64"
+    elif asked.number("step") == 1:
+        count, dtype = f"max(0, {high} - {low})" if low != "0" else high, "int64"
+    else:
+        count, dtype = f"len(range({low}, {high}, step))", "int64"
+    value = "place" if low == "0" and asked.number("step") == 1 else f"{low} + place * step"
+    return lines(f"count = {count}", f"result = {empty(['count'], dtype)}", "for place in range(count):",
+                 f"    result[place] = {value}")
+
+
+SHAPES: dict[str, Callable[[Asked], str]] = {
+    "numpy.diff": _diff, "numpy.concatenate": _concatenate, "numpy.append": _append, "numpy.hstack": _hstack,
+    "numpy.vstack": _vstack, "numpy.column_stack": _column_stack, "numpy.stack": _stack,
+    "numpy.broadcast_to": _broadcast_to,
+    "numpy.expand_dims": _expand_dims, "numpy.squeeze": _squeeze, "numpy.swapaxes": _swapaxes, "numpy.tile": _tile,
+    "numpy.repeat": _repeat, "numpy.pad": _pad, "numpy.diag": _diag, "numpy.diagonal": _diagonal,
+    "numpy.trace": _trace, "numpy.tril": lambda asked: _triangle(asked, ":bound", " + 1"),
+    "numpy.triu": lambda asked: _triangle(asked, "bound:", ""), "numpy.eye": _eye, "numpy.identity": _identity,
+    "numpy.linspace": _linspace, "numpy.arange": _arange,
+}

@@ -1,0 +1,197 @@
+"""What reductions, running products, products and differences are made of: sums, loops and slices, in stable forms."""
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from s2sad.infer.laws import whole_number
+from s2sad.infer.piece_types import common
+from s2sad.normalize.asked import Asked, empty, lines, made, part, size, sizes, zeros
+from s2sad.tree import Name
+
+
+def _options(asked: Asked, rank: int) -> str:
+    """The axes of a reduction as options of another one."""
+    if not asked.given("axis"):
+        return ""
+    axes = asked.axes(rank)
+    kept = ", keepdims=True" if "keepdims" in asked.arguments and asked.true("keepdims") else ""
+    return f", axis={axes[0] if len(axes) == 1 else axes}{kept}"
+
+
+def _count(asked: Asked, rank: int) -> str:
+    return " * ".join(size("x", k) for k in asked.axes(rank))
+
+
+# -- variance and norms ----------------------------------------------------------------------------------------------
+
+def _var(asked: Asked, result: str = "result") -> str:
+    """By deviations from the mean: the mean of squares less the square of the mean would cancel."""
+    rank = asked.rank("x")
+    options = _options(asked, rank)
+    middle = options if "keepdims" in options or not options else f"{options}, keepdims=True"
+    return lines(f"middle = numpy.mean(x{middle})", "apart = x - middle",
+                 f"{result} = numpy.sum(apart * apart{options}) / ({_count(asked, rank)} - ddof)")
+
+
+def _root(asked: Asked, squared: str) -> str:
+    """A square root whose derivative at 0 is 0, as that of abs is."""
+    rank = asked.rank("x")
+    whole = asked.given("axis") and (len(asked.axes(rank)) < rank or asked.true("keepdims"))
+    if whole:
+        return f"result = numpy.where({squared} == 0.0, 0.0, numpy.sqrt({squared}))"
+    return lines(f"if {squared} == 0.0:", "    result = 0.0", "else:", f"    result = numpy.sqrt({squared})")
+
+
+def _std(asked: Asked) -> str:
+    return lines(_var(asked, "squared"), _root(asked, "squared"))
+
+
+def _norm(asked: Asked) -> str:
+    order, options = asked.arguments["ord"], _options(asked, asked.rank("x"))
+    if isinstance(order, Name):
+        return lines("large = numpy.abs(x)", f"result = numpy.max(large{options})")
+    if whole_number(order) == 1:
+        return f"result = numpy.sum(numpy.abs(x){options})"
+    return lines(f"squared = numpy.sum(x * x{options})", _root(asked, "squared"))
+
+
+def _average(asked: Asked) -> str:
+    rank = asked.rank("x")
+    options = _options(asked, rank)
+    if not asked.given("weights"):
+        return f"result = numpy.mean(x{options})"
+    weights = "weights"
+    if asked.rank("weights") == 1 and rank > 1:
+        axis = asked.axis(rank)
+        weights = f"weights[{', '.join(':' if k == axis else 'None' for k in range(rank))}]"
+        return f"result = numpy.sum(x * {weights}{options}) / numpy.sum(weights)"
+    return f"result = numpy.sum(x * weights{options}) / numpy.sum(weights{options})"
+
+
+# -- products of elements --------------------------------------------------------------------------------------------
+
+def _prod(asked: Asked) -> str:
+    """One factor at a time, without a division: elements may be zero."""
+    rank = asked.rank("x")
+    kept = asked.true("keepdims")
+    if not asked.given("axis") or rank == 1 and not kept:
+        counters = [f"place{k}" for k in range(rank)]
+        nest = [f"{'    ' * k}for {c} in range({size('x', k)}):" for k, c in enumerate(counters)]
+        return lines("result = 1.0", *nest, f"{'    ' * rank}result *= x[{', '.join(counters)}]")
+    axis = asked.axis(rank)
+    found = sizes("x", rank)
+    found[axis:axis + 1] = ["1"] if kept else []
+    factor = part("x", axis, "place:place + 1" if kept else "place")
+    return lines(f"result = {made('ones', found, asked.type('x').dtype)}", f"for place in range({size('x', axis)}):",
+                 f"    result *= {factor}")
+
+
+def _running(asked: Asked, sign: str, start: str, again: str) -> str:
+    """Sums or products of all elements up to each."""
+    rank = asked.rank("x")
+    if rank > 1 and not asked.given("axis"):
+        return lines("flat = numpy.ravel(x)", f"result = {again}(flat)")
+    axis = asked.axis(rank) if asked.given("axis") else 0
+    new = f"result = {empty(sizes('x', rank), asked.type('x').dtype)}"
+    if rank == 1:
+        return lines(new, f"so_far = {start}", f"for place in range({size('x', 0)}):",
+                     f"    so_far = so_far {sign} x[place]", "    result[place] = so_far")
+    return lines(new, f"{part('result', axis, ':1')} = {part('x', axis, ':1')}",
+                 f"for place in range(1, {size('x', axis)}):",
+                 f"    {part('result', axis, 'place')} = {part('result', axis, 'place - 1')} {sign} "
+                 f"{part('x', axis, 'place')}")
+
+
+# -- products of arrays ----------------------------------------------------------------------------------------------
+
+def _vdot(asked: Asked) -> str:
+    return "result = numpy.dot(a, b)" if asked.rank("a") == 1 else "result = numpy.sum(a * b)"
+
+
+def _inner(asked: Asked) -> str:
+    a, b = asked.rank("a"), asked.rank("b")
+    if b == 1:
+        return "result = numpy.matmul(a, b)"
+    return "result = numpy.matmul(b, a)" if a == 1 else "result = numpy.matmul(a, numpy.transpose(b))"
+
+
+def _convolve(asked: Asked) -> str:
+    n, m = size("a", 0), size("v", 0)
+    kind = common([asked.type("a"), asked.type("v")])
+    whole = lines(f"whole = {zeros([f'{n} + {m} - 1'], kind)}", f"for place in range({m}):",
+                  f"    whole[place:place + {n}] += v[place] * a")
+    if asked.text("mode") == "full":
+        return whole.replace("whole", "result")
+    start, length = ("(least - 1) // 2", f"max({n}, {m})") if asked.text("mode") == "same" else (
+        "least - 1", f"max({n}, {m}) - least + 1")
+    return lines(whole, f"least = min({n}, {m})", f"first = {start}", f"count = {length}",
+                 f"result = {empty(['count'], kind)}", "for position in range(count):",
+                 "    result[position] = whole[position + first]")
+
+
+# -- differences and integrals ---------------------------------------------------------------------------------------
+
+def _trapezoid(asked: Asked) -> str:
+    rank = asked.rank("y")
+    axis = asked.axis(rank)
+    options = f", axis={axis}" if rank > 1 else ""
+    both = f"{part('y', axis, '1:')} + {part('y', axis, ':-1')}"
+    if not asked.given("x"):
+        return f"result = 0.5 * dx * numpy.sum({both}{options})"
+    along = axis if asked.rank("x") == rank else 0
+    widths = f"widths = {part('x', along, '1:')} - {part('x', along, ':-1')}"
+    fitted = "widths" if along == axis and asked.rank("x") == rank else _along("widths", axis, rank)
+    return lines(widths, f"result = 0.5 * numpy.sum(({both}) * {fitted}{options})")
+
+
+def _along(vector: str, axis: int, rank: int, taken: str = ":") -> str:
+    """A vector, or a part of it, laid along one axis of several."""
+    return f"{vector}[{', '.join(taken if k == axis else 'None' for k in range(rank))}]"
+
+
+def _gradient(asked: Asked) -> str:
+    rank = asked.rank("f")
+    axis = asked.axis(rank) if asked.given("axis") else 0
+    n = size("f", axis)
+    dtype = asked.type("f").dtype if asked.type("f").is_float else "float64"
+    found = [f"assert {n} >= 2", f"result = {empty(sizes('f', rank), dtype)}"]
+
+    def at(array: str, taken: str) -> str:
+        return part(array, axis, taken)
+    inner, before, here, after = at("result", "1:-1"), at("f", ":-2"), at("f", "1:-1"), at("f", "2:")
+    ends = [f"{at('result', '0')} = ({at('f', '1')} - {at('f', '0')}) / ",
+            f"{at('result', f'{n} - 1')} = ({at('f', f'{n} - 1')} - {at('f', f'{n} - 2')}) / "]
+    if asked.rank("spacing") == 0:
+        return lines(*found, f"{inner} = ({after} - {before}) / (2.0 * spacing)", *(e + "spacing" for e in ends))
+    lay = (lambda v: v) if rank == 1 else (lambda v: _along(v, axis, rank))
+    return lines(*found, "widths = spacing[1:] - spacing[:-1]", "low = widths[:-1]", "high = widths[1:]",
+                 "left = -high / (low * (low + high))", "middle = (high - low) / (low * high)",
+                 "right = low / (high * (low + high))",
+                 f"{inner} = {lay('left')} * {before} + {lay('middle')} * {here} + {lay('right')} * {after}",
+                 ends[0] + "widths[0]", ends[1] + f"widths[{n} - 2]")
+
+
+def _interp(asked: Asked) -> str:
+    """At a point of the table the slope is the one on its left; outside of it 0."""
+    last = f"{size('xp', 0)} - 1"
+
+    def value(point: str, result: str, indent: str) -> list[str]:
+        slope = "(fp[place] - fp[place - 1]) / (xp[place] - xp[place - 1])"
+        return [indent + line for line in (
+            f"place = numpy.searchsorted(xp, {point})", f"if {point} != {point}:", f"    {result} = {point}",
+            "elif place == 0:", f"    {result} = fp[0]",
+            f"elif place > {last}:", f"    {result} = fp[{last}]", "else:",
+            f"    {result} = fp[place - 1] + {slope} * ({point} - xp[place - 1])")]
+    if asked.rank("x") == 0:
+        return lines(*value("x", "result", ""))
+    return lines(f"result = {empty([size('x', 0)], 'float64')}", f"for position in range({size('x', 0)}):",
+                 *value("x[position]", "result[position]", "    "))
+
+
+SUMS: dict[str, Callable[[Asked], str]] = {
+    "numpy.var": _var, "numpy.std": _std, "numpy.linalg.norm": _norm, "numpy.average": _average, "numpy.prod": _prod,
+    "numpy.cumprod": lambda asked: _running(asked, "*", "1.0", "numpy.cumprod"),
+    "numpy.cumsum": lambda asked: _running(asked, "+", "0.0", "numpy.cumsum"),
+    "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.convolve": _convolve, "numpy.trapezoid": _trapezoid,
+    "numpy.trapz": _trapezoid, "numpy.gradient": _gradient, "numpy.interp": _interp,
+}
