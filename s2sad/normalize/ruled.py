@@ -9,11 +9,13 @@ pass through: what the analyses find no rule for is truly inactive.
 from __future__ import annotations
 
 from s2sad import rules
+from s2sad.analyze.liveness import targets
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
+from s2sad.rules.given import ROOM
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Assert, Call, Expr, FunctionDef, Raise, Subscript, call_name, children, indices,
+    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Raise, Subscript, call_name, children, indices, walk,
 )
 
 # what makes arrays, asks for their shape, or is no computation at all
@@ -40,11 +42,23 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
         _visit(child, typing, report)
     if len(report.found) > before:
         return  # what is refused inside explains it
+    if isinstance(node, (Assign, AugAssign)) and typing.of(targets(node)[0]).is_array or typing.of(node).is_array:
+        _alone(node, typing, report)
     if isinstance(node, Call):
         _call(node, typing, report)
     elif isinstance(node, Subscript) and any(typing.of(s).is_array for s in indices(node)):
         report.error("S201", "an array as a subscript is not supported in a kernel yet (planned)", node,
                      help="write a loop over the elements, with an if in place of a mask")
+
+
+def _alone(node: AST, typing: Typing, report: Report) -> None:
+    """Refuses a user's function of whole arrays where elements are computed: it takes the arrays, not their elements."""
+    for part in walk(node):
+        name = call_name(part) or ""
+        if isinstance(part, Call) and name.startswith(ROOM) and rules.constant_result(name) and any(
+                typing.of(a).is_array for a in part.args):
+            report.error("S201", "a function that is held fixed is not called with an array in a whole-array "
+                         "expression", part, help="give what it returns a name, in a statement of its own")
 
 
 def _call(node: Call, typing: Typing, report: Report) -> None:

@@ -175,6 +175,15 @@ class Table:
             self._claim(key)
             self.constants[key] = result
 
+    def give(self, name: str, found: Rule | str) -> None:
+        """Sets a user's rule, or the kind of result of a user's function without a derivative; the last one holds."""
+        self.rules.pop(name, None)
+        self.constants.pop(name, None)
+        if isinstance(found, Rule):
+            self.rules[name] = found
+        else:
+            self.constants[name] = found
+
     def _claim(self, name: str) -> None:
         if name in self.rules or name in self.constants:
             raise ValueError(f"{name} has a rule already")
