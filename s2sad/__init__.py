@@ -40,7 +40,8 @@ _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
     "Active", "BatchDuplicated", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed", "Explanation",
     "Forward", "ForwardWithPrimal", "Reverse", "ReverseWithPrimal", "S2sadError", "S2sadWarning", "autodiff", "check",
-    "differentiate", "explain", "gradient", "jvp", "make_zero", "nondifferentiable", "rule", "value_and_gradient", "vjp",
+    "differentiate", "explain", "gradient", "jvp", "make_zero", "nondifferentiable", "rule", "value_and_gradient",
+    "vjp",
 ]
 
 

@@ -7,10 +7,10 @@ from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.partials import Partials, dotted
-from s2sad.read.capture import python_function
+from s2sad.read.capture import capture, python_function
 from s2sad.rules.given import GIVEN, ROOM, Given, imported
 from s2sad.rules.rule import TABLE, Rule, number
-from s2sad.tree import Call, Name, expression, names
+from s2sad.tree import AST, Assign, Attribute, AugAssign, Call, Name, Subscript, expression, names, walk
 
 __all__ = ["nondifferentiable", "rule"]
 
@@ -36,6 +36,10 @@ def nondifferentiable(function: Any = None, *, result: str = "float") -> Any:
     if function is None:
         return lambda f: nondifferentiable(f, result=result)
     path, value = _named(function)
+    written = _written(value)
+    if written:
+        raise _wrong(f"nondifferentiable: '{path}' writes its argument '{written}'", "write it without, "
+                     "`u = u + 1.0` in place of `u += 1.0`")
     _add(path, value, result)
     return value
 
@@ -49,12 +53,12 @@ def rule(text: str | None = None, *, domain: Mapping[str, tuple[float, float]] |
     function takes floats and returns one float; a kernel may call it with arrays where it works number by number.
 
     Args: domain, (low, high) for each parameter, where the partials are compared with differences ((-2, 2) where
-    nothing is said); check, False if a partial is not the derivative, on purpose; singular, the parameters whose partial
-    can be infinite, so that a zero seed contributes zero; kink, what `explain` says where it is not differentiable.
+    nothing is said); check, False if a partial is not the derivative, on purpose; singular, the parameters whose
+    partial can be infinite, so that a zero seed contributes zero; kink, what `explain` says where it is not smooth.
     A partial may call functions of numpy and math, others by their dotted name, and functions of the module of the
     function. Parameters cannot be called as these arguments are, nor `y`.
-    Raises S2sadError: S302 for a function that cannot be imported, for names that are unknown or missing, and for values
-    that differences contradict; S407, where it is called, if Numba cannot compile it.
+    Raises S2sadError: S302 for a function that cannot be imported, for names that are unknown or missing, and for
+    values that differences contradict; S407, where it is called, if Numba cannot compile it.
 
     >>> import s2sad
     >>> found = s2sad.rule("statistics.fmean(x)", x="2.0")
@@ -96,8 +100,8 @@ def _ruled(path: str, function: Any, parameters: tuple[str, ...], partials: Mapp
     if check:
         read.compare(domain or {})
     reads = {p: set(names(t)) for p, t in read.trees.items()}
-    found = Rule(ROOM + path, parameters, read.trees, singular=frozenset(singular), domain=dict(domain or {}), kink=kink,
-                 linear=frozenset(p for p in parameters if not reads[p] & {p, "y"}),
+    found = Rule(ROOM + path, parameters, read.trees, singular=frozenset(singular), domain=dict(domain or {}),
+                 kink=kink, linear=frozenset(p for p in parameters if not reads[p] & {p, "y"}),
                  zero=frozenset(p for p in parameters if number(read.trees[p]) == 0))
     helpers = tuple(GIVEN.by_path.get(p) or GIVEN.add(_given(p, f, False)) for p, f in read.called.items())
     _add(path, function, found, helpers)
@@ -129,6 +133,30 @@ def _named(function: Any) -> tuple[str, Any]:
     if not name.isidentifier():
         raise _wrong(f"'{name}' cannot be imported by name", "define it with def at module level")
     return f"{module}.{name}", function
+
+
+def _written(function: Any) -> str | None:
+    """A parameter that a function's text writes in place; None if there is none, or no text."""
+    try:
+        definition = capture(function).tree
+    except S2sadError:
+        return None
+    parameters = {a.id for a in (*definition.args.posonlyargs, *definition.args.args, *definition.args.kwonlyargs)}
+    rebound = {t.id for n in walk(definition.body) if isinstance(n, Assign) for t in n.targets if isinstance(t, Name)}
+    for node in walk(definition.body):
+        stored = getattr(node, "targets", None) or [getattr(node, "target", None)]
+        places = [t for t in stored if isinstance(t, Subscript) or isinstance(node, AugAssign)]
+        found = [b for b in map(_base, places) if b in parameters - rebound]
+        if found:
+            return found[0]
+    return None
+
+
+def _base(place: AST) -> str | None:
+    """The name whose content a place is."""
+    while isinstance(place, (Subscript, Attribute)):
+        place = place.value
+    return place.id if isinstance(place, Name) else None
 
 
 def _given(path: str, function: Any, ruled: bool, reads: tuple[Given, ...] = ()) -> Given:

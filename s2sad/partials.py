@@ -83,7 +83,8 @@ class Partials:
                     where = ", ".join(f"{p} = {x:.6g}" for p, x in point.items())
                     raise self.wrong(f"the partial {parameter}={self.given[parameter]!r} is {stated:.6g} at {where}, "
                                      f"but differences give {measured:.6g}",
-                                     "correct it, or say with domain= where it holds; check=False registers it unchecked")
+                                     "correct it, or say with domain= where it holds; check=False registers it "
+                                     "unchecked")
         if not compared:
             raise self.wrong("nowhere on the domain could it be compared with differences",
                              "say where it is smooth, as domain={\"" + self.parameters[0] + "\": (0.5, 2.0)}")

@@ -19,9 +19,9 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, of_value
 from s2sad.read.capture import not_a_function, python_function
 from s2sad.program import Generated, Kernel, Parameter, Program, Request
-from s2sad.rules.given import GIVEN
+from s2sad.rules.given import GIVEN, Given
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
-from s2sad.run.given import given_of
+from s2sad.run.given import given_of, held_to_numbers
 from s2sad.run.load import load
 from s2sad.run.overlap import Check, Slot
 from s2sad.watch import Watch
@@ -134,7 +134,7 @@ class State:
                                   request.with_primal)
                 generated = pipeline.derive(self.program, request)
                 self._variants[key] = Variant(generated, engine, self.summary(request.types), self.kernel.name,
-                                               bool(self.given))
+                                               self.given)
             return self._variants[key]
 
     def primal(self, types: tuple[Type, ...], engine: str) -> Callable[..., Any]:
@@ -231,12 +231,13 @@ class Keeping:
 class Variant:
     """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked."""
 
-    def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str, given: bool = False):
+    def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
+                 given: tuple[Given, ...] = ()):
         self.generated, self.engine, self.kernel = generated, engine, kernel
         self.parameters: tuple[Parameter, ...] = generated.parameters
         plain = tuple(generated.facts.get("wrappers", ()))
-        module = (compiled(generated.text, generated.entry, plain=plain, given=given) if engine == "numba"
-                  else load(generated.text, generated.entry, own=given))
+        module = (compiled(generated.text, generated.entry, plain=plain, given=bool(given)) if engine == "numba"
+                  else held_to_numbers(load(generated.text, generated.entry, own=bool(given)), given))
         stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
         self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
         self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)

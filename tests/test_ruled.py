@@ -8,7 +8,8 @@ import pytest
 
 import s2sad
 
-LOOP, OTHERS = "write it as a loop over the elements", "write it with functions that have a rule"
+LOOP, OTHERS = "write it as a loop over the elements", (
+    "write it with functions that have a rule, or give it one: s2sad.rule, s2sad.nondifferentiable")
 SUM, MASK = "write a loop that adds the elements", "write a loop over the elements, with an if in place of a mask"
 PLANNED = "error[S201]: an array as a subscript is not supported in a kernel yet (planned)"
 CASES = [

@@ -25,7 +25,7 @@ _OTHER = frozenset({
     "builtins.range"})
 _SUMS = ("numpy.sum", "builtins.sum")
 _LOOP = "write it as a loop over the elements"
-_OTHERS = "write it with functions that have a rule"
+_OTHERS = "write it with functions that have a rule, or give it one: s2sad.rule, s2sad.nondifferentiable"
 
 
 def ruled(function: FunctionDef, typing: Typing, report: Report) -> None:
@@ -52,7 +52,7 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
 
 
 def _alone(node: AST, typing: Typing, report: Report) -> None:
-    """Refuses a user's function of whole arrays where elements are computed: it takes the arrays, not their elements."""
+    """Refuses a user's function of whole arrays where elements are computed: it takes the arrays."""
     for part in walk(node):
         name = call_name(part) or ""
         if isinstance(part, Call) and name.startswith(ROOM) and rules.constant_result(name) and any(
@@ -81,6 +81,7 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
     elif operation(node) is None:
         known = rules.find(name)
         given = f" with {len(node.args) + len(node.keywords)} arguments" if known else ""
+        name = name.removeprefix(ROOM)
         note = f"there is one for {name}({', '.join(known.parameters)})" if known else ""
         report.error("S301", f"no derivative rule for {name}{given}", node, note,
                      _LOOP if any(typing.of(a).is_array for a in node.args) else _OTHERS)

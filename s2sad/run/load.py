@@ -39,7 +39,7 @@ def load(text: str, name: str, key: str = "", own: bool = False) -> ModuleType:
     """The module of a generated text; the same text, name and key give the same module.
 
     `key` stands for what else the compiled form depends on (engine, flags, versions): another key is another file
-    in another folder, so that Numba's cache never mixes them. With `own` the module is a new one each time: its text imports
+    in another folder, so that Numba's cache never mixes them. With `own` the module is a new one each time: it imports
     functions that may have changed.
     """
     digest = hashlib.sha256(f"{key}\0{name}\0{text}".encode()).hexdigest()[:20]
