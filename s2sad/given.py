@@ -9,7 +9,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.partials import Partials, dotted
 from s2sad.read.capture import capture, python_function
 from s2sad.rules.given import GIVEN, ROOM, Given, imported
-from s2sad.rules.rule import TABLE, Rule, number
+from s2sad.rules.rule import TABLE, Rule, divides, number
 from s2sad.tree import AST, Assign, Attribute, AugAssign, Call, Name, Subscript, expression, names, walk
 
 __all__ = ["nondifferentiable", "rule"]
@@ -45,7 +45,7 @@ def nondifferentiable(function: Any = None, *, result: str = "float") -> Any:
 
 
 def rule(text: str | None = None, *, domain: Mapping[str, tuple[float, float]] | None = None,
-         singular: tuple[str, ...] = (), kink: str = "", check: bool = True, **partials: str) -> Any:
+         singular: tuple[str, ...] | None = None, kink: str = "", check: bool = True, **partials: str) -> Any:
     """Gives a function of numbers its partial derivatives, expressions over its parameters and `y`, the result.
 
     `rule("scipy.special.erf(x)", x="2 / math.sqrt(math.pi) * math.exp(-x * x)")`, or as a decorator above a function's
@@ -54,7 +54,8 @@ def rule(text: str | None = None, *, domain: Mapping[str, tuple[float, float]] |
 
     Args: domain, (low, high) for each parameter, where the partials are compared with differences ((-2, 2) where
     nothing is said); check, False if a partial is not the derivative, on purpose; singular, the parameters whose
-    partial can be infinite, so that a zero seed contributes zero; kink, what `explain` says where it is not smooth.
+    partial can be infinite, so that a zero seed contributes zero (default: those that divide by more than a number);
+    kink, what `explain` says where it is not smooth.
     A partial may call functions of numpy and math, others by their dotted name, and functions of the module of the
     function. Parameters cannot be called as these arguments are, nor `y`.
     Raises S2sadError: S302 for a function that cannot be imported, for names that are unknown or missing, and for
@@ -85,9 +86,9 @@ def rule(text: str | None = None, *, domain: Mapping[str, tuple[float, float]] |
 
 
 def _ruled(path: str, function: Any, parameters: tuple[str, ...], partials: Mapping[str, str], *,
-           domain: Mapping[str, tuple[float, float]] | None, singular: tuple[str, ...], kink: str,
-           check: bool) -> Any:
-    for what, given in (("a partial", partials), ("a domain", domain or {}), ("singular", singular)):
+           domain: Mapping[str, tuple[float, float]] | None, singular: tuple[str, ...] | None,
+           kink: str, check: bool) -> Any:
+    for what, given in (("a partial", partials), ("a domain", domain or {}), ("singular", singular or ())):
         unknown = [p for p in given if p not in parameters]
         if unknown:
             raise _wrong(f"rule for '{path}': {what} is given for {', '.join(unknown)}, which is no parameter of it",
@@ -100,6 +101,8 @@ def _ruled(path: str, function: Any, parameters: tuple[str, ...], partials: Mapp
     if check:
         read.compare(domain or {})
     reads = {p: set(names(t)) for p, t in read.trees.items()}
+    if singular is None:
+        singular = tuple(p for p, t in read.trees.items() if divides(t))
     found = Rule(ROOM + path, parameters, read.trees, singular=frozenset(singular), domain=dict(domain or {}),
                  kink=kink, linear=frozenset(p for p in parameters if not reads[p] & {p, "y"}),
                  zero=frozenset(p for p in parameters if number(read.trees[p]) == 0))

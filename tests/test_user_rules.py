@@ -317,3 +317,19 @@ def test_registration_says_what_is_wrong(given, message, help):
     with pytest.raises(s2sad.S2sadError) as caught:
         given()
     assert str(caught.value) == f"error[S302]: {message}" + (f"\n  help: {help}" if help else "")
+
+
+@s2sad.rule(x="x / y", eps="eps / y", domain={"x": (0.5, 2.0)})
+def smooth_abs(x, eps):
+    return math.sqrt(x * x + eps * eps)
+
+
+def chosen(u, eps):
+    return min(u[0], smooth_abs(u[1], eps))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_zero_seed_contributes_zero_also_against_an_infinite_partial(engine):
+    found = s2sad.gradient(s2sad.differentiate(chosen, engine=engine))(np.array([-1.0, 0.0]), 0.0)
+    np.testing.assert_array_equal(found["u"], [1.0, 0.0])
+    assert found["eps"] == 0.0

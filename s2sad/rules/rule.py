@@ -85,6 +85,16 @@ def _denominator(node: AST) -> AST | None:
     return None
 
 
+def divides(node: AST) -> bool:
+    """Whether an expression divides by more than a number.
+
+    >>> divides(template("x / y")), divides(template("x ** -2")), divides(template("x / 2.0"))
+    (True, True, False)
+    """
+    found = map(_denominator, tree.walk(node))
+    return any(d is not None and not _nonzero(d) for d in found)
+
+
 def _plain(node: AST) -> bool:
     return not any(isinstance(n, Call) for n in tree.walk(node))
 
