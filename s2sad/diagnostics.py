@@ -21,6 +21,7 @@ CODES = {
     "S205": "an active value takes a way that cannot be differentiated",
     # S3: rules
     "S301": "no derivative rule",
+    "S302": "a rule that cannot be",
     # S4: what is asked for
     "S401": "wrt or of names something that cannot be differentiated",
     "S402": "an annotation that does not fit its argument",

@@ -25,6 +25,7 @@ from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
 from s2sad.normalize.hidden import hidden, hidden_name
 from s2sad.program import Generated, Parameter, Program, Request
+from s2sad.run.given import compilable
 from s2sad.simplify import Watch, unwatched
 from s2sad.simplify.dead import dead
 from s2sad.simplify.faster import faster
@@ -59,6 +60,8 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
     `watch(stage, function)` is shown every function after every pass.
     """
     units, unit = entry(program, request.types, request.engine, watch)
+    if request.engine == "numba":
+        compilable(units)
     if request.mode == "primal":
         parameters = tuple(Parameter(hidden_name(p.id, units.program), "primal", p.id, t)
                            for p, t in zip(unit.function.args.args, unit.types))

@@ -19,7 +19,9 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, of_value
 from s2sad.read.capture import not_a_function, python_function
 from s2sad.program import Generated, Kernel, Parameter, Program, Request
+from s2sad.rules.given import GIVEN, Given
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
+from s2sad.run.given import given_of, held_to_numbers
 from s2sad.run.load import load
 from s2sad.run.overlap import Check, Slot
 from s2sad.watch import Watch
@@ -50,12 +52,15 @@ class Derivatives:
         self._states: list[State] = []
         self._watch: Watch | None = None
         self._current: State | None = None
+        self._edition = 0
 
     def state(self) -> State:
         """The state for the values that the function's constants have now."""
-        if self._current is not None and self._watch is not None and self._watch.unchanged():
+        if (self._current is not None and self._watch is not None and self._edition == GIVEN.edition
+                and self._watch.unchanged() and self._current.unchanged()):
             return self._current
         with _LOCK:
+            self._edition = GIVEN.edition
             watch = Watch(self.function)
             program = read.load(self.function)
             self._current = self._state_of(program)
@@ -85,6 +90,12 @@ class State:
         self.entries: dict[Any, Any] = {}
         self._variants: dict[Any, Variant] = {}
         self._summaries: dict[tuple[Type, ...], Any] = {}
+        self.given = given_of(program)
+        self._watched = [Watch(g.plain) for g in self.given if isinstance(g.plain, FunctionType)]
+
+    def unchanged(self) -> bool:
+        """Whether the functions with derivatives of their own are what they were."""
+        return all(g.reachable() for g in self.given) and all(w.unchanged() for w in self._watched)
 
     def serves(self, program: Program) -> bool:
         """Whether what was derived here holds for another reading of the same function."""
@@ -92,7 +103,7 @@ class State:
         return (list(ours.constants) == list(theirs.constants) and list(ours.arrays) == list(theirs.arrays)
                 and all(same_number(v, theirs.constants[k]) for k, v in ours.constants.items())
                 and all(of_value(v) == of_value(theirs.arrays[k]) for k, v in ours.arrays.items())
-                and list(ours.kernels) == list(theirs.kernels)
+                and list(ours.kernels) == list(theirs.kernels) and self.given == given_of(theirs) and self.unchanged()
                 and all(_same_kernel(k, theirs.kernels[name]) for name, k in ours.kernels.items()))
 
     def summary(self, types: tuple[Type, ...]) -> Any:
@@ -122,7 +133,8 @@ class State:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
                                   request.with_primal)
                 generated = pipeline.derive(self.program, request)
-                self._variants[key] = Variant(generated, engine, self.summary(request.types), self.kernel.name)
+                self._variants[key] = Variant(generated, engine, self.summary(request.types), self.kernel.name,
+                                               self.given)
             return self._variants[key]
 
     def primal(self, types: tuple[Type, ...], engine: str) -> Callable[..., Any]:
@@ -142,7 +154,8 @@ class State:
             return
         variant = self.variant(Request("primal", types, (), ()), engine)
         text = quiet(variant.generated.text)
-        function = getattr(compiled(text, variant.generated.entry, bounds=True), variant.generated.entry)
+        module = compiled(text, variant.generated.entry, bounds=True, given=bool(self.given))
+        function = getattr(module, variant.generated.entry)
         copies = dict(zip(self.parameters, self.copied(values, types)))
         arguments = variant.assemble(copies, {}, (), self.outside(types))
         prepare(function, arguments, f"'{self.kernel.name}'")
@@ -218,12 +231,13 @@ class Keeping:
 class Variant:
     """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked."""
 
-    def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str):
+    def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
+                 given: tuple[Given, ...] = ()):
         self.generated, self.engine, self.kernel = generated, engine, kernel
         self.parameters: tuple[Parameter, ...] = generated.parameters
         plain = tuple(generated.facts.get("wrappers", ()))
-        module = (compiled(generated.text, generated.entry, plain=plain) if engine == "numba"
-                  else load(generated.text, generated.entry))
+        module = (compiled(generated.text, generated.entry, plain=plain, given=bool(given)) if engine == "numba"
+                  else held_to_numbers(load(generated.text, generated.entry, own=bool(given)), given))
         stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
         self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
         self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)

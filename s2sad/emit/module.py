@@ -17,6 +17,7 @@ from s2sad.emit.manner import manners
 from s2sad.emit.paste import pasted
 from s2sad.emit.spelling import BUILTINS, literal, module_spelling
 from s2sad.emit.uses import Uses
+from s2sad.rules.given import ROOM
 
 
 def module_text(functions: list[tree.FunctionDef], *, header: list[str], constants: Mapping[str, Any],
@@ -94,7 +95,8 @@ def _imports(spelling: Mapping[str, str], runtime_names: list[str]) -> str:
     own = [_import(library, spelling[key]) for library, key in (("builtins", BUILTINS), ("math", "math"))
            if key in spelling]
     others = [_import("numpy", spelling["numpy"])] if "numpy" in spelling else []
-    blocks = ["\n".join(block) for block in (own, others) if block]
+    given = [_import_from(key[len(ROOM):], alias) for key, alias in spelling.items() if key.startswith(ROOM)]
+    blocks = ["\n".join(block) for block in (own, others, sorted(given)) if block]
     if runtime_names:
         items: list = []
         for identifier in sorted(runtime_names):
@@ -109,6 +111,11 @@ def _imports(spelling: Mapping[str, str], runtime_names: list[str]) -> str:
 
 def _import(library: str, alias: str) -> str:
     return f"import {library}" if alias == library else f"import {library} as {alias}"
+
+
+def _import_from(path: str, alias: str) -> str:
+    module, _, last = path.rpartition(".")
+    return f"from {module} import {last}{'' if alias == last else f' as {alias}'}  # isort: skip"
 
 
 def _exceptions(functions: list[tree.FunctionDef], constants: list[str]) -> str:

@@ -51,6 +51,8 @@ def module_spelling(uses: Uses, constants: Mapping[str, tree.AST], pieces: list[
         spelling[f"const.{key}"] = names.fresh(key)
     for key in dict.fromkeys([*(piece.name for piece in pieces), *uses.room("runtime")]):
         spelling[f"runtime.{key}"] = names.fresh(key)
+    for key in uses.room("given"):
+        spelling[f"given.{key}"] = names.fresh(key.rpartition(".")[2])
     libraries = {library for library in ("math", "numpy") if uses.room(library)}
     libraries = libraries.union(*(piece.libraries for piece in pieces))
     if any(needs_numpy(node.value) for value in constants.values() for node in tree.walk(value)

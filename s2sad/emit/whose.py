@@ -10,6 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from s2sad.infer.types import Type
+from s2sad.rules import constant_result
 from s2sad.tree import (
     AST, AnnAssign, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, FloorDiv, For, FunctionDef,
     IfExp, List, Mod, Name, Pow, Return, Subscript, Tuple, UnaryOp, USub, call_name, name, stored_names, walk,
@@ -169,6 +170,8 @@ class Whose:
             return NARROW if called == "numpy.float32" or NARROW in kinds and NUMPY not in kinds and \
                 called != CONVERT else NUMPY
         module, _, function = called.partition(".")
+        if constant_result(called) in ("int", "bool"):
+            return INT
         if module == "user":
             return max(self.results.get(function, [FLOAT]))
         return NUMPY if called in _RUNTIME else INT if function in _INTEGERS else FLOAT

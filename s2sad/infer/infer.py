@@ -16,6 +16,7 @@ from s2sad.infer.laws import LAWS, of_rank
 from s2sad.infer.piece_types import piece_type
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, TEXT, UNKNOWN, Type, array, of_value
 from s2sad.rules.composed import LAW as PIECES
+from s2sad.rules.given import ROOM
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
     FunctionDef, If, IfExp, List, LShift, Name, Not, Return, RShift, Slice, Subscript, Tuple, UnaryOp, While,
@@ -205,6 +206,8 @@ class Typing:
         if name in _LIKES:
             return self._like(name, node)
         types = [self.of(a) for a in node.args]
+        if name.startswith(ROOM) and rules.constant_result(name):
+            return {"float": FLOAT, "int": INT, "bool": BOOL}[rules.constant_result(name) or ""]
         rule = rules.find_array(name)
         if rule is not None and types and (rule.law == PIECES or types[0].kind != "tuple"):
             return self._array_function(rule, node, types)

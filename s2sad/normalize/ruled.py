@@ -9,10 +9,14 @@ pass through: what the analyses find no rule for is truly inactive.
 from __future__ import annotations
 
 from s2sad import rules
+from s2sad.analyze.liveness import targets
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
+from s2sad.rules.given import ROOM
 from s2sad.rules.operation import operation
-from s2sad.tree import AST, Assert, Call, Expr, FunctionDef, Raise, call_name, children
+from s2sad.tree import (
+    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Raise, call_name, children, walk,
+)
 
 # what makes arrays, asks for their shape, or is no computation at all
 _OTHER = frozenset({
@@ -25,7 +29,7 @@ _FLAT = frozenset({"runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_
 _SUMS = ("numpy.sum", "builtins.sum")
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
 _LOOP = "write it as a loop over the elements"
-_OTHERS = "write it with functions that have a rule"
+_OTHERS = "write it with functions that have a rule, or give it one: s2sad.rule, s2sad.nondifferentiable"
 
 
 def ruled(function: FunctionDef, typing: Typing, report: Report) -> None:
@@ -42,8 +46,20 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
         _visit(child, typing, report)
     if len(report.found) > before:
         return  # what is refused inside explains it
+    if isinstance(node, (Assign, AugAssign)) and typing.of(targets(node)[0]).is_array or typing.of(node).is_array:
+        _alone(node, typing, report)
     if isinstance(node, Call):
         _call(node, typing, report)
+
+
+def _alone(node: AST, typing: Typing, report: Report) -> None:
+    """Refuses a user's function of whole arrays where elements are computed: it takes the arrays."""
+    for part in walk(node):
+        name = call_name(part) or ""
+        if isinstance(part, Call) and name.startswith(ROOM) and rules.constant_result(name) and any(
+                typing.of(a).is_array for a in part.args):
+            report.error("S201", "a function that is held fixed is not called with an array in a whole-array "
+                         "expression", part, help="give what it returns a name, in a statement of its own")
 
 
 def _call(node: Call, typing: Typing, report: Report) -> None:
@@ -72,6 +88,7 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
     elif operation(node) is None:
         known = rules.find(name)
         given = f" with {len(node.args) + len(node.keywords)} arguments" if known else ""
+        name = name.removeprefix(ROOM)
         note = f"there is one for {name}({', '.join(known.parameters)})" if known else ""
         report.error("S301", f"no derivative rule for {name}{given}", node, note,
                      _LOOP if any(typing.of(a).is_array for a in node.args) else _OTHERS)

@@ -20,6 +20,7 @@ from s2sad.read.capture import not_a_function, python_function
 from s2sad.read.link import Linker
 from s2sad.read.meaning import Function
 from s2sad.read.modules import FileModule
+from s2sad.rules.given import GIVEN
 
 __all__ = ["load", "load_file", "load_watched", "python_function"]
 
@@ -38,6 +39,9 @@ def load_watched(function: Any) -> tuple[Program, dict[str, Callable[[], Any]]]:
     plain = python_function(function)
     if plain is None:
         raise S2sadError(not_a_function(function))
+    if GIVEN.of(plain) is not None:
+        raise S2sadError(Diagnostic("S101", f"'{plain.__name__}' has a derivative of its own, and is not read",
+                                    help="differentiate a function that calls it"))
     return Linker().program(Function(plain.__name__, ("live", id(plain)), "", plain))
 
 

@@ -21,6 +21,7 @@ from s2sad.read.meaning import (
     AST, Captured, Function, Library, LibraryScope, Meaning, NotConstant, Number, Space, Text, Unusable,
     library_path, value_meaning,
 )
+from s2sad.rules.given import GIVEN, ROOM
 
 _FUTURE = functools.reduce(int.__or__, (getattr(__future__, n).compiler_flag for n in __future__.all_feature_names))
 # line ends to str.splitlines, but not to Python: replaced by blanks as wide in UTF-8
@@ -230,6 +231,9 @@ class ModuleScope:
 
 def live_meaning(name: str, value: Any, current: Any = None) -> Meaning:
     """What a live value means to a kernel that names it."""
+    given = GIVEN.of(value) or GIVEN.of(python_function(value))
+    if given is not None:
+        return Library(ROOM + given.path)
     if isinstance(value, types.ModuleType):
         library = value.__name__.partition(".")[0] in ("numpy", "math", "numba", "s2sad")
         return Space(value.__name__, LibraryScope(value.__name__) if library else ModuleScope(value))

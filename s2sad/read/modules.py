@@ -102,6 +102,14 @@ class FileModule:
             self.definitions.append(statement.name)
             self.meanings[statement.name] = Function(statement.name, ("file", self.path, statement.lineno),
                                                      f"{self.name}.{statement.name}", FileFunction(self, statement))
+            if any(self._gives(d) for d in statement.decorator_list):
+                self.meanings[statement.name] = _GIVEN
+        elif kind == "Expr" and isinstance(statement.value, tree.Call) and self._gives(statement.value):
+            first = statement.value.args[0] if statement.value.args else None
+            text = first.value if isinstance(first, tree.Constant) and isinstance(first.value, str) else ""
+            name = first.id if isinstance(first, tree.Name) else text.partition("(")[0].rpartition(".")[2]
+            if name in self.meanings:
+                self.meanings[name] = _GIVEN
         elif kind == "ClassDef":
             self.meanings[statement.name] = Unusable("a class", "pass its fields as arguments, numbers and arrays")
         elif kind == "Import":
@@ -115,6 +123,11 @@ class FileModule:
             self._try(statement)
         else:
             self._unclear(statement, "set under a condition, in a loop or by more than an assignment")
+
+    def _gives(self, node: AST) -> bool:
+        """Whether a decorator or a call gives a function a derivative of its own."""
+        path = dotted(self.path_meaning(node.func if isinstance(node, tree.Call) else node))
+        return path in ("s2sad.rule", "s2sad.nondifferentiable")
 
     def _try(self, statement: AST) -> None:
         """`try: from numba import prange / except ImportError: ...` means what it imports."""
@@ -214,6 +227,8 @@ class FileModule:
         return folders
 
 
+_GIVEN = Unusable("given a derivative of its own, in a file that is read without being run",
+                  "ask for the derivative in Python, where the file is imported")
 _PASS_IT = "pass it to the kernel as an argument, or write it at module level as a plain number"
 
 

@@ -24,6 +24,7 @@ from s2sad.read.meaning import (
     library_value,
 )
 from s2sad.read.modules import dropped_decorator
+from s2sad.rules.given import GIVEN, ROOM
 from s2sad.tree import FunctionDef
 
 
@@ -174,7 +175,7 @@ class _Resolver:
         if isinstance(meaning, Text):
             return tree.at(tree.Constant(meaning.value, None), node)
         called = id(node) in self.called
-        path = dotted(meaning)
+        path = self._given(node, dotted(meaning), text)
         if isinstance(meaning, Function):
             path = self._function(node, meaning, text, called)
         elif isinstance(meaning, (Number, Array)):
@@ -192,6 +193,21 @@ class _Resolver:
         elif path is not None and not called and not isinstance(library_value(path), type):
             self._as_value(node, text)
         return tree.copy(node) if path is None else tree.at(tree.name(path), node)
+
+    def _given(self, node: AST, path: str | None, text: str) -> str | None:
+        """The path of what a library has, `given.` before it if the user gave it a derivative."""
+        given = None if path is None else GIVEN.named(path) or GIVEN.of(library_value(path))
+        if given is not None:
+            path = ROOM + given.path
+        if path is None or not path.startswith(ROOM):
+            return path
+        lost = [g for g in GIVEN.closure([path[len(ROOM):]]) if not g.reachable()]
+        for given in lost:
+            module, _, last = given.path.rpartition(".")
+            self._refuse(f"'{text}' has a derivative of its own, but 'from {module} import {last}' does not give "
+                         f"{'it' if given.path == path[len(ROOM):] else repr(last) + ', which its derivative calls'}",
+                         node, "define it at module level, and register it again when it was defined anew")
+        return path
 
     def _as_value(self, node: AST, text: str) -> None:
         self._refuse(f"the function '{text}' as a value is not supported in a kernel", node,

@@ -14,6 +14,8 @@ from s2sad.program import Request
 from s2sad.report.differences import differences
 from s2sad.report.parting import wrong_adjoint, wrong_tangent
 from s2sad.report.subject import Subject, flat, split, vector_of
+from s2sad.rules import constant_result
+from s2sad.rules.given import ROOM
 from s2sad.run.compiled import bounds_checked, chosen
 from s2sad.selection import names_of, selected_of, selected_wrt
 from s2sad.variants import Derivatives, State, derivatives_of
@@ -157,6 +159,9 @@ class _Measurement:
             return Request(mode, self.state.types(list(self.values.values())), self.wrt, self.of)
         given = {**self.values, **self.state.outside(self.state.types(list(self.values.values())))}
         if not found.tangent_holds:
+            fixed = ", ".join(g.path for g in self.state.given if constant_result(ROOM + g.path))
+            if fixed:
+                return f"held fixed by s2sad.nondifferentiable, which differences do not do: {fixed}"
             place = wrong_tangent(self.state.program, request("tangent"), given, self.x_dot)
             return f"the tangent parts from the differences first at {place}" if place else _LOST
         place = wrong_adjoint(self.state.program, request, given, self.x_dot, self.seeds, total)

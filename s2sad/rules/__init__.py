@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from s2sad.rules import composed, constant, elementwise, linalg, reductions, shaping
 from s2sad.rules.array import ArrayRule, bound, find_array
+from s2sad.rules.given import ROOM
 from s2sad.rules.power import power_partial
 from s2sad.rules.rule import TABLE, Rule
 
@@ -53,5 +54,5 @@ def result_kind(name: str) -> str | None:
 
 
 def names() -> tuple[str, ...]:
-    """Every name with a rule, in the order of registration."""
-    return tuple(TABLE.rules)
+    """Every name with a rule, in the order of registration; not those that the user has given one."""
+    return tuple(n for n in TABLE.rules if not n.startswith(ROOM))

@@ -85,6 +85,16 @@ def _denominator(node: AST) -> AST | None:
     return None
 
 
+def divides(node: AST) -> bool:
+    """Whether an expression divides by more than a number.
+
+    >>> divides(template("x / y")), divides(template("x ** -2")), divides(template("x / 2.0"))
+    (True, True, False)
+    """
+    found = map(_denominator, tree.walk(node))
+    return any(d is not None and not _nonzero(d) for d in found)
+
+
 def _plain(node: AST) -> bool:
     return not any(isinstance(n, Call) for n in tree.walk(node))
 
@@ -179,6 +189,15 @@ class Table:
         for key in names:
             self._claim(key)
             self.constants[key] = result
+
+    def give(self, name: str, found: Rule | str) -> None:
+        """Sets a user's rule, or the kind of result of a user's function without a derivative; the last one holds."""
+        self.rules.pop(name, None)
+        self.constants.pop(name, None)
+        if isinstance(found, Rule):
+            self.rules[name] = found
+        else:
+            self.constants[name] = found
 
     def _claim(self, name: str) -> None:
         if name in self.rules or name in self.constants:

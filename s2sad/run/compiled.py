@@ -62,19 +62,26 @@ def bounds_checked() -> Iterator[None]:
         _CHECKED.reset(token)
 
 
-def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ...] = ()) -> ModuleType:
-    """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left."""
+def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ...] = (),
+             given: bool = False) -> ModuleType:
+    """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left.
+
+    With `given` it imports functions of the user: these are compiled too, and nothing is kept on disk, for Numba's
+    cache would not see that they have changed.
+    """
     bounds = bounds or always_checked()
-    module = load(text, name, _key(bounds))
+    module = load(text, name, _key(bounds), own=given)
     if not getattr(module, "__compiled__", False):
         space = vars(module)
         for identifier, value in list(space.items()):
             if not isinstance(value, FunctionType) or identifier in plain:
                 continue
             if value.__module__ == module.__name__:
-                space[identifier] = _jit(value, bounds, on_disk=True)
+                space[identifier] = _jit(value, bounds, on_disk=not given)
             elif (value.__module__ or "").startswith(_RUNTIME):
                 space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
+            elif given:
+                space[identifier] = _jit(value, bounds, on_disk=False)
         space["__compiled__"] = True
     return module
 

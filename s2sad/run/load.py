@@ -9,6 +9,7 @@ import atexit
 import hashlib
 import importlib.machinery
 import importlib.util
+import itertools
 import os
 import shutil
 import stat
@@ -20,6 +21,7 @@ from pathlib import Path
 from types import CodeType, ModuleType
 
 _LOCK = threading.RLock()
+_OWN = itertools.count(1)
 
 
 class _Loader(importlib.machinery.SourceFileLoader):
@@ -33,15 +35,18 @@ class _Loader(importlib.machinery.SourceFileLoader):
         return compile(self._text, self.path, "exec", dont_inherit=True)
 
 
-def load(text: str, name: str, key: str = "") -> ModuleType:
+def load(text: str, name: str, key: str = "", own: bool = False) -> ModuleType:
     """The module of a generated text; the same text, name and key give the same module.
 
     `key` stands for what else the compiled form depends on (engine, flags, versions): another key is another file
-    in another folder, so that Numba's cache never mixes them.
+    in another folder, so that Numba's cache never mixes them. With `own` the module is a new one each time: it imports
+    functions that may have changed.
     """
     digest = hashlib.sha256(f"{key}\0{name}\0{text}".encode()).hexdigest()[:20]
     identifier = f"s2sad_{name}_{digest}"
     with _LOCK:
+        if own:
+            identifier += f"_{next(_OWN)}"
         module = sys.modules.get(identifier)
         if module is not None:
             return module

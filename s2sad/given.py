@@ -1,0 +1,177 @@
+"""A user's own derivative, for a function that s2sad cannot or should not read."""
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from typing import Any
+
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.partials import Partials, dotted
+from s2sad.read.capture import capture, python_function
+from s2sad.rules.given import GIVEN, ROOM, Given, imported
+from s2sad.rules.rule import TABLE, Rule, divides, number
+from s2sad.tree import AST, Assign, Attribute, AugAssign, Call, Name, Subscript, expression, names, walk
+
+__all__ = ["nondifferentiable", "rule"]
+
+_RESULTS = ("float", "int", "bool")
+
+
+def nondifferentiable(function: Any = None, *, result: str = "float") -> Any:
+    """The function, from now on called as it is by derivatives, and held fixed: what it returns has derivative zero.
+
+    Args: function, a callable or its dotted name; result, "float", "int" or "bool": it returns one number, whatever
+    its arguments are. It must give the same number for the same arguments and write none of them: a derivative may call
+    it again, or not at all. Also a decorator, `@nondifferentiable` or `@nondifferentiable(result="int")`.
+    Generated files import it, so it needs a name in a module; under Numba it is compiled.
+    Raises S2sadError: S302 if it cannot be imported by name; later, where it is called, S407 if Numba cannot compile
+    it, which `engine="numpy"` does not ask for.
+
+    >>> import math, s2sad
+    >>> s2sad.nondifferentiable("textwrap.indent") is __import__("textwrap").indent
+    True
+    """
+    if result not in _RESULTS:
+        raise _wrong(f"nondifferentiable: result={result!r} is none of {', '.join(_RESULTS)}")
+    if function is None:
+        return lambda f: nondifferentiable(f, result=result)
+    path, value = _named(function)
+    written = _written(value)
+    if written:
+        raise _wrong(f"nondifferentiable: '{path}' writes its argument '{written}'", "write it without, "
+                     "`u = u + 1.0` in place of `u += 1.0`")
+    _add(path, value, result)
+    return value
+
+
+def rule(text: str | None = None, *, domain: Mapping[str, tuple[float, float]] | None = None,
+         singular: tuple[str, ...] | None = None, kink: str = "", check: bool = True, **partials: str) -> Any:
+    """Gives a function of numbers its partial derivatives, expressions over its parameters and `y`, the result.
+
+    `rule("scipy.special.erf(x)", x="2 / math.sqrt(math.pi) * math.exp(-x * x)")`, or as a decorator above a function's
+    definition, `@rule(x="...", a="...")`; it then gives the function back, else the function that the name means. The
+    function takes floats and returns one float; a kernel may call it with arrays where it works number by number.
+
+    Args: domain, (low, high) for each parameter, where the partials are compared with differences ((-2, 2) where
+    nothing is said); check, False if a partial is not the derivative, on purpose; singular, the parameters whose
+    partial can be infinite, so that a zero seed contributes zero (default: those that divide by more than a number);
+    kink, what `explain` says where it is not smooth.
+    A partial may call functions of numpy and math, others by their dotted name, and functions of the module of the
+    function. Parameters cannot be called as these arguments are, nor `y`.
+    Raises S2sadError: S302 for a function that cannot be imported, for names that are unknown or missing, and for
+    values that differences contradict; S407, where it is called, if Numba cannot compile it.
+
+    >>> import s2sad
+    >>> found = s2sad.rule("statistics.fmean(x)", x="2.0")
+    Traceback (most recent call last):
+    ...
+    s2sad.diagnostics.S2sadError: error[S302]: rule for 'statistics.fmean': it cannot be called with 1 float
+      note: TypeError: 'float' object is not iterable
+      help: it must take floats and return a float; check=False registers the rule unchecked
+    """
+    keywords = {"domain": domain, "singular": singular, "kink": kink, "check": check}
+    if text is None:
+        return lambda f: _ruled(*_named(f), _parameters(f), partials, **keywords)
+    try:
+        node = expression(text)
+    except SyntaxError:
+        node = None
+    path = dotted(node.func) if isinstance(node, Call) else ""
+    operands = node.args if isinstance(node, Call) and not node.keywords else []
+    parameters = tuple(a.id for a in operands if isinstance(a, Name))
+    if "." not in path or not operands or len(set(parameters)) != len(operands) or "y" in parameters:
+        raise _wrong(f"rule: {text!r} is not a function's dotted name with its parameters",
+                     "write \"scipy.special.erf(x)\", with different names, and not y, which is the result")
+    return _ruled(path, _named(path)[1], parameters, partials, **keywords)
+
+
+def _ruled(path: str, function: Any, parameters: tuple[str, ...], partials: Mapping[str, str], *,
+           domain: Mapping[str, tuple[float, float]] | None, singular: tuple[str, ...] | None,
+           kink: str, check: bool) -> Any:
+    for what, given in (("a partial", partials), ("a domain", domain or {}), ("singular", singular or ())):
+        unknown = [p for p in given if p not in parameters]
+        if unknown:
+            raise _wrong(f"rule for '{path}': {what} is given for {', '.join(unknown)}, which is no parameter of it",
+                         f"its parameters are {', '.join(parameters)}")
+    missing = [p for p in parameters if p not in partials]
+    if missing:
+        raise _wrong(f"rule for '{path}': no partial is given for {', '.join(missing)}",
+                     f"write {missing[0]}=\"0.0\" if the derivative is zero")
+    read = Partials(path, function, parameters, partials)
+    if check:
+        read.compare(domain or {})
+    reads = {p: set(names(t)) for p, t in read.trees.items()}
+    if singular is None:
+        singular = tuple(p for p, t in read.trees.items() if divides(t))
+    found = Rule(ROOM + path, parameters, read.trees, singular=frozenset(singular), domain=dict(domain or {}),
+                 kink=kink, linear=frozenset(p for p in parameters if not reads[p] & {p, "y"}),
+                 zero=frozenset(p for p in parameters if number(read.trees[p]) == 0))
+    helpers = tuple(GIVEN.by_path.get(p) or GIVEN.add(_given(p, f, False)) for p, f in read.called.items())
+    _add(path, function, found, helpers)
+    return function
+
+
+def _parameters(function: Any) -> tuple[str, ...]:
+    """The parameters of a function that is decorated: positional ones without a default."""
+    given = inspect.signature(python_function(function) or function).parameters.values()
+    wrong = [p.name for p in given if p.kind is not p.POSITIONAL_OR_KEYWORD or p.default is not p.empty]
+    if wrong:
+        raise _wrong(f"rule for '{function.__name__}': the parameter '{wrong[0]}' has a default or is not positional",
+                     "take plain positional parameters")
+    return tuple(p.name for p in given)
+
+
+def _named(function: Any) -> tuple[str, Any]:
+    """The dotted path of a function, and the function; of a path what it leads to."""
+    if isinstance(function, str):
+        value = imported(function)
+        if not callable(value):
+            raise _wrong(f"there is no function '{function}'", "write the name by which it can be imported")
+        return function, value
+    if not callable(function):
+        raise _wrong(f"a function is needed, not {function!r}", "give a function, or its dotted name")
+    module, name = getattr(function, "__module__", None), getattr(function, "__qualname__", None)
+    if module is None or name is None:
+        raise _wrong(f"the module of {function!r} is not known", "give its dotted name, as \"scipy.special.erf\"")
+    if not name.isidentifier():
+        raise _wrong(f"'{name}' cannot be imported by name", "define it with def at module level")
+    return f"{module}.{name}", function
+
+
+def _written(function: Any) -> str | None:
+    """A parameter that a function's text writes in place; None if there is none, or no text."""
+    try:
+        definition = capture(function).tree
+    except S2sadError:
+        return None
+    parameters = {a.id for a in (*definition.args.posonlyargs, *definition.args.args, *definition.args.kwonlyargs)}
+    rebound = {t.id for n in walk(definition.body) if isinstance(n, Assign) for t in n.targets if isinstance(t, Name)}
+    for node in walk(definition.body):
+        stored = getattr(node, "targets", None) or [getattr(node, "target", None)]
+        places = [t for t in stored if isinstance(t, Subscript) or isinstance(node, AugAssign)]
+        found = [b for b in map(_base, places) if b in parameters - rebound]
+        if found:
+            return found[0]
+    return None
+
+
+def _base(place: AST) -> str | None:
+    """The name whose content a place is."""
+    while isinstance(place, (Subscript, Attribute)):
+        place = place.value
+    return place.id if isinstance(place, Name) else None
+
+
+def _given(path: str, function: Any, ruled: bool, reads: tuple[Given, ...] = ()) -> Given:
+    return Given(path, function, python_function(function) or function, ruled, reads)
+
+
+def _add(path: str, function: Any, found: Rule | str, reads: tuple[Given, ...] = ()) -> None:
+    TABLE.give(ROOM + path, found)
+    GIVEN.add(_given(path, function, True, reads))
+
+
+def _wrong(message: str, help: str = "") -> S2sadError:
+    return S2sadError(Diagnostic("S302", message, help=help))
+
+

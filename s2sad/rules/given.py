@@ -1,0 +1,81 @@
+"""Functions that the user has given a derivative: each is reached by the name under which it can be imported.
+
+In trees such a function is `given.<module>.<name>`; a generated file imports it from that module. A function is known
+by its identity, so that another one of the same name is never taken for it.
+"""
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+ROOM = "given."
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """A function with the dotted path that it is imported by; `reads` are the functions that its partials call.
+
+    `plain` is the Python function behind a compiled one, else the function itself; `ruled` says whether it has a
+    derivative, or is only called by one that has.
+    """
+    path: str
+    function: Any
+    plain: Any
+    ruled: bool
+    reads: tuple[Given, ...] = ()
+
+    def reachable(self) -> bool:
+        """Whether the path leads to this function, now."""
+        found = imported(self.path)
+        return found is not None and (found is self.function or getattr(found, "py_func", found) is self.plain)
+
+
+class Registry:
+    """All given functions, by path and by identity; `edition` grows with each registration."""
+
+    def __init__(self) -> None:
+        self.by_path: dict[str, Given] = {}
+        self.by_identity: dict[int, Given] = {}  # holds the functions, so that no other gets their identity
+        self.edition = 0
+
+    def add(self, given: Given) -> Given:
+        self.edition += 1
+        self.by_path[given.path] = given
+        for value in (given.function, given.plain):
+            self.by_identity[id(value)] = given
+        return given
+
+    def of(self, value: Any) -> Given | None:
+        """The given function that a value is, if it has a derivative."""
+        found = None if value is None else self.by_identity.get(id(value))
+        return found if found is not None and found.ruled else None
+
+    def named(self, path: str) -> Given | None:
+        """The given function of a dotted path, if it has a derivative."""
+        found = self.by_path.get(path)
+        return found if found is not None and found.ruled else None
+
+    def closure(self, paths: Iterable[str]) -> list[Given]:
+        """The given functions of these paths and those that their partials call."""
+        found: dict[str, Given] = {}
+        waiting = [self.by_path[p] for p in paths if p in self.by_path]
+        while waiting:
+            given = waiting.pop()
+            if given.path not in found:
+                found[given.path] = given
+                waiting += given.reads
+        return list(found.values())
+
+
+def imported(path: str) -> Any:
+    """What `from module import name` gives for "module.name"; None if that fails."""
+    module, _, last = path.rpartition(".")
+    try:
+        return getattr(importlib.import_module(module), last, None) if module else None
+    except ImportError:
+        return None
+
+
+GIVEN = Registry()

@@ -1,0 +1,96 @@
+"""The user's own functions in generated modules: which a program calls, and how Numba reaches them."""
+from __future__ import annotations
+
+import importlib
+import numbers
+from types import FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+
+from s2sad.diagnostics import Report
+from s2sad.infer.types import FLOAT, Type
+from s2sad.program import Program
+from s2sad.rules import constant_result
+from s2sad.rules.given import GIVEN, ROOM, Given
+from s2sad.tree import Call, call_name, walk
+from s2sad.units import Units
+
+
+def given_of(program: Program) -> tuple[Given, ...]:
+    """The given functions that a program's kernels call, and those that their partials call."""
+    called = (call_name(n) or "" for k in program.kernels.values() for n in walk(k.tree) if isinstance(n, Call))
+    return tuple(GIVEN.closure(dict.fromkeys(c[len(ROOM):] for c in called if c.startswith(ROOM))))
+
+
+def for_numba(function: Any, flags: dict[str, Any]) -> Any:
+    """A given function as compiled code can call it: a Python function compiled, anything else as it is."""
+    return importlib.import_module("numba").njit(**flags)(function) if isinstance(function, FunctionType) else function
+
+
+def held_to_numbers(module: ModuleType, given: tuple[Given, ...]) -> ModuleType:
+    """A generated module for NumPy whose functions that are held fixed are heard when they return no number."""
+    kinds = {id(g.function): constant_result(ROOM + g.path) for g in given}
+    space = vars(module)
+    space.update({name: _number(value, kinds[id(value)] or "") for name, value in list(space.items())
+                  if kinds.get(id(value))})
+    return module
+
+
+def _number(function: Any, kind: str) -> Any:
+    accepted = {"float": numbers.Real, "int": (numbers.Integral, np.bool_), "bool": (bool, np.bool_)}[kind]
+
+    def called(*arguments: Any, **keywords: Any) -> Any:
+        result = function(*arguments, **keywords)
+        if not isinstance(result, accepted):
+            raise TypeError(f"{function.__name__} is held fixed by s2sad.nondifferentiable(..., result={kind!r}), but "
+                            f"returned {result!r}")
+        return result
+    return called
+
+
+def compilable(units: Units) -> None:
+    """Refuses, at its place, each call of a given function that Numba cannot compile; raises S2sadError."""
+    for unit in units.made.values():
+        report = Report(unit.kernel.source)
+        types = {call_name(n): tuple(map(unit.typing.of, n.args)) for n in walk(unit.function) if isinstance(n, Call)}
+        for node in walk(unit.kernel.tree):
+            name = call_name(node) or ""
+            if not isinstance(node, Call) or not name.startswith(ROOM):
+                continue
+            for given in GIVEN.closure([name[len(ROOM):]]):
+                own = ROOM + given.path == name
+                taken = types.get(name, ()) if own else None
+                if not _compiles(given, taken):
+                    whose = "" if own else ", which the derivative calls"
+                    report.error("S407", f"Numba cannot compile '{given.path}'{whose}", node,
+                                 help='engine="numpy" calls it as it is')
+        report.finish()
+
+
+def _compiles(given: Given, types: tuple[Type, ...] | None) -> bool:
+    """Whether Numba compiles a call with arguments of these types; None: as many floats as a Python function takes."""
+    numba = importlib.import_module("numba")
+    function = for_numba(given.function, {"error_model": "numpy"})
+    if types is None:
+        count = given.plain.__code__.co_argcount if isinstance(given.plain, FunctionType) else None
+        if count is None:
+            return any(_compiles(given, (FLOAT,) * n) for n in (1, 2, 3))
+        types = (FLOAT,) * count
+
+    def reached(*arguments: Any) -> Any:
+        return function(*arguments)
+    try:
+        taken = numba.types.StarArgTuple([_numba_type(numba, t) for t in types])
+        compiled = numba.njit(error_model="numpy")(reached)
+        compiled.compile((taken,))
+    except Exception:  # whatever it is: Numba raises more than its own errors on code that it does not know
+        return False
+    kinds = {"float": numba.types.Number, "int": numba.types.Integer, "bool": numba.types.Boolean}
+    kind = kinds.get(constant_result(ROOM + given.path) or "")
+    return kind is None or isinstance(compiled.nopython_signatures[0].return_type, (kind, numba.types.Boolean))
+
+
+def _numba_type(numba: Any, kind: Type) -> Any:
+    scalar = numba.boolean if kind.dtype == "bool" else getattr(numba, kind.dtype)
+    return numba.types.Array(scalar, kind.rank, "C") if kind.is_array else scalar
