@@ -1,6 +1,8 @@
 """Kernels with slices, views, broadcasting, reductions and linear algebra, under both engines."""
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -392,3 +394,16 @@ def test_a_step_that_changes_is_refused_for_loops():
     with pytest.raises(s2sad.S2sadError, match="a slice whose step is not a written number"):
         s2sad.differentiate(step_that_changes, engine="numba").adjoint_source(np.ones(6))
     check_derivatives(step_that_changes, (np.ones(6),), ("x",), ("x",), "numpy")
+
+
+def scaled_tail(x):
+    n = x.size
+    x[n - 5:] *= 2.0
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_bound_that_would_count_from_the_end_is_guarded(engine):
+    vjp = partial(s2sad.vjp, s2sad.differentiate(wrt="x", of=("x",), engine=engine)(scaled_tail))
+    assert vjp((np.ones(6),), {"x": np.ones(6)})["x"].tolist() == [1.0, 2.0, 2.0, 2.0, 2.0, 2.0]
+    with pytest.raises(AssertionError):
+        vjp((np.ones(4),), {"x": np.ones(4)})

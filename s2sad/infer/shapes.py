@@ -413,6 +413,8 @@ class Shapes:
         below = size.plus(form, -1)
         if function == "runtime.position" and (not below.terms and below.constant >= 0 or all(
                 self._sizes_only(f) for f in (form, below))):
+            if not self._sizes_only(form):
+                self.required.append(form)
             return form
         return self.symbol(call(function, copy(node), self.expression(size)))
 

@@ -338,7 +338,10 @@ class _Views:
         while found and is_whole(found[-1]) and not any(map(is_new, found)) and len(found) > 1 and \
                 not isinstance(found[-2], Slice):
             found.pop()
-        return () if all(map(is_whole, found)) else tuple(found)
+        if all(map(is_whole, found)):
+            return ()
+        self.shapes.of(index(name(view[0]), *found))  # asks for the guards under which its slices are exact
+        return tuple(found)
 
     def whole(self, array: Name) -> AST:
         """An array of subscripts: a name, or refused."""
