@@ -207,8 +207,14 @@ def sums_within_sums(a, x, y):
     return np.sum(np.max(y) * y * x[0]) + np.sum(y @ y * a + np.sum(x) * y)
 
 
+def picked_in_order(x, y):
+    order = np.argsort(x)
+    y *= x[order]
+    return np.sum(y[order] * x) + x[order[0]] * y[order[1]]
+
+
 THREE = (overlapping_store, strided, view_of_a_view, view_kept_across_a_rebinding, read_after_the_view_was_overwritten,
-         window, masked, mask_that_changes, picked_elements, picked_twice_in_a_loop)
+         window, masked, mask_that_changes, picked_elements, picked_twice_in_a_loop, picked_in_order)
 KERNELS = (*THREE, masked_matrix, broadcast_both_ways, broadcast_in_a_sum, reductions, kept_dimensions, moved, products,
            chosen, in_loops, part_passed_to_a_helper, batched_rows, operand_as_result, reductions_into_parts,
            sums_within_sums)

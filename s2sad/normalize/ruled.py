@@ -25,7 +25,7 @@ _OTHER = frozenset({
     "builtins.range"})
 # functions of whole arrays whose derivative is zero, or that `pieces` writes out; what else has no adjoint is a part of
 # derivatives
-_FLAT = frozenset({"runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to"})
+_FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to"})
 _SUMS = ("numpy.sum", "builtins.sum")
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
 _LOOP = "write it as a loop over the elements"

@@ -262,6 +262,7 @@ class Scalarize:
         return rebuild(value, change)
 
     def alike(self, node: AST) -> bool:
-        """Whether all arrays of an expression have its own shape."""
+        """Whether all arrays of an expression have its own shape, and none is picked from."""
         whole = self.shapes.of(node)
-        return all(self.shapes.of(part) == whole for part in array_operands(node, self.typing))
+        return all(self.shapes.of(part) == whole and not scattered(part, self.typing)
+                   for part in array_operands(node, self.typing))

@@ -13,6 +13,8 @@ for _name in ("max", "min"):
     arrays(f"numpy.{_name}(x, axis=None, keepdims=False)", law="reduced", also=(f"numpy.a{_name}",),
            x=f"{_SPREAD} * {_FIRST}", tangent=f"numpy.sum(x_dot * {_FIRST}, axis=axis, keepdims=keepdims)")
 
+# places, not values: no derivative
+arrays("numpy.argsort(x, axis=-1)", law="places")
 arrays("runtime.spread(x, shape, axis=None, keepdims=False)", law="spread")
 arrays("numpy.broadcast_to(x, shape)", law="spread")
 arrays("runtime.scattered(x, shape, places)", law="spread")
