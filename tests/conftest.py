@@ -15,7 +15,7 @@ if str(ROOT) not in sys.path:
 
 _SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
 settings.register_profile("ci", max_examples=300, deadline=None, derandomize=True, suppress_health_check=_SLOW)
-settings.register_profile("quick", max_examples=40, deadline=None, suppress_health_check=_SLOW)
+settings.register_profile("quick", max_examples=40, deadline=None, derandomize=True, suppress_health_check=_SLOW)
 settings.load_profile("ci" if os.environ.get("CI") else "quick")
 
 collect_ignore_glob = ["golden/*"]  # texts to compare and run, no tests

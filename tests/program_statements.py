@@ -170,9 +170,10 @@ class SimpleStatements(Expressions):
 
     def swap(self) -> None:
         known = self.scope.assignable()
-        target, other = self.target(), self.target()
         if len(known) > 1 and self.choices.chance(50):
             target, other = known[-1], known[0]
+        else:
+            target, other = self.target(), self.target()
         if target is not None and other is not None:
             self.write(f"{target}, {other} = {other}, {target}")
 

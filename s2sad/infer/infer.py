@@ -286,14 +286,23 @@ class Typing:
     def _like(self, name: str, node: Call) -> Type:
         base = self.of(node.args[0])
         if base.kind == "tuple":
-            items = base.items
-            joined = items[0] if items else FLOAT
-            for item in items[1:]:
-                joined = promote(joined, item)
-            return array(self._dtype(node, 1, joined.dtype or "float64"), joined.rank + 1)
+            joined = _joined(base)
+            return array(self._dtype(node, 1, joined.dtype), joined.rank) if joined.dtype else UNKNOWN
         if not base.is_array:
             return UNKNOWN
         return array(self._dtype(node, 2 if name == "numpy.full_like" else 1, base.dtype), base.rank)
+
+
+def _joined(items: Type) -> Type:
+    """The type of the array that nested lists of numbers spell."""
+    if not items.items:
+        return array("float64", 1)
+    joined: Type | None = None
+    for item in items.items:
+        inner = _joined(item) if item.kind == "tuple" else item
+        joined = inner if joined is None else promote(joined, inner)
+    assert joined is not None
+    return array(joined.dtype, joined.rank + 1) if joined.dtype else UNKNOWN
 
 
 def dtype_of(node: AST) -> str | None:

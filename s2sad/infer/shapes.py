@@ -123,7 +123,7 @@ class Shapes:
 
     def least(self) -> dict[str, int]:
         """The least value of every symbol of which one is known."""
-        sizes = {s: 0 for s, atom in self.atoms.items() if isinstance(atom, Subscript)}
+        sizes = {s: 0 for s, atom in self.atoms.items() if _is_size(atom)}
         return {**sizes, **{dump(name(c)): low for c, low in self.counters.items()}}
 
     def expression(self, size: Affine, reduced: bool = True) -> AST:
@@ -418,7 +418,6 @@ class Shapes:
             return form
         return self.symbol(call(function, copy(node), self.expression(size)))
 
-
     def _sizes_only(self, form: Affine) -> bool:
         """Whether a form adds up sizes of arrays, so that it is never negative."""
         return form.constant >= 0 and all(c > 0 and _is_size(self.atoms[s]) for s, c in form.terms)
@@ -432,6 +431,17 @@ def scattered(place: AST, typing: Typing) -> bool:
     """Whether arrays of integers pick the elements of a place, which may name one twice."""
     return isinstance(place, Subscript) and any(
         typing.of(s).is_array and typing.of(s).dtype != "bool" for s in indices(place) if not isinstance(s, Slice))
+
+
+def stand_apart(subscripts: list[AST], typing: Typing) -> bool:
+    """Whether a slice or a new axis stands between subscripts of which one is an array.
+
+    NumPy then puts the axis of what they pick first."""
+    kinds = [isinstance(s, Slice) or isinstance(s, Constant) and s.value in (None, Ellipsis) for s in subscripts]
+    if not any(typing.of(s).is_array for s, between in zip(subscripts, kinds) if not between):
+        return False
+    places = [k for k, between in enumerate(kinds) if not between]
+    return places[-1] - places[0] + 1 != len(places)
 
 
 def is_whole(subscript: AST) -> bool:

@@ -22,7 +22,7 @@ class Elements:
 
     def __init__(self, typing: Typing, shapes: Shapes):
         self.typing, self.shapes = typing, shapes
-        self.mask: list[AST] = []  # where the mask of a statement is walked
+        self.walked: dict[str, list[AST]] = {}  # where the mask of the statement, by its name, is walked
 
     def element(self, node: AST, positions: list[AST]) -> AST:
         """The element of an expression at these positions; what is no array stays as it is."""
@@ -53,7 +53,8 @@ class Elements:
             elif not isinstance(subscript, Slice) and (kind := self.typing.of(subscript)).is_array:
                 if held is None:
                     held, waiting = waiting[:picked], waiting[picked:]
-                made += map(copy, self.mask) if masked else [self.element(subscript, held[picked - kind.rank:])]
+                made += map(copy, self.walked[subscript.id]) if masked else [
+                    self.element(subscript, held[picked - kind.rank:])]
             elif isinstance(subscript, Slice):
                 made.append(self.cell(base.id, len(made), subscript, waiting[0]))
                 waiting = waiting[1:]

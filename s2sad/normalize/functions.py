@@ -22,7 +22,7 @@ from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Return, Slice, Subscript,
-    While, assign, at, augment, call_name, const, copy, dump, index, indices, name, rebuild, walk,
+    While, assign, at, augment, call, call_name, const, copy, dump, index, indices, name, rebuild, walk,
 )
 
 _SUMMED = ("summed", "averaged")
@@ -110,7 +110,12 @@ class _Functions:
                 return at(Subscript(inner, self.moved(n.slice, before), n.ctx), n)
             if call_name(n) in _MADE:
                 return name(self.bind(n, copy(n), before))
-            return name(self.bind(n, self.operands(n, before), before)) if is_function(n) else None
+            if rules.find_array(call_name(n)) is None:
+                return None
+            kept, self.kept = self.kept, ""  # it does not walk what a mask of the statement picks
+            made = self.operands(n, before)
+            self.kept = kept
+            return name(self.bind(n, made, before)) if is_function(n) else made
         return rebuild(node, change)
 
     def arrays(self, node: Subscript) -> list[AST]:
@@ -127,10 +132,17 @@ class _Functions:
 
     def named(self, node: Subscript, before: list[AST]) -> Subscript:
         """The subscript with names for the arrays in it."""
-        parts = [name(self.bind(s, self.moved(s, before), before, "mask" if self.typing.of(s).dtype == "bool" else
-                                "places")) if s in self.arrays(node) and not isinstance(s, Name) else
-                 self.moved(s, before) for s in indices(node)]
+        arrays = self.arrays(node)
+        parts = [self.places(s, before) if s in arrays else self.moved(s, before) for s in indices(node)]
         return at(Subscript(self.moved(node.value, before), index(node.value, *parts).slice, node.ctx), node)
+
+    def places(self, array: AST, before: list[AST]) -> AST:
+        """A name for an array of subscripts; a part of an array is copied."""
+        if isinstance(array, Name):
+            return array
+        made = self.moved(array, before)
+        value = call("numpy.copy", made) if isinstance(made, Subscript) else made
+        return name(self.bind(array, value, before, "mask" if self.typing.of(array).dtype == "bool" else "places"))
 
     def root(self, node: AST, before: list[AST]) -> AST:
         """The right side of a statement that binds a name."""

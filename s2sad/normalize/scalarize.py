@@ -170,14 +170,18 @@ class Scalarize:
         if mask is None:
             return found.around(body)
         counted = any(isinstance(n, Name) and n.id == found.taken for n in walk(inner))
-        return found.around(body, index(mask, *map(copy, self.elements.mask)), counted)
+        return found.around(body, self.test(mask), counted)
 
     def picked(self, target: Subscript, value: Subscript) -> list[AST]:
         """An array filled with what a mask picks, one element after the other."""
         source, mask = self.walked(value), self.mask_of(value)
         assert mask is not None
         store = assign(self.elements.element(target.value, source.positions), source.cell)
-        return source.around([store], index(mask, *map(copy, self.elements.mask)), counted=True)
+        return source.around([store], self.test(mask), counted=True)
+
+    def test(self, mask: Name) -> AST:
+        """The element of the mask where the loops stand."""
+        return index(mask, *map(copy, self.elements.walked[mask.id]))
 
     def mask_of(self, place: Subscript) -> Name | None:
         """The array of bools that picks elements, if there is one."""
@@ -189,6 +193,7 @@ class Scalarize:
         base = target.value
         assert isinstance(base, Name)
         found = Walked([], [], index(base), [])
+        self.elements.walked = {}
         cell: list[AST] = []
         picked: list[AST] | None = None
         for entry in self.shapes.full(indices(target), self.typing.of(base).rank):
@@ -200,7 +205,7 @@ class Scalarize:
             elif kind.dtype == "bool":
                 found.first = len(found.counters)
                 counters = found.add([[self.elements.size_of(entry, k)] for k in range(kind.rank)], self.counters)
-                self.elements.mask = counters
+                self.elements.walked = {entry.id: counters}
                 cell += map(copy, counters)
                 found.masked = len(found.counters)
                 found.taken = self.number("taken", INT)

@@ -23,7 +23,7 @@ from s2sad.analyze.liveness import base_name
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import ONE, whole_number
-from s2sad.infer.shapes import Shapes, is_whole, scattered, single_values
+from s2sad.infer.shapes import Shapes, is_whole, scattered, single_values, stand_apart
 from s2sad.infer.types import INT, Type, array
 from s2sad.naming import Names
 from s2sad.normalize.allocations import Allocations
@@ -331,6 +331,8 @@ class _Views:
         if any(self.typing.of(s).is_array for s in (*view[1], *added) if not isinstance(s, Slice)):
             if any(isinstance(s, Slice) or is_new(s) or self.typing.of(s).is_array for s in view[1]):
                 refuse("elements picked from a part of an array")
+            elif stand_apart([*view[1], *added], self.typing):
+                refuse("subscripts that pick elements on both sides of a slice")
             return (*view[1], *added)
         if all(not isinstance(s, Slice) and not is_new(s) and not _is_full(s) for s in (*view[1], *added)):
             return (*view[1], *added)
@@ -376,9 +378,6 @@ class _Views:
                 return _item(self.attribute(n.value) or n.value, self.resolve(n.slice))
             if isinstance(n, Attribute) and self.typing.of(n.value).is_array:
                 return self.attribute(n)
-            if isinstance(n, Subscript) and isinstance(n.value, Attribute) and n.value.attr == "shape" and (
-                    axis := whole_number(n.slice)) is not None and self.prefix(n.value.value):
-                return self.shape_of(n.value.value, axis % self.typing.of(n.value.value).rank)
             if isinstance(n, Call) and isinstance(n.func, Attribute):
                 return self.method(n)
             if call_name(n) == "builtins.len" and self.typing.of(n.args[0]).is_array:

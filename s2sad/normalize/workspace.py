@@ -10,10 +10,11 @@ several of its name.
 """
 from __future__ import annotations
 
+from s2sad.analyze.liveness import base_name, read_names
 from s2sad.normalize.form import ALLOCATIONS
 from s2sad.tree import (
-    AST, Assign, For, FunctionDef, If, Name, Subscript, While, assign, at, call, call_name, const, copy, index, name,
-    names, stored_names, walk,
+    AST, Assign, For, FunctionDef, If, Name, Store, Subscript, While, assign, at, call, call_name, const, copy,
+    index, name, names, stored_names, walk,
 )
 
 
@@ -41,6 +42,7 @@ def _block(block: list[AST], known: set[str], several: set[str]) -> list[AST]:
 
 def _compound(statement: AST, bound: set[str], freed: list[AST], several: set[str]) -> AST:
     changed = set(stored_names(statement))
+    written = _written(statement)
     looping = isinstance(statement, (For, While))
 
     def strip(block: list[AST], inner: set[str]) -> list[AST]:
@@ -48,7 +50,7 @@ def _compound(statement: AST, bound: set[str], freed: list[AST], several: set[st
         for item in _block(block, inner, several):
             gone = {f.targets[0].id for f in freed}
             if not is_allocation(item) or item.targets[0].id in several or not _may_leave(
-                    item, bound | gone, changed - gone):
+                    item, bound | gone, changed - gone, written):
                 new.append(item)
                 continue
             target = item.targets[0].id
@@ -72,10 +74,17 @@ def is_allocation(statement: AST) -> bool:
             and call_name(statement.value) in ALLOCATIONS)
 
 
-def _may_leave(item: Assign, bound: set[str], changed: set[str]) -> bool:
+def _may_leave(item: Assign, bound: set[str], changed: set[str], written: set[str]) -> bool:
     needed = set(names(item.value))
     loads = any(isinstance(n, Subscript) and isinstance(n.value, Name) for n in walk(item.value))
-    return needed <= bound and not needed & changed and not loads
+    return needed <= bound and not needed & changed and not loads and not read_names(item.value) & written
+
+
+def _written(statement: AST) -> set[str]:
+    """The arrays whose content a statement may change."""
+    stored = {base_name(n) for n in walk(statement) if isinstance(n, Subscript) and isinstance(n.ctx, Store)}
+    given = {n for called in walk(statement) if (call_name(called) or "").startswith("user.") for n in names(called)}
+    return stored | given
 
 
 def _emptied(item: Assign) -> Assign:

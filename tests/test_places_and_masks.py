@@ -1,0 +1,71 @@
+"""Elements picked by integer arrays and masks, where the text must not be taken apart carelessly: under both engines."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+
+ENGINES = ("numpy", "numba")
+
+
+def mask_changed_in_while(a, x):
+    while np.sum(x) > 1.0:
+        high = x > 0.5 * np.max(x)
+        x[high] *= 0.5 * x[high] / np.max(x[high])
+        a[high] *= np.max(x[high])
+
+
+def places_from_data(a, x):
+    order = np.array([[0, 2], [1, 1]])
+    x[order[0]] *= a[0, order[1]]
+    x[order[:, 1]] += x[0] * a[1, order[1, ::-1]]
+
+
+def places_of_two_axes(a, x):
+    order = np.array([[0, 2], [1, 1]])
+    b = x[order] * x[order]
+    x[0] = np.sum(b[1] * b[0])
+    a[order[0], order[1]] += b[0]
+
+
+def allocated_by_what_an_array_holds(a, x):
+    count = np.array([1, 2, 3])
+    for k in range(3):
+        w = np.zeros(int(np.sum(count)))
+        w[-1] = x[k] ** 2
+        count[k] = count[k] + 1
+        x[0] += np.sum(w) * w.size + w[w.size - 1] * a[0, k]
+
+
+KERNELS = (mask_changed_in_while, places_from_data, places_of_two_axes, allocated_by_what_an_array_holds)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.__name__)
+def test_kernel(kernel, engine):
+    random = np.random.default_rng(3)
+    given = 0.3 + random.random((3, 3)), np.array([0.9, 1.2, 0.7])
+    left = given[0].copy(), given[1].copy()
+    kernel(*left)
+    of = tuple(n for n, p, q in zip("ax", given, left) if not np.array_equal(p, q))
+    check_derivatives(kernel, given, ("a", "x"), of, engine)
+
+
+def picked_around_a_slice(a, x):
+    places = np.array([0, 2])
+    x[0] = np.sum(a[0, :, places] * a[0, :, places])
+
+
+def mask_after_a_slice(a, x):
+    high = x > 0.5
+    x[0] = np.sum(a[1, :, high])
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("kernel", (picked_around_a_slice, mask_after_a_slice), ids=lambda kernel: kernel.__name__)
+def test_subscripts_around_a_slice_are_refused(kernel, engine):
+    """NumPy puts the axis of what they pick first: the elements would be others."""
+    with pytest.raises(s2sad.S2sadError, match="subscripts that pick elements on both sides of a slice"):
+        s2sad.differentiate(kernel, engine=engine).adjoint_source(np.ones((3, 3, 3)), np.ones(3))
