@@ -69,3 +69,27 @@ def test_subscripts_around_a_slice_are_refused(kernel, engine):
     """NumPy puts the axis of what they pick first: the elements would be others."""
     with pytest.raises(s2sad.S2sadError, match="subscripts that pick elements on both sides of a slice"):
         s2sad.differentiate(kernel, engine=engine).adjoint_source(np.ones((3, 3, 3)), np.ones(3))
+
+
+def sizes_that_do_not_hold(x, k):
+    picked = x[x > 9.0]
+    if picked.size > 1:
+        picked[1:] *= picked[:-1] + picked[1:]
+    if k > 0:
+        w = np.ones(x.size // k)
+        w *= x[0]
+        x[1] += np.sum(w * w)
+    for _ in range(k - 1):
+        v = np.zeros(k - 1)
+        v += x[2]
+        x[2] *= np.sum(v)
+    x[x > 9.0] = picked
+    x *= x
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("k", (0, 2))
+def test_sizes_of_blocks_that_do_not_run(k, engine):
+    """A work array leaves its block only in a size that is possible where the block does not run."""
+    for x in (np.array([0.9, 1.2, 0.7]), np.array([9.9, 10.2, 9.7])):
+        check_derivatives(sizes_that_do_not_hold, (x, k), ("x",), ("x",), engine)

@@ -13,8 +13,8 @@ from __future__ import annotations
 from s2sad.analyze.liveness import base_name, read_names
 from s2sad.normalize.form import ALLOCATIONS
 from s2sad.tree import (
-    AST, Assign, For, FunctionDef, If, Name, Store, Subscript, While, assign, at, call, call_name, const, copy,
-    index, name, names, stored_names, walk,
+    AST, Assign, BinOp, Constant, FloorDiv, For, FunctionDef, If, Mod, Name, Store, Sub, Subscript, Tuple, USub,
+    While, assign, at, call, call_name, const, copy, index, name, names, stored_names, tuple_of, walk,
 )
 
 
@@ -55,7 +55,7 @@ def _compound(statement: AST, bound: set[str], freed: list[AST], several: set[st
                 continue
             target = item.targets[0].id
             zeros = "zeros" in (call_name(item.value) or "")
-            freed.append(at(_emptied(item) if looping and zeros else item, item))
+            freed.append(at(_possible(_emptied(item) if looping and zeros else item), item))
             if looping and zeros:
                 new.append(at(assign(index(name(target), const(...)), const(0.0)), item))
         return new
@@ -77,7 +77,10 @@ def is_allocation(statement: AST) -> bool:
 def _may_leave(item: Assign, bound: set[str], changed: set[str], written: set[str]) -> bool:
     needed = set(names(item.value))
     loads = any(isinstance(n, Subscript) and isinstance(n.value, Name) for n in walk(item.value))
-    return needed <= bound and not needed & changed and not loads and not read_names(item.value) & written
+    divides = any(isinstance(n, BinOp) and isinstance(n.op, (FloorDiv, Mod)) and not isinstance(n.right, Constant)
+                  for n in walk(item.value))  # by zero, perhaps, where the block would not have run
+    return (needed <= bound and not needed & changed and not loads and not divides
+            and not read_names(item.value) & written)
 
 
 def _written(statement: AST) -> set[str]:
@@ -85,6 +88,17 @@ def _written(statement: AST) -> set[str]:
     stored = {base_name(n) for n in walk(statement) if isinstance(n, Subscript) and isinstance(n.ctx, Store)}
     given = {n for called in walk(statement) if (call_name(called) or "").startswith("user.") for n in names(called)}
     return stored | given
+
+
+def _possible(item: Assign) -> Assign:
+    """The allocation where its block may not run: a size that a difference makes negative there is zero."""
+    shape = item.value.args[0]
+    if "like" in (call_name(item.value) or ""):
+        return item
+    sizes = [call("builtins.max", s, const(0)) if any(isinstance(n, (Sub, USub)) for n in walk(s)) else s
+             for s in (shape.elts if isinstance(shape, Tuple) else [shape])]
+    new = tuple_of(*sizes) if isinstance(shape, Tuple) else sizes[0]
+    return assign(item.targets[0], call(call_name(item.value), new, *item.value.args[1:]))
 
 
 def _emptied(item: Assign) -> Assign:
