@@ -1,4 +1,4 @@
-"""Elements picked by integer arrays and masks, where the text must not be taken apart carelessly: under both engines."""
+"""Elements picked by integer arrays and masks, where a statement must not be taken apart carelessly."""
 from __future__ import annotations
 
 import numpy as np

@@ -26,7 +26,8 @@ from s2sad.differentiate.expression import Pullback
 from s2sad.differentiate.resize import empty_at_first
 from s2sad.differentiate.sweeps import Sweeps
 from s2sad.differentiate.tape import Tape
-from s2sad.infer.shapes import scattered, shapes_of
+from s2sad.infer.shapes import shapes_of
+from s2sad.infer.slices import scattered
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.workspace import is_allocation

@@ -9,7 +9,8 @@ from collections.abc import Callable
 
 from s2sad.infer.affine import Affine
 from s2sad.infer.laws import whole_number
-from s2sad.infer.shapes import Shapes, is_whole
+from s2sad.infer.shapes import Shapes
+from s2sad.infer.slices import is_whole
 from s2sad.tree import AST, Add, BinOp, Constant, Mult, Name, Slice, const, copy
 
 Refuse = Callable[[str], None]

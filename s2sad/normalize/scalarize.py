@@ -22,14 +22,15 @@ from dataclasses import dataclass
 
 from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
-from s2sad.infer.shapes import Shapes, scattered, shape_expression, single_values
+from s2sad.infer.shapes import Shapes, shape_expression, single_values
+from s2sad.infer.slices import scattered
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
 from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.elements import Elements, moves
 from s2sad.normalize.functions import is_function
 from s2sad.normalize.reduced import Reduced, is_reduction
-from s2sad.normalize.views import array_operands
+from s2sad.normalize.places import array_operands
 from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While, assign,

@@ -23,22 +23,18 @@ from s2sad.analyze.liveness import base_name
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import ONE, whole_number
-from s2sad.infer.shapes import Shapes, is_whole, scattered, single_values, stand_apart
-from s2sad.infer.types import INT, Type, array
+from s2sad.infer.shapes import Shapes, single_values
+from s2sad.infer.slices import scattered
+from s2sad.infer.types import Type, array
 from s2sad.naming import Names
-from s2sad.normalize.allocations import Allocations
 from s2sad.normalize.apart import overlaps
-from s2sad.normalize.functions import is_function
 from s2sad.normalize.reduced import is_reduction
-from s2sad.normalize.regions import composed, is_new
+from s2sad.normalize.places import AMBIGUOUS, Places, View, is_whole_place
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Constant, Eq, Expr, For, FunctionDef, GtE, If, Name,
-    Return, Slice, Store, Subscript, Tuple, While, assign, at, attribute, augment, call, call_name, compare,
-    const, copy, dump, index, indices, mult, name, names, rebuild, rename, tuple_of, walk,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Eq, Expr, For, FunctionDef, GtE, If, Name, Return, Slice,
+    Store, Subscript, Tuple, While, assign, at, attribute, augment, call_name, compare, const, copy, dump, index,
+    indices, name, names, rename, tuple_of, walk,
 )
-
-View = tuple[str, tuple[AST, ...]]
-_AMBIGUOUS: View = ("", ())
 
 
 def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free: Names,
@@ -59,20 +55,8 @@ def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free
     return new
 
 
-class _Views:
-    def __init__(self, types: Mapping[str, Type], typing: Typing, free: Names, report: Report, bound: list[str],
-                 shapes: Shapes):
-        self.types, self.typing, self.free, self.report, self.shapes = types, typing, free, report, shapes
-        self.before: list[AST] = []
-        self.loops = False
-        self.seen: dict[str, View] = {}
-        self.tuples: dict[str, AST] = {}
-        self.parameters: set[str] = set()
-        self.bound = bound
-        self.depth = 0
-        self.versions: set[str] = set()
-        self.home: dict[str, int] = {}                  # how many loops are around an allocation
-        self.allocations = Allocations(typing, report, shapes)
+class _Views(Places):
+    """Rewrites the statements of one function."""
 
     # -- statements --------------------------------------------------------------------------------------------------
 
@@ -121,7 +105,7 @@ class _Views:
         inside = {t.id for s in walk(statement.body) if isinstance(s, Assign) for t in s.targets
                   if isinstance(t, Name) and t.id in self.types and self.types[t.id].is_array}
         before = dict(self.seen)
-        self.seen = {n: _AMBIGUOUS if n in inside else v for n, v in self.seen.items()}
+        self.seen = {n: AMBIGUOUS if n in inside else v for n, v in self.seen.items()}
         self.depth += 1
         if isinstance(statement, For):
             bounds = self.resolve(statement.iter)
@@ -132,14 +116,14 @@ class _Views:
         else:
             new = While(self.resolve(statement.test), self.block(statement.body), [])
         self.depth -= 1
-        self.seen = {n: v if n not in inside or n not in before else _AMBIGUOUS for n, v in self.seen.items()}
+        self.seen = {n: v if n not in inside or n not in before else AMBIGUOUS for n, v in self.seen.items()}
         return new
 
     def allocated_on_both(self, before: Mapping[str, View], after: Mapping[str, View]) -> dict[str, str]:
         """The arrays of a second branch that go under the name of the first branch's: both were bound to one name."""
         found: dict[str, str] = {}
         for bound, (second, subscripts) in self.seen.items():
-            first = after.get(bound, _AMBIGUOUS)[0]
+            first = after.get(bound, AMBIGUOUS)[0]
             if first != second and not subscripts and bound in self.types and all(
                     self.home.get(v) == self.depth and (v, ()) not in before.values() for v in (first, second)) \
                     and after[bound] == (first, ()) and second not in found and first not in found.values():
@@ -171,7 +155,7 @@ class _Views:
 
     def bind_array(self, target: str, value: AST, statement: AST) -> list[AST]:
         if isinstance(value, (Name, Subscript)) and not self.picks(value) and self.viewed(value):
-            base, prefix = self.viewed(value) or _AMBIGUOUS
+            base, prefix = self.viewed(value) or AMBIGUOUS
             self.seen[target] = (base, tuple(self.frozen(s, f"{target}_at") for s in prefix))
             return []
         if (call_name(value) or "").startswith("user."):
@@ -199,28 +183,6 @@ class _Views:
             return self.free.fresh(f"{target}_{sum(v.startswith(target) for v in self.versions) + 1}")
         self.versions.add(target)
         return target
-
-    def frozen(self, subscript: AST, wanted: str) -> AST:
-        """A subscript as an expression that stays what it is now; what may change gets a name before."""
-        if isinstance(subscript, Slice):
-            parts = (subscript.lower, subscript.upper, subscript.step)
-            return Slice(*(p and self.frozen(p, wanted) for p in parts))
-        simple = not any(isinstance(n, (Subscript, Call)) for n in walk(subscript))
-        if simple and all(self.bound.count(n) <= 1 for n in names(subscript)) or self.lasts(subscript):
-            return subscript
-        held = self.free.fresh(wanted)
-        self.before.append(assign(held, subscript))
-        self.typing.table[held] = INT
-        self.shapes.values = {**self.shapes.values, held: None}
-        return name(held)
-
-    def lasts(self, node: AST) -> bool:
-        """Whether an expression is made of sizes of arrays that are bound once: they stay what they are."""
-        if isinstance(node, BinOp):
-            return self.lasts(node.left) and self.lasts(node.right)
-        asked = isinstance(node, Subscript) and isinstance(node.value, Attribute) and node.value.attr == "shape"
-        return isinstance(node, Constant) or asked and self.depth == 0 and all(
-            self.bound.count(n) <= 1 for n in names(node))
 
     def augmented(self, statement: AugAssign) -> list[AST]:
         target = statement.target
@@ -287,182 +249,6 @@ class _Views:
         new = [self.resolve(part) for part in parts]
         return tuple_of(*new) if isinstance(value, Tuple) else new[0]
 
-    # -- places and expressions --------------------------------------------------------------------------------------
-
-    def viewed(self, node: AST) -> View | None:
-        """The base and the indices that an array expression names, or None if it names no array."""
-        if isinstance(node, Name):
-            if not self.typing.of(node).is_array:
-                return None
-            view = self.seen.get(node.id)
-            if view is None and node.id.startswith("array."):
-                return node.id, ()
-            if view is None or view == _AMBIGUOUS:
-                self.report.error("S201", f"'{node.id}' may stand for different arrays here", node,
-                                  help="copy into one array with x[...] = ..., or use two names")
-                return None
-            return view
-        if isinstance(node, Subscript):
-            inner = self.viewed(node.value)
-            if inner is None:
-                return None
-            added = [self.part(s) for s in indices(node)]
-            return inner[0], self.composed(inner, added, node)
-        return None
-
-    def part(self, subscript: AST) -> AST:
-        """A subscript with views resolved; the bounds of a slice stay what they are now."""
-        if isinstance(subscript, Name) and self.typing.of(subscript).is_array:
-            return self.whole(subscript)
-        if not isinstance(subscript, Slice):
-            return self.resolve(subscript)
-        if self.loops and subscript.step is not None and whole_number(subscript.step) is None:
-            self.report.error("S201", "a slice whose step is not a written number", subscript.step,
-                              help="write a loop")
-        parts = (subscript.lower, subscript.upper, subscript.step)
-        return self.frozen(Slice(*(p and self.resolve(p) for p in parts)), "bound")
-
-    def composed(self, view: View, added: list[AST], node: AST) -> tuple[AST, ...]:
-        """The subscripts of a view's part, trailing whole axes left out."""
-        def refuse(what: str) -> None:
-            self.report.error("S201", what, node, help="take the part from the array itself, or write a loop")
-        if not view[1] and len(added) == 1 and _is_full(added[0]):
-            return ()
-        if any(self.typing.of(s).is_array for s in (*view[1], *added) if not isinstance(s, Slice)):
-            if any(isinstance(s, Slice) or is_new(s) or self.typing.of(s).is_array for s in view[1]):
-                refuse("elements picked from a part of an array")
-            elif stand_apart([*view[1], *added], self.typing):
-                refuse("subscripts that pick elements on both sides of a slice")
-            return (*view[1], *added)
-        if all(not isinstance(s, Slice) and not is_new(s) and not _is_full(s) for s in (*view[1], *added)):
-            return (*view[1], *added)
-        found = composed(self.shapes, name(view[0]), list(view[1]), added, refuse)
-        while found and is_whole(found[-1]) and not any(map(is_new, found)) and len(found) > 1 and \
-                not isinstance(found[-2], Slice):
-            found.pop()
-        if all(map(is_whole, found)):
-            return ()
-        self.shapes.of(index(name(view[0]), *found))  # asks for the guards under which its slices are exact
-        return tuple(found)
-
-    def whole(self, array: Name) -> AST:
-        """An array of subscripts: a name, or refused."""
-        base, subscripts = self.viewed(array) or _AMBIGUOUS
-        if subscripts or base == "":
-            self.report.error("S201", "a part of an array as a subscript", array,
-                              help="copy it before: places = x[...].copy()")
-        return name(base or array.id)
-
-    def place(self, target: AST) -> Subscript:
-        base, subscripts = self.viewed(target) or ("_", ())
-        if base.startswith("array."):
-            self.report.error("S201", f"the global array '{base[6:]}' is written", target,
-                              help="pass it as an argument")
-        new = index(name(base), *(subscripts or (const(...),)))
-        return at(new, target) if hasattr(target, "lineno") else new
-
-    def is_region(self, place: Subscript) -> bool:
-        return self.typing.of(place).is_array
-
-    def load(self, place: Subscript) -> AST:
-        subscripts = indices(place)
-        return name(place.value.id) if _is_full(subscripts[0]) and len(subscripts) == 1 else copy(place)
-
-    def resolve(self, node: AST) -> AST:
-        def change(n: AST) -> AST | None:
-            if isinstance(n, Name) and n.id in self.tuples:
-                return copy(self.tuples[n.id])
-            if isinstance(n, Subscript) and isinstance(n.value, Name) and n.value.id in self.tuples:
-                return _item(self.tuples[n.value.id], self.resolve(n.slice))
-            if isinstance(n, Subscript) and isinstance(n.value, Attribute) and self.typing.of(n.value.value).is_array:
-                return _item(self.attribute(n.value) or n.value, self.resolve(n.slice))
-            if isinstance(n, Attribute) and self.typing.of(n.value).is_array:
-                return self.attribute(n)
-            if isinstance(n, Call) and isinstance(n.func, Attribute):
-                return self.method(n)
-            if call_name(n) == "builtins.len" and self.typing.of(n.args[0]).is_array:
-                return self.shape_of(n.args[0], 0) if self.prefix(n.args[0]) else None
-            if isinstance(n, (Name, Subscript)) and (view := self.viewed(n)) is not None:
-                base, subscripts = view
-                return at(index(name(base), *map(copy, subscripts)) if subscripts else name(base), n) \
-                    if hasattr(n, "lineno") else index(name(base), *subscripts) if subscripts else name(base)
-            return None
-        made = rebuild(node, change)
-        self.before += self.operands_fit(made)
-        return made
-
-    def operands_fit(self, node: AST) -> list[AST]:
-        """Guards that the arrays in an operand of a function of whole arrays fit each other."""
-        operands = [a for n in walk(node) if rules.find_array(call_name(n)) is not None for a in n.args]
-        return [guard for o in operands if len({dump(p) for p in array_operands(o, self.typing)}) > 1
-                for guard in self.allocations.operands_fit(o, self.shapes.of(o))]
-
-    def prefix(self, node: AST) -> int:
-        return len((self.viewed(node) or _AMBIGUOUS)[1])
-
-    def shape_of(self, node: AST, axis: int) -> AST:
-        base, subscripts = self.viewed(node) or ("_", ())
-        if not any(isinstance(x, Slice) or is_new(x) for x in subscripts):
-            return index(attribute(name(base), "shape"), const(axis + len(subscripts)))
-        size = self.shapes.of(index(name(base), *subscripts))[axis]
-        if size is None:
-            self.report.error("S201", "the size of a part of an array whose bounds change", node,
-                              help="give the bounds names that are bound once")
-            return const(0)
-        return self.shapes.expression(size)
-
-    def attribute(self, node: Attribute) -> AST | None:
-        skip, rank = self.prefix(node.value), self.typing.of(node.value).rank
-        base = name((self.viewed(node.value) or ("_", ()))[0])
-        if node.attr == "ndim":
-            return const(rank)
-        if node.attr == "size" and skip:
-            sizes = [self.shape_of(node.value, k) for k in range(rank)]
-            product = sizes[0]
-            for size in sizes[1:]:
-                product = mult(product, size)
-            return product
-        if node.attr == "shape" and skip:
-            return tuple_of(*(self.shape_of(node.value, k) for k in range(rank)))
-        if node.attr in ("shape", "size", "dtype"):
-            return attribute(base, node.attr)
-        self.report.error("S201", f"the attribute '{node.attr}' of an array", node, help="write a loop")
-        return base
-
-    def method(self, node: Call) -> AST | None:
-        assert isinstance(node.func, Attribute)
-        if node.func.attr == "copy":
-            return call("numpy.copy", self.resolve(node.func.value))
-        self.report.error("S201", f"the method '{node.func.attr}'", node, help="write it as a loop")
-        return const(0.0)
-
-    def checks(self, place: Subscript, value: AST) -> list[AST]:
-        """Guards that the arrays of a whole-array statement fit what it stores into."""
-        whole = self.load(place)
-        made: list[AST] = []
-        for part in [value] if is_function(value) else array_operands(value, self.typing):
-            if self.typing.of(part).rank > self.typing.of(place).rank:
-                self.report.error("S203", f"a {self.typing.of(part)} does not fit into a {self.typing.of(place)}",
-                                  place, help="the shapes must be equal, or of length 1 where they differ")
-                continue
-            made += self.allocations.fitting(whole, part)
-        return list({dump(m): m for m in made}.values())
-
-
-def is_whole_place(place: Subscript) -> bool:
-    """Whether a place is all of its array."""
-    return all(map(is_whole, indices(place)))
-
-
-def array_operands(node: AST, typing: Typing) -> list[AST]:
-    """The array references (whole or partly indexed) that an elementwise expression reads, outermost only."""
-    if isinstance(node, (Name, Subscript)) and typing.of(node).is_array:
-        return [node]
-    if isinstance(node, (Attribute, Name, Constant, Subscript)) or call_name(node) in ("numpy.sum", "builtins.len"):
-        return []
-    children = [c for f in node._fields for c in _children(getattr(node, f, None))]
-    return [part for c in children for part in array_operands(c, typing)]
-
 
 def least_of(loop: For) -> dict[str, int]:
     """The least value of a loop's counter, if it is written."""
@@ -475,30 +261,12 @@ def least_of(loop: For) -> dict[str, int]:
     return {} if low is None or not step else {loop.target.id: low}
 
 
-def _children(value: object) -> list[AST]:
-    if isinstance(value, list):
-        return [v for v in value if isinstance(v, AST)]
-    return [value] if isinstance(value, AST) else []
-
-
-def _is_full(node: AST) -> bool:
-    if isinstance(node, Slice):
-        return node.lower is None and node.upper is None and node.step is None
-    return isinstance(node, Constant) and node.value is Ellipsis
-
-
-def _item(value: AST, position: AST) -> AST:
-    if isinstance(value, Tuple) and isinstance(position, Constant):
-        return copy(value.elts[position.value])
-    return index(copy(value), position)
-
-
 def _merged(a: dict[str, View], b: dict[str, View], looping: bool) -> dict[str, View]:
     """What names stand for where two branches meet; in a loop a name bound on one side may be an iteration old."""
     made: dict[str, View] = {}
     for bound in {**a, **b}:
         if bound in a and bound in b:
-            made[bound] = a[bound] if repr(a[bound]) == repr(b[bound]) else _AMBIGUOUS
+            made[bound] = a[bound] if repr(a[bound]) == repr(b[bound]) else AMBIGUOUS
         else:
-            made[bound] = _AMBIGUOUS if looping else a.get(bound) or b[bound]
+            made[bound] = AMBIGUOUS if looping else a.get(bound) or b[bound]
     return made

@@ -92,13 +92,13 @@ def _written(statement: AST) -> set[str]:
 
 def _possible(item: Assign) -> Assign:
     """The allocation where its block may not run: a size that a difference makes negative there is zero."""
-    shape = item.value.args[0]
-    if "like" in (call_name(item.value) or ""):
+    shape, allocation = item.value.args[0], call_name(item.value) or ""
+    if "like" in allocation:
         return item
     sizes = [call("builtins.max", s, const(0)) if any(isinstance(n, (Sub, USub)) for n in walk(s)) else s
              for s in (shape.elts if isinstance(shape, Tuple) else [shape])]
     new = tuple_of(*sizes) if isinstance(shape, Tuple) else sizes[0]
-    return assign(item.targets[0], call(call_name(item.value), new, *item.value.args[1:]))
+    return assign(item.targets[0], call(allocation, new, *item.value.args[1:]))
 
 
 def _emptied(item: Assign) -> Assign:
