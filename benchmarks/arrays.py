@@ -1,10 +1,15 @@
 """Adjoint over primal of kernels of whole arrays, each engine against itself: the generated adjoint, called bare,
-against the compiled primal, or under NumPy against the kernel as it is written."""
+against the compiled primal, or under NumPy against the kernel as it is written.
+
+The compiled primal is the kernel with its statements turned into loops, as s2sad compiles it; `njit` is what a user has
+who compiles the kernel as it is written, where Numba takes it."""
 from __future__ import annotations
 
 from functools import partial
 
-from benchmarks.calls import adjoint_arguments, differentiated, fresh
+from numba.core.errors import NumbaError
+
+from benchmarks.calls import adjoint_arguments, differentiated, fresh, plain_numba
 from benchmarks.kernels.cases import ARRAYS, Case
 from benchmarks.measure import interleaved
 from benchmarks.tables import Table, seconds, verdict
@@ -18,11 +23,12 @@ def tables(quick: bool, kernels: list[str]) -> list[Table]:
     made = []
     for engine, title in (("numba", "Numba"), ("numpy", "NumPy")):
         table = Table(f"Whole arrays: adjoint over primal under {title}, large size",
-                      ("kernel", "primal", "adjoint", "ratio", "target", ""))
+                      ("kernel", "primal", "njit", "adjoint", "ratio", "target", ""))
         for case in ARRAYS:
             taken = measured(case, engine, 0.3 if quick else 4.0)
             ratio = taken["adjoint"] / taken["primal"]
-            table.rows.append((case.name, seconds(taken["primal"]), seconds(taken["adjoint"]), f"{ratio:.2f}",
+            njit = seconds(taken["njit"]) if "njit" in taken else "-"
+            table.rows.append((case.name, seconds(taken["primal"]), njit, seconds(taken["adjoint"]), f"{ratio:.2f}",
                                f"{TARGETS[case.name]:g}", verdict(ratio, TARGETS[case.name])))
         made.append(table)
     return made
@@ -34,5 +40,13 @@ def measured(case: Case, engine: str, budget: float) -> dict[str, float]:
     function = differentiated(case, engine)
     primal = function.compiled("primal", *arguments)
     adjoint = function.compiled("adjoint", *adjoint_arguments(case, arguments))
-    return interleaved({"primal": lambda: partial(primal, *fresh(arguments)),
-                        "adjoint": lambda: partial(adjoint, *adjoint_arguments(case, arguments))}, budget)
+    runs = {"primal": lambda: partial(primal, *fresh(arguments)),
+            "adjoint": lambda: partial(adjoint, *adjoint_arguments(case, arguments))}
+    if engine == "numba":
+        written = plain_numba(case.function)
+        try:
+            written(*fresh(arguments))
+        except NumbaError:
+            return interleaved(runs, budget)
+        runs["njit"] = lambda: partial(written, *fresh(arguments))
+    return interleaved(runs, budget)

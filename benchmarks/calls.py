@@ -41,7 +41,7 @@ def adjoint_arguments(case: Case, arguments: Sequence[Any]) -> list[Any]:
     for name, value in zip(names, fresh(arguments)):
         made.append(value)
         if isinstance(value, np.ndarray) and name in {*case.wrt, *case.of}:
-            made.append(seed_like(value) if name in case.of else np.zeros_like(value))
+            made.append(seed_like(value) if name in case.of else np.full_like(value, 0.0))  # pages in place
     return made + [1.0] * ("return" in case.of)
 
 

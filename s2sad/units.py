@@ -280,8 +280,13 @@ class Units:
             return uses(statement, typing, found.active,
                         lambda s, u: call_uses(s, typing, found.active, deriving, u) if is_kernel_call(s) else None)
 
-        question = Question(table, Dependence(table), lambda s: is_active_statement(s, typing, found), reads_of,
-                            lambda s: [index(s.targets[0], const(...))] if repeated(table, s) else self.writes(s))
+        def writes(statement: AST) -> list[AST]:
+            if repeated(table, statement):
+                return [index(statement.targets[0], const(...))]
+            return self.writes(statement)
+
+        question = Question(table, Dependence(table), lambda s: is_active_statement(s, typing, found), reads_of, writes,
+                            quick=self.engine == "numba")
         plan = recorded(question)
         plan.forwards = order_free(question) if self.engine == "numba" else frozenset()
         made = adjoint(table, found, plan, wanted, names, deriving, unit.family, title)

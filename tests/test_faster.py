@@ -153,7 +153,7 @@ def test_which_elements_are_held():
     assert "x_bar_held_3" in text(three_points, (x, x), ("x",), ("y",))
     assert "_held" not in text(wrapped_to_the_last, (x, x), ("x",), ("y",))
     assert "_held" not in text(a_row_that_may_be_another, (m, m, 1), ("m",), ("r",))
-    assert "m_bar_held" in text(rows_one_apart, (m, m), ("m",), ("r",))
+    assert "m_bar_gains" in text(rows_one_apart, (m, m), ("m",), ("r",))
 
 
 @pytest.mark.parametrize("loop", ["for i in range(a, b):", "for i in range(b, a, -1):"])

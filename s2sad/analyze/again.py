@@ -1,39 +1,55 @@
 """again: the loops that can be run forward and back per iteration, so that their tape is that of one iteration.
 
-Requires the structure table. (Hascoet, Pascual, TOMS 39, 2013: II-LOOP, here found instead of declared.)
+Requires the structure table. What flows from iteration to iteration is recorded where an iteration begins: nothing if
+the iterations are independent (Hascoet, Pascual, TOMS 39, 2013: II-LOOP, here found instead of declared), else
+snapshots of arrays and the carried numbers (Griewank, Walther, Evaluating Derivatives, 2008, chapter 12: each iteration
+starts from a checkpoint).
 """
 from __future__ import annotations
 
+from s2sad import rules
 from s2sad.analyze.dependence import Reference
 from s2sad.analyze.liveness import base_name
 from s2sad.analyze.plan import Question, reads
-from s2sad.analyze.resized import escapes
-from s2sad.analyze.structure import Place, is_simple
+from s2sad.analyze.resized import escapes, own_loops
+from s2sad.analyze.structure import Place, Structure, heads, is_simple
+from s2sad.analyze.trips import known_trips
 from s2sad.analyze.values import Values
 from s2sad.normalize.workspace import is_allocation
-from s2sad.tree import AST, Assign, AugAssign, For, While, dump
+from s2sad.tree import AST, Assign, AugAssign, For, While, call_name, dump, walk
 
 
-def may_rerun(loop: For, question: Question) -> bool:
-    """Whether a loop's iterations can be run again one by one: no number and no element flows between them."""
+def rerun_arrays(loop: For, question: Question) -> list[str] | None:
+    """The arrays that must be as they were for an iteration of a loop to run again; None if none can."""
     structure, typing = question.structure, question.structure.typing
     inner = [p for p in structure.places.values() if any(x is loop for x in p.loops)]
     if not any(isinstance(p.statement, (For, While)) or not is_simple(p.statement, typing) for p in inner):
-        return False
+        return None
     if any(type(p.statement).__name__ == "Break" and p.loops[-1] is loop for p in inner):
-        return False
-    values = Values(structure)
-    if any(x is loop and not _only_sum(structure.bindings[n]) for n, x in values.loops.items()):
-        return False
+        return None
     own = {p.statement.targets[0].id for p in inner if is_allocation(p.statement)}
     if any(escapes(structure, array) for array in own):
-        return False                                    # the last array's shadow is in use before the loop is reversed
+        return None                                     # the last array's shadow is in use before the loop is reversed
     written = {base_name(t) for p in inner for t in question.writes(p.statement)} - own
-    return all(_private(array, loop, inner, question) for array in sorted(written))
+    flowing = [array for array in sorted(written) if not _private(array, loop, inner, question)]
+    around = (*structure.place(loop).loops, loop)
+    if flowing and (any(own_loops(structure, array) for array in flowing)
+                    or known_trips(structure, around, around[0]) is None):
+        return None
+    return flowing
 
 
-def _only_sum(bound: list[AST]) -> bool:
-    return all(isinstance(b, AugAssign) for b in bound[1:])
+def is_dear(loop: For, structure: Structure) -> bool:
+    """Whether a loop has products and solves in it, which take longer than to record what they give."""
+    return any(rules.find_array(call_name(n)) is not None and not is_allocation(p.statement)
+               for p in structure.places.values() if any(x is loop for x in p.loops)
+               for head in heads(p.statement) for n in walk(head))
+
+
+def carries(loop: For, structure: Structure) -> bool:
+    """Whether a number flows from iteration to iteration; what is only added up does not."""
+    return any(x is loop and not all(isinstance(b, AugAssign) for b in structure.bindings[n][1:])
+               for n, x in Values(structure).loops.items())
 
 
 def _private(array: str, loop: For, inner: list[Place], question: Question) -> bool:
@@ -41,7 +57,8 @@ def _private(array: str, loop: For, inner: list[Place], question: Question) -> b
     and not where the reverse sweep would find what running the loop again leaves."""
     structure, typing = question.structure, question.structure.typing
     start, around = structure.place(loop).order, structure.place(loop).loops
-    loads = [(p, x) for p in structure.places.values() for x in reads(p.statement, typing) if base_name(x) == array]
+    loads = [(p, x) for p in structure.places.values() if not is_allocation(p.statement)
+             for x in reads(p.statement, typing) if base_name(x) == array]
     outside = [p for p, _ in loads if p not in inner and (around or p.order < start)]
     if outside:
         return False

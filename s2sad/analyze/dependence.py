@@ -15,8 +15,8 @@ from s2sad.infer.types import INT
 from s2sad.infer.affine import Affine, at_most, equals, feasible
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BinOp, Break, Constant, For, Mult, Name, Sub, Subscript, Tuple, UnaryOp, USub,
-    call_name, dump, indices, walk,
+    AST, Add, Assign, Attribute, BinOp, Break, Constant, For, Mult, Name, Sub, Subscript, Tuple, USub, UnaryOp,
+    attribute, call_name, const, dump, index, indices, name, walk,
 )
 
 
@@ -258,10 +258,16 @@ class Dependence:
             if counter is None:
                 return False
             start, stop, step = range_parts(counter)
+            if step == 1 and len(counter.iter.args) == 1 and dump(stop) == dump(_size(reference.array, axis)):
+                continue
             extent, low, high = self.extent(reference.array, axis), self.form(start), self.form(stop)
             if step != 1 or extent is None or low != Affine() or high is None or high != extent:
                 return False
         return True
+
+
+def _size(array: str, axis: int) -> AST:
+    return index(attribute(name(array), "shape"), const(axis))
 
 
 def range_parts(loop: For) -> tuple[AST, AST, int | AST]:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from s2sad.analyze.cut import Network
 from s2sad.analyze.liveness import targets
-from s2sad.analyze.plan import Plan, Question, Shift, Store
+from s2sad.analyze.plan import Plan, Question, Shift, Snapshot, Store
 from s2sad.analyze.structure import Place, heads, is_simple
 from s2sad.analyze.uses import Uses
 from s2sad.analyze.values import Value, Values
@@ -13,12 +13,12 @@ from s2sad.tree import AST, For, If, names
 class Needs:
     """Which values the reverse sweep must have again, and who reads them."""
 
-    def __init__(self, question: Question, rerun: frozenset[int], working: set[int], restored: set[int],
-                 shifts: dict[str, Shift]):
+    def __init__(self, question: Question, rerun: frozenset[int], snapshots: tuple[Snapshot, ...], working: set[int],
+                 restored: set[int], shifts: dict[str, Shift]):
         self.q, self.rerun, self.restored, self.shifts = question, rerun, restored, shifts
         self.structure, self.typing = question.structure, question.structure.typing
         self.all_values = Values(question.structure)
-        self.result = Plan(rerun=rerun, working=set(working))
+        self.result = Plan(rerun=rerun, snapshots=snapshots, working=set(working))
         self.users: dict[str, list[AST | str]] = {}
         self.stores = [Store(p.statement, t, self._is_whole(t)) for p in question.structure.places.values()
                        for t in question.writes(p.statement)]

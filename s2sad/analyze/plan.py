@@ -26,6 +26,17 @@ class Store:
 
 
 @dataclass(frozen=True)
+class Snapshot:
+    """An array as it is where an iteration of a loop begins that runs again."""
+    loop: AST
+    array: str
+
+    @property
+    def key(self) -> str:
+        return f"snapshot {id(self.loop)} {self.array}"
+
+
+@dataclass(frozen=True)
 class Shift:
     """A carried number that is what an element held which the iteration before overwrote: its record serves both.
     `start` is the number's name before the loop."""
@@ -39,6 +50,7 @@ class Plan:
     """The table. Keys are ids of statements and blocks of the function that was analysed; `resized` are the allocations
     in loops whose arrays the reverse sweep binds again."""
     rerun: frozenset[int] = frozenset()
+    snapshots: tuple[Snapshot, ...] = ()
     values: dict[str, Value] = field(default_factory=dict)
     recorded: dict[str, Value] = field(default_factory=dict)
     stores: dict[str, Store] = field(default_factory=dict)
@@ -55,12 +67,14 @@ class Plan:
 
 @dataclass
 class Question:
-    """What the planner is told: the tables, what each statement's adjoint reads, and what each statement writes."""
+    """What the planner is told: the tables, what each statement's adjoint reads, and what each statement writes;
+    `quick` if loops run so fast that to record takes longer than to run them again."""
     structure: Structure
     dependence: Dependence
     active: Callable[[AST], bool]
     uses: Callable[[AST], Uses]
     writes: Callable[[AST], list[AST]]
+    quick: bool = False
 
 
 def subscripts(statement: AST) -> AST:

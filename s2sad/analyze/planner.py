@@ -7,22 +7,24 @@ from __future__ import annotations
 from s2sad.analyze.dependence import Reference
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.placement import Placement
-from s2sad.analyze.plan import Plan, Question, Shift, Store, reads, subscripts
+from s2sad.analyze.plan import Plan, Question, Shift, Snapshot, Store, reads, subscripts
 from s2sad.analyze.resized import to_reverse
+from s2sad.analyze.structure import Structure
 from s2sad.analyze.uses import loads_of, owns_result
 from s2sad.analyze.values import Value
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, Expr
 
 
-def plan_for(question: Question, rerun: frozenset[int], shifts: dict[str, Shift] | None = None) -> Plan:
+def plan_for(question: Question, rerun: frozenset[int], snapshots: tuple[Snapshot, ...],
+             shifts: dict[str, Shift] | None = None) -> Plan:
     """The plan in which the given loops run again; what is recorded must be restored, which may need more."""
     table = question.structure
     resized = {id(a): a for a in to_reverse(table, question.active) if id(table.place(a).loops[-1]) not in rerun}
     working: set[int] = {id(s) for a in resized.values() for s in table.place(a).inside}
     restored: set[int] = set(resized)
     while True:
-        plan = Planner(question, rerun, working, restored, shifts or {}).plan()
+        plan = Planner(question, rerun, snapshots, working, restored, shifts or {}).plan()
         plan.resized = {i for i in restored if is_allocation(table.places[i].statement)}
         recorded_at = [s.statement for s in plan.stores.values()] + [v.home for v in plan.recorded.values()]
         more = {id(s) for x in recorded_at for s in table.place(x).inside}
@@ -100,6 +102,9 @@ class Planner(Placement):
         if base_name(store.place) != base_name(load):
             return False
         here, there = self.structure.place(statement), self.structure.place(store.statement)
+        if any(s.array == base_name(load) and any(x is s.loop for x in there.loops)
+               and not any(x is s.loop for x in here.loops) for s in self.result.snapshots):
+            return False  # after the reverse loop the array is again what it was before the loop
         first, later = Reference.to(load, statement), Reference.to(store.place, store.statement)
         loop = next((x for x in here.loops if id(x) in self.rerun), None)
         if loop is None:
@@ -133,7 +138,8 @@ class Planner(Placement):
         for key in forced:
             self.network.sink(key)
         cut = self.network.least_cut()
-        self.result.weight = sum(self.network.weights[k] for k in cut)
+        self.result.weight = sum(self.network.weights[k] for k in cut) + sum(
+            weight_of(s, self.structure) for s in self.result.snapshots)
         self.result.stores = {s.key: s for s in self.stores if s.key in cut}
         self.result.recorded = {k: v for k, v in self.result.values.items() if k in cut}
         for key in self.kept(cut):
@@ -188,6 +194,11 @@ class Planner(Placement):
                 if inner is not None and inner.key in self.result.values:
                     waiting.append(inner.key)
         return list(seen)
+
+
+def weight_of(snapshot: Snapshot, structure: Structure) -> int:
+    """What the snapshots of all iterations weigh."""
+    return 8 * 16 ** (len(structure.place(snapshot.loop).loops) + 1 + structure.typing.table[snapshot.array].rank)
 
 
 def _spoils(statement: AST) -> bool:

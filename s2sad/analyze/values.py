@@ -73,8 +73,8 @@ class Values:
 
     def transient(self, value: Value, rerun: frozenset[int]) -> bool:
         """Whether later iterations overwrite a value before the reverse sweep reads it."""
-        loops = self.structure.place(value.home).loops
         if value.kind == "carried":
-            loops = (*loops, value.home)
+            return True
+        loops = self.structure.place(value.home).loops
         return bool(loops) and id(loops[-1]) not in rerun
 

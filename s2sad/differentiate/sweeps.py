@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from s2sad.analyze.dependence import range_parts
 from s2sad.analyze.liveness import base_name, targets
-from s2sad.analyze.plan import Plan, Store
+from s2sad.analyze.plan import Plan, Snapshot, Store
 from s2sad.analyze.resized import own_loops
 from s2sad.analyze.structure import Structure, is_simple
 from s2sad.analyze.uses import owns_result
 from s2sad.analyze.values import Value
+from s2sad.differentiate.backwards import reversed_bounds
 from s2sad.differentiate.counting import has_break
 from s2sad.differentiate.resize import pop_sizes, push_sizes
 from s2sad.differentiate.tape import Stack, Tape
@@ -22,9 +22,9 @@ from s2sad.infer.shapes import Shapes
 from s2sad.infer.types import INT
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, Call, Constant, Expr, For, If, Mult, Name, Return, Slice, Sub, Subscript, USub,
-    UnaryOp, While, add, assign, at, attribute, augment, call, call_name, const, copy, counted_for, forget, index,
-    indices, name, names, stored_names, sub, tuple_of, walk,
+    AST, Add, Assign, AugAssign, Call, Constant, Expr, For, Gt, If, Name, Return, Slice, Subscript, While, assign, at,
+    attribute, augment, call, call_name, compare, const, copy, counted_for, forget, index, indices, name, names,
+    stored_names, sub, tuple_of, walk,
 )
 
 Adjoint = Callable[[AST], list[AST]]
@@ -69,11 +69,15 @@ class Sweeps:
         return [*before, copy(statement), *self.records(statement)]
 
     def forward_loop(self, loop: AST) -> list[AST]:
-        if id(loop) in self.plan.rerun:
-            return [_without_prints(loop)]
-        body = self.forward(loop.body)
         carried = [s for key, value in self.plan.recorded.items() if value.kind == "carried" and value.home is loop
                    for s in self.tape.push(self.value_stack(key, value), name(value.name))]
+        carried += [s for snapshot in self.snapshots_of(loop)
+                    for s in self.tape.push(self.snapshot_stack(snapshot), name(snapshot.array))]
+        if id(loop) in self.plan.rerun:
+            made = _without_prints(loop)
+            made.body = [*carried, *made.body]
+            return [*self.tape.allocations.pop(id(loop), []), made]
+        body = self.forward(loop.body)
         before: list[AST] = []
         after: list[AST] = []
         if id(loop) in self.plan.working and self.counting.counts(loop):
@@ -142,6 +146,14 @@ class Sweeps:
         wanted = self.family.get(value.name, value.name)
         return self.tape.stack(key, wanted, self.typing.table[value.name], loops, None, value.kind == "carried")
 
+    def snapshots_of(self, loop: AST) -> list[Snapshot]:
+        return [s for s in self.plan.snapshots if s.loop is loop]
+
+    def snapshot_stack(self, snapshot: Snapshot) -> Stack:
+        loops = (*self.structure.place(snapshot.loop).loops, snapshot.loop)
+        array = name(snapshot.array)
+        return self.tape.stack(snapshot.key, snapshot.array, self.typing.of(array), loops, self.shape_of(array), True)
+
     def trip_stack(self, loop: AST) -> Stack:
         return self.tape.stack(f"trips {id(loop)}", "trips", INT, self.structure.place(loop).loops, None)
 
@@ -150,8 +162,8 @@ class Sweeps:
     def reverse(self, block: list[AST], loop: AST | None = None) -> list[AST]:
         """The reverse sweep of a block; `loop` if it is a loop's body, whose carried numbers come back first."""
         made: list[AST] = self.zeros(block)
-        made += [s for key, value in self.plan.recorded.items() if value.kind == "carried" and value.home is loop
-                 for s in self.tape.pop(self.value_stack(key, value), name(value.name))]
+        put_back = self.tape.read if id(loop) in self.plan.rerun else self.tape.pop
+        made += self.carried(loop, put_back)
         made += [assign(self.plan.values[key].name,
                         self.tape.previous(self.store_stack(shift.store), name(shift.start)))
                  for key, shift in self.plan.shifted.items() if shift.loop is loop]
@@ -164,6 +176,11 @@ class Sweeps:
         for number in range(len(cut) - 1, -1, -1):
             made += self.reverse_segment(cut[number], (id(block), number))
         return made
+
+    def carried(self, loop: AST | None, put_back: Callable[[Stack, AST], list[AST]]) -> list[AST]:
+        """The numbers that a loop carries as they are where its iteration begins."""
+        return [s for key, value in self.plan.recorded.items() if value.kind == "carried" and value.home is loop
+                for s in put_back(self.value_stack(key, value), name(value.name))]
 
     def reverse_segment(self, run: list[AST], where: tuple[int, int]) -> list[AST]:
         if not is_simple(run[0], self.typing):
@@ -249,8 +266,11 @@ class Sweeps:
         rerun = id(loop) in self.plan.rerun
         body = self.reverse(loop.body, loop)
         if rerun:
-            body = [forget(self.written(loop)), *self.forward(loop.body), *body]
-        if rerun:
+            saved = [s for snapshot in self.snapshots_of(loop) for s in self.tape.read(
+                self.snapshot_stack(snapshot), index(name(snapshot.array), const(...)))]
+            written = self.written(loop)
+            body = [*([forget(written)] if written else []), *saved, *self.carried(loop, self.tape.pop),
+                    *self.forward(loop.body), *body]
             before += self.tape.allocations.pop(id(loop), [])
         if self.counting.counts(loop) and self.counting.in_loop(loop):
             before += self.tape.pop(self.trip_stack(loop), name(self.counting.count(loop)))
@@ -261,7 +281,17 @@ class Sweeps:
         forwards = id(loop) in self.plan.forwards and not any(
             stack.top and any(x is loop for x in stack.loops) for stack in self.tape.stacks.values())
         bounds = list(map(copy, loop.iter.args)) if forwards else reversed_bounds(loop, trips)
-        return [*before, counted_for(loop.target.id, bounds, body)]
+        return [*before, counted_for(loop.target.id, bounds, body), *self.as_before(loop)]
+
+    def as_before(self, loop: For) -> list[AST]:
+        """The arrays of which there are snapshots, put back as they were before the loop."""
+        made: list[AST] = []
+        for snapshot in self.snapshots_of(loop):
+            cell = self.tape.cell(self.snapshot_stack(snapshot))
+            *outer, _ = indices(cell)
+            made.append(assign(index(name(snapshot.array), const(...)), index(copy(cell.value), *outer, const(0))))
+        ran = compare(call("builtins.len", copy(loop.iter)), Gt(), const(0))
+        return [If(ran, made, [])] if made else []
 
     def reverse_while(self, loop: While, body: list[AST]) -> AST:
         """As often as the loop ran; backwards if the number of the iteration is read."""
@@ -273,42 +303,9 @@ class Sweeps:
         return counted_for(unread, [trips], body)
 
 
-def reversed_bounds(loop: For, trips: AST | None) -> list[AST]:
-    """The bounds of the loop run backwards; `trips` if it was left early."""
-    start, stop, step = range_parts(loop)
-    first, end = known(start), known(stop)
-    if trips is None and isinstance(step, int) and step and first is not None and end is not None:
-        back = range(first, end, step)[::-1]
-        return [const(back.start), const(back.stop), const(back.step)][:2 if back.step == 1 else 3]
-    if trips is None and step == 1:
-        return [sub_one(stop), sub_one(start), const(-1)]
-    if trips is None and step == -1:
-        return [add(copy(stop), const(1)), add(copy(start), const(1))]
-    if trips is not None and step == 1:
-        return [sub_one(add(copy(start), trips)), sub_one(start), const(-1)]
-    if trips is not None and step == -1:
-        return [add(sub(copy(start), trips), const(1)), add(copy(start), const(1))]
-    size = const(step) if isinstance(step, int) else copy(step)
-    trips = trips or call("builtins.len", copy(loop.iter))
-    last = add(copy(start), BinOp(BinOp(trips, Sub(), const(1)), Mult(), size))
-    return [last, BinOp(copy(start), Sub(), size), const(-step) if isinstance(step, int) else BinOp(
-        const(0), Sub(), size)]
-
-
 def whole_place(place: AST) -> AST:
     """Where a snapshot goes back: into the array, whose name stays bound to it."""
     return index(copy(place), const(...)) if isinstance(place, Name) else copy(place)
-
-
-def known(node: AST) -> int | None:
-    """The number that a bound spells, if it is one."""
-    if isinstance(node, UnaryOp) and isinstance(node.op, USub) and isinstance(node.operand, Constant):
-        return -node.operand.value
-    return node.value if isinstance(node, Constant) and type(node.value) is int else None
-
-
-def sub_one(node: AST) -> AST:
-    return const(node.value - 1) if isinstance(node, Constant) else BinOp(copy(node), Sub(), const(1))
 
 
 def _without_prints(statement: AST) -> AST:

@@ -72,7 +72,7 @@ class Tape:
     def overwritten(self, key: str, place: AST, loops: tuple[AST, ...], shape: AST | None) -> Stack:
         """The stack of what a store inside `loops` overwrites: an element, or an array or part of one of this shape."""
         kind, array = self.typing.of(place), base_name(place)
-        inner, home = self._homes(loops)
+        inner, home = self._homes(loops, carried=False)
         if not kind.is_array or not inner or all(x is not home[0] for x in own_loops(self.structure, array)):
             return self.stack(key, array, kind, loops, shape)
         if key not in self.stacks:
@@ -80,14 +80,15 @@ class Tape:
             self.stacks[key].shape = shape
         return self.stacks[key]
 
-    def _homes(self, loops: tuple[AST, ...]) -> tuple[tuple[AST, ...], tuple[AST, ...]]:
-        """The loops in each iteration of which a stack gets an entry, and the one before which it is made."""
-        again = [k for k, loop in enumerate(loops) if id(loop) in self.rerun]
+    def _homes(self, loops: tuple[AST, ...], carried: bool) -> tuple[tuple[AST, ...], tuple[AST, ...]]:
+        """The loops in each iteration of which a stack gets an entry, and the one before which it is made. What is
+        `carried` lies there also if the last one runs again."""
+        again = [k for k, loop in enumerate(loops[:-1] if carried else loops) if id(loop) in self.rerun]
         return loops[again[-1] + 1 if again else 0:], loops[again[0] if again else 0:][:1]
 
     def _made(self, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None, carried: bool = False,
               ragged: bool = False) -> Stack:
-        inner, home = self._homes(loops)
+        inner, home = self._homes(loops, carried)
         made = Stack(self.free.fresh(f"{wanted}_stack" if inner else f"{wanted}_before"), loops=inner, kind=kind,
                      shape=shape, ragged=ragged)
         if not inner:

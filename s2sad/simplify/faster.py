@@ -1,7 +1,8 @@
 """faster: innermost loops of an adjoint in a form that a compiler turns into vector instructions.
 
-Where neighbouring iterations share elements of a shadow: `rotate` holds these in names, `peel` lets the first and the
-last iteration run by themselves where the others then need no test, and `restored` copies rows of the tape beforehand.
+Where neighbouring iterations share elements of a shadow: `distribute` adds to rows in loops of their own, `rotate`
+holds the elements in names, `peel` lets the first and the last iteration run by themselves where the others then need
+no test, and `restored` copies rows of the tape beforehand.
 
 Requires a finished adjoint for Numba; establishes the same sums in the same order, but for the shadows of numbers in
 such loops, whose gains come in any order (`runtime.added`): partial sums round less.
@@ -12,13 +13,16 @@ from collections.abc import Mapping, Set
 
 from s2sad.infer.types import Type
 from s2sad.naming import Names
-from s2sad.simplify.bounds import counted, is_straight
+from s2sad.analyze.liveness import base_name
+from s2sad.simplify.bounds import Counted, changed, counted, is_straight, shifted_by, stores
 from s2sad.simplify.peel import peeled
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.simplify.restored import restored
 from s2sad.simplify.rotate import rotated
+from s2sad.simplify.distribute import distributed
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, For, FunctionDef, Name, Sub, assign, at, call, copy, name, negate, walk,
+    AST, Add, Assign, AugAssign, For, FunctionDef, Name, Sub, Subscript, assign, at, call, copy, dump, indices, name,
+    names, negate, stored_names, walk,
 )
 
 _LONGEST = 60
@@ -29,30 +33,38 @@ def faster(function: FunctionDef, types: Mapping[str, Type], stacks: Set[str], s
     """The adjoint with its loops transformed; `shadows` are those of arrays, `sums` those of numbers."""
     free = Names({n.id for n in walk(function) if isinstance(n, Name)} | set(types))
     new = copy(function)
-    new.body = _Faster({s: types[s] for s in shadows}, free, stacks, sums).block(function.body, {})
+    new.body = _Faster({s: types[s] for s in shadows}, free, stacks, sums).block(function.body, {}, None)
     return new
 
 
 class _Faster:
     def __init__(self, shadows: Mapping[str, Type], free: Names, stacks: Set[str], sums: Set[str]):
         self.shadows, self.free, self.stacks, self.sums = shadows, free, stacks, sums
+        self.waiting: list[Assign] = []     # allocations on their way out of the loops
 
-    def block(self, block: list[AST], least: dict[str, int]) -> list[AST]:
-        """The block; `least` are lower bounds of the counters around it."""
+    def block(self, block: list[AST], least: dict[str, int], bound: set[str] | None) -> list[AST]:
+        """The block; `least` are lower bounds of the counters around it, `bound` the names that the statement around it
+        binds, None if there is none."""
         made: list[AST] = []
         for statement in block:
-            bounds = counted(statement)
-            inside = dict(least)
-            if isinstance(statement, For):
-                inside.pop(statement.target.id, None)
-            if bounds is not None and is_straight(statement.body):
-                made += self.loop(statement, inside)
-                continue
-            ends = bounds.ends() if bounds else None
-            if bounds and ends and not ends[0].terms:
-                inside[bounds.counter] = ends[0].constant
-            made.append(with_blocks(statement, lambda inner, inside=inside: self.block(inner, inside)))
+            new = self.statement(statement, least)
+            made += [s for s in self.waiting if bound is None or bound & set(names(s.value))]
+            self.waiting = [s for s in self.waiting if not any(s is m for m in made)]
+            made += new
         return made
+
+    def statement(self, statement: AST, least: dict[str, int]) -> list[AST]:
+        bounds = counted(statement)
+        inside = dict(least)
+        if isinstance(statement, For):
+            inside.pop(statement.target.id, None)
+        if bounds is not None and is_straight(statement.body):
+            return self.loop(statement, inside)
+        ends = bounds.ends() if bounds else None
+        if bounds and ends and not ends[0].terms:
+            inside[bounds.counter] = ends[0].constant
+        bound = set(stored_names(statement))
+        return [with_blocks(statement, lambda inner: self.block(inner, inside, bound))]
 
     def loop(self, loop: For, least: Mapping[str, int]) -> list[AST]:
         """An innermost loop as it is, or with the elements that iterations share in names: then what stands in the way
@@ -63,10 +75,20 @@ class _Faster:
         bounds = counted(rest)
         assert bounds is not None
         for before, middle, after in filter(None, (peeled(rest, bounds), ([], rest, []))):
-            made = rotated(middle, least, self.shadows, self.free)
+            made = self.apart(middle, least)
             if made is not None:
                 return [*rows, *before, *(self.reassociated(s) for s in made), *after]
-        return [loop]
+        return [self.reassociated(loop) if _is_parallel(loop, bounds) else loop]
+
+    def apart(self, loop: For, least: Mapping[str, int]) -> list[AST] | None:
+        """The loops in which no iteration reads what another one stores, None if nothing has to be done or can be."""
+        parts = distributed(loop, self.shadows, self.free)
+        if parts is None:
+            return rotated(loop, least, self.shadows, self.free)
+        first, *rest = parts.loops
+        assert isinstance(first, For)
+        self.waiting += parts.allocations
+        return [*(rotated(first, least, self.shadows, self.free) or [first]), *rest]
 
     def reassociated(self, statement: AST) -> AST:
         """The loops of a statement with the sums that nothing else in them reads added in any order."""
@@ -85,6 +107,16 @@ class _Faster:
     def added(self, gain: AugAssign) -> AST:
         value = copy(gain.value) if isinstance(gain.op, Add) else negate(copy(gain.value))
         return at(assign(gain.target.id, call("runtime.added", name(gain.target.id), value)), gain)
+
+
+def _is_parallel(loop: For, bounds: Counted) -> bool:
+    """Whether each array that a loop stores into is referred to by one subscript, along a row."""
+    places = {base_name(t): t for t in stores(loop.body)}
+    return all(shifted_by(indices(place)[-1], bounds.counter) is not None
+               and not changed(loop.body) & set(names(place))
+               and all(dump(n) == dump(place) for n in walk(loop.body)
+                       if isinstance(n, Subscript) and base_name(n) == array)
+               for array, place in places.items())
 
 
 __all__ = ["faster"]

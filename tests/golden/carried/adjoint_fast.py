@@ -12,7 +12,7 @@ It records:
 
 import numpy as np
 
-from s2sad.runtime import sized  # isort: skip
+from s2sad.runtime import added, sized  # isort: skip
 
 
 def kernel_adjoint_taped(u, u_bar, c, u_stack):
@@ -41,7 +41,7 @@ def kernel_adjoint_taped(u, u_bar, c, u_stack):
         seed_2 = (here - left_1) * seed
         seed_3 = c * here * seed
         here_bar += seed - c * seed_2 - seed_3
-        c_bar -= here * seed_2
+        c_bar = added(c_bar, -(here * seed_2))
         left_bar = seed_3
         # here = u[i]
         u_bar[i] = here_bar

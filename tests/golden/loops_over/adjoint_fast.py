@@ -12,7 +12,7 @@ It records:
 
 import numpy as np
 
-from s2sad.runtime import sized  # isort: skip
+from s2sad.runtime import added, sized  # isort: skip
 
 
 def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_stack):
@@ -48,7 +48,7 @@ def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_stack):
         value_1 = x[k]
         seed = y_bar[k]
         y_bar[k] = 0.0
-        total_bar += value_1 * seed
+        total_bar = added(total_bar, value_1 * seed)
         value_1_bar = total * seed
         x_bar[k] += value_1_bar
     for index in range(min(len(x), len(y))):

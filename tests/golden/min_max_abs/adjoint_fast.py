@@ -12,6 +12,8 @@ It records nothing.
 
 import numpy as np
 
+from s2sad.runtime import added  # isort: skip
+
 
 def kernel_adjoint(y, y_bar, x, x_bar, top):
     # reverse sweep
@@ -25,5 +27,5 @@ def kernel_adjoint(y, y_bar, x, x_bar, top):
             (0.0 if 0.1 > x[i] else 1.0) * ((0.0 if top < max(x[i], 0.1) else 1.0) * seed_2) +
             np.sign(x[i]) * (min(max(x[i], 0.1), top) * seed)
         )
-        top_bar += (1.0 if top < max(x[i], 0.1) else 0.0) * seed_2
+        top_bar = added(top_bar, (1.0 if top < max(x[i], 0.1) else 0.0) * seed_2)
     return (top_bar,)

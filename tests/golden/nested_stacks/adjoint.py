@@ -4,10 +4,10 @@ Engine: NumPy. Level: plain. Arguments:
     x: float64[:], in
 
 It records:
-    part_stack: part where an iteration of `for _ in range(i + 1):` begins, 8 bytes per push
-    part_stack_2: part after `for _ in range(i + 1):`, 8 * x.size bytes
     total_stack: total where an iteration of `for i in range(x.size):` begins,
         8 * x.size bytes
+    part_stack: part where an iteration of `for _ in range(i + 1):` begins, 8 bytes per push
+    part_stack_2: part after `for _ in range(i + 1):`, 8 * x.size bytes
 """
 
 # ruff: noqa: SIM113, RUF100
@@ -20,10 +20,10 @@ from s2sad.runtime import grow  # isort: skip
 def kernel_adjoint(x, x_bar, result_bar):
     # forward sweep: only what the reverse sweep reads
     total = 1.0
+    total_stack = np.empty(x.size)
     part_stack = np.empty(64)
     part_top = 0
     part_stack_2 = np.empty(x.size)
-    total_stack = np.empty(x.size)
     for i in range(x.size):
         total_stack[i] = total
         part = x[i]

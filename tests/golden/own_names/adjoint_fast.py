@@ -13,7 +13,7 @@ import math
 
 import numpy as np_
 
-from s2sad.runtime import sized  # isort: skip
+from s2sad.runtime import added, sized  # isort: skip
 
 
 def kernel_adjoint_taped(u, u_bar_, seed, result_bar, u_bar_stack):
@@ -35,7 +35,7 @@ def kernel_adjoint_taped(u, u_bar_, seed, result_bar, u_bar_stack):
         seed_2 = seed * u_bar_bar_1
         u_bar_bar = u[np] * seed_2
         u_bar_[np] += u_bar * seed_2
-        seed_bar += u_bar * u[np] * u_bar_bar_1
+        seed_bar = added(seed_bar, u_bar * u[np] * u_bar_bar_1)
     # u_bar = math.sin(u[0])
     u_bar_[0] += np_.cos(u[0]) * u_bar_bar
     return seed_bar, u_bar_stack

@@ -11,7 +11,7 @@ It records:
 
 import numpy as np
 
-from s2sad.runtime import sized  # isort: skip
+from s2sad.runtime import added, sized  # isort: skip
 
 
 def kernel_adjoint_taped(x, x_bar, a, result_0_bar, result_1_bar, product_stack):
@@ -33,7 +33,7 @@ def kernel_adjoint_taped(x, x_bar, a, result_0_bar, result_1_bar, product_stack)
         product_bar_1 = product_bar
         product_bar = x[i] * product_bar_1
         # total += a * x[i]
-        a_bar += x[i] * total_bar
+        a_bar = added(a_bar, x[i] * total_bar)
         x_bar[i] += a * total_bar + product * product_bar_1
     # total, product = 0.0, a
     a_bar += product_bar

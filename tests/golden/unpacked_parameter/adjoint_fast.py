@@ -12,7 +12,7 @@ It records:
 
 import numpy as np
 
-from s2sad.runtime import sized  # isort: skip
+from s2sad.runtime import added, sized  # isort: skip
 
 
 def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
@@ -36,9 +36,9 @@ def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
         u_here = u[i]
         seed = u_bar[i]
         seed_2 = u_here * seed
-        a_bar += u_here * seed_2
-        b_bar += seed / c if seed != 0.0 else 0.0
-        c_bar -= b / c * seed / c if seed != 0.0 else 0.0
+        a_bar = added(a_bar, u_here * seed_2)
+        b_bar = added(b_bar, seed / c if seed != 0.0 else 0.0)
+        c_bar = added(c_bar, -(b / c * seed / c if seed != 0.0 else 0.0))
         u_bar[i] = a * seed_2 + a * u_here * seed
     # a, b, c = p
     p_bar[2] += c_bar

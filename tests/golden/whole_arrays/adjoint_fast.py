@@ -11,7 +11,7 @@ It records:
 
 import numpy as np
 
-from s2sad.runtime import sized  # isort: skip
+from s2sad.runtime import added, sized  # isort: skip
 
 
 def kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, y_stack):
@@ -38,7 +38,7 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, y_stack):
     for i in range(y.shape[0]):
         # y[:] = a * x + y
         seed = y_bar[i]
-        a_bar += x[i] * seed
+        a_bar = added(a_bar, x[i] * seed)
         x_bar[i] += a * seed
         y_bar[i] = seed
     return a_bar, y_stack

@@ -12,7 +12,7 @@ It records:
 
 import numpy as np
 
-from s2sad.runtime import sized  # isort: skip
+from s2sad.runtime import added, sized  # isort: skip
 
 
 def step(u, k):
@@ -36,7 +36,7 @@ def step_adjoint(u, u_bar, k):
         u_here = u[i]
         seed = u_bar[i]
         seed_2 = u_here * seed
-        k_bar += u_here * seed_2
+        k_bar = added(k_bar, u_here * seed_2)
         u_bar[i] += k * seed_2 + k * u_here * seed
     return (k_bar,)
 
