@@ -45,7 +45,7 @@ from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects, Watch, simplify, unwatched
 from s2sad.simplify.dead import dead
 from s2sad.tree import (
-    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, Tuple, call_name, const,
+    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, call_name, const,
     copy, index, name, walk,
 )
 
@@ -156,9 +156,10 @@ class Units:
         report.finish()
         tree = functions(tree, typing, names)
         viewing(tree, typing, lambda c: [base_name(c.args[k]) for k in self.of_call(c, typing).summary.written], report)
+        written = lambda called: self.of_call(called, typing).summary.written  # noqa: E731
         plain = tree = pieces(tree, typing, names, report)
         report.finish()
-        tree = views(tree, typing.table, typing, names, report, self.engine == "numba")
+        tree = views(tree, typing.table, typing, names, written, report, self.engine == "numba")
         report.finish()
         guarded = count(tree, Assert) > count(plain, Assert)
         self.watch("views", tree)

@@ -33,10 +33,6 @@ class Allocations:
     def __init__(self, typing: Typing, report: Report, shapes: Shapes):
         self.typing, self.report, self.shapes = typing, report, shapes
 
-    def forget(self, array: str, other: str) -> None:
-        """The array may have been allocated as another one, from here on."""
-        self.shapes.forget(array, other)
-
     def allocate(self, target: str, kind: Type, value: AST, place: AST) -> list[AST]:
         """The statements that bind `target` to a new array holding `value` (an expression with resolved views)."""
         function = call_name(value)
