@@ -136,8 +136,11 @@ def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch =
 
 
 def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:
-    """The outputs, "return" as the numbers of the float results."""
-    results = tuple(f"return {k}" for k, t in enumerate(unit.summary.results) if t.is_number and t.is_float)
+    """The outputs, "return" as the numbers of the float results, less the arguments that are outputs themselves."""
+    parameters = [p.id for p in unit.function.args.args]
+    written = {parameters[k] for k in unit.summary.written}
+    results = tuple(f"return {k}" for k, t in enumerate(unit.summary.results)
+                    if t.is_float and unit.summary.returned.get(k) not in written)
     return tuple(o for name in of for o in (results if name == "return" else (name,)))
 
 

@@ -17,26 +17,27 @@ RETURN = "return"
 @dataclass(frozen=True)
 class Results:
     """The returned values: `floats` are the positions that have derivatives, `own` those that are no written
-    argument, `aliases` the written argument at each other position."""
+    argument, `aliases` the written argument at each other position, `arguments` the argument at each that has one."""
     types: tuple[Type, ...]
     floats: tuple[int, ...]
     own: tuple[int, ...]
     aliases: dict[int, str]
+    arguments: dict[int, str]
 
     @classmethod
     def of(cls, summary: Any) -> Results:
         types = tuple(summary.results)
         floats = tuple(k for k, t in enumerate(types) if t.is_float)
-        aliases = {k: name for k, name in summary.returned.items() if k in floats}
-        return cls(types, floats, tuple(k for k in floats if k not in aliases), aliases)
+        aliases = {k: name for k, name in summary.returned.items() if k in floats and name in summary.written}
+        return cls(types, floats, tuple(k for k in floats if k not in aliases), aliases, dict(summary.returned))
 
     def with_aliases(self, returned: Any, values: dict[str, Any]) -> Any:
         """What the function returned, with the caller's own arrays where it returned an argument."""
-        if not self.aliases:
+        if not self.arguments:
             return returned
         if len(self.types) == 1:
-            return values[self.aliases[0]]
-        return tuple(values[self.aliases[k]] if k in self.aliases else v for k, v in enumerate(returned))
+            return values[self.arguments[0]]
+        return tuple(values[self.arguments[k]] if k in self.arguments else v for k, v in enumerate(returned))
 
     def structure(self, by_place: dict[int, Any]) -> Any:
         """The tangent of the returned value: as the value is, 0.0 where it depends on nothing, None where no float."""
@@ -71,6 +72,20 @@ def number_seed(seed: Any, name: str = RETURN) -> float:
     if isinstance(seed, (bool, np.bool_)) or not isinstance(seed, (int, float, np.integer, np.floating)):
         raise misfit(f"the seed of '{name}' is of type {type(seed).__name__}, not a float", "give a float")
     return float(seed)
+
+
+def result_seed(seed: Any, kind: Type) -> Any:
+    """The seed of a result: a float, or a private copy of an array of the result's dtype and rank; whether it has the
+    result's shape shows when that is there."""
+    if kind.is_number:
+        return number_seed(seed)
+    remedy = f"give an array of {kind.dtype} with {kind.rank} {'axis' if kind.rank == 1 else 'axes'}"
+    if not isinstance(seed, np.ndarray):
+        raise misfit(f"the seed of '{RETURN}' is of type {type(seed).__name__}, the result is an array", remedy)
+    if seed.dtype != kind.dtype or seed.ndim != kind.rank:
+        raise misfit(f"the seed of '{RETURN}' is an array of {seed.dtype} of shape {seed.shape}, the result one of "
+                     f"{kind.dtype} with {kind.rank} {'axis' if kind.rank == 1 else 'axes'}", remedy)
+    return np.array(seed, order="C")
 
 
 def array_seed(name: str, given: Any, like: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any
 
 from s2sad.binding import coerced, shadow, written_argument
-from s2sad.selection import RETURN, number_seed
+from s2sad.selection import RETURN, result_seed
 from s2sad.signature import arranged
 from s2sad.variants import HIDDEN, State
 
@@ -74,4 +74,4 @@ class ShadowedCall:
             if role == "shadow":
                 shadow(names[k], args[k], primal, values[primal])
         for seed, p in zip(args[len(self.layout):], self.variant.seeds):
-            number_seed(seed, p.name)
+            result_seed(seed, p.type)

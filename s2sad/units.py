@@ -206,7 +206,8 @@ class Units:
         guards = any(isinstance(n, (Assert, Raise)) or call_name(n) == "builtins.print" for n in walk(tree.body))
         calls = [n for n in walk(tree.body) if isinstance(n, Call) and (call_name(n) or "").startswith("user.")]
         return Summary(tuple(k for k, p in enumerate(parameters) if p in written), tuple(map(typing.of, parts)),
-                       {k: p.id for k, p in enumerate(parts) if isinstance(p, Name) and typing.of(p).is_array},
+                       {k: p.id for k, p in enumerate(parts) if isinstance(p, Name) and p.id in parameters
+                        and typing.of(p).is_array},
                        tuple(edges), not guards and all(self.of_call(c, typing).summary.pure for c in calls))
 
     # -- calls -------------------------------------------------------------------------------------------------------

@@ -85,7 +85,8 @@ class _Views(Carried):
         if isinstance(statement, Expr):
             return self.effect(statement)
         if isinstance(statement, Return) and statement.value is not None:
-            return [Return(self.returned(statement.value))]
+            before, value = self.returned(statement.value)
+            return [*before, Return(value)]
         return [self.resolve(statement)]
 
     def assignment(self, statement: Assign) -> list[AST]:
@@ -205,11 +206,17 @@ class _Views(Carried):
             return []
         return [Expr(self.called(value, statement))]
 
-    def returned(self, value: AST) -> AST:
+    def returned(self, value: AST) -> tuple[list[AST], AST]:
+        """What is returned: numbers, and arrays by name; a part of an array, or what is only made here, gets one."""
         parts = value.elts if isinstance(value, Tuple) else [value]
+        before: list[AST] = []
+        new: list[AST] = []
         for part in parts:
-            if self.typing.of(part).is_array and self.viewed(part) not in [(p, ()) for p in self.parameters]:
-                self.report.error("S201", "a kernel that returns an array", part if hasattr(part, "lineno") else value,
-                                  help="pass the array as an argument and write into it")
-        new = [self.resolve(part) for part in parts]
-        return tuple_of(*new) if isinstance(value, Tuple) else new[0]
+            made = self.resolve(part)
+            if self.typing.of(made).is_array and not isinstance(made, Name):
+                kind, held = self.typing.of(made), self.free.numbered("returned")
+                self.typing.table[held] = array(kind.dtype, kind.rank)
+                before += self.allocations.allocate(held, self.typing.table[held], made, part)
+                made = name(held)
+            new.append(made)
+        return before, tuple_of(*new) if isinstance(value, Tuple) else new[0]

@@ -138,7 +138,8 @@ def _probes(statement: AST, primals: dict[str, str], derived: Derived) -> list[A
 
 def _said(statement: AST, derived: Derived) -> str:
     source = derived.unit.kernel.source
-    return f"{source.path}:{statement.lineno}: {text_of(statement, source, 90)}"
+    home, line = source.home(statement.lineno)
+    return f"{home.path}:{line}: {text_of(statement, source, 90)}"
 
 
 def _where(statement: AST) -> tuple[int, int] | None:
