@@ -33,7 +33,8 @@ class ShadowedCall:
         state.first_run(values, self.variant.engine)
         self.variant.prepare(arguments)
         self._direct = not self._coercions and not self._hidden
-        self._call = self.variant.function if self.variant.engine == "numba" else self._plain
+        bare = self.variant.engine == "numba" and not any(p.type.is_array for p in self.variant.seeds)
+        self._call = self.variant.function if bare else self._plain
 
     def __call__(self, args: tuple[Any, ...]) -> Any:
         variant = self.variant
@@ -47,7 +48,7 @@ class ShadowedCall:
         return variant.apart(arguments, shared) if shared else self._call(*arguments)
 
     def _plain(self, *arguments: Any) -> Any:
-        """Under NumPy a number may come back as a NumPy scalar."""
+        """Under NumPy a number may come back as a NumPy scalar; the seed of an array may not fit."""
         return self.variant.run(arguments) or None
 
     def _conversions(self, args: tuple[Any, ...]) -> list[tuple[int, Any]]:

@@ -315,11 +315,13 @@ class Variant:
 
     def misfit(self, error: AssertionError, arguments: Sequence[Any]) -> Exception:
         """The error, or what it says where the seed of an array does not fit: its shape is known when f has run."""
-        if error.args != (MISFIT,):
+        said = str(error)
+        found = next((k for k, p in enumerate(self.parameters) if p.role == "seed" and said == p.name + MISFIT), None)
+        if found is None:
             return error
-        shapes = [a.shape for p, a in zip(self.parameters, arguments) if p.role == "seed" and p.type.is_array]
-        return S2sadError(Diagnostic("S403", f"the seed of 'return' has shape {', '.join(map(str, shapes))}, what "
-                                     f"'{self.kernel}' returns has another one", help="give an array of its shape"))
+        return S2sadError(Diagnostic("S403", f"the seed '{self.parameters[found].name}' has shape "
+                                     f"{arguments[found].shape}, what '{self.kernel}' returns there has another one",
+                                     help="give an array of its shape"))
 
     def apart(self, arguments: Sequence[Any], shared: tuple[int, ...]) -> Any:
         """Calls it with private shadows for arguments that are one array, and adds these to the caller's."""

@@ -38,7 +38,7 @@ from s2sad.tree import (
 
 
 REVERSE = "reverse sweep"
-MISFIT = "the seed of the result does not have its shape"
+MISFIT = " does not have the shape of the result"
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,8 @@ class _Adjoint:
     def seeds_fit(self) -> list[AST]:
         """Guards that the seeds of arrays have their shapes, before a shadow is written."""
         return [Assert(compare(attribute(copy(self.results()[number]), "shape"), Eq(), attribute(name(seed), "shape")),
-                       const(MISFIT)) for number, seed in self.seeds.items() if self.typing.table[seed].is_array]
+                       const(f"{seed}{MISFIT}")) for number, seed in self.seeds.items()
+                if self.typing.table[seed].is_array]
 
     def results(self) -> list[AST]:
         last = self.structure.function.body[-1] if self.structure.function.body else None

@@ -21,13 +21,15 @@ from dataclasses import dataclass
 from s2sad.infer.affine import Affine
 from s2sad.infer.laws import ONE, Shape, whole_number
 from s2sad.infer.types import array
+from s2sad.infer.shapes import shape_expression
 from s2sad.normalize.aliases import Aliases
+from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.places import AMBIGUOUS, Places, View
 from s2sad.normalize.references import References
 from s2sad.normalize.rename import breaks
 from s2sad.tree import (
-    AST, Assert, Assign, Break, For, If, Name, Subscript, While, assign, at, const, copy, index, name, names, rename,
-    stored_names, walk,
+    AST, Assert, Assign, Break, For, If, Name, Subscript, While, assign, at, call, const, copy, index, name, names,
+    rename, stored_names, walk,
 )
 
 Tail = dict[str, str]                   # the buffers of a loop, by the names that stand for them
@@ -47,6 +49,8 @@ class Carried(Places):
     references: References
     aliases: Aliases
     ended: dict[str, Affine]            # what was known of sizes at the end of the last block
+    unset: set[str]                     # names of arrays that are bound before they are read, as the flags tell
+    late: dict[str, Shape | None]       # buffers of such names in the loops here, and their shapes
     bound_at: dict[str, AST]            # the statement that has last bound a name of an array
 
     @abstractmethod
@@ -94,15 +98,36 @@ class Carried(Places):
         self.aliases.begin(buffers.values(), {*self.home, *self.parameters}, stored_names(statement))
         self.seen = {n: AMBIGUOUS if n in inside else v for n, v in self.seen.items()}
         self.seen |= {n: (b, ()) for n, b in buffers.items()}
+        late = {n: self.version(n) for n in dict.fromkeys(inside) if n in self.unset & after}
+        outer, self.late = self.late, dict.fromkeys(late.values())
         self.depth += 1
-        new = self.turn(statement, bounds, buffers)
+        new = self.turn(statement, bounds, buffers | late)
         self.depth -= 1
+        start += self.started(late, statement)
+        self.late = outer
         self.aliases.end()
         lost = set(buffers.values())    # filled again since another name came to stand for them
         self.seen = {n: v if n not in inside or n not in before and v[0] not in lost else AMBIGUOUS
                      for n, v in self.seen.items()}
-        self.seen |= {n: (b, ()) for n, b in buffers.items()}
+        self.seen |= {n: (b, ()) for n, b in [*buffers.items(), *late.items()]}
         return [*start, new]
+
+    def started(self, late: Tail, origin: AST) -> list[AST]:
+        """The allocations of arrays that a loop may bind, and that are used after it, in the sizes that they have."""
+        made: list[AST] = []
+        for n, buffer in list(late.items()):
+            shape = self.late[buffer]
+            if shape is None:
+                del late[n]
+            elif all(d is not None and self.is_older(d) for d in shape):
+                kind = self.typing.table[buffer]
+                self.shapes.allocated(buffer, shape)
+                self.home[buffer] = self.depth
+                made.append(assign(buffer, call("numpy.empty", shape_expression(self.shapes, shape), *dtype_of(kind))))
+            else:
+                self.report.error("S201", "an array of a size that a loop makes is returned from inside it",
+                                  self.bound_at.get(n, origin), help="bind it to a name, break, and return it after")
+        return made
 
     def turn(self, statement: For | While, bounds: AST | None, buffers: Tail) -> AST:
         """The loop itself."""
@@ -153,11 +178,18 @@ class Carried(Places):
         """The buffers take what their names stand for, all at once."""
         moves: list[tuple[str, str, View]] = []
         for n, made in buffers.items():
+            if made in self.late and n not in self.seen:
+                continue
             view = self.seen.get(n, AMBIGUOUS)
             if view == AMBIGUOUS:
                 self.viewed(at(name(n), self.bound_at.get(n, origin)))
                 continue
             self.aliases.moved(made, view[0])
+            if made in self.late and self.late[made] is None:
+                shape = self.shapes.of(index(name(view[0]), *map(copy, view[1])) if view[1] else name(view[0]))
+                self.late[made] = tuple(d and self.shapes.reduced(d) for d in shape)
+                self.typing.table[made] = array(self.types[n].dtype, self.types[n].rank)
+                self.shapes.allocated(made, shape)
             if view != (made, ()):
                 moves.append((n, made, view))
         self.aliases.meet()
@@ -199,6 +231,10 @@ class Carried(Places):
         apart = self.shapes.reduced(size).plus(self.shapes.reduced(filled), -1)
         if not apart.terms:
             return apart.constant == 0
+        return self.is_older(size)
+
+    def is_older(self, size: Affine) -> bool:
+        """Whether a size is made of what is from before the loop."""
         return all(self.aliases.is_older(n, self.typing.table[n].is_array)
                    for symbol, _ in self.shapes.reduced(size).terms for n in names(self.shapes.atoms[symbol]))
 

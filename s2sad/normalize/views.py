@@ -36,7 +36,7 @@ from s2sad.normalize.references import References
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Eq, Expr, For, FunctionDef, GtE, If, Name, Return, Slice,
     Store, Subscript, Tuple, While, assign, at, attribute, augment, call_name, compare, const, copy, dump, index,
-    indices, name, names, tuple_of, walk,
+    indices, is_unset, name, names, tuple_of, walk,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -53,7 +53,7 @@ def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free
     pass_.seen = {p.id: (p.id, ()) for p in function.args.args if types[p.id].is_array}
     pass_.parameters = set(pass_.seen)
     pass_.loops, pass_.writes = loops, writes
-    pass_.bound_at = {}
+    pass_.bound_at, pass_.unset, pass_.late = {}, set(), {}
     pass_.references, pass_.aliases = References(function), Aliases(pass_.parameters)
     new = copy(function)
     lengths = [Assert(compare(index(attribute(name(p.id), "shape"), const(k)), Eq(), const(1)), None)
@@ -96,6 +96,9 @@ class _Views(Carried):
         if isinstance(target, Tuple) or self.types.get(target.id, None) is None:
             return [assign(target, self.called(value, statement))]
         kind = self.types[target.id]
+        if is_unset(value):
+            self.unset |= {target.id} if kind.is_array else set()
+            return [] if kind.is_array else [assign(target, const(value.value))]
         if kind.kind == "tuple" and call_name(value) is None:
             self.tuples[target.id] = self.resolve(value)
             return []
