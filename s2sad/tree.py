@@ -33,7 +33,8 @@ __all__ = [
     "RShift", "Slice", "Starred", "Store", "Sub", "Subscript", "Tuple", "UAdd", "UnaryOp", "USub", "While",
     "arguments", "keyword", "add", "assign", "at", "attribute", "augment", "binary", "call", "call_name",
     "children", "comment", "compare", "const", "copy", "counted_for", "dump", "equal", "expr", "expression",
-    "forget", "forgotten", "function", "index", "indices", "is_comment", "is_unset", "mult", "name", "names", "negate", "parse",
+    "forget", "forgotten", "function", "index", "indices", "is_comment", "is_unset", "mult", "name", "names", "negate",
+    "parse",
     "rebuild", "rename", "statements", "stored_names", "sub", "substitute", "tuple_of", "unset", "walk",
 ]
 

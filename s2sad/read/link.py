@@ -12,6 +12,7 @@ from s2sad.read import fence
 from s2sad.read.capture import capture
 from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number
 from s2sad.read.modules import FileFunction
+from s2sad.read.nested import NestedFunction, lifted
 from s2sad.read.resolve import Resolved, resolve
 
 
@@ -58,7 +59,9 @@ class Linker:
         return self.outside.setdefault((kind, key), (f"{kind}.{len(self.outside)}", meaning))[0]
 
     def visit(self, function: Function, callers: list[Function]) -> None:
-        captured = function.handle.captured() if isinstance(function.handle, FileFunction) else capture(function.handle)
+        handle = function.handle
+        captured = handle.captured() if isinstance(handle, (FileFunction, NestedFunction)) else capture(handle)
+        captured = lifted(captured, function.key)
         report = Report(captured.source)
         self.reports.append(report)
         fence.check(captured.tree, report)
