@@ -29,8 +29,8 @@ _REFUSED = {
     "Yield": ("yield", "write the values to an array argument, one element for each yield"),
     "YieldFrom": ("yield from", "write the values to an array argument, one element for each yield"),
     "Lambda": ("lambda", "write a function at module level, with def, and call it by its name"),
-    "FunctionDef": ("a nested function that is more than defined once and called", "define it outside of loops and "
-                    + "branches, under a name of its own, or at module level"),
+    "FunctionDef": ("a nested function", "define it once, outside of loops and branches, and call it or give it to a "
+                    + "call; or write it at module level"),
     "ClassDef": ("a class", "pass what it would hold as arguments, numbers and arrays"),
     "Global": ("global", "return the new value, or keep it in an element of an array argument"),
     "Nonlocal": ("nonlocal", "return the new value, or keep it in an element of an array argument"),

@@ -11,6 +11,7 @@ what is defined in a loop or a branch, is defined twice, or is used as a value s
 """
 from __future__ import annotations
 
+import itertools
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
 
@@ -43,7 +44,7 @@ class Around:
 
 def lifted(captured: Captured, key: Hashable) -> Captured:
     """The function without its nested ones, which its scope has instead."""
-    function = captured.tree
+    function = _with_names_for_lambdas(captured)
     if not any(_definition(s) is not None for s in getattr(function, "body", [])):
         return captured
     found = {d.name: d for s in function.body if (d := _definition(s)) is not None}
@@ -54,16 +55,36 @@ def lifted(captured: Captured, key: Hashable) -> Captured:
     scope = Around(captured.scope, inner)
     for name, definition in found.items():
         given = tree.copy(definition)
-        given.body = [_with_captures(s, captures) for s in given.body]
         given.args.kwonlyargs = [*given.args.kwonlyargs, *(tree.function("_", [c], []).args.args[0]
                                                            for c in captures[name])]
         given.args.kw_defaults = [*given.args.kw_defaults, *([None] * len(captures[name]))]
         inner[name] = Function(name, ("nested", key, name), "", NestedFunction(
-            Captured(name, given, captured.source, scope, _default)))
+            Captured(name, given, captured.source, scope, _default)), tuple((c, c) for c in captures[name]))
     new = tree.copy(function)
-    new.body = [_with_captures(s, captures) for s in function.body
-                if (d := _definition(s)) is None or d.name not in found] or [tree.at(tree.Pass(), function)]
+    new.body = [s for s in new.body if (d := _definition(s)) is None or d.name not in found] or [
+        tree.at(tree.Pass(), function)]
     return replace(captured, tree=new, scope=scope)
+
+
+def _with_names_for_lambdas(captured: Captured) -> FunctionDef:
+    """The function in which a lambda that is given to a call of a user's function has a name."""
+    function = captured.tree
+    nodes = _own(function) if isinstance(function, FunctionDef) else []
+    if not any(type(n).__name__ == "Lambda" for n in nodes):
+        return function
+    nested = {d.name for s in function.body if (d := _definition(s)) is not None}
+    given = [a for n in nodes if isinstance(n, tree.Call) and isinstance(n.func, tree.Name) and (
+        n.func.id in nested or n.func.id not in _bound(function)
+        and isinstance(captured.scope.lookup(n.func.id), Function))
+        for a in (*n.args, *(k.value for k in n.keywords)) if type(a).__name__ == "Lambda"]
+    taken = {n.id for n in tree.walk(function) if isinstance(n, tree.Name)}
+    free = (n for n in (f"lambda_{k}" for k in itertools.count(1)) if n not in taken)
+    named = {id(a): (next(free), a) for a in given}
+    new = tree.copy(function)
+    new.body = [tree.rebuild(s, lambda n: tree.at(tree.name(named[id(n)][0]), n) if id(n) in named else None)
+                for s in function.body]
+    new.body = [*(tree.at(tree.assign(n, a), a) for n, a in named.values()), *new.body]
+    return new
 
 
 def _definition(statement: AST) -> FunctionDef | None:
@@ -79,11 +100,12 @@ def _definition(statement: AST) -> FunctionDef | None:
 
 
 def _is_called_only(name: str, function: FunctionDef) -> bool:
-    """Whether a name is bound once, by its definition, and otherwise called."""
+    """Whether a name is bound once, by its definition, and otherwise called, or given to a call."""
     nodes = list(tree.walk(function))
     bound = [n for n in nodes if isinstance(n, tree.Name) and n.id == name and not isinstance(n.ctx, tree.Load)]
     defined = [n for n in nodes if type(n).__name__ == "FunctionDef" and n.name == name and n is not function]
-    called = {id(n.func) for n in nodes if isinstance(n, tree.Call)}
+    called = {id(part) for n in nodes if isinstance(n, tree.Call)
+              for part in (n.func, *n.args, *(k.value for k in n.keywords))}
     loads = [n for n in nodes if isinstance(n, tree.Name) and n.id == name and isinstance(n.ctx, tree.Load)]
     return len(bound) + len(defined) == 1 and all(id(n) in called for n in loads)
 
@@ -138,16 +160,6 @@ def _free(function: FunctionDef) -> set[str]:
             found |= {n.id for n in tree.walk(node.body) if isinstance(n, tree.Name)} - {
                 a.id for a in node.args.args}
     return found - _bound(function)
-
-
-def _with_captures(statement: AST, captures: dict[str, list[str]]) -> AST:
-    """A statement in which calls of nested functions give what these capture."""
-    new = tree.copy(statement)
-    for node in tree.walk(new):
-        if isinstance(node, tree.Call) and isinstance(node.func, tree.Name) and node.func.id in captures:
-            node.keywords = [*node.keywords, *(tree.keyword(c, tree.at(tree.name(c), node))
-                                               for c in captures[node.func.id])]
-    return new
 
 
 def _default(parameter: str, node: AST) -> object:
