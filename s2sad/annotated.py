@@ -15,6 +15,7 @@ from s2sad.binding import (
     FLOATS, admitted, bind, coerced, make_zero, misfit, shadow, written_argument,
 )
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
+from s2sad.normalize.calls import leaves
 from s2sad.program import Request
 from s2sad.selection import RETURN, Results, array_seed, places, result_seed, selected_of, selected_wrt, structured
 from s2sad.variants import State, Variant
@@ -135,7 +136,7 @@ class AnnotatedCall:
 
     def _zeros(self, primal: Any) -> dict[int, Any]:
         """The tangents of arrays that depend on nothing."""
-        parts = primal if len(self.results.types) > 1 else (primal,)
+        parts = leaves(primal)
         return {k: make_zero(parts[k]) for k in self.results.own if self.results.types[k].is_array}
 
     def _answer(self, found: dict[Any, Any], primal: Any, values: dict[str, Any], shadows: dict[str, Any]) -> Any:

@@ -18,6 +18,7 @@ from s2sad.emit.dialect import in_dialect
 from s2sad.emit.module import module_text
 from s2sad.emit.origins import text_of
 from s2sad.emit.primal import kernels_called, primal_functions
+from s2sad.normalize.calls import leaves
 from s2sad.program import Generated, Program, Request
 from s2sad.report.differences import differences
 from s2sad.selection import RETURN
@@ -232,9 +233,7 @@ def _arguments(made: Generated, values: Mapping[str, Any], shadows: Mapping[str,
             arguments.append((np.zeros_like(value) if given is None else np.array(given))
                              if isinstance(value, np.ndarray) else float(given or 0.0))
         else:
-            seed = seeds.get(RETURN, 0.0)
-            place = int(parameter.primal.split()[1])
-            arguments.append(seed[place] if isinstance(seed, tuple) else seed)
+            arguments.append(leaves(seeds.get(RETURN, 0.0))[int(parameter.primal.split()[1])])
     return arguments
 
 
