@@ -25,6 +25,7 @@ _FILLS = {"numpy.ones": 1.0, "numpy.ones_like": 1.0}
 _SHAPED = {"numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full"}
 _LIKE = {"numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full_like"}
 _COPIES = {"numpy.copy", "numpy.array", "numpy.asarray", "numpy.ascontiguousarray"}
+ALLOCATING = _SHAPED | _LIKE | _COPIES
 
 
 class Allocations:

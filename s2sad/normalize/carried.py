@@ -1,6 +1,7 @@
-"""carried: a name that loops or branches bind to one array after another stands for one buffer, which is filled.
+"""carried: a name that a loop binds to one array after another stands for one buffer, which is filled.
 
-Used by `views`. Requires structured form and types; establishes that a name stands for one array wherever paths meet.
+Used by `views`. Requires structured form and types; establishes that a name stands for one array wherever turns of a
+loop meet.
 
     v = u                           v_1 = np.empty_like(u)
     for s in range(n):              v_1[...] = u
@@ -10,67 +11,40 @@ Used by `views`. Requires structured form and types; establishes that a name sta
                                         assert v_1.shape == out.shape
                                         v_1[...] = out
 
-A name's own array is its buffer where no other name stands for it. NumPy binds names and copies nothing: where a store
-would tell (`aliases`), it is refused.
+A name's own array is its buffer where no other name stands for it, and is filled where it is bound if its old content
+is not used any more. NumPy binds names and copies nothing: where a store would tell (`aliases`), it is refused.
 """
 from __future__ import annotations
 
-from abc import abstractmethod
-from dataclasses import dataclass
-
 from s2sad.infer.affine import Affine
 from s2sad.infer.laws import ONE, Shape, whole_number
-from s2sad.infer.types import array
 from s2sad.infer.shapes import shape_expression
-from s2sad.normalize.aliases import Aliases
-from s2sad.normalize.allocations import dtype_of
-from s2sad.normalize.places import AMBIGUOUS, Places, View
-from s2sad.normalize.references import References
+from s2sad.infer.types import array
+from s2sad.normalize.allocations import ALLOCATING, dtype_of
+from s2sad.normalize.branches import Branches
+from s2sad.normalize.places import AMBIGUOUS, View
 from s2sad.normalize.rename import breaks
 from s2sad.tree import (
-    AST, Assert, Assign, Break, For, If, Name, Subscript, While, assign, at, call, const, copy, index, name, names,
-    rename, stored_names, walk,
+    AST, Assert, Assign, Break, For, GtE, If, Name, While, assign, at, call, call_name, compare, const, copy, dump,
+    index, name, names, stored_names, walk,
 )
 
 Tail = dict[str, str]                   # the buffers of a loop, by the names that stand for them
 CHANGES = "'{}' may change its size from one iteration to the next"
 
 
-@dataclass
-class _Arm:
-    """A branch: its statements, and at its end what names stand for and what is known of sizes."""
-    block: list[AST]
-    seen: dict[str, View]
-    equal: dict[str, Affine]
-
-
-class Carried(Places):
-    """What names stand for after loops and branches."""
-    references: References
-    aliases: Aliases
-    ended: dict[str, Affine]            # what was known of sizes at the end of the last block
+class Carried(Branches):
+    """What names stand for in and after loops."""
+    buffers: Tail                       # those of the loop here
     unset: set[str]                     # names of arrays that are bound before they are read, as the flags tell
     late: dict[str, Shape | None]       # buffers of such names in the loops here, and their shapes
     bound_at: dict[str, AST]            # the statement that has last bound a name of an array
-
-    @abstractmethod
-    def statement(self, statement: AST) -> list[AST]:
-        """A statement in which views are resolved."""
-
-    @abstractmethod
-    def apart(self, place: Subscript, value: AST, before: list[AST], origin: AST) -> AST:
-        """A value, under a name of its own where a place cannot hold it while it is made."""
-
-    @abstractmethod
-    def version(self, target: str) -> str:
-        """A new name for an array that a name is bound to."""
 
     def buffer(self, identifier: str, place: AST, origin: AST, near: set[str]) -> tuple[str, list[AST]]:
         """The array that a name stands for from here on, and the statements that make it; `near` are the names that are
         used later."""
         base, subscripts = self.seen[identifier]
-        kept = [n for n in sorted(near) if n != identifier and self.seen.get(n, AMBIGUOUS)[0] == base]
-        if not subscripts and base in self.home and not kept:
+        if not subscripts and base in self.home and not self.held(base, near - {identifier}, self.seen):
             return base, []
         made = self.version(identifier)
         kind = self.types[identifier]
@@ -80,6 +54,16 @@ class Carried(Places):
         self.typing.table[made] = kind
         self.aliases.share(made, base)
         return made, statements
+
+    def fills_buffer(self, identifier: str, value: AST, statement: AST) -> bool:
+        """Whether what a name is bound to may go straight into the buffer that it stands for: nothing that is used
+        later stands for what was there, and the size is known to be the same."""
+        buffer = self.buffers.get(identifier)
+        if buffer is None or self.seen.get(identifier) != (buffer, ()) or call_name(value) in ALLOCATING:
+            return False
+        near = self.references.after[id(statement)] - {identifier}
+        shapes = self.shapes.of(name(buffer)), self.shapes.of(value)
+        return all(map(self.shapes.same, *shapes)) and not self.held(buffer, near, self.seen)
 
     # -- loops -------------------------------------------------------------------------------------------------------
 
@@ -98,13 +82,14 @@ class Carried(Places):
         self.aliases.begin(buffers.values(), {*self.home, *self.parameters}, stored_names(statement))
         self.seen = {n: AMBIGUOUS if n in inside else v for n, v in self.seen.items()}
         self.seen |= {n: (b, ()) for n, b in buffers.items()}
+        outer_buffers, self.buffers = self.buffers, buffers
         late = {n: self.version(n) for n in dict.fromkeys(inside) if n in self.unset & after}
         outer, self.late = self.late, dict.fromkeys(late.values())
         self.depth += 1
         new = self.turn(statement, bounds, buffers | late)
         self.depth -= 1
         start += self.started(late, statement)
-        self.late = outer
+        self.late, self.buffers = outer, outer_buffers
         self.aliases.end()
         lost = set(buffers.values())    # filled again since another name came to stand for them
         self.seen = {n: v if n not in inside or n not in before and v[0] not in lost else AMBIGUOUS
@@ -162,6 +147,12 @@ class Carried(Places):
             self.before = outer
         self.ended, self.shapes.equal = self.shapes.equal, known
         return new
+
+    def required(self) -> list[AST]:
+        """Guards that slices which start from the end start inside."""
+        needed, self.shapes.required = self.shapes.required, []
+        tests = [compare(self.shapes.expression(form), GtE(), const(0)) for form in needed]
+        return [Assert(test, None) for test in {dump(t): t for t in tests}.values()]
 
     def parting(self, statement: If, tail: Tail) -> If:
         """The branch at the end of a loop's body of which one side leaves the loop."""
@@ -238,85 +229,6 @@ class Carried(Places):
         return all(self.aliases.is_older(n, self.typing.table[n].is_array)
                    for symbol, _ in self.shapes.reduced(size).terms for n in names(self.shapes.atoms[symbol]))
 
-    # -- branches ----------------------------------------------------------------------------------------------------
-
-    def branch(self, statement: If) -> list[AST]:
-        test, before, older = self.resolve(statement.test), dict(self.seen), {*self.home, *self.parameters}
-        first = self.arm(statement.body)
-        self.seen = dict(before)
-        second = self.arm(statement.orelse)
-        one = self.allocated_on_both(before, first, second)
-        second.block = [rename(s, one) for s in second.block]
-        second.seen = {n: (one.get(base, base), subscripts) for n, (base, subscripts) in second.seen.items()}
-        self.tuples = {n: rename(t, one) for n, t in self.tuples.items()}
-        self.aliases.renamed(one)
-        met = self.met(statement, (first, second), before, older)
-        self.seen = _merged(first.seen, second.seen, self.depth > 0) | met
-        return [If(test, first.block, second.block)]
-
-    def arm(self, block: list[AST]) -> _Arm:
-        made = self.block(block)
-        return _Arm(made, self.seen, self.ended)
-
-    def met(self, statement: If, arms: tuple[_Arm, _Arm], before: dict[str, View], older: set[str]) -> dict[str, View]:
-        """The names that stand for different arrays after the two branches get one array in both."""
-        found: dict[str, View] = {}
-        near = self.references.after[id(statement)]
-        for n in [n for n in arms[0].seen if n in near and n in arms[1].seen and n in self.types]:
-            views = [arm.seen[n] for arm in arms]
-            if AMBIGUOUS in views or repr(views[0]) == repr(views[1]):
-                continue
-            shapes = [self.shape_in(arm, view) for arm, view in zip(arms, views)]
-            same = all(self.shapes.same(a, b) for a, b in zip(*shapes))
-            kept = [k for k in (0, 1) if same and views[k] == before.get(n) and self.is_own(n, views[k], near, arms)]
-            made = views[kept[0]][0] if kept else self.version(n)
-            for k, (arm, (base, subscripts)) in enumerate(zip(arms, views)):
-                if k not in kept:
-                    value = index(name(base), *map(copy, subscripts)) if subscripts else name(base)
-                    arm.block += [at(s, statement) for s in self.taken(n, made, value, bool(kept), statement)]
-                if base in older or any(arm.seen.get(m, AMBIGUOUS)[0] == base for m in near - {n}):
-                    self.aliases.share(made, base)
-            if not kept:
-                self.home[made] = self.depth
-                self.typing.table[made] = array(self.types[n].dtype, self.types[n].rank)
-                self.shapes.either(made, *shapes)
-            found[n] = (made, ())
-        return found
-
-    def taken(self, identifier: str, buffer: str, value: AST, filled: bool, origin: AST) -> list[AST]:
-        """What makes a buffer hold a value at the end of a branch."""
-        if not filled:
-            kind = self.types[identifier]
-            self.typing.table[buffer] = array(kind.dtype, kind.rank)
-            return self.allocations.allocate(buffer, self.typing.table[buffer], value, origin)
-        place, before = index(name(buffer), const(...)), []
-        value = self.apart(place, value, before, origin)
-        return [*before, assign(place, value)]
-
-    def is_own(self, identifier: str, view: View, near: set[str], arms: tuple[_Arm, _Arm]) -> bool:
-        """Whether a name stands for a whole array for which no other name that is used later stands."""
-        return not view[1] and view[0] in self.home and not any(
-            arm.seen.get(m, AMBIGUOUS)[0] == view[0] for arm in arms for m in near - {identifier})
-
-    def shape_in(self, arm: _Arm, view: View) -> Shape:
-        """The shape of a view, with what is known of sizes at the end of a branch."""
-        known, self.shapes.equal = self.shapes.equal, arm.equal
-        shape = self.shapes.of(index(name(view[0]), *map(copy, view[1])) if view[1] else name(view[0]))
-        self.shapes.equal = known
-        return shape
-
-    def allocated_on_both(self, before: dict[str, View], one: _Arm, other: _Arm) -> dict[str, str]:
-        """The arrays of a second branch that go under the name of the first branch's: both were bound to one name."""
-        found: dict[str, str] = {}
-        for bound, (second, subscripts) in other.seen.items():
-            first = one.seen.get(bound, AMBIGUOUS)[0]
-            if first != second and not subscripts and bound in self.types and all(
-                    self.home.get(v) == self.depth and (v, ()) not in before.values() for v in (first, second)) \
-                    and one.seen[bound] == (first, ()) and second not in found and first not in found.values():
-                found[second] = first
-                self.shapes.either(first, self.shape_in(one, (first, ())), self.shape_in(other, (second, ())))
-        return found
-
 
 def least_of(loop: For) -> dict[str, int]:
     """The least value of a loop's counter, if it is written."""
@@ -328,13 +240,3 @@ def least_of(loop: For) -> dict[str, int]:
         low = None if stop is None else stop + 1
     return {} if low is None or not step else {loop.target.id: low}
 
-
-def _merged(a: dict[str, View], b: dict[str, View], looping: bool) -> dict[str, View]:
-    """What names stand for where two branches meet; in a loop a name bound on one side may be an iteration old."""
-    made: dict[str, View] = {}
-    for bound in {**a, **b}:
-        if bound in a and bound in b:
-            made[bound] = a[bound] if repr(a[bound]) == repr(b[bound]) else AMBIGUOUS
-        else:
-            made[bound] = AMBIGUOUS if looping else a.get(bound) or b[bound]
-    return made

@@ -34,8 +34,8 @@ from s2sad.normalize.places import AMBIGUOUS, is_whole_place
 from s2sad.normalize.reduced import is_reduction
 from s2sad.normalize.references import References
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Eq, Expr, For, FunctionDef, GtE, If, Name, Return, Slice,
-    Store, Subscript, Tuple, While, assign, at, attribute, augment, call_name, compare, const, copy, dump, index,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Eq, Expr, For, FunctionDef, If, Name, Return, Slice,
+    Store, Subscript, Tuple, While, assign, at, attribute, augment, call_name, compare, const, copy, index,
     indices, is_unset, name, names, tuple_of, walk,
 )
 
@@ -53,7 +53,7 @@ def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free
     pass_.seen = {p.id: (p.id, ()) for p in function.args.args if types[p.id].is_array}
     pass_.parameters = set(pass_.seen)
     pass_.loops, pass_.writes = loops, writes
-    pass_.bound_at, pass_.unset, pass_.late = {}, set(), {}
+    pass_.bound_at, pass_.unset, pass_.late, pass_.buffers = {}, set(), {}, {}
     pass_.references, pass_.aliases = References(function), Aliases(pass_.parameters)
     new = copy(function)
     lengths = [Assert(compare(index(attribute(name(p.id), "shape"), const(k)), Eq(), const(1)), None)
@@ -66,12 +66,6 @@ def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free
 class _Views(Carried):
     """Rewrites the statements of one function."""
     writes: Writes
-
-    def required(self) -> list[AST]:
-        """Guards that slices which start from the end start inside."""
-        needed, self.shapes.required = self.shapes.required, []
-        tests = [compare(self.shapes.expression(form), GtE(), const(0)) for form in needed]
-        return [Assert(test, None) for test in {dump(t): t for t in tests}.values()]
 
     def statement(self, statement: AST) -> list[AST]:
         if isinstance(statement, Assign):
@@ -133,8 +127,13 @@ class _Views(Carried):
             self.report.error("S201", f"'{target}' would be a view that is not supported", statement,
                               help="copy it with np.empty and a loop")
             return []
+        value = self.resolve(value)
+        if self.fills_buffer(target, value, statement):
+            place = index(name(self.buffers[target]), const(...))
+            checks = self.checks(place, value)
+            return [*checks, assign(place, self.apart(place, value, checks, statement))]
         new = self.version(target)
-        made = self.allocations.allocate(new, self.types[target], self.resolve(value), statement)
+        made = self.allocations.allocate(new, self.types[target], value, statement)
         self.seen[target] = (new, ())
         self.home[new] = self.depth
         self.typing.table[new] = self.types[target]

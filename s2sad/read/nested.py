@@ -12,11 +12,11 @@ what is defined in a loop or a branch, is defined twice, or is used as a value s
 from __future__ import annotations
 
 import itertools
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, replace
 
 from s2sad import tree
-from s2sad.read.meaning import AST, Captured, Function, Meaning, NotConstant, Scope
+from s2sad.read.meaning import AST, Captured, Function, Library, Meaning, NotConstant, Scope
 from s2sad.tree import FunctionDef
 
 
@@ -32,7 +32,7 @@ class NestedFunction:
 class Around:
     """The names around a function with nested ones."""
 
-    def __init__(self, scope: Scope, inner: dict[str, Function]):
+    def __init__(self, scope: Scope, inner: Mapping[str, Function | Library]):
         self.scope, self.inner = scope, inner
 
     def lookup(self, name: str) -> Meaning | None:
