@@ -64,8 +64,7 @@ def first_above(u, level):
     for k in range(u.size):
         for j in range(2):
             if u[k] + j > level:
-                out = u * u[k]
-                return out
+                return u * u[k]
     return u * 2.0
 
 
@@ -106,10 +105,10 @@ def stepped(u, dt):
 
 def time_loop(y, u, p, n):
     v = u.copy()
-    for s in range(n):
+    for _ in range(n):
         v = v + 0.01 * rhs(v, p)
     w = u
-    for s in range(n):
+    for _ in range(n):
         w = stepped(w, 0.1)
     y[:] = v + w
 
@@ -118,7 +117,7 @@ def swaps(y, u, v, n):
     a = u.copy()
     b = v * 2.0
     new = np.zeros_like(u)
-    for s in range(n):
+    for _ in range(n):
         a, b = b, a * b
         for i in range(1, u.size - 1):
             new[i] = a[i] * a[i - 1] + a[i + 1]
@@ -138,7 +137,7 @@ def previous(y, u, n):
 
 
 def left_early(y, u, n):
-    for s in range(n):
+    for _ in range(n):
         u = stepped(u, 0.2)
         if u[2] > 0.9:
             u = u * 2.0
@@ -440,7 +439,7 @@ def test_a_size_that_is_another_one_is_said_when_it_shows():
         vjp(f, (U, 3), {"return": np.ones(3)})
 
 
-# -- the interface ------------------------------------------------------------------------------------------------------
+# -- the interface ----------------------------------------------------------------------------------------------------
 
 F = s2sad.differentiate(scaled_products, engine="numpy")
 X, ONES = np.array([1.0, 2.0, 3.0, 4.0]), np.ones(4)
