@@ -32,9 +32,11 @@ class Aliases:
         self._stores: list[tuple[str, AST, frozenset[str]]] = []
         self._loops: list[_Loop] = []
 
-    def share(self, a: str, b: str) -> None:
-        if a != b:
-            self._pairs |= {(a, b), (b, a)}
+    def copied(self, base: str, buffer: str, lasts: bool) -> None:
+        """A buffer is made from an array; both may be one if that `lasts`, and the buffer may be what the array was."""
+        if base != buffer:
+            self._flows.add((base, buffer))
+            self._pairs |= {(base, buffer), (buffer, base)} if lasts else set()
 
     def begin(self, buffers: Iterable[str], known: Iterable[str], bound: Iterable[str]) -> None:
         self._loops.append(_Loop(frozenset(buffers), frozenset(known), frozenset(bound)))
@@ -55,13 +57,10 @@ class Aliases:
         """The turn ends: buffers that take one array share it, what is older than the loop stays what it is."""
         loop = self._loops[-1]
         for place, (buffer, base) in enumerate(loop.moves):
-            if base in loop.buffers:
-                self._flows.add((base, buffer))
-            elif base in loop.known:
-                self.share(buffer, base)
+            self.copied(base, buffer, base in loop.known - loop.buffers)
             for other, same in loop.moves[:place]:
                 if same == base:
-                    self.share(buffer, other)
+                    self.copied(other, buffer, True)
         loop.moves = []
 
     def renamed(self, one: dict[str, str]) -> None:

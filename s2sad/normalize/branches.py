@@ -95,8 +95,7 @@ class Branches(Places):
                 if k not in kept:
                     value = index(name(base), *map(copy, subscripts)) if subscripts else name(base)
                     arm.block += [at(s, statement) for s in self.taken(n, made, value, bool(kept), statement)]
-                if base in older or self.held(base, near - {n}, arm.seen):
-                    self.aliases.share(made, base)
+                self.aliases.copied(base, made, base in older or self.held(base, near - {n}, arm.seen))
             if not kept:
                 self.home[made] = self.depth
                 self.typing.table[made] = array(self.types[n].dtype, self.types[n].rank)

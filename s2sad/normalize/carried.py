@@ -52,7 +52,7 @@ class Carried(Branches):
         statements = self.allocations.allocate(made, array(kind.dtype, kind.rank), value, origin)
         self.home[made] = self.depth
         self.typing.table[made] = kind
-        self.aliases.share(made, base)
+        self.aliases.copied(base, made, True)
         return made, statements
 
     def fills_buffer(self, identifier: str, value: AST, statement: AST) -> bool:
