@@ -39,6 +39,7 @@ class Branches(Places):
     """What names stand for after branches."""
     references: References
     aliases: Aliases
+    buffers: dict[str, str]             # of the loop here, by the names that stand for them
     ended: dict[str, Affine]            # what was known of sizes at the end of the last block
 
     @abstractmethod
@@ -48,6 +49,10 @@ class Branches(Places):
     @abstractmethod
     def apart(self, place: Subscript, value: AST, before: list[AST], origin: AST) -> AST:
         """A value, under a name of its own where a place cannot hold it while it is made."""
+
+    @abstractmethod
+    def fill(self, identifier: str, buffer: str, view: View, origin: AST) -> list[AST]:
+        """A buffer takes what a name stands for."""
 
     @abstractmethod
     def version(self, target: str) -> str:
@@ -87,6 +92,9 @@ class Branches(Places):
             views = [arm.seen[n] for arm in arms]
             if AMBIGUOUS in views or repr(views[0]) == repr(views[1]):
                 continue
+            if self.into_buffer(n, arms, near, older, statement):
+                found[n] = (self.buffers[n], ())
+                continue
             shapes = [self.shape_in(arm, view) for arm, view in zip(arms, views)]
             same = all(self.shapes.same(a, b) for a, b in zip(*shapes))
             kept = [k for k in (0, 1) if same and views[k] == before.get(n) and self.is_own(n, views[k], near, arms)]
@@ -102,6 +110,23 @@ class Branches(Places):
                 self.shapes.either(made, *shapes)
             found[n] = (made, ())
         return found
+
+    def into_buffer(self, identifier: str, arms: tuple[_Arm, _Arm], near: set[str], older: set[str],
+                    origin: AST) -> bool:
+        """Fills the buffer that a loop has for a name, at the end of each branch; false if there is none, or its
+        content is used under other names."""
+        buffer = self.buffers.get(identifier)
+        if buffer is None or any(self.held(buffer, near - {identifier}, arm.seen) for arm in arms):
+            return False
+        for arm in arms:
+            view = arm.seen[identifier]
+            if view != (buffer, ()):
+                known, self.shapes.equal = self.shapes.equal, arm.equal
+                arm.block += [at(s, origin) for s in self.fill(identifier, buffer, view, origin)]
+                self.shapes.equal = known
+                held = view[0] in older or self.held(view[0], near - {identifier}, arm.seen)
+                self.aliases.copied(view[0], buffer, held)
+        return True
 
     def taken(self, identifier: str, buffer: str, value: AST, filled: bool, origin: AST) -> list[AST]:
         """What makes a buffer hold a value at the end of a branch."""

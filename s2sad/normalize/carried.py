@@ -35,7 +35,6 @@ CHANGES = "'{}' may change its size from one iteration to the next"
 
 class Carried(Branches):
     """What names stand for in and after loops."""
-    buffers: Tail                       # those of the loop here
     unset: set[str]                     # names of arrays that are bound before they are read, as the flags tell
     late: dict[str, Shape | None]       # buffers of such names in the loops here, and their shapes
     bound_at: dict[str, AST]            # the statement that has last bound a name of an array
