@@ -233,7 +233,8 @@ class Units:
         return new
 
     def called(self, node: Call) -> Unit | None:
-        return self.titled.get((call_name(node) or "").partition(".")[2])
+        room, _, title = (call_name(node) or "").partition(".")
+        return self.titled.get(title) if room == "user" else None
 
     def call_writes(self, node: Call) -> list[str]:
         """The arrays that a call may write."""

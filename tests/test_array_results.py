@@ -230,6 +230,10 @@ def tuples(u, c):
     return ((a, b * 2.0), s), u[2], (4, 5), p
 
 
+def dot(u, v):                          # NumPy has one, too
+    return np.dot(u, v) * u
+
+
 def constant(u, c):
     return np.ones(3) * 2.0, c
 
@@ -307,6 +311,7 @@ CASES = [
     (tuples, (U, 0.3), ("u", "c"), RETURN),
     (tuples, (U, -0.3), ("u", "c"), RETURN),
     (constant, (U, 0.3), ("c",), RETURN),
+    (dot, (U, V), ("u", "v"), RETURN),
     (closures, (U, 0.3), ("u", "a"), RETURN),
     (time_stepper, (U, 0.3, 0.1, 2), ("u", "p", "dt"), RETURN),
 ]
