@@ -1,7 +1,7 @@
 """The pipeline: a program and a request in, a generated module out. Read this first.
 
     read        a function becomes a tree with places and resolved names        (the caller has done it)
-    normalize   structured -> functions -> pieces -> views -> workspace -> scalarize -> rename -> atoms
+    normalize   structured -> inlined -> functions -> pieces -> views -> workspace -> scalarize -> rename -> atoms
                                                                                      (units.Units._prepared)
     infer       the types of names, before views and after rename
     analyze     structure, activity, uses, dependence, recorded                      (units.Units._adjoint)

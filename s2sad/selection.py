@@ -58,7 +58,7 @@ def structured(results: Results, seed: Any, seeded: Sequence[int]) -> dict[int, 
     the position."""
     if results.nest is None:
         return {0: seed}
-    seed = _row(seed, results.nest)
+    seed = in_a_row(seed, results.nest)
     for place, item in enumerate(seed):
         if place not in seeded and item is not None:
             raise misfit(f"the seed of 'return' has a value at {place}, where the result is no float",
@@ -66,7 +66,7 @@ def structured(results: Results, seed: Any, seeded: Sequence[int]) -> dict[int, 
     return {place: seed[place] for place in seeded}
 
 
-def _row(seed: Any, structure: Structure) -> list[Any]:
+def in_a_row(seed: Any, structure: Structure) -> list[Any]:
     """The parts of a seed in a row; None stands for a tuple in which nothing is a float."""
     if structure is None:
         return [seed]
@@ -75,7 +75,7 @@ def _row(seed: Any, structure: Structure) -> list[Any]:
         raise misfit(f"the seed of 'return' is {what}, the result is a tuple of {len(structure)}",
                      "give a tuple of the same length, with None for what is no float")
     parts = seed if seed is not None else (None,) * len(structure)
-    return [part for item, inner in zip(parts, structure) for part in _row(item, inner)]
+    return [part for item, inner in zip(parts, structure) for part in in_a_row(item, inner)]
 
 
 def number_seed(seed: Any, name: str = RETURN) -> float:

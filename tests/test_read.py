@@ -53,7 +53,7 @@ REFUSED = [
     ("yield x", "yield x", "S201", f"yield {NO}", YIELD),
     ("yield from x", "yield from x", "S201", f"yield from {NO}", YIELD),
     ("y = [lambda t: t]", "lambda t: t", "S201", f"lambda {NO}",
-     "write a function at module level, with def, and call it by its name"),
+     "give it a name and call it by that, give it to a call of a function, or write one with def"),
     ("def inner(q): return q\n    y = inner", "def inner(q): return q", "S201", f"a nested function {NO}",
      "define it once, outside of loops and branches, and call it or give it to a call; or write it at module level"),
     ("class C: pass", "class C: pass", "S201", f"a class {NO}",

@@ -28,7 +28,7 @@ _REFUSED = {
     "Await": ("await", _ASYNC),
     "Yield": ("yield", "write the values to an array argument, one element for each yield"),
     "YieldFrom": ("yield from", "write the values to an array argument, one element for each yield"),
-    "Lambda": ("lambda", "write a function at module level, with def, and call it by its name"),
+    "Lambda": ("lambda", "give it a name and call it by that, give it to a call of a function, or write one with def"),
     "FunctionDef": ("a nested function", "define it once, outside of loops and branches, and call it or give it to a "
                     + "call; or write it at module level"),
     "ClassDef": ("a class", "pass what it would hold as arguments, numbers and arrays"),
