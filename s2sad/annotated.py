@@ -15,8 +15,9 @@ from s2sad.binding import (
     FLOATS, admitted, bind, coerced, make_zero, misfit, shadow, written_argument,
 )
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
+from s2sad.normalize.calls import leaves
 from s2sad.program import Request
-from s2sad.selection import RETURN, Results, array_seed, number_seed, places, selected_of, selected_wrt, structured
+from s2sad.selection import RETURN, Results, array_seed, places, result_seed, selected_of, selected_wrt, structured
 from s2sad.variants import State, Variant
 
 
@@ -87,7 +88,8 @@ class AnnotatedCall:
         if self.variant is None:
             self._refuse_overlap(values)
             self.state.first_run(values, self.engine)
-            return self._answer({}, self._primal(values), by_name, owned)
+            primal = self._primal(values)
+            return self._answer({} if self.mode.reverse else self._zeros(primal), primal, by_name, owned)
         returned = self._derived(values, by_name, owned, seeds)
         primal = self._primal(values) if self.keeps else None
         return self._answer(dict(zip(self.variant.generated.returns if self.mode.reverse else self.places, returned)),
@@ -132,6 +134,11 @@ class AnnotatedCall:
         returned = self.state.primal(self.types, self.engine)(*values)
         return self.results.with_aliases(returned, dict(zip(self.state.parameters, values)))
 
+    def _zeros(self, primal: Any) -> dict[int, Any]:
+        """The tangents of arrays that depend on nothing."""
+        parts = leaves(primal)
+        return {k: make_zero(parts[k]) for k in self.results.own if self.results.types[k].is_array}
+
     def _answer(self, found: dict[Any, Any], primal: Any, values: dict[str, Any], shadows: dict[str, Any]) -> Any:
         if self.mode.reverse:
             derivative = tuple(found[n] if n in found else make_zero(values[n]) for n in self.active)
@@ -157,8 +164,8 @@ class AnnotatedCall:
                              "give seed=..., shaped as that")
             return {0: 1.0}
         found = structured(results, seed, seeded)
-        return {k: number_seed(s) if k in results.own else array_seed(RETURN, s, values[results.aliases[k]])
-                for k, s in found.items()}
+        return {k: result_seed(s, results.types[k]) if k in results.own
+                else array_seed(RETURN, s, values[results.aliases[k]]) for k, s in found.items()}
 
 
 def _lost(name: str, store: Any, source: Source, mode: Mode) -> Diagnostic:

@@ -4,7 +4,7 @@ A pass collects diagnostics in a `Report` and raises `S2sadError` once, with all
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 CODES = {
@@ -34,18 +34,38 @@ CODES = {
     "S901": "internal error",
 }
 
+APART = 10_000_000                      # more lines than a file has
+
 
 @dataclass(frozen=True)
 class Source:
-    """A text with its path as the user knows it; `first` is the number of its first line in the file."""
+    """A text with its path as the user knows it; `first` is the number of its first line in the file.
+
+    A kernel into which functions of other files were written knows these, too: the lines of the k-th follow from line
+    k * APART on.
+    """
     path: str
     text: str
     first: int = 1
+    others: tuple[Source, ...] = ()
+
+    def home(self, number: int) -> tuple[Source, int]:
+        """The source of a line, and its number there."""
+        place, row = divmod(number, APART)
+        return (self.others[place - 1], row) if 0 < place <= len(self.others) else (self, number)
 
     def line(self, number: int) -> str:
-        lines = self.text.splitlines()
-        row = number - self.first
+        source, number = self.home(number)
+        lines = source.text.splitlines()
+        row = number - source.first
         return lines[row] if 0 <= row < len(lines) else ""
+
+    def holding(self, other: Source) -> tuple[Source, int]:
+        """This source with the lines of another one, and what is to be added to their numbers."""
+        if (other.path, other.text, other.first) == (self.path, self.text, self.first):
+            return self, 0
+        others = self.others if other in self.others else (*self.others, other)
+        return replace(self, others=others), APART * (others.index(other) + 1)
 
 
 @dataclass(frozen=True)
@@ -60,7 +80,8 @@ class Span:
     @classmethod
     def of(cls, source: Source, node: Any) -> Span:
         """The place of a node; gast columns count bytes of UTF-8, these count characters."""
-        line, end_line = node.lineno, getattr(node, "end_lineno", None) or node.lineno
+        source, line = source.home(node.lineno)
+        end_line = line + (getattr(node, "end_lineno", None) or node.lineno) - node.lineno
         end = getattr(node, "end_col_offset", None)
         column = _characters(source.line(line), node.col_offset)
         return cls(source, line, column, end_line,

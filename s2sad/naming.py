@@ -21,6 +21,14 @@ class Names:
         self.taken = set(taken)
         self.wanted: dict[str, str] = {}
 
+    def numbered(self, wanted: str) -> str:
+        """A new name: the wanted one, else numbered from 2."""
+        candidate, number = wanted, 1
+        while candidate in self.taken:
+            number += 1
+            candidate = f"{wanted}_{number}"
+        return self.fresh(candidate)
+
     def fresh(self, wanted: str) -> str:
         made = wanted
         while made in self.taken and made not in self.wanted or keyword.iskeyword(made) or hasattr(builtins, made):

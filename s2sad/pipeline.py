@@ -1,7 +1,7 @@
 """The pipeline: a program and a request in, a generated module out. Read this first.
 
     read        a function becomes a tree with places and resolved names        (the caller has done it)
-    normalize   structured -> functions -> pieces -> views -> workspace -> scalarize -> rename -> atoms
+    normalize   structured -> inlined -> functions -> pieces -> views -> workspace -> scalarize -> rename -> atoms
                                                                                      (units.Units._prepared)
     infer       the types of names, before views and after rename
     analyze     structure, activity, uses, dependence, recorded                      (units.Units._adjoint)
@@ -23,6 +23,7 @@ from s2sad.emit.module import module_text
 from s2sad.emit.origins import with_origins
 from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
+from s2sad.normalize.calls import Structure, result_structure
 from s2sad.normalize.hidden import hidden, hidden_name
 from s2sad.program import Generated, Parameter, Program, Request
 from s2sad.run.given import compilable
@@ -38,11 +39,12 @@ __all__ = ["Summary", "derive", "summary"]
 @dataclass(frozen=True)
 class Summary:
     """What an entry writes and returns: names of parameters, types of results, results that are written arguments;
-    and whether it holds guards that arrays have one shape."""
+    whether it holds guards that arrays have one shape, and how the results are put into tuples."""
     written: tuple[str, ...]
     results: tuple[Type, ...]
     returned: dict[int, str]
     guarded: bool = False
+    structure: Structure = None
 
 
 def summary(program: Program, types: tuple[Type, ...]) -> Summary:
@@ -51,7 +53,7 @@ def summary(program: Program, types: tuple[Type, ...]) -> Summary:
     parameters = [hidden_name(p.id, units.program) for p in unit.function.args.args]
     returned = {k: hidden_name(name, units.program) for k, name in unit.summary.returned.items()}
     return Summary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, returned,
-                   any(u.guarded for u in units.made.values()))
+                   any(u.guarded for u in units.made.values()), result_structure(program.entry, program))
 
 
 def derive(program: Program, request: Request, watch: Watch = unwatched) -> Generated:
@@ -136,8 +138,11 @@ def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch =
 
 
 def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:
-    """The outputs, "return" as the numbers of the float results."""
-    results = tuple(f"return {k}" for k, t in enumerate(unit.summary.results) if t.is_number and t.is_float)
+    """The outputs, "return" as the numbers of the float results, less the arguments that are outputs themselves."""
+    parameters = [p.id for p in unit.function.args.args]
+    written = {parameters[k] for k in unit.summary.written}
+    results = tuple(f"return {k}" for k, t in enumerate(unit.summary.results)
+                    if t.is_float and unit.summary.returned.get(k) not in written)
     return tuple(o for name in of for o in (results if name == "return" else (name,)))
 
 

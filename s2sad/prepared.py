@@ -14,7 +14,9 @@ import numpy as np
 from s2sad.binding import admitted, bind, coerced, misfit
 from s2sad.diagnostics import Diagnostic, S2sadError, S2sadWarning
 from s2sad.program import Request
-from s2sad.selection import RETURN, Results, array_seed, number_seed, places, selected_of, selected_wrt, structured
+from s2sad.selection import (
+    RETURN, Results, array_seed, number_seed, places, result_seed, selected_of, selected_wrt, structured,
+)
 from s2sad.variants import State, Variant
 
 _ONE = {RETURN: 1.0}
@@ -128,7 +130,7 @@ class ReverseCall(PreparedCall):
         """The seeds of the results, by position."""
         given = structured(self.results, seed, self.results.floats)
         for place in self.results.own:
-            given[place] = number_seed(given[place])
+            given[place] = result_seed(given[place], self.results.types[place])
         return given
 
 

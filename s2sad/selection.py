@@ -10,6 +10,7 @@ import numpy as np
 from s2sad.binding import misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type
+from s2sad.normalize.calls import Structure, leaves, nested
 
 RETURN = "return"
 
@@ -17,31 +18,34 @@ RETURN = "return"
 @dataclass(frozen=True)
 class Results:
     """The returned values: `floats` are the positions that have derivatives, `own` those that are no written
-    argument, `aliases` the written argument at each other position."""
+    argument, `aliases` the written argument at each other position, `arguments` the argument at each that has one;
+    `nest` tells how they are put into tuples."""
     types: tuple[Type, ...]
     floats: tuple[int, ...]
     own: tuple[int, ...]
     aliases: dict[int, str]
+    arguments: dict[int, str]
+    nest: Structure = None
 
     @classmethod
     def of(cls, summary: Any) -> Results:
         types = tuple(summary.results)
         floats = tuple(k for k, t in enumerate(types) if t.is_float)
-        aliases = {k: name for k, name in summary.returned.items() if k in floats}
-        return cls(types, floats, tuple(k for k in floats if k not in aliases), aliases)
+        aliases = {k: name for k, name in summary.returned.items() if k in floats and name in summary.written}
+        return cls(types, floats, tuple(k for k in floats if k not in aliases), aliases, dict(summary.returned),
+                   summary.structure)
 
     def with_aliases(self, returned: Any, values: dict[str, Any]) -> Any:
         """What the function returned, with the caller's own arrays where it returned an argument."""
-        if not self.aliases:
-            return returned
-        if len(self.types) == 1:
-            return values[self.aliases[0]]
-        return tuple(values[self.aliases[k]] if k in self.aliases else v for k, v in enumerate(returned))
+        if self.nest is None:
+            return values[self.arguments[0]] if self.arguments else returned
+        items = [values[self.arguments[k]] if k in self.arguments else v for k, v in enumerate(leaves(returned))]
+        return nested(items, self.nest)
 
     def structure(self, by_place: dict[int, Any]) -> Any:
         """The tangent of the returned value: as the value is, 0.0 where it depends on nothing, None where no float."""
         items = tuple(by_place.get(k, 0.0) if k in self.floats else None for k in range(len(self.types)))
-        return items if len(items) > 1 else items[0] if items else None
+        return nested(items, self.nest) if items else None
 
 
 def places(names: Sequence[str]) -> tuple[int, ...]:
@@ -52,13 +56,9 @@ def places(names: Sequence[str]) -> tuple[int, ...]:
 def structured(results: Results, seed: Any, seeded: Sequence[int]) -> dict[int, Any]:
     """The seed of the returned value by position: a tuple of the same length for a tuple, None where `seeded` lacks
     the position."""
-    count = len(results.types)
-    if count == 1:
+    if results.nest is None:
         return {0: seed}
-    if not isinstance(seed, tuple) or len(seed) != count:
-        what = f"a tuple of {len(seed)}" if isinstance(seed, tuple) else f"of type {type(seed).__name__}"
-        raise misfit(f"the seed of 'return' is {what}, the result is a tuple of {count}",
-                     "give a tuple of the same length, with None for what is no float")
+    seed = in_a_row(seed, results.nest)
     for place, item in enumerate(seed):
         if place not in seeded and item is not None:
             raise misfit(f"the seed of 'return' has a value at {place}, where the result is no float",
@@ -66,11 +66,37 @@ def structured(results: Results, seed: Any, seeded: Sequence[int]) -> dict[int, 
     return {place: seed[place] for place in seeded}
 
 
+def in_a_row(seed: Any, structure: Structure) -> list[Any]:
+    """The parts of a seed in a row; None stands for a tuple in which nothing is a float."""
+    if structure is None:
+        return [seed]
+    if seed is not None and (not isinstance(seed, tuple) or len(seed) != len(structure)):
+        what = f"a tuple of {len(seed)}" if isinstance(seed, tuple) else f"of type {type(seed).__name__}"
+        raise misfit(f"the seed of 'return' is {what}, the result is a tuple of {len(structure)}",
+                     "give a tuple of the same length, with None for what is no float")
+    parts = seed if seed is not None else (None,) * len(structure)
+    return [part for item, inner in zip(parts, structure) for part in in_a_row(item, inner)]
+
+
 def number_seed(seed: Any, name: str = RETURN) -> float:
     """The seed of a float result, or the tangent of a float argument."""
     if isinstance(seed, (bool, np.bool_)) or not isinstance(seed, (int, float, np.integer, np.floating)):
         raise misfit(f"the seed of '{name}' is of type {type(seed).__name__}, not a float", "give a float")
     return float(seed)
+
+
+def result_seed(seed: Any, kind: Type) -> Any:
+    """The seed of a result: a float, or a private copy of an array of the result's dtype and rank; whether it has the
+    result's shape shows when that is there."""
+    if kind.is_number:
+        return number_seed(seed)
+    remedy = f"give an array of {kind.dtype} with {kind.rank} {'axis' if kind.rank == 1 else 'axes'}"
+    if not isinstance(seed, np.ndarray):
+        raise misfit(f"the seed of '{RETURN}' is of type {type(seed).__name__}, the result is an array", remedy)
+    if seed.dtype != kind.dtype or seed.ndim != kind.rank:
+        raise misfit(f"the seed of '{RETURN}' is an array of {seed.dtype} of shape {seed.shape}, the result one of "
+                     f"{kind.dtype} with {kind.rank} {'axis' if kind.rank == 1 else 'axes'}", remedy)
+    return np.array(seed, order="C")
 
 
 def array_seed(name: str, given: Any, like: np.ndarray) -> np.ndarray:

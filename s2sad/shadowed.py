@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any
 
 from s2sad.binding import coerced, shadow, written_argument
-from s2sad.selection import RETURN, number_seed
+from s2sad.selection import RETURN, result_seed
 from s2sad.signature import arranged
 from s2sad.variants import HIDDEN, State
 
@@ -33,7 +33,8 @@ class ShadowedCall:
         state.first_run(values, self.variant.engine)
         self.variant.prepare(arguments)
         self._direct = not self._coercions and not self._hidden
-        self._call = self.variant.function if self.variant.engine == "numba" else self._plain
+        bare = self.variant.engine == "numba" and not any(p.type.is_array for p in self.variant.seeds)
+        self._call = self.variant.function if bare else self._plain
 
     def __call__(self, args: tuple[Any, ...]) -> Any:
         variant = self.variant
@@ -47,7 +48,7 @@ class ShadowedCall:
         return variant.apart(arguments, shared) if shared else self._call(*arguments)
 
     def _plain(self, *arguments: Any) -> Any:
-        """Under NumPy a number may come back as a NumPy scalar."""
+        """Under NumPy a number may come back as a NumPy scalar; the seed of an array may not fit."""
         return self.variant.run(arguments) or None
 
     def _conversions(self, args: tuple[Any, ...]) -> list[tuple[int, Any]]:
@@ -74,4 +75,4 @@ class ShadowedCall:
             if role == "shadow":
                 shadow(names[k], args[k], primal, values[primal])
         for seed, p in zip(args[len(self.layout):], self.variant.seeds):
-            number_seed(seed, p.name)
+            result_seed(seed, p.type)

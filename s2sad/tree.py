@@ -33,8 +33,9 @@ __all__ = [
     "RShift", "Slice", "Starred", "Store", "Sub", "Subscript", "Tuple", "UAdd", "UnaryOp", "USub", "While",
     "arguments", "keyword", "add", "assign", "at", "attribute", "augment", "binary", "call", "call_name",
     "children", "comment", "compare", "const", "copy", "counted_for", "dump", "equal", "expr", "expression",
-    "forget", "forgotten", "function", "index", "indices", "is_comment", "mult", "name", "names", "negate", "parse",
-    "rebuild", "rename", "statements", "stored_names", "sub", "substitute", "tuple_of", "walk",
+    "forget", "forgotten", "function", "index", "indices", "is_comment", "is_unset", "mult", "name", "names", "negate",
+    "parse",
+    "rebuild", "rename", "statements", "stored_names", "sub", "substitute", "tuple_of", "unset", "walk",
 ]
 
 _LOAD, _STORE = Load(), Store()
@@ -82,6 +83,15 @@ def forgotten(node: AST) -> list[str]:
     """The arrays of such a mark; none for any other statement."""
     marked = isinstance(node, Expr) and isinstance(node.value, Constant) and node.value.kind == "forget"
     return node.value.value.split() if marked else []
+
+
+def unset(value: float) -> Constant:
+    """A number that a name holds where it is certainly bound anew before it is read, whatever it is then bound to."""
+    return Constant(value, "unset")
+
+
+def is_unset(node: AST) -> bool:
+    return isinstance(node, Constant) and node.kind == "unset"
 
 
 def is_comment(node: AST) -> bool:

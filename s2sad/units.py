@@ -4,7 +4,7 @@ A unit's summary says what a call of it writes, what depends on what, and whethe
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from s2sad.analyze.activity import Activity, activity, reach
 from s2sad.analyze.dependence import Dependence
@@ -30,6 +30,7 @@ from s2sad.normalize.contracted import batched, contracted
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
+from s2sad.normalize.inlined import Helpers, inlined, returned
 from s2sad.normalize.parts import parts
 from s2sad.normalize.pieces import pieces
 from s2sad.normalize.rename import rename
@@ -44,7 +45,7 @@ from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects, Watch, simplify, unwatched
 from s2sad.simplify.dead import dead
 from s2sad.tree import (
-    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, Tuple, call_name, const,
+    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, call_name, const,
     copy, index, name, walk,
 )
 
@@ -112,6 +113,7 @@ class Units:
 
     def __post_init__(self) -> None:
         self.titles.taken |= set(self.program.kernels)
+        self.helpers = Helpers(self.program, plain_form)
 
     # -- normal form -------------------------------------------------------------------------------------------------
 
@@ -138,12 +140,12 @@ class Units:
 
     def _prepared(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
         """The passes of `normalize` and `infer`, in order."""
-        report = Report(kernel.source)
         names = Names()
         values = {**self.program.constants, **self.program.arrays}
-        tree = contracted(parts(structured(kernel, names, self.program), names))
-        tree = verify(spelled(tree), "structured", "spelled")
+        tree = verify(plain_form(kernel, names, self.program), "structured", "spelled")
         given = dict(zip((p.id for p in tree.args.args), types))
+        tree, source = inlined(tree, given, names, kernel.source, self.helpers)
+        kernel, report = replace(kernel, source=source), Report(source)
         self.watch("structured", tree)
         table = infer(tree, given, self.call_types, report, values)
         report.finish()
@@ -154,9 +156,10 @@ class Units:
         report.finish()
         tree = functions(tree, typing, names)
         viewing(tree, typing, lambda c: [base_name(c.args[k]) for k in self.of_call(c, typing).summary.written], report)
+        written = lambda called: self.of_call(called, typing).summary.written  # noqa: E731
         plain = tree = pieces(tree, typing, names, report)
         report.finish()
-        tree = views(tree, typing.table, typing, names, report, self.engine == "numba")
+        tree = views(tree, typing.table, typing, names, written, report, self.engine == "numba")
         report.finish()
         guarded = count(tree, Assert) > count(plain, Assert)
         self.watch("views", tree)
@@ -199,13 +202,12 @@ class Units:
             found = reach(arrows, {parameter})
             edges += [(position, k) for k, p in enumerate(parameters) if p in found and p in written]
             edges += [(position, f) for f in sorted(found) if f.startswith("return ")]
-        last = tree.body[-1] if tree.body else None
-        value = last.value if isinstance(last, Return) else None
-        parts = [] if value is None else list(value.elts) if isinstance(value, Tuple) else [value]
+        parts = returned(tree)
         guards = any(isinstance(n, (Assert, Raise)) or call_name(n) == "builtins.print" for n in walk(tree.body))
         calls = [n for n in walk(tree.body) if isinstance(n, Call) and (call_name(n) or "").startswith("user.")]
         return Summary(tuple(k for k, p in enumerate(parameters) if p in written), tuple(map(typing.of, parts)),
-                       {k: p.id for k, p in enumerate(parts) if isinstance(p, Name) and typing.of(p).is_array},
+                       {k: p.id for k, p in enumerate(parts) if isinstance(p, Name) and p.id in parameters
+                        and typing.of(p).is_array},
                        tuple(edges), not guards and all(self.of_call(c, typing).summary.pure for c in calls))
 
     # -- calls -------------------------------------------------------------------------------------------------------
@@ -231,7 +233,8 @@ class Units:
         return new
 
     def called(self, node: Call) -> Unit | None:
-        return self.titled.get((call_name(node) or "").partition(".")[2])
+        room, _, title = (call_name(node) or "").partition(".")
+        return self.titled.get(title) if room == "user" else None
 
     def call_writes(self, node: Call) -> list[str]:
         """The arrays that a call may write."""
@@ -340,6 +343,11 @@ class Units:
             of = tuple(p for p in arguments if p in written) + tuple(f"return {k}" for k in pattern.results)
             return self.derive(mode, unit, Wanted(arguments, of, mode == "tangent"), mode == "tangent").callee
         return made
+
+
+def plain_form(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
+    """A kernel in structured form, before types are known."""
+    return spelled(contracted(parts(structured(kernel, names, program), names)))
 
 
 def with_choices(function: FunctionDef) -> FunctionDef:

@@ -16,6 +16,7 @@ import numpy as np
 from s2sad import pipeline, read
 from s2sad.binding import float_parameters, same_number, types as types_of
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.differentiate.adjoint import MISFIT
 from s2sad.infer.types import Type, of_value
 from s2sad.read.capture import not_a_function, python_function
 from s2sad.program import Generated, Kernel, Parameter, Program, Request
@@ -253,7 +254,8 @@ class Variant:
         types = {p.name: p.type for p in self.parameters} | {f"return {k}": t for k, t in enumerate(summary.results)}
         if len(summary.results) == 1:
             types["result"] = summary.results[0]
-        self._kinds = [_KINDS.get(types[r].dtype, _as_it_is) if r in types else _as_it_is for r in generated.returns]
+        self._kinds = [_KINDS.get(types[r].dtype, _as_it_is) if r in types and types[r].is_number else _as_it_is
+                       for r in generated.returns]
 
     @property
     def check(self) -> Check:
@@ -263,7 +265,7 @@ class Variant:
             for k in self.array_places:
                 p = self.parameters[k]
                 slots.append(Slot(p.name, p.role, p.primal or p.name,
-                                  p.role != "primal" or (p.primal or p.name) in self._written))
+                                  p.role == "shadow" or (p.primal or p.name) in self._written))
             self._check = Check(slots, self.engine)
         return self._check
 
@@ -305,8 +307,21 @@ class Variant:
 
     def run(self, arguments: Sequence[Any], shared: tuple[int, ...] = ()) -> tuple[Any, ...]:
         """Calls the generated function; always a tuple, in the order of `generated.returns`."""
-        returned = self.apart(arguments, shared) if shared else self.function(*arguments)
+        try:
+            returned = self.apart(arguments, shared) if shared else self.function(*arguments)
+        except AssertionError as error:
+            raise self.misfit(error, arguments) from None
         return () if returned is None else tuple([kind(v) for kind, v in zip(self._kinds, returned)])
+
+    def misfit(self, error: AssertionError, arguments: Sequence[Any]) -> Exception:
+        """The error, or what it says where the seed of an array does not fit: its shape is known when f has run."""
+        said = str(error)
+        found = next((k for k, p in enumerate(self.parameters) if p.role == "seed" and said == p.name + MISFIT), None)
+        if found is None:
+            return error
+        return S2sadError(Diagnostic("S403", f"the seed '{self.parameters[found].name}' has shape "
+                                     f"{arguments[found].shape}, what '{self.kernel}' returns there has another one",
+                                     help="give an array of its shape"))
 
     def apart(self, arguments: Sequence[Any], shared: tuple[int, ...]) -> Any:
         """Calls it with private shadows for arguments that are one array, and adds these to the caller's."""

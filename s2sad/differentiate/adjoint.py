@@ -32,12 +32,13 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, Constant, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple, assign, at,
-    attribute, augment, call, comment, const, copy, function, index, indices, name, tuple_of, walk,
+    AST, Add, Assert, Assign, AugAssign, Constant, Eq, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple, assign,
+    at, attribute, augment, call, comment, compare, const, copy, function, index, indices, name, tuple_of, walk,
 )
 
 
 REVERSE = "reverse sweep"
+MISFIT = " does not have the shape of the result"
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,8 @@ class _Adjoint:
         if self.wanted.with_primal:
             closing = [Return(tuple_of(self.primal_result(), *values))]
         zeros = [assign(self.shadow(p), const(0.0)) for p in returned if p not in self.active]
-        body = [comment("forward sweep"), *forward, comment(REVERSE), *zeros, *reverse, *last, *closing]
+        body = [comment("forward sweep"), *forward, *self.seeds_fit(), comment(REVERSE), *zeros, *reverse, *last,
+                *closing]
         made = function(title, [n for n, _, _ in signature], body)
         return Made(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + returned,
                     self.tape)
@@ -126,8 +128,15 @@ class _Adjoint:
             number = int(result.split()[1])
             seeds[number] = self.free.fresh("result_bar" if single else f"result_{number}_bar")
             self.typing.table[seeds[number]] = self.result_type(number)
+            self.shapes.arrays[seeds[number]] = self.shapes.of(self.results()[number])
             signature.append((seeds[number], "seed", result))
         return signature, seeds
+
+    def seeds_fit(self) -> list[AST]:
+        """Guards that the seeds of arrays have their shapes, before a shadow is written."""
+        return [Assert(compare(attribute(copy(self.results()[number]), "shape"), Eq(), attribute(name(seed), "shape")),
+                       const(f"{seed}{MISFIT}")) for number, seed in self.seeds.items()
+                if self.typing.table[seed].is_array]
 
     def results(self) -> list[AST]:
         last = self.structure.function.body[-1] if self.structure.function.body else None
@@ -227,8 +236,7 @@ class _Adjoint:
             return [at(s, statement) for s in self.call(statement)]
         if isinstance(statement, Return):
             return [s for number, seed in self.seeds.items()
-                    for s in self.gained(self.results()[number], Term(name(seed)))
-                    if not self.typing.of(self.results()[number]).is_array]
+                    for s in self.gained(self.results()[number], Term(name(seed)))]
         if is_allocation(statement):
             return self.allocation(statement)
         if not isinstance(statement, (Assign, AugAssign)):

@@ -10,7 +10,6 @@ from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.structure import Structure
 from s2sad.analyze.uses import owns_result
 from s2sad.differentiate.adjoint import Made, Wanted
-from s2sad.differentiate.arithmetic import Term
 from s2sad.differentiate.calls import Derive, is_kernel_call, pattern
 from s2sad.differentiate.expression import Pushforward
 from s2sad.infer.shapes import shapes_of
@@ -118,8 +117,9 @@ class _Tangent:
         dots: list[AST] = []
         for result in (o for o in self.wanted.of if o.startswith("return ")):
             part = parts[int(result.split()[1])]
-            term = self.pushforward.tangent(part) or Term(const(0.0))
-            dots.append(term.expression())
+            term = self.pushforward.tangent(part)
+            zero = call("numpy.zeros_like", copy(part)) if self.typing.of(part).is_array else const(0.0)
+            dots.append(zero if term is None else term.expression())
         if self.wanted.with_primal:
             first = map(copy, parts) if self.flat else [copy(statement.value)]
             return [Return(tuple_of(*first, *dots))]

@@ -72,6 +72,7 @@ def text_of(statement: AST, source: Source, longest: int) -> str:
 def _lines(statement: AST, source: Source) -> list[str]:
     """The lines of a statement, of a loop or branch the first one; without its neighbours on the same line."""
     span = Span.of(source, statement)
+    source = span.source
     first = source.line(span.line)
     before = first[:span.column].rstrip()
     own = before[-1:] in ("", ":", ";")  # else it is a part of a statement

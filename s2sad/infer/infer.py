@@ -20,7 +20,7 @@ from s2sad.rules.given import ROOM
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
     FunctionDef, If, IfExp, List, LShift, Name, Not, Return, RShift, Slice, Subscript, Tuple, UnaryOp, While,
-    call_name, indices,
+    call_name, indices, is_unset,
 )
 
 CallTypes = Callable[[str, tuple[Type, ...]], tuple[Type, ...]]
@@ -98,6 +98,8 @@ class Typing:
         return self.table.get(node.id, UNKNOWN)
 
     def _Constant(self, node: Constant) -> Type:
+        if is_unset(node):
+            return UNKNOWN
         return TEXT if isinstance(node.value, str) else of_value(node.value)
 
     def _Tuple(self, node: Tuple) -> Type:

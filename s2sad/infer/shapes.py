@@ -99,10 +99,13 @@ class Shapes(Slices):
                 if symbol not in dict(known.terms):
                     self.equal[symbol] = known
 
-    def forget(self, array: str, other: str) -> None:
-        """An array that is allocated in several places, of which any may have been the last, as `other` may."""
-        both = zip(self.of(name(array)), self.of(name(other)))
-        self.arrays[array] = tuple(ONE if ONE == a == b else self.own(array, k) for k, (a, b) in enumerate(both))
+    def either(self, array: str, one: Shape, other: Shape) -> None:
+        """An array that has been allocated in one shape or in another."""
+        if all(self.same(a, b) for a, b in zip(one, other)):
+            self.allocated(array, one)
+            return
+        self.arrays[array] = tuple(ONE if ONE == a == b else self.own(array, k)
+                                   for k, (a, b) in enumerate(zip(one, other)))
         for own in self.arrays[array]:
             for symbol, _ in own.terms if own is not None else ():
                 self.equal.pop(symbol, None)

@@ -25,6 +25,7 @@ _FILLS = {"numpy.ones": 1.0, "numpy.ones_like": 1.0}
 _SHAPED = {"numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full"}
 _LIKE = {"numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full_like"}
 _COPIES = {"numpy.copy", "numpy.array", "numpy.asarray", "numpy.ascontiguousarray"}
+ALLOCATING = _SHAPED | _LIKE | _COPIES
 
 
 class Allocations:
@@ -32,10 +33,6 @@ class Allocations:
 
     def __init__(self, typing: Typing, report: Report, shapes: Shapes):
         self.typing, self.report, self.shapes = typing, report, shapes
-
-    def forget(self, array: str, other: str) -> None:
-        """The array may have been allocated as another one, from here on."""
-        self.shapes.forget(array, other)
 
     def allocate(self, target: str, kind: Type, value: AST, place: AST) -> list[AST]:
         """The statements that bind `target` to a new array holding `value` (an expression with resolved views)."""

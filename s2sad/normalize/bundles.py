@@ -10,7 +10,7 @@ a tuple that is spelled out and used otherwise (`shape = (n, n)`) stays; one tha
 """
 from __future__ import annotations
 
-from s2sad.normalize.calls import result_count, user_call
+from s2sad.normalize.calls import result_structure, user_call
 from s2sad.normalize.hoist import constant_index
 from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
@@ -56,8 +56,8 @@ def _length(value: AST, scope: Scope) -> int:
     if isinstance(value, Tuple):
         return 0 if any(isinstance(v, Starred) for v in value.elts) else len(value.elts)
     kernel = user_call(value)
-    count = result_count(kernel, scope.program) if kernel is not None else 1
-    return count if count > 1 else 0
+    structure = result_structure(kernel, scope.program) if kernel is not None else None
+    return len(structure) if structure is not None and len(structure) > 1 else 0
 
 
 def _odd_use(function: FunctionDef, identifier: str, count: int) -> AST | None:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,8 @@ from s2sad.normalize.memory import bindings
 from s2sad.normalize.scope import Scope
 from s2sad.program import Kernel, Program
 from s2sad.tree import AST, Call, Constant, IfExp, Name, Return, Tuple, call_name, const, name, negate, walk
+
+Structure = tuple[Any, ...] | None
 
 
 def user_call(node: AST) -> str | None:
@@ -64,26 +67,55 @@ def _literal(value: Any) -> AST | None:
     return None
 
 
-def result_count(kernel: str, program: Program, seen: tuple[str, ...] = ()) -> int:
-    """How many values a kernel returns as a tuple; 1 if it returns anything else, or nothing."""
+def result_structure(kernel: str, program: Program, seen: tuple[str, ...] = ()) -> Structure:
+    """What a kernel returns: a tuple of structures, or None for a single value; of tuples of several lengths the
+    longest."""
     given = program.kernels.get(kernel)
     if given is None or kernel in seen:
-        return 1
-    counts = [_count(node.value, given, program, (*seen, kernel))
-              for node in walk(given.tree.body) if isinstance(node, Return) and node.value is not None]
-    return max(counts, default=1)
+        return None
+    found = [_structure(node.value, given, program, (*seen, kernel))
+             for node in walk(given.tree.body) if isinstance(node, Return) and node.value is not None]
+    return max((f for f in found if f is not None), key=len, default=None)
 
 
-def _count(value: AST, kernel: Kernel, program: Program, seen: tuple[str, ...]) -> int:
+def result_count(kernel: str, program: Program) -> int:
+    """How many values a kernel returns, those of tuples within tuples too; 1 if it returns nothing."""
+    return len(leaves(result_structure(kernel, program)))
+
+
+def leaves(structure: Any) -> list[Any]:
+    """The single values of tuples within tuples, in order.
+
+    >>> leaves(((1, 2), 3))
+    [1, 2, 3]
+    """
+    return [leaf for item in structure for leaf in leaves(item)] if isinstance(structure, tuple) else [structure]
+
+
+def nested(values: Iterable[Any], structure: Structure, made: Callable[[list[Any]], Any] = tuple) -> Any:
+    """Values in a row as tuples within tuples.
+
+    >>> nested([1, 2, 3], ((None, None), None))
+    ((1, 2), 3)
+    """
+    left = iter(values)
+
+    def take(part: Structure) -> Any:
+        return next(left) if part is None else made([take(p) for p in part])
+    return take(structure)
+
+
+def _structure(value: AST, kernel: Kernel, program: Program, seen: tuple[str, ...]) -> Structure:
     if isinstance(value, Tuple):
-        return len(value.elts)
+        return tuple(_structure(e, kernel, program, seen) if isinstance(e, Tuple) else None for e in value.elts)
     if isinstance(value, IfExp):
-        return _count(value.body, kernel, program, seen)
+        return _structure(value.body, kernel, program, seen)
     called = user_call(value)
     if called is not None:
-        return result_count(called, program, seen)
+        return result_structure(called, program, seen)
     if isinstance(value, Name):
         bound = [v for target, v in bindings(kernel.tree) if isinstance(target, Name) and target.id == value.id
                  and (isinstance(v, Tuple) or user_call(v) is not None)]
-        return max((_count(v, kernel, program, seen) for v in bound), default=1)
-    return 1
+        found = [_structure(v, kernel, program, seen) for v in bound]
+        return max((f for f in found if f is not None), key=len, default=None)
+    return None

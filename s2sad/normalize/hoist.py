@@ -13,7 +13,7 @@ chained comparison is evaluated only where Python does.
 """
 from __future__ import annotations
 
-from s2sad.normalize.calls import bound_arguments, result_count, user_call
+from s2sad.normalize.calls import bound_arguments, leaves, nested, result_structure, user_call
 from s2sad.normalize.memory import walk_children
 from s2sad.normalize.scope import Scope, atomic
 from s2sad.tree import (
@@ -98,13 +98,15 @@ def _called(node: Call, scope: Scope) -> tuple[list[AST], AST]:
     kernel = user_call(node)
     assert kernel is not None
     before, bound = bound_call(node, scope)
-    count = result_count(kernel, scope.program)
+    structure = result_structure(kernel, scope.program)
+    count = len(leaves(structure))
     targets = [scope.fresh(f"{kernel}_value" if count == 1 else f"{kernel}_{k}") for k in range(count)]
     scope.memory.bind(targets, bound)
     results = [name(t) for t in targets]
     if count == 1:
         return [*before, assign(results[0], bound)], results[0]
-    return [*before, assign(tuple_of(*results), bound)], _like(node, tuple_of(*results))
+    value = nested(results, structure, lambda items: tuple_of(*items))
+    return [*before, assign(tuple_of(*results), bound)], _like(node, value)
 
 
 def _short_circuit(target: Name, node: BoolOp, scope: Scope) -> list[AST]:

@@ -6,7 +6,7 @@ from s2sad.normalize.exits import FALL, bound_after, exits
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
     AST, BinOp, BoolOp, Compare, Constant, Div, For, FunctionDef, Name, Not, Return, Tuple, UnaryOp, assign, at,
-    call_name, const, copy, dump, name, stored_names, tuple_of, walk,
+    call_name, const, copy, dump, name, stored_names, tuple_of, unset, walk,
 )
 
 DONE = "jump.done"                      # what a return returns whose value is in the result names already
@@ -96,7 +96,7 @@ class Results:
         for identifier in reversed(missing):
             place = next((k for k, s in enumerate(body) if identifier in stored_names(s)), 0)
             zero = self._zero(identifier, body)
-            body = [*body[:place], at(assign(identifier, zero), node), *body[place:]]
+            body = [*body[:place], at(assign(identifier, unset(zero.value)), node), *body[place:]]
         return body
 
     def _zero(self, identifier: str, body: list[AST]) -> AST:

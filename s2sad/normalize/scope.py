@@ -24,11 +24,7 @@ class Scope:
 
     def fresh(self, wanted: str) -> str:
         """A new name: the wanted one, else numbered from 2."""
-        candidate, number = wanted, 1
-        while candidate in self.names.taken:
-            number += 1
-            candidate = f"{wanted}_{number}"
-        return self.names.fresh(candidate)
+        return self.names.numbered(wanted)
 
     def refuse(self, node: AST, message: str, help: str = "", code: str = "S201") -> None:
         self.report.error(code, message, node, help=help)

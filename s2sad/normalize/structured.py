@@ -14,7 +14,7 @@ from s2sad.normalize.loops import loops
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.scope import Scope
 from s2sad.program import Kernel, Program
-from s2sad.tree import FunctionDef, Name, copy, walk
+from s2sad.tree import AST, FunctionDef, Name, Return, Tuple, at, const, copy, dump, rebuild, tuple_of, walk
 
 
 def structured(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
@@ -22,7 +22,23 @@ def structured(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
     tree = copy(kernel.tree)
     names.taken |= {node.id for node in walk(tree) if isinstance(node, Name)}
     scope = Scope(kernel, names, program, Memory(tree, program))
+    flat(tree, scope)
     for step in (bundles, desugar, jumps, loops):
         tree = step(tree, scope)
         scope.report.finish()
     return tree
+
+
+def flat(tree: FunctionDef, scope: Scope) -> None:
+    """Every return of tuples within tuples returns their values in a row; `calls.result_structure` tells the rest."""
+    returns = [n for n in walk(tree.body) if isinstance(n, Return) and isinstance(n.value, Tuple)]
+    shapes = [dump(rebuild(n.value, lambda v: None if isinstance(v, Tuple) else const(0))) for n in returns]
+    for node, shape in zip(returns, shapes):
+        if any(isinstance(item, Tuple) for item in node.value.elts):
+            if shape != shapes[0]:
+                scope.refuse(node, "returns of tuples of different structure", help="return the same on every path")
+            node.value = at(tuple_of(*_items(node.value)), node.value)
+
+
+def _items(value: AST) -> list[AST]:
+    return [i for item in value.elts for i in _items(item)] if isinstance(value, Tuple) else [value]

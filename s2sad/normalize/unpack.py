@@ -7,7 +7,7 @@
 """
 from __future__ import annotations
 
-from s2sad.normalize.calls import result_count, user_call
+from s2sad.normalize.calls import leaves, nested, result_count, result_structure, user_call
 from s2sad.normalize.hoist import bound_call, hoist, hoist_all, impure, into, operands, replace_operands
 from s2sad.normalize.memory import STABLE
 from s2sad.normalize.scope import Scope, atomic
@@ -104,10 +104,16 @@ def _results(target: AST, value: AST, scope: Scope) -> list[AST]:
     kernel = user_call(value)
     assert kernel is not None
     before, bound = bound_call(value, scope)
-    count = result_count(kernel, scope.program)
-    if count != len(target.elts):
-        scope.refuse(value, f"{kernel} returns {count} values, here are {len(target.elts)} names",
+    structure = result_structure(kernel, scope.program) or ()
+    if len(structure) != len(target.elts):
+        scope.refuse(value, f"{kernel} returns {len(structure)} values, here are {len(target.elts)} names",
                      code="S203")
+        return []
+    if any(part is not None for part in structure):
+        names_of = [scope.fresh(f"{kernel}_{k}") for k in range(len(leaves(structure)))]
+        scope.memory.bind(names_of, bound)
+        items = nested(map(name, names_of), structure, lambda parts: tuple_of(*parts))
+        return [*before, assign(tuple_of(*map(name, names_of)), bound), *_parallel(_pairs(target, items, scope), scope)]
     direct = all(isinstance(t, Name) for t in target.elts) and len({t.id for t in target.elts}) == len(target.elts)
     if direct:
         scope.memory.bind([t.id for t in target.elts], bound)

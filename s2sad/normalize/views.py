@@ -16,158 +16,124 @@ too.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from s2sad import rules
 from s2sad.analyze.liveness import base_name
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import ONE, whole_number
+from s2sad.infer.laws import ONE
 from s2sad.infer.shapes import Shapes, single_values
 from s2sad.infer.slices import scattered
 from s2sad.infer.types import Type, array
 from s2sad.naming import Names
+from s2sad.normalize.aliases import Aliases
 from s2sad.normalize.apart import overlaps
+from s2sad.normalize.carried import Carried
+from s2sad.normalize.places import AMBIGUOUS, is_whole_place
 from s2sad.normalize.reduced import is_reduction
-from s2sad.normalize.places import AMBIGUOUS, Places, View, is_whole_place
+from s2sad.normalize.references import References
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Eq, Expr, For, FunctionDef, GtE, If, Name, Return, Slice,
-    Store, Subscript, Tuple, While, assign, at, attribute, augment, call_name, compare, const, copy, dump, index,
-    indices, name, names, rename, tuple_of, walk,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Eq, Expr, For, FunctionDef, If, Name, Return, Slice,
+    Store, Subscript, Tuple, While, assign, at, attribute, augment, call_name, compare, const, copy, index,
+    indices, is_unset, name, names, tuple_of, walk,
 )
 
+Writes = Callable[[Call], Sequence[int]]
 
-def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free: Names,
+
+def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free: Names, writes: Writes,
           report: Report, loops: bool = False) -> FunctionDef:
-    """The function with views resolved; what cannot be resolved goes into the report. `loops` if whole-array statements
-    are to become loops."""
+    """The function with views resolved; what cannot be resolved goes into the report. `writes` tells of a call the
+    positions of the arrays that it writes; `loops` if whole-array statements are to become loops."""
     bound = [p.id for p in function.args.args]
     bound += [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
     shapes = Shapes(typing, single_values(function))
     pass_ = _Views(types, typing, free, report, bound, shapes)
     pass_.seen = {p.id: (p.id, ()) for p in function.args.args if types[p.id].is_array}
     pass_.parameters = set(pass_.seen)
-    pass_.loops = loops
+    pass_.loops, pass_.writes = loops, writes
+    pass_.bound_at, pass_.unset, pass_.late, pass_.buffers = {}, set(), {}, {}
+    pass_.references, pass_.aliases = References(function), Aliases(pass_.parameters)
     new = copy(function)
     lengths = [Assert(compare(index(attribute(name(p.id), "shape"), const(k)), Eq(), const(1)), None)
                for p in function.args.args for k in typing.ones.get(p.id, ())]
     new.body = [*(at(test, function) for test in lengths), *pass_.block(function.body)]
+    pass_.aliases.check(report)
     return new
 
 
-class _Views(Places):
+class _Views(Carried):
     """Rewrites the statements of one function."""
-
-    # -- statements --------------------------------------------------------------------------------------------------
-
-    def block(self, block: list[AST]) -> list[AST]:
-        new: list[AST] = []
-        known = dict(self.shapes.equal)
-        for statement in block:
-            outer, self.before = self.before, []
-            self.shapes.serial += 1
-            made = self.statement(statement)
-            new += [at(s, statement) for s in [*self.before, *self.required(), *made]]
-            self.before = outer
-        self.shapes.equal = known
-        return new
-
-    def required(self) -> list[AST]:
-        """Guards that slices which start from the end start inside."""
-        needed, self.shapes.required = self.shapes.required, []
-        tests = [compare(self.shapes.expression(form), GtE(), const(0)) for form in needed]
-        return [Assert(test, None) for test in {dump(t): t for t in tests}.values()]
+    writes: Writes
 
     def statement(self, statement: AST) -> list[AST]:
         if isinstance(statement, Assign):
             return self.assignment(statement)
         if isinstance(statement, AugAssign):
             return self.augmented(statement)
-        if isinstance(statement, (If, For, While)):
-            return [self.compound(statement)]
+        if isinstance(statement, If):
+            return self.branch(statement)
+        if isinstance(statement, (For, While)):
+            return self.loop(statement)
         if isinstance(statement, Expr):
             return self.effect(statement)
         if isinstance(statement, Return) and statement.value is not None:
-            return [Return(self.returned(statement.value))]
+            before, value = self.returned(statement.value)
+            return [*before, Return(value)]
         return [self.resolve(statement)]
-
-    def compound(self, statement: AST) -> AST:
-        if isinstance(statement, If):
-            test, before = self.resolve(statement.test), dict(self.seen)
-            body, after = self.block(statement.body), self.seen
-            self.seen = dict(before)
-            orelse = self.block(statement.orelse)
-            one = self.allocated_on_both(before, after)
-            self.seen = {n: (one.get(base, base), subscripts) for n, (base, subscripts) in self.seen.items()}
-            self.tuples = {n: rename(t, one) for n, t in self.tuples.items()}
-            self.seen = _merged(after, self.seen, self.depth > 0)
-            return If(test, body, [rename(s, one) for s in orelse])
-        inside = {t.id for s in walk(statement.body) if isinstance(s, Assign) for t in s.targets
-                  if isinstance(t, Name) and t.id in self.types and self.types[t.id].is_array}
-        before = dict(self.seen)
-        self.seen = {n: AMBIGUOUS if n in inside else v for n, v in self.seen.items()}
-        self.depth += 1
-        if isinstance(statement, For):
-            bounds = self.resolve(statement.iter)
-            counters = dict(self.shapes.counters)
-            self.shapes.counters |= least_of(statement)
-            new: AST = For(statement.target, bounds, self.block(statement.body), [], None)
-            self.shapes.counters = counters
-        else:
-            new = While(self.resolve(statement.test), self.block(statement.body), [])
-        self.depth -= 1
-        self.seen = {n: v if n not in inside or n not in before else AMBIGUOUS for n, v in self.seen.items()}
-        return new
-
-    def allocated_on_both(self, before: Mapping[str, View], after: Mapping[str, View]) -> dict[str, str]:
-        """The arrays of a second branch that go under the name of the first branch's: both were bound to one name."""
-        found: dict[str, str] = {}
-        for bound, (second, subscripts) in self.seen.items():
-            first = after.get(bound, AMBIGUOUS)[0]
-            if first != second and not subscripts and bound in self.types and all(
-                    self.home.get(v) == self.depth and (v, ()) not in before.values() for v in (first, second)) \
-                    and after[bound] == (first, ()) and second not in found and first not in found.values():
-                found[second] = first
-                self.allocations.forget(first, second)
-        return found
 
     def assignment(self, statement: Assign) -> list[AST]:
         target, value = statement.targets[0], statement.value
         if isinstance(target, Subscript):
-            return self.store(target, value)
+            return self.store(target, value, statement)
         if isinstance(target, Tuple) or self.types.get(target.id, None) is None:
-            self.refuse_array_results(statement)
-            return [assign(target, self.resolve(value))]
+            return [assign(target, self.called(value, statement))]
         kind = self.types[target.id]
+        if is_unset(value):
+            self.unset |= {target.id} if kind.is_array else set()
+            return [] if kind.is_array else [assign(target, const(value.value))]
         if kind.kind == "tuple" and call_name(value) is None:
             self.tuples[target.id] = self.resolve(value)
             return []
         if not kind.is_array:
-            return [assign(target, self.resolve(value))]
+            return [assign(target, self.number(target.id, self.called(value, statement)))]
+        self.bound_at[target.id] = statement
         return self.bind_array(target.id, value, statement)
 
-    def refuse_array_results(self, statement: Assign) -> None:
-        for target in getattr(statement.targets[0], "elts", []):
-            kind = self.types.get(target.id)
-            if kind is not None and kind.is_array:
-                self.report.error("S201", "a kernel that returns an array", statement,
-                                  help="pass the array as an argument and write into it")
+    def number(self, identifier: str, value: AST) -> AST:
+        """What a number is bound to; in a size it stands for what is resolved, as names of arrays change."""
+        if self.shapes.values.get(identifier) is not None:
+            self.shapes.values = {**self.shapes.values, identifier: value}
+        return value
+
+    def called(self, value: AST, statement: AST) -> AST:
+        """The value resolved; the arrays that a call writes are noted."""
+        if isinstance(value, Call) and (call_name(value) or "").startswith("user."):
+            for position in self.writes(value):
+                self.stored((self.viewed(value.args[position]) or AMBIGUOUS)[0], statement)
+        return self.resolve(value)
+
+    def stored(self, base: str, statement: AST) -> None:
+        near = self.references.after.get(id(statement), set())
+        self.aliases.stored(base, statement, {self.seen[n][0] for n in near if n in self.seen})
 
     def bind_array(self, target: str, value: AST, statement: AST) -> list[AST]:
         if isinstance(value, (Name, Subscript)) and not self.picks(value) and self.viewed(value):
             base, prefix = self.viewed(value) or AMBIGUOUS
             self.seen[target] = (base, tuple(self.frozen(s, f"{target}_at") for s in prefix))
             return []
-        if (call_name(value) or "").startswith("user."):
-            self.report.error("S201", "a kernel that returns an array", statement,
-                              help="pass the array as an argument and write into it")
-            return []
         if isinstance(value, Attribute) or isinstance(value, Name):
             self.report.error("S201", f"'{target}' would be a view that is not supported", statement,
                               help="copy it with np.empty and a loop")
             return []
+        value = self.resolve(value)
+        if self.fills_buffer(target, value, statement):
+            place = index(name(self.buffers[target]), const(...))
+            checks = self.checks(place, value)
+            return [*checks, assign(place, self.apart(place, value, checks, statement))]
         new = self.version(target)
-        made = self.allocations.allocate(new, self.types[target], self.resolve(value), statement)
+        made = self.allocations.allocate(new, self.types[target], value, statement)
         self.seen[target] = (new, ())
         self.home[new] = self.depth
         self.typing.table[new] = self.types[target]
@@ -189,6 +155,7 @@ class _Views(Places):
         if isinstance(target, Name) and not self.typing.of(target).is_array:
             return [augment(target, statement.op, self.resolve(statement.value))]
         place = self.place(target)
+        self.stored(base_name(place), statement)
         value = self.resolve(statement.value)
         checks = self.checks(place, value) if self.is_region(place) else []
         value = self.apart(place, value, checks, statement)
@@ -196,8 +163,9 @@ class _Views(Places):
             return [*checks, augment(place, statement.op, value)]
         return [*checks, assign(place, BinOp(self.load(place), statement.op, value))]
 
-    def store(self, target: Subscript, value: AST) -> list[AST]:
+    def store(self, target: Subscript, value: AST, statement: AST) -> list[AST]:
         place, new = self.place(target), self.resolve(value)
+        self.stored(base_name(place), statement)
         checks = self.checks(place, new) if self.is_region(place) else []
         new = self.apart(place, new, checks, target)
         return [*checks, assign(place, new)]
@@ -235,38 +203,22 @@ class _Views(Places):
         value = statement.value
         if isinstance(value, Call) and isinstance(value.func, Attribute):
             if value.func.attr == "fill":
-                return self.store(index(value.func.value, const(...)), value.args[0])
+                return self.store(index(value.func.value, const(...)), value.args[0], statement)
             self.report.error("S201", f"the method '{value.func.attr}'", statement, help="write it as a loop")
             return []
-        return [Expr(self.resolve(value))]
+        return [Expr(self.called(value, statement))]
 
-    def returned(self, value: AST) -> AST:
+    def returned(self, value: AST) -> tuple[list[AST], AST]:
+        """What is returned: numbers, and arrays by name; a part of an array, or what is only made here, gets one."""
         parts = value.elts if isinstance(value, Tuple) else [value]
+        before: list[AST] = []
+        new: list[AST] = []
         for part in parts:
-            if self.typing.of(part).is_array and self.viewed(part) not in [(p, ()) for p in self.parameters]:
-                self.report.error("S201", "a kernel that returns an array", part if hasattr(part, "lineno") else value,
-                                  help="pass the array as an argument and write into it")
-        new = [self.resolve(part) for part in parts]
-        return tuple_of(*new) if isinstance(value, Tuple) else new[0]
-
-
-def least_of(loop: For) -> dict[str, int]:
-    """The least value of a loop's counter, if it is written."""
-    args = loop.iter.args
-    low = 0 if len(args) == 1 else whole_number(args[0])
-    step = 1 if len(args) < 3 else whole_number(args[2])
-    if step is not None and step < 0:
-        stop = whole_number(args[1])
-        low = None if stop is None else stop + 1
-    return {} if low is None or not step else {loop.target.id: low}
-
-
-def _merged(a: dict[str, View], b: dict[str, View], looping: bool) -> dict[str, View]:
-    """What names stand for where two branches meet; in a loop a name bound on one side may be an iteration old."""
-    made: dict[str, View] = {}
-    for bound in {**a, **b}:
-        if bound in a and bound in b:
-            made[bound] = a[bound] if repr(a[bound]) == repr(b[bound]) else AMBIGUOUS
-        else:
-            made[bound] = AMBIGUOUS if looping else a.get(bound) or b[bound]
-    return made
+            made = self.resolve(part)
+            if self.typing.of(made).is_array and not isinstance(made, Name):
+                kind, held = self.typing.of(made), self.free.numbered("returned")
+                self.typing.table[held] = array(kind.dtype, kind.rank)
+                before += self.allocations.allocate(held, self.typing.table[held], made, part)
+                made = name(held)
+            new.append(made)
+        return before, tuple_of(*new) if isinstance(value, Tuple) else new[0]

@@ -3,6 +3,8 @@
     capture   a live function's source, proven to be the function's
     modules   a file's names, without running it     (fold: constant arithmetic)
     meaning   what a name from outside can mean
+    nested    functions inside a kernel, put beside it
+    handed    functions that are given to others
     fence     the supported language
     resolve   every outside name becomes a dotted one
     link      the kernels of a program, callees first

@@ -28,9 +28,9 @@ _REFUSED = {
     "Await": ("await", _ASYNC),
     "Yield": ("yield", "write the values to an array argument, one element for each yield"),
     "YieldFrom": ("yield from", "write the values to an array argument, one element for each yield"),
-    "Lambda": ("lambda", "write a function at module level, with def, and call it by its name"),
-    "FunctionDef": ("a nested function", "write it at module level and pass what it reads as arguments (planned: "
-                    + "nested functions that only read)"),
+    "Lambda": ("lambda", "give it a name and call it by that, give it to a call of a function, or write one with def"),
+    "FunctionDef": ("a nested function", "define it once, outside of loops and branches, and call it or give it to a "
+                    + "call; or write it at module level"),
     "ClassDef": ("a class", "pass what it would hold as arguments, numbers and arrays"),
     "Global": ("global", "return the new value, or keep it in an element of an array argument"),
     "Nonlocal": ("nonlocal", "return the new value, or keep it in an element of an array argument"),

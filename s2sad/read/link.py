@@ -9,9 +9,9 @@ from s2sad import tree
 from s2sad.diagnostics import Report, S2sadError, Span
 from s2sad.program import Kernel, Program
 from s2sad.read import fence
-from s2sad.read.capture import capture
+from s2sad.read.handed import definition
 from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number
-from s2sad.read.modules import FileFunction
+from s2sad.read.nested import lifted
 from s2sad.read.resolve import Resolved, resolve
 
 
@@ -58,7 +58,7 @@ class Linker:
         return self.outside.setdefault((kind, key), (f"{kind}.{len(self.outside)}", meaning))[0]
 
     def visit(self, function: Function, callers: list[Function]) -> None:
-        captured = function.handle.captured() if isinstance(function.handle, FileFunction) else capture(function.handle)
+        captured = lifted(definition(function), function.key)
         report = Report(captured.source)
         self.reports.append(report)
         fence.check(captured.tree, report)

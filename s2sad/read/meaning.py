@@ -47,11 +47,13 @@ class Text:
 
 @dataclass(frozen=True)
 class Function:
-    """A function of the user's: `handle` is what `capture` takes, `key` tells one from another."""
+    """A function of the user's: `handle` is what `capture` takes, `key` tells one from another; `given` are keywords
+    that every call of it gives, with the names of what it gives."""
     name: str
     key: Hashable
     path: str
     handle: Any = field(compare=False)
+    given: tuple[tuple[str, str], ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from s2sad import rules, tree
 from s2sad.diagnostics import Report
 from s2sad.read import fence
+from s2sad.read.handed import handed
 from s2sad.read.meaning import (
     AST, BUILTIN_CALLS, Array, Captured, Function, Library, Meaning, Number, Space, Text, Unusable, dotted,
     library_value,
@@ -120,7 +121,40 @@ class _Resolver:
         elif not isinstance(node.func, (tree.Name, tree.Attribute)):
             self._refuse("a call of what an expression gives is not supported in a kernel", node,
                          help="call a function of the module by its name")
+        else:
+            return self._functions_given(node)
         return None
+
+    def _functions_given(self, node: tree.Call) -> AST | None:
+        """A call of a user's function that is given functions, or captures names of the kernel, made plain."""
+        callee = self._function_meant(node.func)
+        if not isinstance(callee, Function) or rules.result_kind(callee.path) is not None:
+            return None
+        arguments = [*enumerate(node.args), *((k.arg, k.value) for k in node.keywords)]
+        given = {k: f for k, a in arguments if (f := self._function_meant(a)) is not None}
+        made = handed(node, callee, given) if given else None
+        if made is None and not callee.given:
+            return None
+        callee, plain = made or (callee, node)
+        path = self._function(node.func, callee, callee.name, True)
+        captured = [tree.keyword(k, tree.at(tree.name(n), node)) for k, n in callee.given]
+        new = tree.Call(tree.at(tree.name(path), node.func), plain.args, [*plain.keywords, *captured])
+        new.args = [tree.rebuild(a, self.change) for a in new.args]
+        new.keywords = [tree.keyword(k.arg, tree.rebuild(k.value, self.change)) for k in new.keywords]
+        return tree.at(new, node)
+
+    def _function_meant(self, node: AST) -> Function | Library | None:
+        """The function of the user's or of NumPy's or Python's mathematics that a name or path means."""
+        parts = _path(node)
+        if not parts or parts[0] in self.local:
+            return None
+        meaning: Meaning | None = self.scope.lookup(parts[0])
+        for part in parts[1:]:
+            meaning = _member(meaning, part) if isinstance(meaning, Space) else None
+        if isinstance(meaning, Library) and meaning.path.startswith(("numpy.", "math.")):
+            value = library_value(meaning.path)
+            return meaning if callable(value) and not isinstance(value, type) else None
+        return meaning if isinstance(meaning, Function) else None
 
     def _refuse(self, message: str, node: AST, help: str) -> None:
         self.report.error("S201", message, node, help=help)

@@ -129,4 +129,4 @@ def _section(title: str, lines: list[str]) -> list[str]:
 
 
 def said(place: Place) -> str:
-    return f"line {place.line}: {place.text}"
+    return f"{place.path}:{place.line}: {place.text}" if place.path else f"line {place.line}: {place.text}"

@@ -22,9 +22,10 @@ _LONGEST = 90
 
 @dataclass(frozen=True)
 class Place:
-    """A statement of the kernel: its line and its text."""
+    """A statement: its line and its text, and its file where that is not the kernel's."""
     line: int
     text: str
+    path: str = ""
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,9 @@ def findings(derived: Derived, sizes: Sizes | None) -> Findings:
 
 def place_of(statement: AST, unit: Unit) -> Place:
     """A statement's line and text."""
-    return Place(statement.lineno, text_of(statement, unit.kernel.source, _LONGEST))
+    source, line = unit.kernel.source.home(statement.lineno)
+    return Place(line, text_of(statement, unit.kernel.source, _LONGEST),
+                 "" if source is unit.kernel.source else source.path)
 
 
 # -- variables ------------------------------------------------------------------------------------------------------

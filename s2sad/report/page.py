@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from html import escape
 
-from s2sad.report.findings import Findings
+from s2sad.report.findings import Findings, Place
 
 _STYLE = """
 :root { --line: #d8d8d8; --note: #555; --pushed: #fff2d6; --kinked: #fde4e4; --dropped: #f2f2f2; --again: #e6f0fb; }
@@ -56,23 +56,23 @@ def _notes(functions: list[Findings]) -> dict[int, list[tuple[str, str]]]:
     """By line of the source: (kind, words)."""
     notes: dict[int, list[tuple[str, str]]] = {}
 
-    def note(line: int, kind: str, words: str) -> None:
-        if (kind, words) not in notes.setdefault(line, []):
-            notes[line].append((kind, words))
+    def note(place: Place, kind: str, words: str) -> None:
+        if not place.path and (kind, words) not in notes.setdefault(place.line, []):
+            notes[place.line].append((kind, words))
 
     for found in functions:
         for stacked in found.recorded:
-            note(stacked.place.line, "pushed", f"records {stacked.name}: {stacked.size}")
+            note(stacked.place, "pushed", f"records {stacked.name}: {stacked.size}")
             for place in stacked.needed_by:
-                note(place.line, "", f"needs {stacked.name}")
+                note(place, "", f"needs {stacked.name}")
         for kink in found.kinks:
-            note(kink.place.line, "kinked", f"not differentiable: {kink.what}")
+            note(kink.place, "kinked", f"not differentiable: {kink.what}")
         for again in found.again:
-            note(again.place.line, "again", f"{again.variable} {again.how}")
+            note(again.place, "again", f"{again.variable} {again.how}")
         for place in found.dropped:
-            note(place.line, "dropped", f"left out of the forward sweep of {found.name}")
+            note(place, "dropped", f"left out of the forward sweep of {found.name}")
         for place in found.loops:
-            note(place.line, "", "run forward and back per iteration")
+            note(place, "", "run forward and back per iteration")
     return notes
 
 

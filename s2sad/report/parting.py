@@ -18,9 +18,10 @@ from s2sad.emit.dialect import in_dialect
 from s2sad.emit.module import module_text
 from s2sad.emit.origins import text_of
 from s2sad.emit.primal import kernels_called, primal_functions
+from s2sad.normalize.calls import result_structure
 from s2sad.program import Generated, Program, Request
 from s2sad.report.differences import differences
-from s2sad.selection import RETURN
+from s2sad.selection import RETURN, in_a_row
 from s2sad.simplify.rebuild import with_blocks
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Expr, FunctionDef, Name, Return, Subscript, call, call_name, const, copy, index,
@@ -138,7 +139,8 @@ def _probes(statement: AST, primals: dict[str, str], derived: Derived) -> list[A
 
 def _said(statement: AST, derived: Derived) -> str:
     source = derived.unit.kernel.source
-    return f"{source.path}:{statement.lineno}: {text_of(statement, source, 90)}"
+    home, line = source.home(statement.lineno)
+    return f"{home.path}:{line}: {text_of(statement, source, 90)}"
 
 
 def _where(statement: AST) -> tuple[int, int] | None:
@@ -231,9 +233,9 @@ def _arguments(made: Generated, values: Mapping[str, Any], shadows: Mapping[str,
             arguments.append((np.zeros_like(value) if given is None else np.array(given))
                              if isinstance(value, np.ndarray) else float(given or 0.0))
         else:
-            seed = seeds.get(RETURN, 0.0)
-            place = int(parameter.primal.split()[1])
-            arguments.append(seed[place] if isinstance(seed, tuple) else seed)
+            program = made.facts["units"].program
+            row = in_a_row(seeds.get(RETURN), result_structure(program.entry, program))
+            arguments.append(row[int(parameter.primal.split()[1])])
     return arguments
 
 

@@ -131,9 +131,7 @@ def shape_mismatch(shadow: str, shape: tuple[int, ...], primal: str, wanted: tup
 
 
 def _matters(a: Slot, b: Slot) -> bool:
-    if a.role == b.role == "primal":
-        return a.written or b.written
-    return True
+    return "shadow" in (a.role, b.role) or a.written or b.written
 
 
 def _may_share(a: Slot, b: Slot, primals: dict[str, Any], written: set[str]) -> bool:

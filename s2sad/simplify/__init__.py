@@ -49,7 +49,8 @@ class Effects:
     table: dict[str, Effect] = field(default_factory=dict)
 
     def of(self, called: Call) -> Effect | None:
-        return self.table.get((call_name(called) or "").partition(".")[2])
+        room, _, title = (call_name(called) or "").partition(".")
+        return self.table.get(title) if room == "user" else None
 
     def writes(self, called: Call) -> list[str]:
         effect = self.of(called)

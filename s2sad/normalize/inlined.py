@@ -1,0 +1,182 @@
+"""inlined: a function of the user's that returns an array is written out where it is called.
+
+    def smooth(u, w):               out = np.zeros_like(v)
+        out = np.zeros_like(u)      for i in range(1, v.size - 1):
+        for i in ...:                   out[i] = 0.5 * (v[i - 1] + v[i + 1])
+            out[i] = ...            s = out
+        return out
+    s = smooth(v, 0.5)
+
+Requires structured form; establishes it for a kernel whose calls return no array. What the function's names share with
+the caller's (an argument that is written, a view that is returned) then follows from the statements. Its names are made
+new where the caller has them; a parameter that it never binds is what it is given. Functions that return numbers only,
+or nothing, stay functions.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from s2sad.diagnostics import Report, Source
+from s2sad.infer.infer import Typing, infer
+from s2sad.infer.types import Type
+from s2sad.naming import Names
+from s2sad.program import Kernel, Program
+from s2sad.tree import (
+    AST, Assign, Call, Constant, Expr, For, FunctionDef, If, Name, Return, Tuple, While, assign, at, call_name, copy,
+    function, name, names, rebuild, stored_names, walk,
+)
+
+Structured = Callable[[Kernel, Names, Program], FunctionDef]
+
+
+class Helpers:
+    """The functions of a program in structured form, and the types of what they return."""
+
+    def __init__(self, program: Program, structured: Structured):
+        self.program, self._structured = program, structured
+        self._trees: dict[str, FunctionDef] = {}
+        self._results: dict[tuple[str, tuple[Type, ...]], tuple[Type, ...]] = {}
+
+    def tree(self, kernel: str) -> FunctionDef:
+        if kernel not in self._trees:
+            self._trees[kernel] = self._structured(self.program.kernels[kernel], Names(), self.program)
+        return self._trees[kernel]
+
+    def typing(self, tree: FunctionDef, types: Mapping[str, Type], source: Source) -> Typing:
+        """The types of a function's names, as far as they are known; what is wrong is said when it is prepared."""
+        values = {**self.program.constants, **self.program.arrays}
+        table = infer(tree, types, self.results, Report(source), values)
+        return Typing({**table, **types}, self.results, Report(source), values)
+
+    def results(self, kernel: str, types: tuple[Type, ...]) -> tuple[Type, ...]:
+        """The types of what a function returns for arguments of these types."""
+        key = (kernel, types)
+        if key not in self._results:
+            tree = self.tree(kernel)
+            given = dict(zip((p.id for p in tree.args.args), types))
+            typing = self.typing(tree, given, self.program.kernels[kernel].source)
+            self._results[key] = tuple(map(typing.of, returned(tree)))
+        return self._results[key]
+
+
+def inlined(tree: FunctionDef, types: Mapping[str, Type], free: Names, source: Source,
+            helpers: Helpers) -> tuple[FunctionDef, Source]:
+    """The function without calls that return arrays, and its source with those of what was written into it."""
+    pass_ = _Inlined(free, source, helpers)
+    while any(map(_called, walk(tree.body))):
+        pass_.typing = helpers.typing(tree, types, source)
+        pass_.changed = False
+        new = copy(tree)
+        new.body = pass_.block(tree.body)
+        if not pass_.changed:
+            break
+        tree = new
+    return tree, pass_.source
+
+
+def returned(tree: FunctionDef) -> list[AST]:
+    """What a function in structured form returns, in order."""
+    last = tree.body[-1] if tree.body else None
+    value = last.value if isinstance(last, Return) else None
+    return [] if value is None else list(value.elts) if isinstance(value, Tuple) else [value]
+
+
+def _called(node: AST) -> str:
+    """The user's function that a node calls, or ""."""
+    room, _, kernel = (call_name(node) or "").partition(".")
+    return kernel if room == "user" else ""
+
+
+class _Inlined:
+    """The statements of one function; `changed` if a call was written out."""
+    typing: Typing
+
+    def __init__(self, free: Names, source: Source, helpers: Helpers):
+        self.free, self.source, self.helpers = free, source, helpers
+        self.changed = False
+
+    def block(self, block: list[AST]) -> list[AST]:
+        return [made for statement in block for made in self.statement(statement)]
+
+    def statement(self, statement: AST) -> list[AST]:
+        if isinstance(statement, If):
+            return [at(If(statement.test, self.block(statement.body), self.block(statement.orelse)), statement)]
+        if isinstance(statement, For):
+            return [at(For(statement.target, statement.iter, self.block(statement.body), [], None), statement)]
+        if isinstance(statement, While):
+            return [at(While(statement.test, self.block(statement.body), []), statement)]
+        value = statement.value if isinstance(statement, (Assign, Expr)) else None
+        if value is None or not _called(value) or not any(t.is_array for t in self.typing.call_results(value)):
+            return [statement]
+        self.changed = True
+        return self.written_out(statement, value)
+
+    def written_out(self, statement: Assign | Expr, called: Call) -> list[AST]:
+        """The function's statements in place of a call of it."""
+        kernel = _called(called)
+        tree = self.placed(self.helpers.tree(kernel), self.helpers.program.kernels[kernel].source)
+        bound, parameters = set(stored_names(tree.body)), [p.id for p in tree.args.args]
+        given: dict[str, AST] = {}
+        before: list[AST] = []
+        for parameter, argument in zip(parameters, called.args):
+            if parameter not in bound and isinstance(argument, (Name, Constant)):
+                given[parameter] = argument
+            else:
+                held = self.free.numbered(parameter)
+                given[parameter] = name(held)
+                before.append(at(assign(held, argument), statement))
+        local = [n for n in dict.fromkeys([*bound, *names(tree.body)]) if n not in given]
+        given |= {n: name(self.free.numbered(n)) for n in sorted(local, key=_first_place(tree))}
+        body = [_renamed(s, given) for s in tree.body]
+        last = body.pop()
+        assert isinstance(last, Return)  # it returns an array
+        return [*before, *body, *self.results(statement, last)]
+
+    def placed(self, tree: FunctionDef, source: Source) -> FunctionDef:
+        """A copy whose places are lines of the source of the whole."""
+        new = copy(tree)
+        self.source, added = self.source.holding(source)
+        for node in walk(new):
+            if added and getattr(node, "lineno", None) is not None:
+                node.lineno += added
+                node.end_lineno = node.end_lineno and node.end_lineno + added
+        return new
+
+    def results(self, statement: Assign | Expr, last: Return) -> list[AST]:
+        """The names that the call is bound to are bound to what is returned, all at once."""
+        if isinstance(statement, Expr):
+            return []
+        target = statement.targets[0]
+        bound = list(target.elts) if isinstance(target, Tuple) else [target]
+        values = returned(function("_", [], [last])) if isinstance(target, Tuple) else [last.value]
+        made: list[AST] = []
+        for place, value in enumerate(values):
+            if {t.id for t in bound[:place]} & set(names(value)):
+                held = [self.free.numbered(t.id) for t in bound]
+                made = [assign(h, v) for h, v in zip(held, values)]
+                values = [name(h) for h in held]
+                break
+        made += [assign(t, v) for t, v in zip(bound, values)]
+        return [at(s, last) for s in made]
+
+
+def _renamed(node: AST, given: Mapping[str, AST]) -> AST:
+    def change(n: AST) -> AST | None:
+        if not isinstance(n, Name) or n.id not in given:
+            return None
+        new = copy(given[n.id])
+        if isinstance(new, Name):
+            new.ctx = n.ctx
+        for field in ("lineno", "col_offset", "end_lineno", "end_col_offset"):
+            setattr(new, field, getattr(n, field, None))
+        return new
+    return rebuild(node, change)
+
+
+def _first_place(tree: FunctionDef) -> Callable[[str], int]:
+    """The order of names in a function's text."""
+    order: dict[str, int] = {}
+    for node in walk(tree.body):
+        if isinstance(node, Name):
+            order.setdefault(node.id, len(order))
+    return lambda identifier: order.get(identifier, 0)

@@ -1,0 +1,85 @@
+"""handed: a function that is given functions is read for these.
+
+    def rk2(f, u, dt):              def rk2(u, dt):
+        return u + dt * f(u)            return u + dt * decay(u)
+    v = rk2(decay, u, 0.1)          v = rk2(u, 0.1)
+
+What a nested function captures is given along with it. Requires a call whose function is known; for every set of
+functions it is one function.
+"""
+from __future__ import annotations
+
+from dataclasses import replace
+
+from s2sad import tree
+from s2sad.read.capture import capture
+from s2sad.read.meaning import AST, Captured, Function, Library
+from s2sad.read.nested import Around, NestedFunction
+from s2sad.tree import Call, FunctionDef
+
+Handed = dict[int | str, Function | Library]
+
+
+def definition(function: Function) -> Captured:
+    """What a function's handle gives; raises S2sadError."""
+    handle = function.handle
+    return handle.captured() if hasattr(handle, "captured") else capture(handle)
+
+
+def handed(node: Call, callee: Function, given: Handed) -> tuple[Function, Call] | None:
+    """The callee for the functions that a call gives it, by place or keyword, and the call without them; None if they
+    do not fit its parameters."""
+    captured = definition(callee)
+    function = captured.tree
+    if not isinstance(function, FunctionDef):
+        return None
+    positional = [a.id for a in (*function.args.posonlyargs, *function.args.args)]
+    known = {*positional, *(a.id for a in function.args.kwonlyargs)}
+    by_name = {positional[k] if isinstance(k, int) and k < len(positional) else k: f for k, f in given.items()}
+    bound = {n.id for n in tree.walk(function.body) if isinstance(n, tree.Name) and isinstance(n.ctx, tree.Store)}
+    if not set(by_name) <= known or bound & set(by_name):
+        return None
+    taken = {n.id for n in tree.walk(function) if isinstance(n, tree.Name)}
+    inner: dict[str, Function | Library] = {}
+    extra: list[tuple[str, str]] = []
+    for parameter, f in by_name.items():
+        names = []
+        if isinstance(f, Library):
+            inner[str(parameter)] = f
+            continue
+        for capture_name, here in f.given:
+            made = f"{parameter}_{capture_name}"
+            while made in taken:
+                made += "_"
+            taken.add(made)
+            names.append((capture_name, made))
+            extra.append((made, here))
+        inner[str(parameter)] = replace(f, given=tuple(names))
+    new = _without(function, set(inner), [made for made, _ in extra])
+    key = ("handed", callee.key, tuple(sorted(
+        (p, f.path if isinstance(f, Library) else repr(f.key)) for p, f in inner.items())))
+    made = Function(callee.name, key, "", NestedFunction(replace(
+        captured, tree=new, scope=Around(captured.scope, inner))), callee.given)
+    return made, _call_without(node, given, extra)
+
+
+def _without(function: FunctionDef, gone: set[str], added: list[str]) -> FunctionDef:
+    """The function without some parameters, and with others that go by keyword."""
+    new = tree.copy(function)
+    args = new.args
+    positional = [*args.posonlyargs, *args.args]
+    defaults = dict(zip([a.id for a in positional[len(positional) - len(args.defaults):]], args.defaults))
+    only = [(a, d) for a, d in zip(args.kwonlyargs, args.kw_defaults) if a.id not in gone]
+    args.posonlyargs = [a for a in args.posonlyargs if a.id not in gone]
+    args.args = [a for a in args.args if a.id not in gone]
+    args.defaults = [d for n, d in defaults.items() if n not in gone]
+    args.kwonlyargs = [*(a for a, _ in only), *tree.function("_", added, []).args.args]
+    args.kw_defaults = [*(d for _, d in only), *([None] * len(added))]
+    return new
+
+
+def _call_without(node: Call, given: Handed, extra: list[tuple[str, str]]) -> Call:
+    args: list[AST] = [a for k, a in enumerate(node.args) if k not in given]
+    keywords = [k for k in node.keywords if k.arg not in given]
+    keywords += [tree.keyword(made, tree.at(tree.name(here), node)) for made, here in extra]
+    return tree.at(Call(node.func, args, keywords), node)

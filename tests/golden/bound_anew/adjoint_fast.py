@@ -1,0 +1,87 @@
+"""Adjoint of kernel: d(return) / d(u, rate).
+
+Engine: Numba. Level: fast. Arguments:
+    u: float64[:], in
+    rate: float64, in
+    n: int64, in
+
+It records:
+    u_1_stack: u_1 before `u = u - rate * u ** 2`,
+        8 * len(range(n)) * u_1.shape[0] bytes
+"""
+
+import numpy as np
+
+from s2sad.runtime import sized  # isort: skip
+
+
+def kernel_adjoint_taped(u, u_bar, rate, n, result_bar, u_1_stack):
+    """Adjoint of kernel: d(return) / d(u, rate), over given stacks."""
+    # forward sweep: only what the reverse sweep reads
+    before = np.empty_like(u)
+    for i in range(before.shape[0]):
+        before[i] = u[i]
+    u_1 = np.empty_like(u)
+    for i in range(u_1.shape[0]):
+        u_1[i] = u[i]
+    u_1_2 = np.empty_like(u_1)
+    u_1_stack = sized(u_1_stack, (len(range(n)), u_1.shape[0]))
+    for _ in range(n):
+        for i in range(u_1_2.shape[0]):
+            u_1_here = u_1[i]
+            u_1_2[i] = u_1_here - rate * u_1_here ** 2
+        for i in range(before.shape[0]):
+            before[i] = u_1[i]
+        for i in range(u_1.shape[0]):
+            u_1_stack[_, i] = u_1[i]
+            u_1[i] = u_1_2[i]
+    returned = np.empty_like(u_1)
+    assert returned.shape == result_bar.shape, "result_bar does not have the shape of the result"
+    # reverse sweep
+    rate_bar = 0.0
+    before_bar = np.zeros_like(before)
+    u_1_bar = np.zeros_like(u_1)
+    u_1_2_bar = np.zeros_like(u_1_2)
+    returned_bar = np.zeros_like(returned)
+    for i in range(returned_bar.shape[0]):
+        # return u * before
+        returned_bar[i] += result_bar[i]
+    for i in range(returned.shape[0]):
+        # return u * before
+        seed = returned_bar[i]
+        returned_bar[i] = 0.0
+        before_bar[i] += u_1[i] * seed
+        u_1_bar[i] += before[i] * seed
+    for _ in range(n - 1, -1, -1):
+        for i in range(u_1.shape[0]):
+            # u = u - rate * u ** 2
+            u_1[i] = u_1_stack[_, i]
+            seed = u_1_bar[i]
+            u_1_bar[i] = 0.0
+            u_1_2_bar[i] += seed
+        for i in range(before.shape[0]):
+            # u = u - rate * u ** 2
+            seed = before_bar[i]
+            before_bar[i] = 0.0
+            u_1_bar[i] += seed
+        for i in range(u_1_2.shape[0]):
+            # u = u - rate * u ** 2
+            u_1_here = u_1[i]
+            seed = u_1_2_bar[i]
+            u_1_2_bar[i] = 0.0
+            rate_bar -= u_1_here ** 2 * seed
+            u_1_bar[i] += seed - 2.0 * u_1_here * (rate * seed)
+    for i in range(u_1.shape[0]):
+        seed = u_1_bar[i]
+        u_1_bar[i] = 0.0
+        u_bar[i] += seed
+    for i in range(before.shape[0]):
+        seed = before_bar[i]
+        before_bar[i] = 0.0
+        u_bar[i] += seed
+    return rate_bar, u_1_stack
+
+
+def kernel_adjoint(u, u_bar, rate, n, result_bar):
+    returned = kernel_adjoint_taped(u, u_bar, rate, n, result_bar, np.empty((0, 0)))
+    return (returned[0],)

@@ -1,0 +1,64 @@
+"""Adjoint of kernel: d(return) / d(u, a).
+
+Engine: Numba. Level: fast. Arguments:
+    u: float64[:], in
+    a: float64, in
+
+It records nothing.
+"""
+
+# ruff: noqa: PLR1730, RUF100
+
+import numpy as np
+
+
+def kernel_adjoint(u, u_bar, a, result_0_bar, result_1_bar, result_2_bar):
+    # forward sweep: only what the reverse sweep reads
+    out = np.zeros_like(u)
+    for i in range(1, u.size):
+        out[i] = u[i] - u[i - 1]
+    slope = np.empty_like(out)
+    returned = np.empty(u.shape[0] - 1)
+    assert slope.shape == result_0_bar.shape, "result_0_bar does not have the shape of the result"
+    assert returned.shape == result_1_bar.shape, (
+        "result_1_bar does not have the shape of the result"
+    )
+    assert slope.shape == result_2_bar.shape, "result_2_bar does not have the shape of the result"
+    # reverse sweep
+    a_bar = 0.0
+    out_bar = np.zeros_like(out)
+    slope_bar = np.zeros_like(slope)
+    returned_bar = np.zeros_like(returned)
+    for i in range(slope_bar.shape[0]):
+        # return slope, u[1:], slope
+        slope_bar[i] += result_0_bar[i]
+    for i in range(returned_bar.shape[0]):
+        # return slope, u[1:], slope
+        returned_bar[i] += result_1_bar[i]
+    for i in range(slope_bar.shape[0]):
+        # return slope, u[1:], slope
+        slope_bar[i] += result_2_bar[i]
+    for i in range(returned.shape[0]):
+        # return slope, u[1:], slope
+        seed = returned_bar[i]
+        returned_bar[i] = 0.0
+        u_bar[i + 1] += seed
+    for i in range(slope.shape[0]):
+        # slope = a * differences(u)
+        seed = slope_bar[i]
+        slope_bar[i] = 0.0
+        a_bar += out[i] * seed
+        out_bar[i] += a * seed
+    if 1 < u.size:
+        u_bar_held = u_bar[0]
+        for i in range(1, u.size):
+            u_bar_held_2 = u_bar[i]
+            # out[i] = v[i] - v[i - 1]
+            seed = out_bar[i]
+            out_bar[i] = 0.0
+            u_bar_held_2 += seed
+            u_bar_held -= seed
+            u_bar[i - 1] = u_bar_held
+            u_bar_held = u_bar_held_2
+        u_bar[u.size - 1] = u_bar_held
+    return (a_bar,)
