@@ -19,7 +19,7 @@ from s2sad.rules.composed import LAW as PIECES
 from s2sad.rules.given import ROOM
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
-    FunctionDef, If, IfExp, List, LShift, Name, Not, Return, RShift, Slice, Subscript, Tuple, UnaryOp, While,
+    FunctionDef, If, IfExp, List, LShift, Mult, Name, Not, Return, RShift, Slice, Subscript, Tuple, UnaryOp, While,
     call_name, indices,
 )
 
@@ -130,9 +130,9 @@ class Typing:
         if left.kind == right.kind == "tuple" and isinstance(node.op, Add):
             return Type("tuple", items=left.items + right.items)
         result = promote(left, right)
-        if isinstance(node.op, (BitAnd, BitOr, BitXor)) and left == right == BOOL:
-            return BOOL
         if result.dtype == "bool":
+            if isinstance(node.op, (BitAnd, BitOr, BitXor)) or result.is_array and isinstance(node.op, (Add, Mult)):
+                return result
             result = Type(result.kind, "int64", result.rank)
         if isinstance(node.op, Div) and not result.is_float and result.dtype:
             return Type(result.kind, "float64", result.rank)
@@ -223,6 +223,8 @@ class Typing:
         return self._function(name, types, bool(node.keywords))
 
     def _array_function(self, rule: rules.ArrayRule, node: Call, types: list[Type]) -> Type:
+        if rule.name.startswith("runtime."):    # a rule's own text names no options
+            types = types[:len(rule.operands)]
         if any(t.kind == "unknown" for t in types) or len(types) != len(rule.operands):
             return UNKNOWN
         arguments = rule.arguments(node)
