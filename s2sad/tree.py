@@ -46,8 +46,12 @@ def parse(text: str) -> Module:
 
 
 def statements(text: str) -> list[AST]:
-    """The statements of a piece of text."""
-    return parse(text).body
+    """The statements of a piece of text, which have no place."""
+    found = parse(text).body
+    for node in walk(found):
+        if "lineno" in getattr(node, "_attributes", ()):
+            node.lineno = None
+    return found
 
 
 def expression(text: str) -> AST:

@@ -25,7 +25,35 @@ def numbers_spread_and_summed(x, y, m):
     m[0] *= np.mean(x[3] * y[2] * np.ones((2, 4)), axis=0)
 
 
-KERNELS = (joined_masks, numbers_spread_and_summed)
+def sizes_of_picked_elements(x, y, m):
+    where = np.array([0, 2, 2, 1, 0])
+    y[2] = np.std(m[where]) * m[where].shape[0]
+    m[0] *= np.var(m[where], axis=0) * x[where].shape[0]
+
+
+def parts_that_run_backwards(x, y, m):
+    for i in range(3):
+        y[i] *= 2.0 * np.sum(y[:i][::-1] * x[i:][::-1][:i])
+        y[i:][::-1] *= x[:5 - i]
+        x[:i] += y[:i][::-1][:]
+    x[1:][::-1] *= y[::-1][:4]
+    y[::2][::-1] += x[::-2]
+    x[::-1][::-1] *= y[::-2][1]
+    x[::-1][1:] *= y[1:]
+    x[::-2][::-1] *= y[::2][:]
+    m[:, 1:][::-1, ::-1] *= 0.3
+
+
+def one_element_at_counters_of_several_loops(x, y, m):
+    for i in range(1, -1, -1):
+        x[:] *= x[i:i + 1]
+    for i in range(3):
+        y += x[i + 1:i + 2] * y[i]
+        m[i] *= m[:, i:i + 1][0]
+
+
+KERNELS = (joined_masks, numbers_spread_and_summed, sizes_of_picked_elements, parts_that_run_backwards,
+           one_element_at_counters_of_several_loops)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -37,3 +65,15 @@ def test_kernel(kernel, engine):
     kernel(*left)
     of = tuple(n for n, p, q in zip("xym", given, left) if not np.array_equal(p, q))
     check_derivatives(kernel, given, ("x", "y", "m"), of, engine)
+
+
+def deviations_and_choices(x, y, m):
+    m[1] += np.std(m[::-1, :].T, axis=1)
+    m[0] *= np.where(x[1:] > 0.1, 0.5, m[0])
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_float32_stays_float32(engine):
+    random = np.random.default_rng(5)
+    given = [random.uniform(-0.9, 0.9, shape).astype("float32") for shape in (5, 5, (3, 4))]
+    check_derivatives(deviations_and_choices, tuple(given), ("m",), ("m",), engine)

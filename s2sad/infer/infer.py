@@ -237,6 +237,9 @@ class Typing:
     def _function(self, name: str, types: list[Type], keywords: bool) -> Type:
         if not types:
             return UNKNOWN
+        if name == "numpy.where" and len(types) == 3:    # the bools say nothing of the dtype, only of the rank
+            chosen = promote(types[1], types[2])
+            return Type("array", chosen.dtype, max(t.rank for t in types)) if types[0].is_array else chosen
         result = types[0]
         for other in types[1:]:
             result = promote(result, other)

@@ -5,6 +5,8 @@ the guards that were put before. A size that is no such form is a symbol of its 
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from s2sad import rules
 from s2sad.infer.affine import Affine
 from s2sad.infer.infer import Typing
@@ -12,8 +14,8 @@ from s2sad.infer.laws import LAWS, ONE, Shape, whole_number
 from s2sad.infer.slices import Slices
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Eq, FloorDiv, For, FunctionDef, If, Mult, Name, Store,
-    Subscript, Tuple, While, attribute, call, call_name, children, const, index, name, tuple_of,
-    walk,
+    Subscript, Tuple, While, attribute, call, call_name, children, const, index, name, stored_names,
+    tuple_of, walk,
 )
 
 
@@ -151,7 +153,7 @@ def shape_expression(shapes: Shapes, shape: Shape) -> AST:
 
 def shapes_of(function: FunctionDef, typing: Typing) -> Shapes:
     """The shapes of a function with resolved views, as its allocations and guards tell them."""
-    made = Shapes(typing, single_values(function))
+    made = bare_shapes(function, typing)
     inside = {id(s) for outer in walk(function.body) if isinstance(outer, (For, While, If)) for s in walk(outer)}
     for statement in walk(function.body):
         if isinstance(statement, Assert) or id(statement) not in inside:
@@ -159,6 +161,37 @@ def shapes_of(function: FunctionDef, typing: Typing) -> Shapes:
         elif isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
             made.learn_single(statement)
     return made
+
+
+def bare_shapes(function: FunctionDef, typing: Typing) -> Shapes:
+    """The shapes of a function with resolved views of which nothing has been learnt but its counters."""
+    made = Shapes(typing, single_values(function))
+    made.counters = counters_of(function, made.values)
+    return made
+
+
+def least_of(loop: For) -> dict[str, int]:
+    """The least value of a loop's counter, if it is written."""
+    args = loop.iter.args
+    low = 0 if len(args) == 1 else whole_number(args[0])
+    step = 1 if len(args) < 3 else whole_number(args[2])
+    if step is not None and step < 0:
+        stop = whole_number(args[1])
+        low = None if stop is None else stop + 1
+    return {} if low is None or not step else {loop.target.id: low}
+
+
+def counters_of(function: FunctionDef, values: Mapping[str, AST | None]) -> dict[str, int]:
+    """The loop counters bound once, and what is bound once to a counter, with the least that each can be."""
+    loops: dict[str, list[dict[str, int]]] = {}
+    for loop in walk(function.body):
+        if isinstance(loop, For) and loops.get(loop.target.id) != [{}]:
+            loops.setdefault(loop.target.id, []).append(least_of(loop))
+        elif isinstance(loop, Assign):
+            loops |= {n: [{}] for n in stored_names(loop)}
+    least = {n: min(found[n] for found in each) for n, each in loops.items() if all(each)}
+    held = {n: least[v.id] for n, v in values.items() if isinstance(v, Name) and v.id in least}
+    return {**{n: low for n, low in least.items() if n in values}, **held}
 
 
 def single_values(function: FunctionDef) -> dict[str, AST | None]:

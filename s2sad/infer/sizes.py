@@ -149,6 +149,12 @@ class Sizes(ABC):
         self.symbol(size)
         return Affine.symbol(dump(size))
 
+    def is_place(self, form: Affine) -> bool:
+        """Whether a form is known not to be negative, made of sizes and counters."""
+        least = self.least()
+        return all(c > 0 and s in least for s, c in form.terms) and form.constant + sum(
+            c * least[s] for s, c in form.terms) >= 0
+
     def _sizes_only(self, form: Affine) -> bool:
         """Whether a form adds up sizes of arrays, so that it is never negative."""
         return form.constant >= 0 and all(c > 0 and _is_size(self.atoms[s]) for s, c in form.terms)

@@ -82,7 +82,7 @@ class _Pieces:
         made = {n: self.free.fresh(n) for n in stored_names(body) if n != RESULT or not direct}
         if direct:
             made[RESULT] = target.id
-        body = [_filled(s, made, asked.arguments) for s in body]
+        body = [at(_filled(s, made, asked.arguments), statement) for s in body]
         learn(body, self.typing)
         return [*before, *body, *([] if direct else [assign(target, name(made[RESULT]))])]
 

@@ -62,12 +62,15 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
     if not isinstance(inner, Slice):
         return _cell(shapes, start, step, inner, length, refuse)
     within = shapes.span(inner, length)
-    if within is None or step < 0 or within[2] < 0:
-        refuse("a part of a part of an array that runs backwards, or whose bounds change")
+    if within is None:
+        refuse("a part of a part of an array whose bounds change")
         return inner
     first = start.plus(within[0], step)
-    last = start.plus(within[1], step) if step == 1 or within[1] != length else stop
     both = step * within[2]
+    if both < 0:
+        last = start.plus(within[1], step)
+        return Slice(_bound_down(shapes, first, size), _bound_down(shapes, last, size, True), const(both))
+    last = start.plus(within[1], step) if step == 1 or within[1] != length else stop
     return Slice(_bound(shapes, first), _bound(shapes, last, size), const(both) if both != 1 else None)
 
 
@@ -88,6 +91,17 @@ def add_to(node: AST, shapes: Shapes, offset: Affine) -> AST:
     if offset.terms or form is None or not isinstance(node, (BinOp, Name)):
         return copy(node) if offset == Affine() else BinOp(shapes.expression(offset), Add(), copy(node))
     return shapes.expression(form.plus(offset)) if offset.constant else copy(node)
+
+
+def _bound_down(shapes: Shapes, form: Affine, size: Affine, stops: bool = False) -> AST | None:
+    """A position as a bound of a slice that runs backwards; what may be before the first element counts from the end,
+    where NumPy takes it for what it is."""
+    if stops and not form.terms and form.constant < 0:
+        return None
+    rest = form.plus(size, -1)
+    if not stops and rest == Affine((), -1):
+        return None
+    return shapes.expression(form if shapes.is_place(form) and rest.terms else rest)
 
 
 def _bound(shapes: Shapes, form: Affine, size: Affine | None = None) -> AST | None:

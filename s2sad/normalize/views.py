@@ -22,8 +22,8 @@ from s2sad import rules
 from s2sad.analyze.liveness import base_name
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import ONE, whole_number
-from s2sad.infer.shapes import Shapes, single_values
+from s2sad.infer.laws import ONE
+from s2sad.infer.shapes import Shapes, least_of, single_values
 from s2sad.infer.slices import scattered
 from s2sad.infer.types import Type, array
 from s2sad.naming import Names
@@ -248,17 +248,6 @@ class _Views(Places):
                                   help="pass the array as an argument and write into it")
         new = [self.resolve(part) for part in parts]
         return tuple_of(*new) if isinstance(value, Tuple) else new[0]
-
-
-def least_of(loop: For) -> dict[str, int]:
-    """The least value of a loop's counter, if it is written."""
-    args = loop.iter.args
-    low = 0 if len(args) == 1 else whole_number(args[0])
-    step = 1 if len(args) < 3 else whole_number(args[2])
-    if step is not None and step < 0:
-        stop = whole_number(args[1])
-        low = None if stop is None else stop + 1
-    return {} if low is None or not step else {loop.target.id: low}
 
 
 def _merged(a: dict[str, View], b: dict[str, View], looping: bool) -> dict[str, View]:
