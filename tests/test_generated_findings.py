@@ -77,3 +77,27 @@ def test_float32_stays_float32(engine):
     random = np.random.default_rng(5)
     given = [random.uniform(-0.9, 0.9, shape).astype("float32") for shape in (5, 5, (3, 4))]
     check_derivatives(deviations_and_choices, tuple(given), ("m",), ("m",), engine)
+
+
+def guards_of_branches(x, y, flag):
+    if flag > 2:
+        assert x.shape[0] == y.shape[0] + 1
+        x[1:] += y
+    elif flag > 1:
+        assert y.shape[0] == 3
+        x[:3] += y
+    else:
+        for i in range(3):
+            y[1:] *= y[:-1] * x[0]
+            t = y[2:] * y[:-2]
+            y[:-2] += t * t
+            x[1:] *= np.sum(t) * x[:-1]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(("size", "flag"), ((4, 1), (8, 1), (3, 2), (4, 3)))
+def test_a_guard_holds_where_it_stands(size, flag, engine):
+    random = np.random.default_rng(5)
+    given = random.uniform(0.5, 1.0, 5), random.uniform(0.5, 1.0, size), flag
+    of = ("x", "y") if flag == 1 else ("x",)
+    check_derivatives(guards_of_branches, given, ("x", "y"), of, engine)

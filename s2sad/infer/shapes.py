@@ -48,6 +48,10 @@ class Shapes(Slices):
             return made if made is not None else (None,) * self.typing.of(node).rank
         return self.broadcast(self.of(part) for part in children(node) if self.typing.of(part).is_array)
 
+    def enter(self, statement: AST) -> None:
+        """Goes to a statement: what the guards before it say holds from here on."""
+        self.equal = self.scopes.get(id(statement), self.equal)
+
     def asked_for(self, shape: AST, old: Shape = ()) -> Shape | None:
         """The shape that an argument spells; a size of -1 is what is left of the elements of the old shape."""
         parts = list(shape.elts) if isinstance(shape, Tuple) else [shape]
@@ -100,6 +104,11 @@ class Shapes(Slices):
                 known = self.reduced(size)
                 if symbol not in dict(known.terms):
                     self.equal[symbol] = known
+
+    def like(self, array: str, other: str) -> None:
+        """Notes that an array has the shape of another, wherever it is used."""
+        if self.of(name(other)):
+            self.arrays[array] = self.arrays[other]
 
     def forget(self, array: str, other: str) -> None:
         """An array that is allocated in several places, of which any may have been the last, as `other` may."""
@@ -154,13 +163,24 @@ def shape_expression(shapes: Shapes, shape: Shape) -> AST:
 def shapes_of(function: FunctionDef, typing: Typing) -> Shapes:
     """The shapes of a function with resolved views, as its allocations and guards tell them."""
     made = bare_shapes(function, typing)
-    inside = {id(s) for outer in walk(function.body) if isinstance(outer, (For, While, If)) for s in walk(outer)}
-    for statement in walk(function.body):
-        if isinstance(statement, Assert) or id(statement) not in inside:
-            made.learn(statement)
-        elif isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
-            made.learn_single(statement)
+    _learn_block(made, function.body, True)
     return made
+
+
+def _learn_block(shapes: Shapes, block: list[AST], top: bool = False) -> None:
+    """Learns what statements say; a guard in a branch or a loop holds from there to the end of its block."""
+    for statement in block:
+        shapes.scopes[id(statement)] = shapes.equal
+        if isinstance(statement, (For, While, If)):
+            known = shapes.equal
+            for inner in (statement.body, statement.orelse):
+                _learn_block(shapes, inner)
+                shapes.equal = known
+        elif isinstance(statement, Assert) or top:
+            shapes.equal = dict(shapes.equal)
+            shapes.learn(statement)
+        elif isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
+            shapes.learn_single(statement)
 
 
 def bare_shapes(function: FunctionDef, typing: Typing) -> Shapes:
