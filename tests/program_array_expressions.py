@@ -7,7 +7,6 @@ between about -2 and 2 if those of the names are.
 """
 from __future__ import annotations
 
-from collections.abc import Callable
 
 from tests.program_expressions import Expressions
 
@@ -54,7 +53,7 @@ class ArrayExpressions(Expressions):
     def shaped(self) -> dict[str, Shape]:
         """Every array of tame floats that is known, with its shape."""
         scope = self.scope
-        return {**{v: (s,) for v, s in scope.vectors.items()}, **{m: ("n", "3") for m in scope.matrices},
+        return {**{v: (s,) for v, s in scope.vectors.items()}, **dict.fromkeys(scope.matrices, ("n", "3")),
                 **scope.arrays}
 
     def fit(self, shape: Shape) -> str:
@@ -172,7 +171,7 @@ class ArrayExpressions(Expressions):
             return c.pick([f"np.roll({a}, {shift}, axis={axis})", f"np.flip({a}, axis={axis})",
                            f"np.transpose({self.values(shape[::-1], depth)})",
                            f"0.5 * np.outer({self.values(shape[:1], depth)}, {self.values(shape[1:], depth)})",
-                           f"0.5 * np.cumsum({a}, axis={axis}) / ({shape[axis]})" if shape[axis] in self.nonempty else a,
+                           f"np.sin(np.cumsum({a}, axis={axis}))" if shape[axis] in self.nonempty else a,
                            self._stacked(shape, depth)])
         forms = [f"np.roll({a}, {shift})", f"np.flip({a})", f"np.sin(np.cumsum({a}))", f"{a}.copy()"
                  if a.isidentifier() else f"({a})[::-1]"]

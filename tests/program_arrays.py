@@ -54,7 +54,8 @@ class ArrayStatements(ArrayExpressions, SimpleStatements):
         """A store or an augmented store that keeps the place tame."""
         c = self.choices
         bare = place.removesuffix("[...]").removesuffix("[:]")
-        return c.pick([f"{place} = {value}", f"{place} = {value}", f"{bare} += {c.number(0.05, 0.3)} * ({value} - {bare})",
+        return c.pick([f"{place} = {value}", f"{place} = {value}",
+                       f"{bare} += {c.number(0.05, 0.3)} * ({value} - {bare})",
                        f"{bare} *= 0.5 + 0.3 * np.sin({value})", f"{bare} /= 1.0 + ({value}) ** 2",
                        f"{bare} -= 0.2 * ({bare} - ({value}))", f"{bare} *= 0.75"])
 
@@ -158,9 +159,9 @@ class ArrayStatements(ArrayExpressions, SimpleStatements):
 
     # -- masks ------------------------------------------------------------------------------------------------------
     def mask_bound(self) -> None:
-        c, shape = self.choices, self.choices.pick([("n",), ("n",), ("3",), ("n", "3")])
+        shape = self.choices.pick([("n",), ("n",), ("3",), ("n", "3")])
         name = self.fresh("high")
-        self.write(f"{name} = {self.mask_of(shape)}".replace("= (", "= (", 1))
+        self.write(f"{name} = {self.mask_of(shape)}")
         if shape == ("n",):
             self.scope.flags.append(name)
         else:

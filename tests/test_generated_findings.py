@@ -4,6 +4,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import s2sad
 from tests.derivatives import check_derivatives
 
 ENGINES = ("numpy", "numba")
@@ -52,7 +53,37 @@ def one_element_at_counters_of_several_loops(x, y, m):
         m[i] *= m[:, i:i + 1][0]
 
 
-KERNELS = (joined_masks, numbers_spread_and_summed, sizes_of_picked_elements, parts_that_run_backwards,
+def copies_within_expressions(x, y, m):
+    x[np.array([0, 2, 2, 1, 4])] = y.copy()
+    x[1:] += y[1:].copy() * x[0]
+    x *= np.copy(y) + 0.5
+    z = y.copy()
+    z += 1.0
+    x[0] = np.sum(z.copy() * x)
+    y[...] = x.copy()
+    for i in range(2):
+        w = x[i:].copy()
+        y[i:] += w * w
+
+
+def scaled(u, v, c):
+    u *= v
+    u += c * v
+    v *= c
+
+
+def parts_of_length_one_to_a_helper(x, y, m):
+    scaled(x, y[:1], y[2])
+    scaled(x[1:], y[2:3], 2.0)
+    scaled(m, y[:3, None], 0.7)
+    column = x[1:4][:, None]
+    column *= m[:, :1]
+    for i in range(2):
+        scaled(m, x[i:i + 1], 0.7)
+        scaled(m[i], y[i:i + 1], 0.7)
+
+
+KERNELS = (copies_within_expressions, parts_of_length_one_to_a_helper, joined_masks, numbers_spread_and_summed, sizes_of_picked_elements, parts_that_run_backwards,
            one_element_at_counters_of_several_loops)
 
 
@@ -87,7 +118,7 @@ def guards_of_branches(x, y, flag):
         assert y.shape[0] == 3
         x[:3] += y
     else:
-        for i in range(3):
+        for _ in range(3):
             y[1:] *= y[:-1] * x[0]
             t = y[2:] * y[:-2]
             y[:-2] += t * t
@@ -101,3 +132,24 @@ def test_a_guard_holds_where_it_stands(size, flag, engine):
     given = random.uniform(0.5, 1.0, 5), random.uniform(0.5, 1.0, size), flag
     of = ("x", "y") if flag == 1 else ("x",)
     check_derivatives(guards_of_branches, given, ("x", "y"), of, engine)
+
+
+def copy_of_a_number(x):
+    x[0] = x[1].copy() * x[2]
+
+
+def test_a_copy_of_a_number_is_refused():
+    with pytest.raises(s2sad.S2sadError, match="no derivative rule for numpy.copy of a number"):
+        s2sad.differentiate(copy_of_a_number, engine="numpy").adjoint_source(np.ones(3))
+
+
+def last_two(x, y):
+    x[-2:] *= y
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_guards_say_what_to_do(engine):
+    derivative = s2sad.differentiate(wrt="x", of=("x",), engine=engine)(last_two)
+    for size, words in ((1, "a slice reaches out of its array"), (3, "shapes differ")):
+        with pytest.raises(AssertionError, match=words):
+            s2sad.vjp(derivative, (np.ones(size), np.ones(size)), {"x": np.ones(size)})

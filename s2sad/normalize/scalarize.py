@@ -31,6 +31,7 @@ from s2sad.normalize.elements import Elements, moves
 from s2sad.normalize.functions import is_function
 from s2sad.normalize.reduced import Reduced, is_reduction
 from s2sad.normalize.places import array_operands
+from s2sad.normalize.regions import is_new
 from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While, assign,
@@ -199,7 +200,9 @@ class Scalarize:
         picked: list[AST] | None = None
         for entry in self.shapes.full(indices(target), self.typing.of(base).rank):
             kind = None if isinstance(entry, Slice) else self.typing.of(entry)
-            if isinstance(entry, Slice):
+            if is_new(entry):
+                found.positions.append(const(0))
+            elif isinstance(entry, Slice):
                 self.sliced(found, base.id, cell, entry)
             elif kind is None or not kind.is_array:
                 cell.append(copy(entry))

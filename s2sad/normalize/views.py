@@ -28,11 +28,12 @@ from s2sad.infer.slices import scattered
 from s2sad.infer.types import Type, array
 from s2sad.naming import Names
 from s2sad.normalize.apart import overlaps
+from s2sad.normalize.guards import equal, inside
 from s2sad.normalize.reduced import is_reduction
 from s2sad.normalize.places import AMBIGUOUS, Places, View, is_whole_place
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Eq, Expr, For, FunctionDef, GtE, If, Name, Return, Slice,
-    Store, Subscript, Tuple, While, assign, at, attribute, augment, call_name, compare, const, copy, dump, index,
+    AST, Assign, Attribute, AugAssign, BinOp, Call, Expr, For, FunctionDef, If, Name, Return, Slice,
+    Store, Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, copy, dump, index,
     indices, name, names, rename, tuple_of, walk,
 )
 
@@ -49,7 +50,7 @@ def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free
     pass_.parameters = set(pass_.seen)
     pass_.loops = loops
     new = copy(function)
-    lengths = [Assert(compare(index(attribute(name(p.id), "shape"), const(k)), Eq(), const(1)), None)
+    lengths = [equal(index(attribute(name(p.id), "shape"), const(k)), const(1))
                for p in function.args.args for k in typing.ones.get(p.id, ())]
     new.body = [*(at(test, function) for test in lengths), *pass_.block(function.body)]
     return new
@@ -75,8 +76,8 @@ class _Views(Places):
     def required(self) -> list[AST]:
         """Guards that slices which start from the end start inside."""
         needed, self.shapes.required = self.shapes.required, []
-        tests = [compare(self.shapes.expression(form), GtE(), const(0)) for form in needed]
-        return [Assert(test, None) for test in {dump(t): t for t in tests}.values()]
+        guards = [inside(self.shapes.expression(form)) for form in needed]
+        return list({dump(g): g for g in guards}.values())
 
     def statement(self, statement: AST) -> list[AST]:
         if isinstance(statement, Assign):
