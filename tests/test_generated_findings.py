@@ -32,6 +32,13 @@ def sizes_of_picked_elements(x, y, m):
     m[0] *= np.var(m[where], axis=0) * x[where].shape[0]
 
 
+def parts_of_picked_elements(x, y, m):
+    where = np.array([1, 2, 0])
+    m[:, 1] *= m[where, 2][::-1]
+    m[...] = 0.3 * np.cumsum(m[where], axis=0) * np.diff(x[where])[:1]
+    y[1:] -= m[where][0] * y[where][-1]
+
+
 def parts_that_run_backwards(x, y, m):
     for i in range(3):
         y[i] *= 2.0 * np.sum(y[:i][::-1] * x[i:][::-1][:i])
@@ -83,7 +90,8 @@ def parts_of_length_one_to_a_helper(x, y, m):
         scaled(m[i], y[i:i + 1], 0.7)
 
 
-KERNELS = (copies_within_expressions, parts_of_length_one_to_a_helper, joined_masks, numbers_spread_and_summed, sizes_of_picked_elements, parts_that_run_backwards,
+KERNELS = (copies_within_expressions, parts_of_length_one_to_a_helper, joined_masks, numbers_spread_and_summed,
+           sizes_of_picked_elements, parts_of_picked_elements, parts_that_run_backwards,
            one_element_at_counters_of_several_loops)
 
 
