@@ -178,8 +178,7 @@ class ArrayStatements(ArrayExpressions, SimpleStatements):
     def masked(self) -> None:
         """A store or an augmented store through a mask; the value is a number, or what the same mask picks."""
         c = self.choices
-        arrays = {a: s for a, s in self.writable().items()      # what picks from a view is refused
-                  if all(size in self.nonempty for size in s) and a not in self.bases}
+        arrays = {a: s for a, s in self.writable().items() if all(size in self.nonempty for size in s)}
         if not arrays:
             return
         array = self.marked(c.pick(list(arrays)))

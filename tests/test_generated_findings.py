@@ -39,6 +39,21 @@ def parts_of_picked_elements(x, y, m):
     y[1:] -= m[where][0] * y[where][-1]
 
 
+def picked_from_parts(x, y, m):
+    inner = x[1:-1]
+    inner[inner < 0.2] *= y[0]
+    inner[inner > 0.3] = 0.5 * inner[inner > 0.3] * y[1]
+    y[1:][y[1:] > 0.1] -= 0.1 * np.sum(inner[inner < 0.25])
+    block = m[1:, :2]
+    block[block > 0.0] = np.sin(block[block > 0.0])
+    block[np.array([0, 1, 0]), 1] += x[:3]
+    for i in range(2):
+        part = m[i:, 1]
+        part[part > 0.1] *= x[i]
+        x[i:][x[i:] < 0.4] += 0.1
+    y[0] = np.sum(block[np.array([0, 1, 0])] * m[0, :2]) + x[1:][np.array([0, 0])][1]
+
+
 def parts_that_run_backwards(x, y, m):
     for i in range(3):
         y[i] *= 2.0 * np.sum(y[:i][::-1] * x[i:][::-1][:i])
@@ -91,7 +106,8 @@ def parts_of_length_one_to_a_helper(x, y, m):
 
 
 KERNELS = (copies_within_expressions, parts_of_length_one_to_a_helper, joined_masks, numbers_spread_and_summed,
-           sizes_of_picked_elements, parts_of_picked_elements, parts_that_run_backwards,
+           sizes_of_picked_elements, parts_of_picked_elements, picked_from_parts,
+           parts_that_run_backwards,
            one_element_at_counters_of_several_loops)
 
 

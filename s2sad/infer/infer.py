@@ -12,15 +12,16 @@ from dataclasses import replace
 
 from s2sad import rules
 from s2sad.diagnostics import Report
-from s2sad.infer.laws import LAWS, of_rank, whole_number
+from s2sad.infer.laws import LAWS, of_rank
 from s2sad.infer.piece_types import piece_type
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, TEXT, UNKNOWN, Type, array, of_value
+from s2sad.infer.written import is_single, keeps
 from s2sad.rules.composed import LAW as PIECES
 from s2sad.rules.given import ROOM
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
     FunctionDef, If, IfExp, List, LShift, Mult, Name, Not, Return, RShift, Slice, Subscript, Tuple, UnaryOp, While,
-    call_name, equal, indices,
+    call_name, indices,
 )
 
 CallTypes = Callable[[str, tuple[Type, ...]], tuple[Type, ...]]
@@ -69,11 +70,10 @@ class Typing:
         """The axes of a part of an array that are written to have length 1."""
         if not isinstance(node, Subscript) or not self.of(node).is_array:
             return ()
-        left = [s for s in indices(node) if isinstance(s, (Slice, Constant)) or self.of(s).is_array]
-        plain = all(isinstance(s, Slice) or isinstance(s, Constant) and s.value is None for s in left
-                    if not (isinstance(s, Constant) and type(s.value) is int))
-        left = [s for s in left if not (isinstance(s, Constant) and type(s.value) is int)]
-        return tuple(k for k, s in enumerate(left) if is_single(s)) if plain else ()
+        kept = [s for s in indices(node) if keeps(s)]
+        return tuple(k for k, s in enumerate(kept) if is_single(s)) if all(
+            keeps(s) or not self.of(s).is_array for s in indices(node)) and not any(
+            isinstance(s, Constant) and s.value is Ellipsis for s in kept) else ()
 
     def bind(self, identifier: str, new: Type, place: AST) -> None:
         old = self.table.get(identifier)
@@ -306,21 +306,6 @@ class Typing:
         if not base.is_array:
             return UNKNOWN
         return array(self._dtype(node, 2 if name == "numpy.full_like" else 1, base.dtype), base.rank)
-
-
-def is_single(subscript: AST) -> bool:
-    """Whether a slice or a new axis is written to have length 1: `None`, `:1`, `-1:`, `2:3`, `i:i + 1`."""
-    if not isinstance(subscript, Slice):
-        return isinstance(subscript, Constant) and subscript.value is None
-    if subscript.step is not None:
-        return False
-    low = 0 if subscript.lower is None else whole_number(subscript.lower)
-    high = None if subscript.upper is None else whole_number(subscript.upper)
-    if low is not None:
-        return low == -1 and subscript.upper is None or high == low + 1 and low != -1
-    upper = subscript.upper
-    return isinstance(upper, BinOp) and isinstance(upper.op, Add) and whole_number(upper.right) == 1 and equal(
-        upper.left, subscript.lower)
 
 
 def _joined(items: Type) -> Type:

@@ -60,9 +60,25 @@ class Places:
             inner = self.viewed(node.value)
             if inner is None:
                 return None
+            if self.picks_from_part(node, inner):
+                inner = (self.copied(node.value), ())
             added = [self.part(s) for s in indices(node)]
             return inner[0], self.composed(inner, added, node)
         return None
+
+    def picks_from_part(self, node: Subscript, view: View) -> bool:
+        """Whether arrays pick elements of a part of an array that slices take: it is copied first."""
+        picks = any(self.typing.of(s).is_array for s in indices(node) if not isinstance(s, (Slice, Constant)))
+        return picks and any(isinstance(s, Slice) or is_new(s) for s in view[1])
+
+    def copied(self, part: AST) -> str:
+        """A name for a copy of a part of an array."""
+        held = self.free.fresh("part")
+        self.typing.table[held] = self.typing.of(part)
+        made = self.allocations.allocate(held, self.typing.of(part), call("numpy.copy", self.resolve(part)), part)
+        self.seen[held] = (held, ())
+        self.before += made
+        return held
 
     def part(self, subscript: AST) -> AST:
         """A subscript with views resolved; the bounds of a slice stay what they are now."""

@@ -16,7 +16,7 @@ too.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from s2sad import rules
 from s2sad.analyze.liveness import base_name
@@ -187,6 +187,8 @@ class _Views(Places):
 
     def augmented(self, statement: AugAssign) -> list[AST]:
         target = statement.target
+        if (view := self.picked_part(target)) is not None:
+            return self.through_copy(target, view, lambda place: augment(place, statement.op, statement.value))
         if isinstance(target, Name) and not self.typing.of(target).is_array:
             return [augment(target, statement.op, self.resolve(statement.value))]
         place = self.place(target)
@@ -197,7 +199,22 @@ class _Views(Places):
             return [*checks, augment(place, statement.op, value)]
         return [*checks, assign(place, BinOp(self.load(place), statement.op, value))]
 
+    def picked_part(self, target: AST) -> View | None:
+        """What a target's array is a part of, where arrays pick elements of that part."""
+        if not isinstance(target, Subscript) or not self.picks(target):
+            return None
+        view = self.viewed(target.value)
+        return view if view is not None and self.picks_from_part(target, view) else None
+
+    def through_copy(self, target: Subscript, part: View, stored: Callable[[AST], AST]) -> list[AST]:
+        """A store to elements that are picked from a part of an array: to a copy of the part, which is put back."""
+        held = self.copied(target.value)
+        made = self.statement(stored(index(name(held), *indices(target))))
+        return [*made, *self.store(index(index(name(part[0]), *part[1]), const(...)), name(held))]
+
     def store(self, target: Subscript, value: AST) -> list[AST]:
+        if (view := self.picked_part(target)) is not None:
+            return self.through_copy(target, view, lambda place: assign(place, value))
         place, new = self.place(target), self.resolve(value)
         checks = self.checks(place, new) if self.is_region(place) else []
         new = self.apart(place, new, checks, target)
