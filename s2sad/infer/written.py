@@ -20,6 +20,6 @@ def is_single(subscript: AST) -> bool:
     high = None if subscript.upper is None else whole_number(subscript.upper)
     if low is not None:
         return low == -1 and subscript.upper is None or high == low + 1 and low != -1
-    upper = subscript.upper
-    return isinstance(upper, BinOp) and isinstance(upper.op, Add) and whole_number(upper.right) == 1 and equal(
-        upper.left, subscript.lower)
+    lower, upper = subscript.lower, subscript.upper
+    more = isinstance(upper, BinOp) and isinstance(upper.op, Add) and whole_number(upper.right) == 1
+    return more and lower is not None and equal(upper.left, lower)

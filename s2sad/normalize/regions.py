@@ -62,7 +62,7 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
     if not isinstance(inner, Slice):
         return _cell(shapes, start, step, inner, length, refuse)
     within = shapes.span(inner, length)
-    if within is None:
+    if within is None or size is None:
         refuse("a part of a part of an array whose bounds change")
         return inner
     first = start.plus(within[0], step)
