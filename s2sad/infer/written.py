@@ -21,5 +21,6 @@ def is_single(subscript: AST) -> bool:
     if low is not None:
         return low == -1 and subscript.upper is None or high == low + 1 and low != -1
     lower, upper = subscript.lower, subscript.upper
-    more = isinstance(upper, BinOp) and isinstance(upper.op, Add) and whole_number(upper.right) == 1
-    return more and lower is not None and equal(upper.left, lower)
+    if lower is None or not isinstance(upper, BinOp) or not isinstance(upper.op, Add):
+        return False
+    return whole_number(upper.right) == 1 and equal(upper.left, lower)
