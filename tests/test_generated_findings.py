@@ -65,6 +65,8 @@ def parts_that_run_backwards(x, y, m):
     x[::-1][1:] *= y[1:]
     x[::-2][::-1] *= y[::2][:]
     m[:, 1:][::-1, ::-1] *= 0.3
+    x += y[:1][::-1] * m[1, ::-1][:1] * m[1:, 1:2][::-1][-1:][0]
+    y[1:] *= y[::-1][-1:] * x[1:-1][1:2] + x[::-1][1:2]
 
 
 def one_element_at_counters_of_several_loops(x, y, m):

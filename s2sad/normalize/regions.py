@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.infer.affine import Affine
-from s2sad.infer.laws import whole_number
+from s2sad.infer.laws import ONE, whole_number
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.slices import is_whole
 from s2sad.tree import AST, Add, BinOp, Constant, Mult, Name, Slice, const, copy
@@ -65,7 +65,13 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
     if within is None or size is None:
         refuse("a part of a part of an array whose bounds change")
         return inner
+    if length == ONE and inner.lower is None and inner.upper is None:
+        return outer
     first = start.plus(within[0], step)
+    if shapes.sliced(inner, length) == ONE and (shapes.is_place(first) or not first.plus(size, -1).terms):
+        near = shapes.is_place(first)
+        return Slice(_bound(shapes, first) if near else const(first.plus(size, -1).constant),
+                     shapes.expression(first.shift(1)) if near else _bound(shapes, first.shift(1), size), None)
     both = step * within[2]
     if both < 0:
         last = start.plus(within[1], step)
