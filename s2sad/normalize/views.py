@@ -34,7 +34,7 @@ from s2sad.normalize.places import AMBIGUOUS, Places, View, is_whole_place
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, BinOp, Call, Expr, For, FunctionDef, If, Name, Return, Slice,
     Store, Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, copy, dump, index,
-    indices, name, names, rename, tuple_of, walk,
+    indices, name, names, rename, stored_names, tuple_of, walk,
 )
 
 
@@ -111,7 +111,8 @@ class _Views(Places):
         if isinstance(statement, For):
             bounds = self.resolve(statement.iter)
             counters = dict(self.shapes.counters)
-            self.shapes.counters |= least_of(statement)
+            if statement.target.id not in stored_names(statement.body):
+                self.shapes.counters |= least_of(statement)
             new: AST = For(statement.target, bounds, self.block(statement.body), [], None)
             self.shapes.counters = counters
         else:
