@@ -76,7 +76,7 @@ def one_element_at_counters_of_several_loops(x, y, m):
         y += x[i + 1:i + 2] * y[i]
         m[i] *= m[:, i:i + 1][0]
     for k in range(1, 4):
-        k = k - 2
+        k = k - 2  # noqa: PLW2901
         y[0] += np.sum(x[k:k + 1]) * x[k + 1]
 
 
