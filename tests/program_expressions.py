@@ -47,6 +47,10 @@ class Scope:
     flags: list[str] = field(default_factory=list)
     positions: list[str] = field(default_factory=list)
     frozen: set[str] = field(default_factory=set)
+    arrays: dict[str, tuple[str, ...]] = field(default_factory=dict)     # of other shapes than vectors and matrices
+    masks: dict[str, tuple[str, ...]] = field(default_factory=dict)      # of other shapes than flags
+    places: dict[str, str] = field(default_factory=dict)                 # arrays of 0, 1 and 2, by their sizes
+    mine: dict[str, tuple[str, ...]] = field(default_factory=dict)       # arrays bound in this very block
 
     def copy(self) -> Scope:
         return Scope(*(type(v)(v) for v in vars(self).values()))

@@ -3,14 +3,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from tests.program_statements import SIMPLE, SimpleStatements
+from tests.program_arrays import ARRAYS, ArrayStatements
+from tests.program_statements import SIMPLE
 
 COMPOUND = {"branch": 3, "loop": 5, "over": 2, "trips": 2}
 EXITS = {"leave": 1, "skip": 1, "result": 1}
-FEATURES = (*SIMPLE, *COMPOUND, *EXITS)
+FEATURES = (*SIMPLE, *COMPOUND, *EXITS, "arrays", *ARRAYS)
 
 
-class Writer(SimpleStatements):
+class Writer(ArrayStatements):
     """Writes the body of one function."""
 
     # -- blocks -----------------------------------------------------------------------------------------------------
@@ -18,6 +19,7 @@ class Writer(SimpleStatements):
         """An indented block; names that it binds are not known after it."""
         outside = self.scope
         self.scope = outside.copy()
+        self.scope.mine = {}
         self.indent += 1
         if first:
             first()
@@ -33,6 +35,8 @@ class Writer(SimpleStatements):
         weights = {**SIMPLE, **({k: often * w for k, w in COMPOUND.items()} if depth else {})}
         if self.loops or self.indent > 1:
             weights.update(EXITS)
+        if self.arrays:
+            weights.update(ARRAYS)
         kinds = [k for k, w in weights.items() if k not in self.without for _ in range(w)]
         for _ in range(count):
             if self.budget <= 0:
@@ -134,7 +138,7 @@ class Writer(SimpleStatements):
                       lambda a=a, b=b: (f"for {v}, {u} in zip({a}, {b}):", [v, u], [], {})]
         row = self.fresh("row")
         for m in scope.matrices:
-            self.bases[row] = m
+            self.bases[row] = self.root(m)
             forms += [lambda m=m: (f"for {row} in {m}:", [], [row], {}),
                       lambda m=m: (f"for {i}, {v} in np.ndindex({m}.shape):", [], [], {i: "n", v: "3"})]
         forms += [lambda: (f"for {i} in reversed(range(n)):", [], [], {i: "n"}),

@@ -40,6 +40,12 @@ class SimpleStatements(Expressions):
         self.used.add(f"{stem}{k}")
         return f"{stem}{k}"
 
+    def root(self, array: str) -> str:
+        """The array that a name is a part of."""
+        while array in self.bases:
+            array = self.bases[array]
+        return array
+
     # -- simple statements ------------------------------------------------------------------------------------------
     def bind(self, value: str) -> str:
         """Assigns a tame value to a new or an old scalar."""
@@ -141,7 +147,7 @@ class SimpleStatements(Expressions):
         matrix = self.choices.pick(self.scope.matrices)
         name = self.fresh("row")
         self.write(f"{name} = {matrix}[{self.index('n')}]")
-        self.bases[name] = matrix
+        self.bases[name] = self.root(matrix)
         self.scope.vectors[name] = "3"
 
     def integer(self) -> None:
@@ -185,8 +191,8 @@ class SimpleStatements(Expressions):
         name, count = c.pick(self.mutators)
         u = self.marked(c.pick(arrays))
         same = [v for v, s in scope.vectors.items() if s == scope.vectors[u]]
-        # a row and its matrix's other rows may be the same memory under two names: only one of them is passed
-        others = [u] if u.startswith("row") else [v for v in same if not v.startswith("row")]
+        # parts of one array may be the same memory under two names: only one of them is passed
+        others = [v for v in same if v == u or self.root(v) != self.root(u)]
         self.write(f"{name}({u}, {', '.join([c.pick(others)] * (count - 1) + [self.tame(1)])})")
 
     def pair(self) -> None:

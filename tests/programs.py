@@ -94,12 +94,14 @@ def _pair(choices: Choices, name: str, earlier: list[str], without: frozenset[st
     return [f"def {name}(a, b):", *writer.lines]
 
 
-def _mutator(choices: Choices, name: str, arrays: int, earlier: list[str], without: frozenset[str]) -> list[str]:
+def _mutator(choices: Choices, name: str, arrays: int, earlier: list[str], without: frozenset[str],
+             whole: bool) -> list[str]:
     """A helper that writes its first array; called with one array twice, both names are the same memory."""
     vectors = {"u": "n", "v": "n"} if arrays == 2 else {"u": "n"}
     scope = Scope(floats=["a"], vectors=dict(vectors), frozen={"v"})
     writer = Writer(choices, scope, without | {"trips", "result"})
     writer.pure = list(earlier)
+    writer.arrays, writer.least = whole, 3
     writer.budget = 6
     writer.write("n = u.shape[0]")
     writer.statements(1, choices.integer(1, 3))
@@ -118,7 +120,7 @@ def _helpers(choices: Choices, writer: Writer, without: frozenset[str]) -> list[
         writer.pairs.append("pair0")
     for k in range(choices.integer(0, 2)):
         arrays = choices.integer(1, 2)
-        lines += [*_mutator(choices, f"change{k}", arrays, writer.pure, without), "", ""]
+        lines += [*_mutator(choices, f"change{k}", arrays, writer.pure, without, writer.arrays), "", ""]
         writer.mutators.append((f"change{k}", arrays))
     return lines
 
@@ -157,6 +159,7 @@ def generate(choices: Choices, without: frozenset[str] = frozenset()) -> Program
     parameters = _parameters(choices)
     count = choices.integer(0, 2)
     writer = Writer(choices, _scope(parameters), without)
+    writer.arrays = "arrays" not in without and choices.chance(50)
     helpers = _helpers(choices, writer, without)
     writer.results = lambda: _results(writer, count)
     writer.budget = choices.integer(4, 26)
@@ -175,7 +178,7 @@ def generate(choices: Choices, without: frozenset[str] = frozenset()) -> Program
     of += ("return",) if count else ()
     lines = [*helpers, f"def kernel({', '.join(name for name, _ in parameters)}):", *writer.lines]
     return Program(HEAD + "\n" + "\n".join(lines) + "\n", "kernel", tuple(parameters), wrt, of,
-                   seed=choices.integer(0, 999), n=choices.pick([4, 3, 5]),
+                   seed=choices.integer(0, 999), n=choices.pick([4, 5, 6] if writer.arrays else [4, 3, 5]),
                    dtype="float32" if "float32" not in without and choices.chance(6) else "float64")
 
 

@@ -168,7 +168,7 @@ class _Adjoint:
         if primal not in self.shadows:
             self.shadows[primal] = self.free.fresh(f"{primal}_bar")
             self.typing.table[self.shadows[primal]] = self.typing.table[primal]
-            self.shapes.arrays[self.shadows[primal]] = self.shapes.of(name(primal))
+            self.shapes.like(self.shadows[primal], primal)
         return self.shadows[primal]
 
     # -- zeros -------------------------------------------------------------------------------------------------------
@@ -232,6 +232,7 @@ class _Adjoint:
 
     def statement(self, statement: AST) -> list[AST]:
         """The adjoint of a statement that is no loop and no branch."""
+        self.shapes.enter(statement)
         if is_kernel_call(statement):
             return [at(s, statement) for s in self.call(statement)]
         if isinstance(statement, Return):

@@ -111,6 +111,7 @@ class Sweeps:
         if any(not isinstance(s, Slice) and self.typing.of(s).is_array for s in indices(place)):
             return place.value
         changing = {n for loop in self.structure.place(store.statement).loops for n in stored_names(loop)}
+        self.shapes.enter(store.statement)
         fixed = self.shape_of(place)
         resized = bool(own_loops(self.structure, base_name(place)))
         return place.value if fixed is None or resized or changing & set(names(fixed)) else place

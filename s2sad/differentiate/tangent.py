@@ -56,7 +56,7 @@ class _Tangent:
         if primal not in self.shadows:
             self.shadows[primal] = self.free.fresh(f"{primal}_dot")
             self.typing.table[self.shadows[primal]] = self.typing.table[primal]
-            self.shapes.arrays[self.shadows[primal]] = self.shapes.of(name(primal))
+            self.shapes.like(self.shadows[primal], primal)
         return self.shadows[primal]
 
     def value(self, leaf: AST) -> AST:
@@ -71,6 +71,7 @@ class _Tangent:
         return [at(made, s) for s in block for made in self.statement(s)]
 
     def statement(self, statement: AST) -> list[AST]:
+        self.shapes.enter(statement)
         if isinstance(statement, For):
             return [For(statement.target, copy(statement.iter), self.block(statement.body), [], None)]
         if isinstance(statement, While):

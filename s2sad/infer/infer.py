@@ -15,11 +15,12 @@ from s2sad.diagnostics import Report
 from s2sad.infer.laws import LAWS, of_rank
 from s2sad.infer.piece_types import piece_type
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, TEXT, UNKNOWN, Type, array, of_value
+from s2sad.infer.written import is_single, keeps
 from s2sad.rules.composed import LAW as PIECES
 from s2sad.rules.given import ROOM
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
-    FunctionDef, If, IfExp, List, LShift, Name, Not, Return, RShift, Slice, Subscript, Tuple, UnaryOp, While,
+    FunctionDef, If, IfExp, LShift, List, Mult, Name, Not, RShift, Return, Slice, Subscript, Tuple, UnaryOp, While,
     call_name, indices, is_unset,
 )
 
@@ -62,8 +63,17 @@ class Typing:
 
     def argument(self, node: AST) -> Type:
         """The type of an argument of a call, with the axes that are known to have length 1."""
-        ones = self.ones.get(node.id, ()) if isinstance(node, Name) else ()
+        ones = self.ones.get(node.id, ()) if isinstance(node, Name) else self.single(node)
         return replace(self.of(node), ones=ones) if ones else self.of(node)
+
+    def single(self, node: AST) -> tuple[int, ...]:
+        """The axes of a part of an array that are written to have length 1."""
+        if not isinstance(node, Subscript) or not self.of(node).is_array:
+            return ()
+        kept = [s for s in indices(node) if keeps(s)]
+        return tuple(k for k, s in enumerate(kept) if is_single(s)) if all(
+            keeps(s) or not self.of(s).is_array for s in indices(node)) and not any(
+            isinstance(s, Constant) and s.value is Ellipsis for s in kept) else ()
 
     def bind(self, identifier: str, new: Type, place: AST) -> None:
         old = self.table.get(identifier)
@@ -132,9 +142,9 @@ class Typing:
         if left.kind == right.kind == "tuple" and isinstance(node.op, Add):
             return Type("tuple", items=left.items + right.items)
         result = promote(left, right)
-        if isinstance(node.op, (BitAnd, BitOr, BitXor)) and left == right == BOOL:
-            return BOOL
         if result.dtype == "bool":
+            if isinstance(node.op, (BitAnd, BitOr, BitXor)) or result.is_array and isinstance(node.op, (Add, Mult)):
+                return result
             result = Type(result.kind, "int64", result.rank)
         if isinstance(node.op, Div) and not result.is_float and result.dtype:
             return Type(result.kind, "float64", result.rank)
@@ -225,6 +235,8 @@ class Typing:
         return self._function(name, types, bool(node.keywords))
 
     def _array_function(self, rule: rules.ArrayRule, node: Call, types: list[Type]) -> Type:
+        if rule.name.startswith("runtime."):    # a rule's own text names no options
+            types = types[:len(rule.operands)]
         if any(t.kind == "unknown" for t in types) or len(types) != len(rule.operands):
             return UNKNOWN
         arguments = rule.arguments(node)
@@ -237,6 +249,9 @@ class Typing:
     def _function(self, name: str, types: list[Type], keywords: bool) -> Type:
         if not types:
             return UNKNOWN
+        if name == "numpy.where" and len(types) == 3:    # the bools say nothing of the dtype, only of the rank
+            chosen = promote(types[1], types[2])
+            return Type("array", chosen.dtype, max(t.rank for t in types)) if types[0].is_array else chosen
         result = types[0]
         for other in types[1:]:
             result = promote(result, other)

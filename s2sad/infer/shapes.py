@@ -5,6 +5,8 @@ the guards that were put before. A size that is no such form is a symbol of its 
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from s2sad import rules
 from s2sad.infer.affine import Affine
 from s2sad.infer.infer import Typing
@@ -12,8 +14,7 @@ from s2sad.infer.laws import LAWS, ONE, Shape, whole_number
 from s2sad.infer.slices import Slices
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Eq, FloorDiv, For, FunctionDef, If, Mult, Name, Store,
-    Subscript, Tuple, While, attribute, call, call_name, children, const, index, name, tuple_of,
-    walk,
+    Subscript, Tuple, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of, walk,
 )
 
 
@@ -45,6 +46,10 @@ class Shapes(Slices):
                 made = (self._least(self.of(arguments["a"])),)
             return made if made is not None else (None,) * self.typing.of(node).rank
         return self.broadcast(self.of(part) for part in children(node) if self.typing.of(part).is_array)
+
+    def enter(self, statement: AST) -> None:
+        """Goes to a statement: what the guards before it say holds from here on."""
+        self.equal = self.scopes.get(id(statement), self.equal)
 
     def asked_for(self, shape: AST, old: Shape = ()) -> Shape | None:
         """The shape that an argument spells; a size of -1 is what is left of the elements of the old shape."""
@@ -98,6 +103,11 @@ class Shapes(Slices):
                 known = self.reduced(size)
                 if symbol not in dict(known.terms):
                     self.equal[symbol] = known
+
+    def like(self, array: str, other: str) -> None:
+        """Notes that an array has the shape of another, wherever it is used."""
+        if self.of(name(other)):
+            self.arrays[array] = self.arrays[other]
 
     def either(self, array: str, one: Shape, other: Shape) -> None:
         """An array that has been allocated in one shape or in another."""
@@ -154,14 +164,56 @@ def shape_expression(shapes: Shapes, shape: Shape) -> AST:
 
 def shapes_of(function: FunctionDef, typing: Typing) -> Shapes:
     """The shapes of a function with resolved views, as its allocations and guards tell them."""
-    made = Shapes(typing, single_values(function))
-    inside = {id(s) for outer in walk(function.body) if isinstance(outer, (For, While, If)) for s in walk(outer)}
-    for statement in walk(function.body):
-        if isinstance(statement, Assert) or id(statement) not in inside:
-            made.learn(statement)
-        elif isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
-            made.learn_single(statement)
+    made = bare_shapes(function, typing)
+    _learn_block(made, function.body, True)
     return made
+
+
+def _learn_block(shapes: Shapes, block: list[AST], top: bool = False) -> None:
+    """Learns what statements say; a guard in a branch or a loop holds from there to the end of its block."""
+    for statement in block:
+        shapes.scopes[id(statement)] = shapes.equal
+        if isinstance(statement, (For, While, If)):
+            known = shapes.equal
+            for inner in (statement.body, statement.orelse):
+                _learn_block(shapes, inner)
+                shapes.equal = known
+        elif isinstance(statement, Assert) or top:
+            shapes.equal = dict(shapes.equal)
+            shapes.learn(statement)
+        elif isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
+            shapes.learn_single(statement)
+
+
+def bare_shapes(function: FunctionDef, typing: Typing) -> Shapes:
+    """The shapes of a function with resolved views of which nothing has been learnt but its counters."""
+    made = Shapes(typing, single_values(function))
+    made.counters = counters_of(function, made.values)
+    return made
+
+
+def least_of(loop: For) -> dict[str, int]:
+    """The least value of a loop's counter, if it is written."""
+    args = loop.iter.args
+    low = 0 if len(args) == 1 else whole_number(args[0])
+    step = 1 if len(args) < 3 else whole_number(args[2])
+    if step is not None and step < 0:
+        stop = whole_number(args[1])
+        low = None if stop is None else stop + 1
+    return {} if low is None or not step else {loop.target.id: low}
+
+
+def counters_of(function: FunctionDef, values: Mapping[str, AST | None]) -> dict[str, int]:
+    """The loop counters bound once, and what is bound once to a counter, with the least that each can be."""
+    loops: dict[str, list[dict[str, int]]] = {}
+    for loop in walk(function.body):
+        if isinstance(loop, For) and loops.get(loop.target.id) != [{}]:
+            loops.setdefault(loop.target.id, []).append(least_of(loop))
+        elif isinstance(loop, Assign):
+            loops |= {n: [{}] for n in stored_names(loop)}
+    least = {n: min(found[n] for found in each) for n, each in loops.items() if all(each)}
+    held = {n: least[v.id] for n, v in values.items() if isinstance(v, Name) and v.id in least}
+    return {**{n: low for n, low in least.items() if n in values}, **held}
 
 
 def single_values(function: FunctionDef) -> dict[str, AST | None]:

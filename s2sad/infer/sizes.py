@@ -26,6 +26,7 @@ class Sizes(ABC):
         self.arrays: dict[str, Shape] = {}
         self.atoms: dict[str, AST] = {}
         self.equal: dict[str, Affine] = {}
+        self.scopes: dict[int, dict[str, Affine]] = {}  # what is equal where a statement is, by its id
         self.serial = 0  # of the statement: an array of bools picks as many as it did only within one
         self.counters: dict[str, int] = {}  # the loop counters here, with the least that each can be
         self.required: list[Affine] = []  # sizes that must not be negative for slices to mean what they are taken for
@@ -148,6 +149,12 @@ class Sizes(ABC):
         size = index(attribute(name(base), "shape"), const(axis))
         self.symbol(size)
         return Affine.symbol(dump(size))
+
+    def is_place(self, form: Affine) -> bool:
+        """Whether a form is known not to be negative, made of sizes and counters."""
+        least = self.least()
+        return all(c > 0 and s in least for s, c in form.terms) and form.constant + sum(
+            c * least[s] for s, c in form.terms) >= 0
 
     def _sizes_only(self, form: Affine) -> bool:
         """Whether a form adds up sizes of arrays, so that it is never negative."""

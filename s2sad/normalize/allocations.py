@@ -16,9 +16,10 @@ from s2sad.infer.laws import ONE, Shape
 from s2sad.infer.shapes import Shapes, shape_expression
 from s2sad.infer.types import Type
 from s2sad.normalize.functions import is_function
+from s2sad.normalize.guards import equal
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, Call, Eq, List, Name, Subscript, Tuple, assign, attribute, call, call_name,
-    children, compare, const, dump, index, name, tuple_of, walk,
+    AST, Assign, Attribute, Call, List, Name, Subscript, Tuple, assign, attribute, call, call_name,
+    children, const, dump, index, name, tuple_of, walk,
 )
 
 _FILLS = {"numpy.ones": 1.0, "numpy.ones_like": 1.0}
@@ -84,7 +85,7 @@ class Allocations:
             for x, y in unknown:
                 if x is not None and y is not None:
                     self.shapes.unify(x, y)
-            return [Assert(compare(attribute(whole, "shape"), Eq(), attribute(part, "shape")), None)]
+            return [equal(attribute(whole, "shape"), attribute(part, "shape"))]
         return self.fits(a, part)
 
     def fits(self, shape: Shape, part: AST) -> list[AST]:
@@ -95,7 +96,7 @@ class Allocations:
                 self.report.error("S201", "the size of this part of an array changes", part,
                                   help="give its bounds names that are bound once")
             elif y != ONE and not self.shapes.same(x, y):
-                made.append(Assert(compare(self.shapes.expression(x), Eq(), self.shapes.expression(y)), None))
+                made.append(equal(self.shapes.expression(x), self.shapes.expression(y)))
                 self.shapes.unify(x, y)
         return made
 

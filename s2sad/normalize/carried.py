@@ -17,16 +17,17 @@ is not used any more. NumPy binds names and copies nothing: where a store would 
 from __future__ import annotations
 
 from s2sad.infer.affine import Affine
-from s2sad.infer.laws import ONE, Shape, whole_number
-from s2sad.infer.shapes import shape_expression
+from s2sad.infer.laws import ONE, Shape
+from s2sad.infer.shapes import least_of, shape_expression
 from s2sad.infer.types import array
 from s2sad.normalize.allocations import ALLOCATING, dtype_of
 from s2sad.normalize.branches import Branches
+from s2sad.normalize.guards import inside
 from s2sad.normalize.places import AMBIGUOUS, View
 from s2sad.normalize.rename import breaks
 from s2sad.tree import (
-    AST, Assert, Assign, Break, For, GtE, If, Name, While, assign, at, call, call_name, compare, const, copy, dump,
-    index, name, names, stored_names, walk,
+    AST, Assert, Assign, Break, For, If, Name, While, assign, at, call, call_name, const, copy, dump, index, name,
+    names, stored_names, walk,
 )
 
 Tail = dict[str, str]                   # the buffers of a loop, by the names that stand for them
@@ -118,7 +119,8 @@ class Carried(Branches):
         if isinstance(statement, While):
             return While(self.resolve(statement.test), self.block(statement.body, buffers), [])
         counters = dict(self.shapes.counters)
-        self.shapes.counters |= least_of(statement)
+        if statement.target.id not in stored_names(statement.body):
+            self.shapes.counters |= least_of(statement)
         new = For(statement.target, bounds, self.block(statement.body, buffers), [], None)
         self.shapes.counters = counters
         return new
@@ -150,8 +152,8 @@ class Carried(Branches):
     def required(self) -> list[AST]:
         """Guards that slices which start from the end start inside."""
         needed, self.shapes.required = self.shapes.required, []
-        tests = [compare(self.shapes.expression(form), GtE(), const(0)) for form in needed]
-        return [Assert(test, None) for test in {dump(t): t for t in tests}.values()]
+        guards = [inside(self.shapes.expression(form)) for form in needed]
+        return list({dump(g): g for g in guards}.values())
 
     def parting(self, statement: If, tail: Tail) -> If:
         """The branch at the end of a loop's body of which one side leaves the loop."""
@@ -227,15 +229,3 @@ class Carried(Branches):
         """Whether a size is made of what is from before the loop."""
         return all(self.aliases.is_older(n, self.typing.table[n].is_array)
                    for symbol, _ in self.shapes.reduced(size).terms for n in names(self.shapes.atoms[symbol]))
-
-
-def least_of(loop: For) -> dict[str, int]:
-    """The least value of a loop's counter, if it is written."""
-    args = loop.iter.args
-    low = 0 if len(args) == 1 else whole_number(args[0])
-    step = 1 if len(args) < 3 else whole_number(args[2])
-    if step is not None and step < 0:
-        stop = whole_number(args[1])
-        low = None if stop is None else stop + 1
-    return {} if low is None or not step else {loop.target.id: low}
-

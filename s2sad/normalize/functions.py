@@ -104,8 +104,8 @@ class _Functions:
         def change(n: AST) -> AST | None:
             if isinstance(n, Subscript) and self.arrays(n):
                 return self.picked(n, before)
-            if isinstance(n, Subscript) and self.typing.of(n.value).is_array and not isinstance(
-                    n.value, (Name, Subscript)):
+            if isinstance(n, Subscript) and self.typing.of(n.value).is_array and (
+                    not isinstance(n.value, (Name, Subscript)) or self.picks(n.value)):
                 inner = name(self.bind(n.value, self.root(n.value, before), before))
                 return at(Subscript(inner, self.moved(n.slice, before), n.ctx), n)
             if call_name(n) in _MADE:
@@ -121,6 +121,10 @@ class _Functions:
     def arrays(self, node: Subscript) -> list[AST]:
         """The arrays among the subscripts."""
         return [s for s in indices(node) if not isinstance(s, Slice) and self.typing.of(s).is_array]
+
+    def picks(self, node: AST) -> bool:
+        """Whether an expression is elements that arrays pick, which are a copy."""
+        return isinstance(node, Subscript) and bool(self.arrays(node))
 
     def picked(self, node: Subscript, before: list[AST]) -> AST:
         """The elements that arrays pick: the arrays have names, and what a mask picks has one."""

@@ -21,8 +21,8 @@ from s2sad.normalize.pieces_of_shapes import SHAPES
 from s2sad.normalize.pieces_of_sums import SUMS
 from s2sad.rules.rule import resolved
 from s2sad.tree import (
-    AST, Assign, Constant, Expr, For, FunctionDef, If, List, Name, Store, Subscript, Tuple, UnaryOp,
-    While, assign, at, call_name, copy, name, names, rebuild, statements, stored_names, walk,
+    AST, Assign, Constant, Expr, For, FunctionDef, If, List, Name, Slice, Store, Subscript, Tuple, UnaryOp,
+    While, assign, at, call_name, copy, indices, name, names, rebuild, statements, stored_names, walk,
 )
 
 _PIECES = {**SHAPES, **SUMS}
@@ -82,15 +82,17 @@ class _Pieces:
         made = {n: self.free.fresh(n) for n in stored_names(body) if n != RESULT or not direct}
         if direct:
             made[RESULT] = target.id
-        body = [_filled(s, made, asked.arguments) for s in body]
+        body = [at(_filled(s, made, asked.arguments), statement) for s in body]
         learn(body, self.typing)
         return [*before, *body, *([] if direct else [assign(target, name(made[RESULT]))])]
 
     def held(self, asked: Asked, key: str, node: AST) -> list[AST]:
         """A name for an argument that is an expression."""
         kind = self.typing.of(node)
-        if isinstance(node, (Name, Constant, Tuple, List)) or kind.kind not in ("array", "number") or isinstance(
-                node, Subscript) and kind.is_array or isinstance(node, UnaryOp) and isinstance(node.operand, Constant):
+        part = isinstance(node, Subscript) and kind.is_array and not any(
+            self.typing.of(s).is_array for s in indices(node) if not isinstance(s, Slice))
+        written = isinstance(node, UnaryOp) and isinstance(node.operand, Constant)
+        if isinstance(node, (Name, Constant, Tuple, List)) or part or written or kind.kind not in ("array", "number"):
             return []
         held = self.free.fresh("operand")
         self.typing.table[held] = kind

@@ -19,7 +19,7 @@ from s2sad.normalize.functions import is_function
 from s2sad.normalize.regions import composed, is_new
 from s2sad.tree import (
     AST, Attribute, BinOp, Call, Constant, Name, Slice, Subscript, Tuple, assign, at, attribute, call, call_name,
-    const, copy, dump, index, indices, mult, name, names, rebuild, tuple_of, walk,
+    const, copy, dump, index, indices, mult, name, names, rebuild, substitute, tuple_of, walk,
 )
 
 View = tuple[str, tuple[AST, ...]]
@@ -60,9 +60,25 @@ class Places:
             inner = self.viewed(node.value)
             if inner is None:
                 return None
+            if self.picks_from_part(node, inner):
+                inner = (self.copied(node.value), ())
             added = [self.part(s) for s in indices(node)]
             return inner[0], self.composed(inner, added, node)
         return None
+
+    def picks_from_part(self, node: Subscript, view: View) -> bool:
+        """Whether arrays pick elements of a part of an array that slices take: it is copied first."""
+        picks = any(self.typing.of(s).is_array for s in indices(node) if not isinstance(s, (Slice, Constant)))
+        return picks and any(isinstance(s, Slice) or is_new(s) for s in view[1])
+
+    def copied(self, part: AST) -> str:
+        """A name for a copy of a part of an array."""
+        held = self.free.fresh("part")
+        self.typing.table[held] = self.typing.of(part)
+        made = self.allocations.allocate(held, self.typing.of(part), call("numpy.copy", self.resolve(part)), part)
+        self.seen[held] = (held, ())
+        self.before += made
+        return held
 
     def part(self, subscript: AST) -> AST:
         """A subscript with views resolved; the bounds of a slice stay what they are now."""
@@ -78,17 +94,32 @@ class Places:
 
     def frozen(self, subscript: AST, wanted: str) -> AST:
         """A subscript as an expression that stays what it is now; what may change gets a name before."""
+        return self._frozen(subscript, wanted, {})
+
+    def _frozen(self, subscript: AST, wanted: str, known: dict[str, str]) -> AST:
+        """The same; `known` are the names that the bounds of a slice have got, so that `i:i + 1` takes one element."""
         if isinstance(subscript, Slice):
             parts = (subscript.lower, subscript.upper, subscript.step)
-            return Slice(*(p and self.frozen(p, wanted) for p in parts))
+            return Slice(*(p and self._frozen(p, wanted, known) for p in parts))
         simple = not any(isinstance(n, (Subscript, Call)) for n in walk(subscript))
         if simple and all(self.bound.count(n) <= 1 for n in names(subscript)) or self.lasts(subscript):
             return subscript
+        counters = [n for n in names(subscript) if n in self.shapes.counters]
+        if simple and set(counters) == {n for n in names(subscript) if self.bound.count(n) > 1}:
+            for n in counters:
+                if n not in known:
+                    known[n] = self.named_now(name(n), wanted)
+                    self.shapes.counters = {**self.shapes.counters, known[n]: self.shapes.counters[n]}
+            return substitute(subscript, {n: name(known[n]) for n in counters})
+        return name(self.named_now(subscript, wanted))
+
+    def named_now(self, value: AST, wanted: str) -> str:
+        """A name for an integer as it is now."""
         held = self.free.fresh(wanted)
-        self.before.append(assign(held, subscript))
+        self.before.append(assign(held, value))
         self.typing.table[held] = INT
         self.shapes.values = {**self.shapes.values, held: None}
-        return name(held)
+        return held
 
     def lasts(self, node: AST) -> bool:
         """Whether an expression is made of sizes of arrays that are bound once: they stay what they are."""
@@ -178,7 +209,7 @@ class Places:
 
     def shape_of(self, node: AST, axis: int) -> AST:
         base, subscripts = self.viewed(node) or ("_", ())
-        if not any(isinstance(x, Slice) or is_new(x) for x in subscripts):
+        if not any(isinstance(x, Slice) or is_new(x) or self.typing.of(x).is_array for x in subscripts):
             return index(attribute(name(base), "shape"), const(axis + len(subscripts)))
         size = self.shapes.of(index(name(base), *subscripts))[axis]
         if size is None:

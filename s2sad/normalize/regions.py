@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.infer.affine import Affine
-from s2sad.infer.laws import whole_number
+from s2sad.infer.laws import ONE, whole_number
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.slices import is_whole
 from s2sad.tree import AST, Add, BinOp, Constant, Mult, Name, Slice, const, copy
@@ -62,12 +62,21 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
     if not isinstance(inner, Slice):
         return _cell(shapes, start, step, inner, length, refuse)
     within = shapes.span(inner, length)
-    if within is None or step < 0 or within[2] < 0:
-        refuse("a part of a part of an array that runs backwards, or whose bounds change")
+    if within is None or size is None:
+        refuse("a part of a part of an array whose bounds change")
         return inner
+    if length == ONE and inner.lower is None and inner.upper is None:
+        return outer
     first = start.plus(within[0], step)
-    last = start.plus(within[1], step) if step == 1 or within[1] != length else stop
+    if shapes.sliced(inner, length) == ONE and (shapes.is_place(first) or not first.plus(size, -1).terms):
+        near = shapes.is_place(first)
+        return Slice(_bound(shapes, first) if near else const(first.plus(size, -1).constant),
+                     shapes.expression(first.shift(1)) if near else _bound(shapes, first.shift(1), size), None)
     both = step * within[2]
+    if both < 0:
+        last = start.plus(within[1], step)
+        return Slice(_bound_down(shapes, first, size), _bound_down(shapes, last, size, True), const(both))
+    last = start.plus(within[1], step) if step == 1 or within[1] != length else stop
     return Slice(_bound(shapes, first), _bound(shapes, last, size), const(both) if both != 1 else None)
 
 
@@ -88,6 +97,17 @@ def add_to(node: AST, shapes: Shapes, offset: Affine) -> AST:
     if offset.terms or form is None or not isinstance(node, (BinOp, Name)):
         return copy(node) if offset == Affine() else BinOp(shapes.expression(offset), Add(), copy(node))
     return shapes.expression(form.plus(offset)) if offset.constant else copy(node)
+
+
+def _bound_down(shapes: Shapes, form: Affine, size: Affine, stops: bool = False) -> AST | None:
+    """A position as a bound of a slice that runs backwards; what may be before the first element counts from the end,
+    where NumPy takes it for what it is."""
+    if stops and not form.terms and form.constant < 0:
+        return None
+    rest = form.plus(size, -1)
+    if not stops and rest == Affine((), -1):
+        return None
+    return shapes.expression(form if shapes.is_place(form) and rest.terms else rest)
 
 
 def _bound(shapes: Shapes, form: Affine, size: Affine | None = None) -> AST | None:

@@ -18,11 +18,11 @@ from s2sad.tree import (
     AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Raise, call_name, children, walk,
 )
 
+_COPIES = frozenset({"numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array"})
 # what makes arrays, asks for their shape, or is no computation at all
 _OTHER = frozenset({
     "numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full", "numpy.empty_like", "numpy.zeros_like", "numpy.ones_like",
-    "numpy.full_like", "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array", "numpy.shape",
-    "builtins.range"})
+    "numpy.full_like", "numpy.shape", "builtins.range"}) | _COPIES
 # functions of whole arrays whose derivative is zero, or that `pieces` writes out; what else has no adjoint is a part of
 # derivatives
 _FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to"})
@@ -66,6 +66,9 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
     name = call_name(node)
     if name in _REDUCED and len(node.args) + len(node.keywords) != 1:
         report.error("S301", f"no derivative rule for {name} with more than the array", node, help=_LOOP)
+        return
+    if name in _COPIES and node.args and typing.of(node.args[0]).is_number:
+        report.error("S301", f"no derivative rule for {name} of a number", node, help="write the number itself")
         return
     rule = rules.find_array(name)
     if rule is not None and not rule.adjoints and rule.law != "pieces" and name not in _FLAT:

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
-from s2sad.infer.shapes import Shapes, shape_expression, single_values
+from s2sad.infer.shapes import Shapes, bare_shapes, shape_expression
 from s2sad.infer.slices import scattered
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
@@ -31,6 +31,7 @@ from s2sad.normalize.elements import Elements, moves
 from s2sad.normalize.functions import is_function
 from s2sad.normalize.reduced import Reduced, is_reduction
 from s2sad.normalize.places import array_operands
+from s2sad.normalize.regions import is_new
 from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While, assign,
@@ -71,7 +72,7 @@ class Walked:
 def scalarize(function: FunctionDef, typing: Typing, free: Names, final: bool = False) -> FunctionDef:
     """The function without whole-array statements; the table of `typing` gains the new counters."""
     new = copy(function)
-    shapes = Shapes(typing, single_values(function))
+    shapes = bare_shapes(function, typing)
     new.body = Scalarize(typing, free, shapes, final).block(function.body)
     return new
 
@@ -79,7 +80,7 @@ def scalarize(function: FunctionDef, typing: Typing, free: Names, final: bool = 
 def scatter(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
     """The function with loops for the stores through arrays of integers alone: the last store to a cell counts."""
     new = copy(function)
-    shapes = Shapes(typing, single_values(function))
+    shapes = bare_shapes(function, typing)
     new.body = Scalarize(typing, free, shapes, False, only=True).block(function.body)
     return new
 
@@ -199,7 +200,9 @@ class Scalarize:
         picked: list[AST] | None = None
         for entry in self.shapes.full(indices(target), self.typing.of(base).rank):
             kind = None if isinstance(entry, Slice) else self.typing.of(entry)
-            if isinstance(entry, Slice):
+            if is_new(entry):
+                found.positions.append(const(0))
+            elif isinstance(entry, Slice):
                 self.sliced(found, base.id, cell, entry)
             elif kind is None or not kind.is_array:
                 cell.append(copy(entry))

@@ -5,6 +5,7 @@
     x.sum(axis=0)       np.sum(x, axis=0)
     x.reshape(n, m)     np.reshape(x, (n, m))
     x.T                 np.transpose(x)
+    x.copy()            np.copy(x)
     x.transpose(2, 0, 1)    np.moveaxis(x, (2, 0, 1), (0, 1, 2))
     np.any(x > 1, axis=0)   np.sum((x > 1) != 0, axis=0) > 0
     [a] * 2 + [b]       [a, a, b]
@@ -24,7 +25,7 @@ from s2sad.tree import (
 
 _PAIRED = {"builtins.min", "builtins.max"}
 _METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot", "var", "std", "prod", "cumsum",
-            "cumprod", "squeeze", "swapaxes", "repeat", "diagonal", "trace"}
+            "cumprod", "copy", "squeeze", "swapaxes", "repeat", "diagonal", "trace"}
 _QUESTIONS = {"any", "all", "argmax", "argmin"}
 _SHAPED = {"reshape", "transpose"}
 
@@ -48,8 +49,9 @@ def _plain(node: AST) -> AST | None:
     if not isinstance(node, Call):
         return None
     if isinstance(node.func, Attribute) and node.func.attr in _METHODS:
-        return _plain(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], node.keywords),
-                         node))
+        called = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], node.keywords), node)
+        return _plain(called) or at(Call(called.func, [rebuild(a, _plain) for a in called.args], called.keywords),
+                                    node)
     if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
         asked = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node)
         return rebuild(asked, _plain)

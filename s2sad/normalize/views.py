@@ -30,13 +30,14 @@ from s2sad.naming import Names
 from s2sad.normalize.aliases import Aliases
 from s2sad.normalize.apart import overlaps
 from s2sad.normalize.carried import Carried
-from s2sad.normalize.places import AMBIGUOUS, is_whole_place
+from s2sad.normalize.places import AMBIGUOUS, View, is_whole_place
+from s2sad.normalize.guards import equal
 from s2sad.normalize.reduced import is_reduction
 from s2sad.normalize.references import References
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Eq, Expr, For, FunctionDef, If, Name, Return, Slice,
-    Store, Subscript, Tuple, While, assign, at, attribute, augment, call_name, compare, const, copy, index,
-    indices, is_unset, name, names, tuple_of, walk,
+    AST, Assign, Attribute, AugAssign, BinOp, Call, Expr, For, FunctionDef, If, Name, Return, Slice, Store, Subscript,
+    Tuple, While, assign, at, attribute, augment, call_name, const, copy, index, indices, is_unset, name, names,
+    tuple_of, walk,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -56,7 +57,7 @@ def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free
     pass_.bound_at, pass_.unset, pass_.late, pass_.buffers = {}, set(), {}, {}
     pass_.references, pass_.aliases = References(function), Aliases(pass_.parameters)
     new = copy(function)
-    lengths = [Assert(compare(index(attribute(name(p.id), "shape"), const(k)), Eq(), const(1)), None)
+    lengths = [equal(index(attribute(name(p.id), "shape"), const(k)), const(1))
                for p in function.args.args for k in typing.ones.get(p.id, ())]
     new.body = [*(at(test, function) for test in lengths), *pass_.block(function.body)]
     pass_.aliases.check(report)
@@ -152,6 +153,9 @@ class _Views(Carried):
 
     def augmented(self, statement: AugAssign) -> list[AST]:
         target = statement.target
+        if (view := self.picked_part(target)) is not None:
+            return self.through_copy(target, view, statement,
+                                     lambda place: augment(place, statement.op, statement.value))
         if isinstance(target, Name) and not self.typing.of(target).is_array:
             return [augment(target, statement.op, self.resolve(statement.value))]
         place = self.place(target)
@@ -163,7 +167,22 @@ class _Views(Carried):
             return [*checks, augment(place, statement.op, value)]
         return [*checks, assign(place, BinOp(self.load(place), statement.op, value))]
 
+    def picked_part(self, target: AST) -> View | None:
+        """What a target's array is a part of, where arrays pick elements of that part."""
+        if not isinstance(target, Subscript) or not self.picks(target):
+            return None
+        view = self.viewed(target.value)
+        return view if view is not None and self.picks_from_part(target, view) else None
+
+    def through_copy(self, target: Subscript, part: View, origin: AST, stored: Callable[[AST], AST]) -> list[AST]:
+        """A store to elements that are picked from a part of an array: to a copy of the part, which is put back."""
+        held = self.copied(target.value)
+        made = self.statement(stored(index(name(held), *indices(target))))
+        return [*made, *self.store(index(index(name(part[0]), *part[1]), const(...)), name(held), origin)]
+
     def store(self, target: Subscript, value: AST, statement: AST) -> list[AST]:
+        if (view := self.picked_part(target)) is not None:
+            return self.through_copy(target, view, statement, lambda place: assign(place, value))
         place, new = self.place(target), self.resolve(value)
         self.stored(base_name(place), statement)
         checks = self.checks(place, new) if self.is_region(place) else []

@@ -12,7 +12,7 @@ It records:
 
 import numpy as np
 
-from s2sad.runtime import sized  # isort: skip
+from s2sad.runtime import added, sized  # isort: skip
 
 
 def kernel_adjoint_taped(u, u_bar, rate, n, result_bar, u_1_stack):
@@ -69,7 +69,7 @@ def kernel_adjoint_taped(u, u_bar, rate, n, result_bar, u_1_stack):
             u_1_here = u_1[i]
             seed = u_1_2_bar[i]
             u_1_2_bar[i] = 0.0
-            rate_bar -= u_1_here ** 2 * seed
+            rate_bar = added(rate_bar, -(u_1_here ** 2 * seed))
             u_1_bar[i] += seed - 2.0 * u_1_here * (rate * seed)
     for i in range(u_1.shape[0]):
         seed = u_1_bar[i]

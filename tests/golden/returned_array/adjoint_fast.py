@@ -11,6 +11,8 @@ It records nothing.
 
 import numpy as np
 
+from s2sad.runtime import added  # isort: skip
+
 
 def kernel_adjoint(u, u_bar, a, result_0_bar, result_1_bar, result_2_bar):
     # forward sweep: only what the reverse sweep reads
@@ -47,7 +49,7 @@ def kernel_adjoint(u, u_bar, a, result_0_bar, result_1_bar, result_2_bar):
         # slope = a * differences(u)
         seed = slope_bar[i]
         slope_bar[i] = 0.0
-        a_bar += out[i] * seed
+        a_bar = added(a_bar, out[i] * seed)
         out_bar[i] += a * seed
     if 1 < u.size:
         u_bar_held = u_bar[0]

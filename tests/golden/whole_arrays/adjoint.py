@@ -14,7 +14,10 @@ import numpy as np
 
 def kernel_adjoint(y, y_bar, x, x_bar, a, result_bar):
     # forward sweep: only what the reverse sweep reads
-    assert y.shape == x.shape
+    assert y.shape == x.shape, (
+        "shapes differ: a length of 1 repeats only where it is "
+        "written, as in x[:, None] or x[:1], or an argument's"
+    )
     y[...] = a * x + y
     y_before = np.copy(y)
     y[...] = y * np.sin(x)

@@ -17,7 +17,10 @@ from s2sad.runtime import added, sized  # isort: skip
 def kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, y_stack):
     """Adjoint of kernel: d(y, return) / d(y, x, a), over given stacks."""
     # forward sweep: only what the reverse sweep reads
-    assert y.shape == x.shape
+    assert y.shape == x.shape, (
+        "shapes differ: a length of 1 repeats only where it is "
+        "written, as in x[:, None] or x[:1], or an argument's"
+    )
     for i in range(y.shape[0]):
         y[i] = a * x[i] + y[i]
     y_stack = sized(y_stack, (y.shape[0],))

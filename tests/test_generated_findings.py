@@ -1,0 +1,184 @@
+"""What generated kernels with whole arrays have found, made small."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+
+ENGINES = ("numpy", "numba")
+
+
+def joined_masks(x, y, m):
+    low = x < 0.3
+    y[low & (x < 0.2)] *= 0.5
+    y[low | (y > 0.9)] -= 0.3 * x[0]
+    both = (x > 0.1) ^ ~low
+    x[both] *= y[both] * y[both]
+    m[(x[:3] < 0.3) & (y[:3] > -2.0)] *= x[:4]
+
+
+def numbers_spread_and_summed(x, y, m):
+    a = np.sum(x[1] * np.ones(3), axis=0)
+    y[1] = a ** 3 + (x[2] * np.ones((3, 2))).mean()
+    m[:, 1] += np.sum(y[0] * np.ones((3, 5)), axis=1)
+    m[0] *= np.mean(x[3] * y[2] * np.ones((2, 4)), axis=0)
+
+
+def sizes_of_picked_elements(x, y, m):
+    where = np.array([0, 2, 2, 1, 0])
+    y[2] = np.std(m[where]) * m[where].shape[0]
+    m[0] *= np.var(m[where], axis=0) * x[where].shape[0]
+
+
+def parts_of_picked_elements(x, y, m):
+    where = np.array([1, 2, 0])
+    m[:, 1] *= m[where, 2][::-1]
+    m[...] = 0.3 * np.cumsum(m[where], axis=0) * np.diff(x[where])[:1]
+    y[1:] -= m[where][0] * y[where][-1]
+
+
+def picked_from_parts(x, y, m):
+    inner = x[1:-1]
+    inner[inner < 0.2] *= y[0]
+    inner[inner > 0.3] = 0.5 * inner[inner > 0.3] * y[1]
+    y[1:][y[1:] > 0.1] -= 0.1 * np.sum(inner[inner < 0.25])
+    block = m[1:, :2]
+    block[block > 0.0] = np.sin(block[block > 0.0])
+    block[np.array([0, 1, 0]), 1] += x[:3]
+    for i in range(2):
+        part = m[i:, 1]
+        part[part > 0.1] *= x[i]
+        x[i:][x[i:] < 0.4] += 0.1
+    y[0] = np.sum(block[np.array([0, 1, 0])] * m[0, :2]) + x[1:][np.array([0, 0])][1]
+
+
+def parts_that_run_backwards(x, y, m):
+    for i in range(3):
+        y[i] *= 2.0 * np.sum(y[:i][::-1] * x[i:][::-1][:i])
+        y[i:][::-1] *= x[:5 - i]
+        x[:i] += y[:i][::-1][:]
+    x[1:][::-1] *= y[::-1][:4]
+    y[::2][::-1] += x[::-2]
+    x[::-1][::-1] *= y[::-2][1]
+    x[::-1][1:] *= y[1:]
+    x[::-2][::-1] *= y[::2][:]
+    m[:, 1:][::-1, ::-1] *= 0.3
+    x += y[:1][::-1] * m[1, ::-1][:1] * m[1:, 1:2][::-1][-1:][0]
+    y[1:] *= y[::-1][-1:] * x[1:-1][1:2] + x[::-1][1:2]
+
+
+def one_element_at_counters_of_several_loops(x, y, m):
+    for i in range(1, -1, -1):
+        x[:] *= x[i:i + 1]
+    for i in range(3):
+        y += x[i + 1:i + 2] * y[i]
+        m[i] *= m[:, i:i + 1][0]
+    for k in range(1, 4):
+        k = k - 2  # noqa: PLW2901
+        y[0] += np.sum(x[k:k + 1]) * x[k + 1]
+
+
+def copies_within_expressions(x, y, m):
+    x[np.array([0, 2, 2, 1, 4])] = y.copy()
+    x[1:] += y[1:].copy() * x[0]
+    x *= np.copy(y) + 0.5
+    z = y.copy()
+    z += 1.0
+    x[0] = np.sum(z.copy() * x)
+    y[...] = x.copy()
+    for i in range(2):
+        w = x[i:].copy()
+        y[i:] += w * w
+
+
+def scaled(u, v, c):
+    u *= v
+    u += c * v
+    v *= c
+
+
+def parts_of_length_one_to_a_helper(x, y, m):
+    scaled(x, y[:1], y[2])
+    scaled(x[1:], y[2:3], 2.0)
+    scaled(m, y[:3, None], 0.7)
+    column = x[1:4][:, None]
+    column *= m[:, :1]
+    for i in range(2):
+        scaled(m, x[i:i + 1], 0.7)
+        scaled(m[i], y[i:i + 1], 0.7)
+
+
+KERNELS = (copies_within_expressions, parts_of_length_one_to_a_helper, joined_masks, numbers_spread_and_summed,
+           sizes_of_picked_elements, parts_of_picked_elements, picked_from_parts,
+           parts_that_run_backwards,
+           one_element_at_counters_of_several_loops)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.__name__)
+def test_kernel(kernel, engine):
+    random = np.random.default_rng(5)
+    given = random.uniform(-0.9, 0.9, 5), random.uniform(-0.9, 0.9, 5), random.uniform(-0.9, 0.9, (3, 4))
+    left = tuple(a.copy() for a in given)
+    kernel(*left)
+    of = tuple(n for n, p, q in zip("xym", given, left) if not np.array_equal(p, q))
+    check_derivatives(kernel, given, ("x", "y", "m"), of, engine)
+
+
+def deviations_and_choices(x, y, m):
+    m[1] += np.std(m[::-1, :].T, axis=1)
+    m[0] *= np.where(x[1:] > 0.1, 0.5, m[0])
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_float32_stays_float32(engine):
+    random = np.random.default_rng(5)
+    given = [random.uniform(-0.9, 0.9, shape).astype("float32") for shape in (5, 5, (3, 4))]
+    check_derivatives(deviations_and_choices, tuple(given), ("m",), ("m",), engine)
+
+
+def guards_of_branches(x, y, flag):
+    if flag > 2:
+        assert x.shape[0] == y.shape[0] + 1
+        x[1:] += y
+    elif flag > 1:
+        assert y.shape[0] == 3
+        x[:3] += y
+    else:
+        for _ in range(3):
+            y[1:] *= y[:-1] * x[0]
+            t = y[2:] * y[:-2]
+            y[:-2] += t * t
+            x[1:] *= np.sum(t) * x[:-1]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(("size", "flag"), ((4, 1), (8, 1), (3, 2), (4, 3)))
+def test_a_guard_holds_where_it_stands(size, flag, engine):
+    random = np.random.default_rng(5)
+    given = random.uniform(0.5, 1.0, 5), random.uniform(0.5, 1.0, size), flag
+    of = ("x", "y") if flag == 1 else ("x",)
+    check_derivatives(guards_of_branches, given, ("x", "y"), of, engine)
+
+
+def copy_of_a_number(x):
+    x[0] = x[1].copy() * x[2]
+
+
+def test_a_copy_of_a_number_is_refused():
+    with pytest.raises(s2sad.S2sadError, match="no derivative rule for numpy.copy of a number"):
+        s2sad.differentiate(copy_of_a_number, engine="numpy").adjoint_source(np.ones(3))
+
+
+def last_two(x, y):
+    x[-2:] *= y
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_guards_say_what_to_do(engine):
+    derivative = s2sad.differentiate(wrt="x", of=("x",), engine=engine)(last_two)
+    for size, words in ((1, "a slice reaches out of its array"), (3, "shapes differ")):
+        with pytest.raises(AssertionError, match=words):
+            s2sad.vjp(derivative, (np.ones(size), np.ones(size)), {"x": np.ones(size)})
