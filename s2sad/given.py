@@ -5,12 +5,13 @@ import inspect
 from collections.abc import Mapping
 from typing import Any
 
+from s2sad.adjoints import Registered, written
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.partials import Partials, dotted
 from s2sad.read.capture import capture, python_function
 from s2sad.rules.given import GIVEN, ROOM, Given, imported
 from s2sad.rules.rule import TABLE, Rule, divides, number
-from s2sad.tree import AST, Assign, Attribute, AugAssign, Call, Name, Subscript, expression, names, walk
+from s2sad.tree import Call, Name, expression, names
 
 __all__ = ["nondifferentiable", "rule"]
 
@@ -44,7 +45,8 @@ def nondifferentiable(function: Any = None, *, result: str = "float") -> Any:
     return value
 
 
-def rule(text: str | None = None, *, domain: Mapping[str, tuple[float, float]] | None = None,
+def rule(text: Any = None, *, adjoint: Any = None, tangent: Any = None, forward: Any = None, reverse: Any = None,
+         implicit: Any = None, solver: Any = None, domain: Mapping[str, tuple[float, float]] | None = None,
          singular: tuple[str, ...] | None = None, kink: str = "", check: bool = True, **partials: str) -> Any:
     """Gives a function of numbers its partial derivatives, expressions over its parameters and `y`, the result.
 
@@ -69,7 +71,14 @@ def rule(text: str | None = None, *, domain: Mapping[str, tuple[float, float]] |
       note: TypeError: 'float' object is not iterable
       help: it must take floats and return a float; check=False registers the rule unchecked
     """
+    own = {"adjoint": adjoint, "tangent": tangent, "forward": forward, "reverse": reverse, "implicit": implicit,
+           "solver": solver}
+    given = [what for what, value in own.items() if value is not None]
     keywords = {"domain": domain, "singular": singular, "kink": kink, "check": check}
+    if given and (partials or domain or singular or kink or not check):
+        raise _wrong(f"rule: {given[0]}= does not go together with partials", "give one of them")
+    if given:
+        return _owned(text, own) if text is not None else lambda f: _owned(f, own)
     if text is None:
         return lambda f: _ruled(*_named(f), _parameters(f), partials, **keywords)
     try:
@@ -83,6 +92,19 @@ def rule(text: str | None = None, *, domain: Mapping[str, tuple[float, float]] |
         raise _wrong(f"rule: {text!r} is not a function's dotted name with its parameters",
                      "write \"scipy.special.erf(x)\", with different names, and not y, which is the result")
     return _ruled(path, _named(path)[1], parameters, partials, **keywords)
+
+
+def _owned(function: Any, own: dict[str, Any]) -> Any:
+    """Registers a derivative of its own for a function that is read."""
+    value = _named(function)[1] if isinstance(function, str) else function
+    plain = python_function(value)
+    if plain is None:
+        raise _wrong(f"rule: a Python function is needed, not {value!r}", "wrap it in one")
+    path = f"{plain.__module__}.{plain.__qualname__}"
+    found = Registered(path, plain, _named).own(own)
+    TABLE.give(ROOM + path, None)
+    GIVEN.add(Given(path, value, plain, False, own=found))
+    return value
 
 
 def _ruled(path: str, function: Any, parameters: tuple[str, ...], partials: Mapping[str, str], *,
@@ -141,25 +163,9 @@ def _named(function: Any) -> tuple[str, Any]:
 def _written(function: Any) -> str | None:
     """A parameter that a function's text writes in place; None if there is none, or no text."""
     try:
-        definition = capture(function).tree
+        return next(iter(written(capture(function).tree)), None)
     except S2sadError:
         return None
-    parameters = {a.id for a in (*definition.args.posonlyargs, *definition.args.args, *definition.args.kwonlyargs)}
-    rebound = {t.id for n in walk(definition.body) if isinstance(n, Assign) for t in n.targets if isinstance(t, Name)}
-    for node in walk(definition.body):
-        stored = getattr(node, "targets", None) or [getattr(node, "target", None)]
-        places = [t for t in stored if isinstance(t, Subscript) or isinstance(node, AugAssign)]
-        found = [b for b in map(_base, places) if b in parameters - rebound]
-        if found:
-            return found[0]
-    return None
-
-
-def _base(place: AST) -> str | None:
-    """The name whose content a place is."""
-    while isinstance(place, (Subscript, Attribute)):
-        place = place.value
-    return place.id if isinstance(place, Name) else None
 
 
 def _given(path: str, function: Any, ruled: bool, reads: tuple[Given, ...] = ()) -> Given:

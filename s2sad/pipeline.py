@@ -73,15 +73,15 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
         return Generated(text, unit.title, parameters, ("result",))
     wanted = Wanted(request.wrt, expanded(request.of, unit), request.with_primal)
     derived = units.derive(request.mode, unit, wanted)
-    made = [d.function for d in units.derived.values()]
+    made = [f for d in units.derived.values() for f in (d.function, *d.beside)]
     found = facts(derived, request, units) | {"unshadowed": unshadowed(
         unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
 
     def final(d: Derived) -> FunctionDef:
         return in_loops(d, units) if request.level == "fast" and units.engine == "numba" else d.function
     functions = primal_functions(units, kernels_called(made, units)) + [
-        documented(with_origins(final(d), d.unit.kernel.source), d) for d in units.derived.values()
-        if d is not derived]
+        f for d in units.derived.values() for f in (
+            *d.beside, *([] if d is derived else [documented(with_origins(final(d), d.unit.kernel.source), d)]))]
     kept = kept_tape(derived, final(derived), units) if request.level == "fast" else None
     if kept is None:
         functions.append(with_origins(final(derived), unit.kernel.source))

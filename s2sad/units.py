@@ -18,10 +18,11 @@ from s2sad.analyze.uses import Uses, uses
 from s2sad.diagnostics import Report
 from s2sad.differentiate.adjoint import Made, Wanted, adjoint
 from s2sad.differentiate.arithmetic import scalar_choices
-from s2sad.differentiate.calls import Callee, Pattern, call_uses, is_kernel_call
+from s2sad.differentiate.calls import Callee, Pattern, call_uses, is_kernel_call, pattern
+from s2sad.differentiate.own import Owner, own_adjoint, own_edges, own_forward, own_tangent
 from s2sad.differentiate.tangent import tangent
 from s2sad.infer.infer import Typing, infer
-from s2sad.infer.types import Type
+from s2sad.infer.types import UNKNOWN, Type
 from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
@@ -74,6 +75,15 @@ class Unit:
     summary: Summary
     guarded: bool = False
     pairs: tuple[tuple[int, int], ...] = ()
+    once: bool = False
+
+    @property
+    def owner(self) -> Owner:
+        """What stands of it where its derivative is the user's own."""
+        assert self.kernel.own is not None
+        parameters = [p.id for p in self.function.args.args]
+        return Owner(self.title, self.kernel.own, dict(zip(parameters, self.types)), self.summary.results,
+                     frozenset(parameters[k] for k in self.summary.written))
 
     def first_use(self, parameter: str) -> bool:
         """Whether the kernel may read what an array held at its start."""
@@ -92,6 +102,7 @@ class Derived:
     types: dict[str, Type]
     wanted: Wanted
     plan: Plan | None = None
+    beside: tuple[FunctionDef, ...] = ()
 
     @property
     def mode(self) -> str:
@@ -179,16 +190,19 @@ class Units:
         tree = self.with_titles(renamed.function, typing, report)
         tree = verify(atoms(tree, typing, names, written_arrays(tree, self)), "atoms", "atoms")
         self.watch("atoms", tree)
+        typing.runs_once = self.runs_once
+        once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
-                    self._summary(tree, typing), guarded)
+                    self._summary(tree, typing, kernel), guarded, once=once)
 
     def apart(self, typing: Typing) -> Typing:
         """A table of types of its own."""
         made = Typing(dict(typing.table), self.call_types, typing.report, typing.constants)
         made.ones = dict(typing.ones)
+        made.runs_once = typing.runs_once
         return made
 
-    def _summary(self, tree: FunctionDef, typing: Typing) -> Summary:
+    def _summary(self, tree: FunctionDef, typing: Typing, kernel: Kernel) -> Summary:
         parameters = [p.id for p in tree.args.args]
         written = written_arrays(tree, self)
         arrows: dict[str, list[str]] = {}
@@ -204,11 +218,27 @@ class Units:
         parts = [] if value is None else list(value.elts) if isinstance(value, Tuple) else [value]
         guards = any(isinstance(n, (Assert, Raise)) or call_name(n) == "builtins.print" for n in walk(tree.body))
         calls = [n for n in walk(tree.body) if isinstance(n, Call) and (call_name(n) or "").startswith("user.")]
-        return Summary(tuple(k for k, p in enumerate(parameters) if p in written), tuple(map(typing.of, parts)),
+        results = tuple(map(typing.of, parts))
+        if kernel.own is not None:
+            edges = own_edges({p: typing.table[p] for p in parameters}, results, written, edges,
+                              self.residual_reads(kernel))
+        return Summary(tuple(k for k, p in enumerate(parameters) if p in written), results,
                        {k: p.id for k, p in enumerate(parts) if isinstance(p, Name) and typing.of(p).is_array},
                        tuple(edges), not guards and all(self.of_call(c, typing).summary.pure for c in calls))
 
+    def residual_reads(self, kernel: Kernel) -> tuple[str, ...] | None:
+        """The parameters on which the solution of an implicit function depends; None for any other function."""
+        if not kernel.residual:
+            return None
+        taken = self.program.kernels[kernel.residual].parameters
+        return tuple(p for p in taken[1:] if p in kernel.parameters)
+
     # -- calls -------------------------------------------------------------------------------------------------------
+
+    def runs_once(self, node: Call) -> bool:
+        """Whether a kernel's call is not run again by a reverse sweep: its derivative is the user's own."""
+        unit = self.called(node)
+        return unit is not None and unit.once
 
     def of_call(self, called: Call, typing: Typing) -> Unit:
         return self.unit((call_name(called) or "").partition(".")[2], tuple(map(typing.argument, called.args)))
@@ -256,7 +286,12 @@ class Units:
         if key not in self.derived:
             others = sum(k[0] == mode and k[1] == unit.title for k in self.derived)
             title = self.titles.fresh(f"{unit.title}_{mode}" + (f"_{others + 1}" if others else ""))
-            made = self._adjoint(unit, wanted, title) if mode == "adjoint" else self._tangent(unit, wanted, title, flat)
+            if unit.kernel.own is not None:
+                made = self._own(mode, unit, wanted, title)
+            elif mode == "adjoint":
+                made = self._adjoint(unit, wanted, title)
+            else:
+                made = self._tangent(unit, wanted, title, flat)
             self.derived[key] = made
         return self.derived[key]
 
@@ -272,6 +307,7 @@ class Units:
 
     def _adjoint(self, unit: Unit, wanted: Wanted, title: str) -> Derived:
         found = self.activity(unit, wanted)
+        self._refuse(unit, found, "adjoint")
         typing, names = self.fresh(unit)
         table = structure(unit.function, typing)
         deriving = self.for_calls("adjoint")
@@ -289,9 +325,57 @@ class Units:
 
     def _tangent(self, unit: Unit, wanted: Wanted, title: str, flat: bool) -> Derived:
         found = self.activity(unit, wanted)
+        self._refuse(unit, found, "tangent")
         typing, names = self.fresh(unit)
         made = tangent(structure(unit.function, typing), found, wanted, names, self.for_calls("tangent"), title, flat)
         return self._finished(unit, wanted, made, found, typing, names, None)
+
+    def _refuse(self, unit: Unit, found: Activity, mode: str) -> None:
+        """Raises where a call asks for what a derivative of the user's own does not give."""
+        report = Report(unit.kernel.source)
+        for statement in walk(unit.function.body):
+            if not isinstance(statement, (Assign, AugAssign, Expr)) or not is_kernel_call(statement):
+                continue
+            asked = pattern(statement, unit.typing, found.active)
+            called = self.called(statement.value)
+            if called is None or called.kernel.own is None or not asked.arguments and not asked.results:
+                continue
+            wrong = called.owner.wrong(mode, self.wanted(asked, mode))
+            if wrong:
+                title = called.kernel.name.removesuffix("_own") if unit.kernel.name + "_own" == called.kernel.name \
+                    else called.kernel.name
+                report.error("S301", f"'{title}' {wrong}", statement, help="see the docstring of s2sad.rule")
+        report.finish()
+
+    def _own(self, mode: str, unit: Unit, wanted: Wanted, title: str) -> Derived:
+        """The derivative that calls the user's."""
+        owner, reverse = unit.owner, mode == "adjoint"
+        made = own_adjoint(owner, wanted, title) if reverse else own_tangent(owner, wanted, title)
+        pair = reverse and "forward" in owner.own.functions
+        beside = (own_forward(owner, self.titles.fresh(f"{unit.title}_forward")),) if pair else ()
+        order = list(owner.types)
+        read = owner.reads("reverse" if pair else mode)
+        written = owner.written & read if reverse else owner.written
+        types = {**owner.types, **{s: owner.types[p] for p, s in made.shadows.items()}}
+        for name_, _, primal in made.parameters:
+            types.setdefault(name_, owner.results[int(primal.split()[1])] if primal.startswith("return ") else UNKNOWN)
+        names = [n for n, _, _ in made.parameters]
+        shadows = {made.shadows[p]: p for p in made.shadows if made.shadows[p] in names}
+        arrays = frozenset(k for k, n in enumerate(names) if types[n].is_array)
+        self.effects.table[title] = Effect(
+            frozenset(k for k in arrays if names[k] in shadows or names[k] in read),
+            frozenset(k for k in arrays if names[k] in shadows or names[k] in written), True, arrays)
+        for function in beside:
+            plain = self.effects.table[unit.title]
+            self.effects.table[function.name] = Effect(plain.arrays, plain.writes, plain.pure, plain.arrays)
+        callee = Callee(
+            f"user.{title}", tuple(order.index(p) for p in shadows.values()),
+            tuple(int(o.split()[1]) for o in wanted.of if o.startswith("return ")),
+            tuple(order.index(p) for p in wanted.wrt if owner.types[p].is_number),
+            tuple(k for k, p in enumerate(order) if p in read), tuple(k for k, p in enumerate(order) if p in written),
+            f"user.{beside[0].name}" if pair else "")
+        return Derived(callee, made.function, made, unit, self.activity(unit, wanted), types, wanted,
+                       Plan() if reverse else None, beside)
 
     def _finished(self, unit: Unit, wanted: Wanted, made: Made, found: Activity, typing: Typing, names: Names,
                   plan: Plan | None) -> Derived:
@@ -329,12 +413,17 @@ class Units:
     def for_calls(self, mode: str):
         def made(pattern: Pattern) -> Callee:
             unit = self.unit(pattern.kernel, pattern.types)
-            parameters = [p.id for p in unit.function.args.args]
-            arguments = tuple(parameters[k] for k in pattern.arguments)
-            written = {parameters[k] for k in unit.summary.written}
-            of = tuple(p for p in arguments if p in written) + tuple(f"return {k}" for k in pattern.results)
-            return self.derive(mode, unit, Wanted(arguments, of, mode == "tangent"), mode == "tangent").callee
+            return self.derive(mode, unit, self.wanted(pattern, mode), mode == "tangent").callee
         return made
+
+    def wanted(self, pattern: Pattern, mode: str) -> Wanted:
+        """What a call asks for."""
+        unit = self.unit(pattern.kernel, pattern.types)
+        parameters = [p.id for p in unit.function.args.args]
+        arguments = tuple(parameters[k] for k in pattern.arguments)
+        written = {parameters[k] for k in unit.summary.written}
+        of = tuple(p for p in arguments if p in written) + tuple(f"return {k}" for k in pattern.results)
+        return Wanted(arguments, of, mode == "tangent")
 
 
 def with_choices(function: FunctionDef) -> FunctionDef:

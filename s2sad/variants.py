@@ -193,7 +193,7 @@ class State:
 
 
 def _same_kernel(ours: Kernel, theirs: Kernel) -> bool:
-    return (ours.source == theirs.source and list(ours.defaults) == list(theirs.defaults)
+    return (ours.source == theirs.source and ours.own is theirs.own and list(ours.defaults) == list(theirs.defaults)
             and all(same_number(v, theirs.defaults[k]) for k, v in ours.defaults.items()))
 
 

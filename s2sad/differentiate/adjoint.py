@@ -291,6 +291,7 @@ class _Adjoint:
             if position in callee.shadows:
                 args.append(self.value(argument))
         bound = [base_name(t) for t in targets(statement)]
+        args += [name(bound[k]) for k in callee.values]
         args += [name(self.shadow(bound[k])) for k in callee.seeds]
         made: list[AST] = []
         returned = [self.free.fresh("gain") for _ in callee.returns]

@@ -23,14 +23,18 @@ class Pattern:
 @dataclass(frozen=True)
 class Callee:
     """A derivative that was made: its name, the positions with shadows, with seeds, and with returned adjoints;
-    `reads` and `writes` are the positions of arrays whose content it reads at its start, and overwrites."""
+    `reads` and `writes` are the positions of arrays whose content it reads at its start, and overwrites. Of a user's
+    own adjoint `forward` is the name of its first half, whose last result the call takes as its last argument; of an
+    implicit function's the state is that which the function leaves (`after`), and it takes the results `values`."""
     name: str
     shadows: tuple[int, ...]
     seeds: tuple[int, ...]
     returns: tuple[int, ...]
     reads: tuple[int, ...]
     writes: tuple[int, ...]
-    numbers: tuple[int, ...] = ()
+    forward: str = ""
+    after: bool = False
+    values: tuple[int, ...] = ()
 
 
 Derive = Callable[[Pattern], Callee]
@@ -63,3 +67,6 @@ def call_uses(statement: AST, typing: Typing, active: frozenset[str], derive: De
                 found.loads.append(argument)
         else:
             found.value(argument, typing)
+    bound = targets(statement)
+    for position in callee.values:
+        found.value(bound[position], typing)

@@ -18,9 +18,12 @@ from s2sad.units import Units
 
 
 def given_of(program: Program) -> tuple[Given, ...]:
-    """The given functions that a program's kernels call, and those that their partials call."""
+    """The given functions that a program's kernels call, those that their partials call, and the user's own
+    derivatives of its kernels."""
     called = (call_name(n) or "" for k in program.kernels.values() for n in walk(k.tree) if isinstance(n, Call))
-    return tuple(GIVEN.closure(dict.fromkeys(c[len(ROOM):] for c in called if c.startswith(ROOM))))
+    owned = (g for k in program.kernels.values() if k.own is not None for g in k.own.functions.values())
+    return (*GIVEN.closure(dict.fromkeys(c[len(ROOM):] for c in called if c.startswith(ROOM))),
+            *dict.fromkeys(owned))
 
 
 def for_numba(function: Any, flags: dict[str, Any]) -> Any:
