@@ -120,6 +120,7 @@ class Units:
     effects: Effects = field(default_factory=Effects)
     titles: Names = field(default_factory=Names)
     watch: Watch = unwatched
+    forwards: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.titles.taken |= set(self.program.kernels)
@@ -352,9 +353,10 @@ class Units:
         owner, reverse = unit.owner, mode == "adjoint"
         made = own_adjoint(owner, wanted, title) if reverse else own_tangent(owner, wanted, title)
         pair = reverse and "forward" in owner.own.functions
-        beside = (own_forward(owner, self.titles.fresh(f"{unit.title}_forward")),) if pair else ()
+        beside = () if not pair or unit.title in self.forwards else (
+            own_forward(owner, self.titles.fresh(f"{unit.title}_forward")),)
         order = list(owner.types)
-        read = owner.reads("reverse" if pair else mode)
+        read = owner.reads(mode)
         written = owner.written & read if reverse else owner.written
         types = {**owner.types, **{s: owner.types[p] for p, s in made.shadows.items()}}
         for name_, _, primal in made.parameters:
@@ -368,12 +370,13 @@ class Units:
         for function in beside:
             plain = self.effects.table[unit.title]
             self.effects.table[function.name] = Effect(plain.arrays, plain.writes, plain.pure, plain.arrays)
+            self.forwards[unit.title] = f"user.{function.name}"
         callee = Callee(
             f"user.{title}", tuple(order.index(p) for p in shadows.values()),
             tuple(int(o.split()[1]) for o in wanted.of if o.startswith("return ")),
             tuple(order.index(p) for p in wanted.wrt if owner.types[p].is_number),
             tuple(k for k, p in enumerate(order) if p in read), tuple(k for k, p in enumerate(order) if p in written),
-            f"user.{beside[0].name}" if pair else "")
+            self.forwards[unit.title] if pair else "", len(owner.results))
         return Derived(callee, made.function, made, unit, self.activity(unit, wanted), types, wanted,
                        Plan() if reverse else None, beside)
 

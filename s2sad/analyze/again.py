@@ -11,7 +11,7 @@ from s2sad.analyze.resized import escapes
 from s2sad.analyze.structure import Place, is_simple
 from s2sad.analyze.values import Values
 from s2sad.normalize.workspace import is_allocation
-from s2sad.tree import AST, Assign, AugAssign, For, While, dump
+from s2sad.tree import AST, Assign, AugAssign, Call, For, While, dump, walk
 
 
 def may_rerun(loop: For, question: Question) -> bool:
@@ -21,6 +21,8 @@ def may_rerun(loop: For, question: Question) -> bool:
     if not any(isinstance(p.statement, (For, While)) or not is_simple(p.statement, typing) for p in inner):
         return False
     if any(type(p.statement).__name__ == "Break" and p.loops[-1] is loop for p in inner):
+        return False
+    if any(isinstance(n, Call) and typing.runs_once(n) for n in walk(loop.body)):
         return False
     values = Values(structure)
     if any(x is loop and not _only_sum(structure.bindings[n]) for n, x in values.loops.items()):

@@ -11,6 +11,10 @@ from s2sad.infer.types import Type
 from s2sad.tree import AST, Call, call_name
 
 
+# A list of what first halves kept, of any type: pushes and pops, as methods in the text.
+EMPTY, PUSH, POP = "builtins.list", "builtins.list.append", "builtins.list.pop"
+
+
 @dataclass(frozen=True)
 class Pattern:
     """What a call asks of the callee's derivative: positions of active arguments and of active results."""
@@ -24,8 +28,8 @@ class Pattern:
 class Callee:
     """A derivative that was made: its name, the positions with shadows, with seeds, and with returned adjoints;
     `reads` and `writes` are the positions of arrays whose content it reads at its start, and overwrites. Of a user's
-    own adjoint `forward` is the name of its first half, whose last result the call takes as its last argument; of an
-    implicit function's the state is that which the function leaves (`after`), and it takes the results `values`."""
+    own adjoint `forward` is the name of its first half, which returns the `results` and one more, that the call takes
+    as its last argument; of an implicit function's the state is that which the function leaves (`after`), and it takes the results `values`."""
     name: str
     shadows: tuple[int, ...]
     seeds: tuple[int, ...]
@@ -33,6 +37,7 @@ class Callee:
     reads: tuple[int, ...]
     writes: tuple[int, ...]
     forward: str = ""
+    results: int = 0
     after: bool = False
     values: tuple[int, ...] = ()
 

@@ -50,10 +50,14 @@ class Owner:
 
     def wrong(self, what: str, wanted: Wanted) -> str:
         """Why a call cannot have a derivative from one of the user's functions, in words; empty if it can."""
+        what = self.half(what)
         if what not in self.own.functions:
-            there = " and ".join(k for k in self.own.functions if k != "solver")
-            return f"has no {what} of its own, only its {there}"
+            return f"has no {what} of its own, only its {'tangent' if what == 'adjoint' else self.half('adjoint')}"
         return self.unasked(what, wanted) or self.misfit(what) or self.unreturned(what)
+
+    def half(self, what: str) -> str:
+        """Which of the user's functions a call of a derivative calls: of an adjoint in two halves the second."""
+        return "reverse" if what == "adjoint" and "reverse" in self.own.functions else what
 
     def unasked(self, what: str, wanted: Wanted) -> str:
         """What the call asks for and the function does not take."""
@@ -102,7 +106,7 @@ class Owner:
 
     def reads(self, what: str) -> frozenset[str]:
         """The arrays whose content the user's function may read."""
-        text = self.own.texts[what]
+        text = self.own.texts[self.half(what)]
         return frozenset(p for p, t in self.types.items() if t.is_array and (
             text.mentions is None or p in text.mentions))
 
@@ -179,7 +183,7 @@ def bound(targets: list[str], owner: Owner, what: str, arguments: list[AST]) -> 
 def own_adjoint(owner: Owner, wanted: Wanted, title: str) -> Made:
     """The adjoint that calls the user's, or the second half of a pair; what the first half kept is its last
     parameter."""
-    what = "adjoint" if "adjoint" in owner.own.functions else "reverse"
+    what = owner.half("adjoint")
     wrapper = Wrapper(owner, wanted, title, "bar")
     wrapper.seeded()
     kept = ""
