@@ -35,7 +35,7 @@ class Registered:
         """The derivative: `given` has what stands behind adjoint=, tangent=, forward=, reverse=, implicit=, solver=."""
         given = {what: value for what, value in given.items() if value is not None}
         self.together(given)
-        residual, solver = given.pop("implicit", None), given.pop("solver", "dense" if "implicit" in given else "")
+        solver, residual = given.pop("solver", "dense" if "implicit" in given else ""), given.pop("implicit", None)
         if isinstance(solver, str) and solver and solver not in SOLVERS:
             raise self.wrong(f"solver={solver!r} is none of {', '.join(SOLVERS)}", "or give a function that solves")
         functions = {what: self.function_of(what, value) for what, value in given.items()}

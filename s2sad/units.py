@@ -14,7 +14,7 @@ from s2sad.analyze.plan import Plan, Question
 from s2sad.analyze.recorded import recorded
 from s2sad.analyze.resized import repeated
 from s2sad.analyze.structure import Structure, structure
-from s2sad.analyze.uses import Uses, uses
+from s2sad.analyze.uses import Uses, owns_result, uses
 from s2sad.diagnostics import Report
 from s2sad.differentiate.adjoint import Made, Wanted, adjoint
 from s2sad.differentiate.arithmetic import scalar_choices
@@ -22,7 +22,8 @@ from s2sad.differentiate.calls import Callee, Pattern, call_uses, is_kernel_call
 from s2sad.differentiate.own import Owner, own_adjoint, own_edges, own_forward, own_tangent
 from s2sad.differentiate.tangent import tangent
 from s2sad.infer.infer import Typing, infer
-from s2sad.infer.types import UNKNOWN, Type
+from s2sad.differentiate.implicit import Implicit, Residual, solution_of, wrong_implicit
+from s2sad.infer.types import FLOAT, UNKNOWN, Type
 from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
@@ -222,17 +223,14 @@ class Units:
         results = tuple(map(typing.of, parts))
         if kernel.own is not None:
             edges = own_edges({p: typing.table[p] for p in parameters}, results, written, edges,
-                              self.residual_reads(kernel))
+                              self.solved_by(kernel))
         return Summary(tuple(k for k, p in enumerate(parameters) if p in written), results,
                        {k: p.id for k, p in enumerate(parts) if isinstance(p, Name) and typing.of(p).is_array},
                        tuple(edges), not guards and all(self.of_call(c, typing).summary.pure for c in calls))
 
-    def residual_reads(self, kernel: Kernel) -> tuple[str, ...] | None:
-        """The parameters on which the solution of an implicit function depends; None for any other function."""
-        if not kernel.residual:
-            return None
-        taken = self.program.kernels[kernel.residual].parameters
-        return tuple(p for p in taken[1:] if p in kernel.parameters)
+    def solved_by(self, kernel: Kernel) -> tuple[str, ...] | None:
+        """The parameters of the residual of an implicit function; None for any other function."""
+        return self.program.kernels[kernel.residual].parameters if kernel.residual else None
 
     # -- calls -------------------------------------------------------------------------------------------------------
 
@@ -280,6 +278,11 @@ class Units:
             found += [statement.value.args[p] for p in unit.summary.written]
         return found
 
+    def seen_after(self, statement: AST) -> bool:
+        """Whether a statement's adjoint runs in the state that it leaves: it solves for what it writes."""
+        unit = self.called(statement.value) if is_kernel_call(statement) else None
+        return owns_result(statement) if unit is None else bool(unit.kernel.residual)
+
     # -- derivatives -------------------------------------------------------------------------------------------------
 
     def derive(self, mode: str, unit: Unit, wanted: Wanted, flat: bool = False) -> Derived:
@@ -318,7 +321,8 @@ class Units:
                         lambda s, u: call_uses(s, typing, found.active, deriving, u) if is_kernel_call(s) else None)
 
         question = Question(table, Dependence(table), lambda s: is_active_statement(s, typing, found), reads_of,
-                            lambda s: [index(s.targets[0], const(...))] if repeated(table, s) else self.writes(s))
+                            lambda s: [index(s.targets[0], const(...))] if repeated(table, s) else self.writes(s),
+                            self.seen_after)
         plan = recorded(question)
         plan.forwards = order_free(question) if self.engine == "numba" else frozenset()
         made = adjoint(table, found, plan, wanted, names, deriving, unit.family, title)
@@ -341,7 +345,10 @@ class Units:
             called = self.called(statement.value)
             if called is None or called.kernel.own is None or not asked.arguments and not asked.results:
                 continue
-            wrong = called.owner.wrong(mode, self.wanted(asked, mode))
+            wanted = self.wanted(asked, mode)
+            residual = self.residual(called)
+            wrong = called.owner.wrong(mode, wanted) if residual is None else wrong_implicit(
+                called.owner, residual, wanted)
             if wrong:
                 title = called.kernel.name.removesuffix("_own") if unit.kernel.name + "_own" == called.kernel.name \
                     else called.kernel.name
@@ -350,14 +357,20 @@ class Units:
 
     def _own(self, mode: str, unit: Unit, wanted: Wanted, title: str) -> Derived:
         """The derivative that calls the user's."""
-        owner, reverse = unit.owner, mode == "adjoint"
-        made = own_adjoint(owner, wanted, title) if reverse else own_tangent(owner, wanted, title)
+        owner, reverse, residual = unit.owner, mode == "adjoint", self.residual(unit)
         pair = reverse and "forward" in owner.own.functions
-        beside = () if not pair or unit.title in self.forwards else (
-            own_forward(owner, self.titles.fresh(f"{unit.title}_forward")),)
+        beside: tuple[FunctionDef, ...] = ()
+        if residual is not None:
+            product = self.titles.fresh(f"{unit.title}_{'transposed' if reverse else 'linear'}")
+            implicit = Implicit(owner, residual, wanted, title, "bar" if reverse else "dot", product)
+            made, beside = implicit.adjoint() if reverse else implicit.tangent()
+        else:
+            made = own_adjoint(owner, wanted, title) if reverse else own_tangent(owner, wanted, title)
+        if pair and unit.title not in self.forwards:
+            beside = (own_forward(owner, self.titles.fresh(f"{unit.title}_forward")),)
         order = list(owner.types)
-        read = owner.reads(mode)
-        written = owner.written & read if reverse else owner.written
+        read = owner.reads(mode) if residual is None else {p for p in owner.types if p in residual.parameters}
+        written = owner.written if not reverse else owner.written & read if residual is None else frozenset()
         types = {**owner.types, **{s: owner.types[p] for p, s in made.shadows.items()}}
         for name_, _, primal in made.parameters:
             types.setdefault(name_, owner.results[int(primal.split()[1])] if primal.startswith("return ") else UNKNOWN)
@@ -367,7 +380,7 @@ class Units:
         self.effects.table[title] = Effect(
             frozenset(k for k in arrays if names[k] in shadows or names[k] in read),
             frozenset(k for k in arrays if names[k] in shadows or names[k] in written), True, arrays)
-        for function in beside:
+        for function in beside if pair else ():
             plain = self.effects.table[unit.title]
             self.effects.table[function.name] = Effect(plain.arrays, plain.writes, plain.pure, plain.arrays)
             self.forwards[unit.title] = f"user.{function.name}"
@@ -376,9 +389,25 @@ class Units:
             tuple(int(o.split()[1]) for o in wanted.of if o.startswith("return ")),
             tuple(order.index(p) for p in wanted.wrt if owner.types[p].is_number),
             tuple(k for k, p in enumerate(order) if p in read), tuple(k for k, p in enumerate(order) if p in written),
-            self.forwards[unit.title] if pair else "", len(owner.results))
+            self.forwards[unit.title] if pair else "", len(owner.results), residual is not None,
+            tuple(int(p.split()[1]) for _, role, p in made.parameters if role == "value"))
         return Derived(callee, made.function, made, unit, self.activity(unit, wanted), types, wanted,
                        Plan() if reverse else None, beside)
+
+    def residual(self, unit: Unit) -> Residual | None:
+        """The residual of an implicit function, for its types; None for any other function."""
+        title = unit.kernel.residual
+        if not title:
+            return None
+        taken, types = self.program.kernels[title].parameters, unit.owner.types
+        solution = solution_of(taken, unit.owner.written)
+        first = types[solution] if solution else next((t for t in unit.summary.results if t.is_float), FLOAT)
+        inner = self.unit(title, (first, *(types[p] for p in taken[1:])))
+        written = frozenset(taken[k] for k in inner.summary.written)
+
+        def derive(mode: str, wrt: tuple[str, ...], of: tuple[str, ...]) -> Callee:
+            return self.derive(mode, inner, Wanted(wrt, of, mode == "tangent"), mode == "tangent").callee
+        return Residual(title, taken, inner.summary.results, written, derive)
 
     def _finished(self, unit: Unit, wanted: Wanted, made: Made, found: Activity, typing: Typing, names: Names,
                   plan: Plan | None) -> Derived:

@@ -115,13 +115,19 @@ Edge = tuple[int, "int | str"]
 
 
 def own_edges(types: Mapping[str, Type], results: tuple[Type, ...], written: Set[str], edges: list[Edge],
-              solution: tuple[str, ...] | None) -> list[Edge]:
+              residual: tuple[str, ...] | None) -> list[Edge]:
     """What depends on what in a function with a derivative of its own, as pairs: all results and all that it writes on
-    all of its floats, whatever its text says. Where it is implicit the solution depends on what the residual reads."""
-    starts = [k for k, t in enumerate(types.values()) if t.is_float]
+    all of its floats, whatever its text says. Where it is implicit (`residual` has the parameters of that) the solution
+    depends on what the residual reads, all else as in the text."""
+    order = list(types)
     ends: list[int | str] = [k for k, (p, t) in enumerate(types.items()) if p in written and t.is_float]
     ends += [f"return {k}" for k, t in enumerate(results) if t.is_float]
-    return [(a, b) for a in starts for b in ends]
+    if residual is None:
+        return [(a, b) for a, t in enumerate(types.values()) if t.is_float for b in ends]
+    array = len(residual) > 1 and residual[1] in written
+    solved = [order.index(residual[1])] if array else [e for e in ends if isinstance(e, str)]
+    starts = [order.index(p) for p in residual[2 if array else 1:] if types[p].is_float]
+    return [(a, b) for a, b in edges if b not in solved] + [(a, b) for a in starts for b in solved]
 
 
 class Wrapper:

@@ -13,7 +13,6 @@ from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.plan import Plan, Store
 from s2sad.analyze.resized import own_loops
 from s2sad.analyze.structure import Structure, is_simple
-from s2sad.analyze.uses import owns_result
 from s2sad.analyze.values import Value
 from s2sad.differentiate.counting import has_break
 from s2sad.differentiate.resize import pop_sizes, push_sizes
@@ -236,7 +235,7 @@ class Sweeps:
                  for s in self.tape.read(self.store_stack(store), whole_place(self.snapshot(store)))]
         if id(statement) in self.plan.resized:
             popped = [*pop_sizes(statement, self.tape), *popped]
-        if owns_result(statement):
+        if id(statement) in self.plan.after:
             return [*self.adjoint(statement), *popped]
         return [*popped, *self.adjoint(statement), *again]
 
