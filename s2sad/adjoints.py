@@ -45,7 +45,7 @@ class Registered:
         if residual is not None:
             residual = self.residual_of(residual)
         texts = {what: said(g.plain) for what, g in functions.items()}
-        return Own(functions, roles, texts, residual, solver if isinstance(solver, str) else "")
+        return Own(self.path.rpartition(".")[2], functions, roles, texts, residual, solver if isinstance(solver, str) else "")
 
     def together(self, given: dict[str, Any]) -> None:
         """Which of them go together."""

@@ -350,9 +350,8 @@ class Units:
             wrong = called.owner.wrong(mode, wanted) if residual is None else wrong_implicit(
                 called.owner, residual, wanted)
             if wrong:
-                title = called.kernel.name.removesuffix("_own") if unit.kernel.name + "_own" == called.kernel.name \
-                    else called.kernel.name
-                report.error("S301", f"'{title}' {wrong}", statement, help="see the docstring of s2sad.rule")
+                report.error("S301", f"'{called.kernel.own.title}' {wrong}", statement,
+                             help="give it with s2sad.rule, whose docstring says what it takes and returns")
         report.finish()
 
     def _own(self, mode: str, unit: Unit, wanted: Wanted, title: str) -> Derived:

@@ -21,7 +21,7 @@ from s2sad.read.capture import not_a_function, python_function
 from s2sad.program import Generated, Kernel, Parameter, Program, Request
 from s2sad.rules.given import GIVEN, Given
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
-from s2sad.run.given import given_of, held_to_numbers
+from s2sad.run.given import given_of, held_to_numbers, uncompiled
 from s2sad.run.load import load
 from s2sad.run.overlap import Check, Slot
 from s2sad.watch import Watch
@@ -236,7 +236,8 @@ class Variant:
         self.generated, self.engine, self.kernel = generated, engine, kernel
         self.parameters: tuple[Parameter, ...] = generated.parameters
         plain = tuple(generated.facts.get("wrappers", ()))
-        module = (compiled(generated.text, generated.entry, plain=plain, given=bool(given)) if engine == "numba"
+        moving = bool(given) or generated.facts.get("moving", False)
+        module = (compiled(generated.text, generated.entry, plain=plain, given=moving) if engine == "numba"
                   else held_to_numbers(load(generated.text, generated.entry, own=bool(given)), given))
         stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
         self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
@@ -299,7 +300,13 @@ class Variant:
     def prepare(self, arguments: Sequence[Any]) -> None:
         """Compiles for the types of these arguments, or reads Numba's cache."""
         if self.engine == "numba":
-            prepare(self.dispatcher, [*arguments, *self._first], f"'{self.generated.entry}' of '{self.kernel}'")
+            try:
+                prepare(self.dispatcher, [*arguments, *self._first], f"'{self.generated.entry}' of '{self.kernel}'")
+            except Exception:  # whatever it is: Numba raises more than its own errors on code that it does not know
+                wrong = uncompiled(self.generated.facts["units"]) if "units" in self.generated.facts else None
+                if wrong is not None:
+                    raise wrong from None
+                raise
             if self._pick is not None:
                 self.check.prepare(self._pick(arguments))
 

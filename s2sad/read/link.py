@@ -75,7 +75,7 @@ class Linker:
         own = None if isinstance(function.handle, FileFunction) else GIVEN.own(function.handle)
         residual = None if own is None or own.residual is None else live_meaning("residual", own.residual)
         if isinstance(residual, Function):
-            self._call(residual, _header(captured.tree), callers, report)
+            self._call(residual, header_of(captured.tree), callers, report)
         self.found[self.identify(function)] = _Found(captured, resolved, defaults, own,
                                                      residual if isinstance(residual, Function) else None)
 
@@ -133,7 +133,7 @@ def called_once(program: Program) -> Program:
     definition.name = inner
     values = any(isinstance(n, tree.Return) and n.value is not None for n in tree.walk(kernel.tree.body))
     called = tree.call(f"user.{inner}", *map(tree.name, kernel.parameters))
-    statement = tree.at(tree.Return(called) if values else tree.Expr(called), _header(kernel.tree))
+    statement = tree.at(tree.Return(called) if values else tree.Expr(called), header_of(kernel.tree))
     outer = tree.at(tree.function(kernel.name, list(kernel.parameters), [statement]), kernel.tree)
     kernels = {n: k for n, k in program.kernels.items() if k is not kernel}
     kernels[inner] = replace(kernel, name=inner, tree=definition)
@@ -141,7 +141,7 @@ def called_once(program: Program) -> Program:
     return replace(program, kernels=kernels)
 
 
-def _header(definition: AST) -> AST:
+def header_of(definition: AST) -> AST:
     """The first line of a definition, as a place."""
     head = tree.name(definition.name)
     head.lineno = head.end_lineno = definition.lineno

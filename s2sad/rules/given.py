@@ -55,13 +55,14 @@ class Said:
 
 @dataclass(frozen=True, eq=False)
 class Own:
-    """A user's own derivative of a function that is read: `functions` of the user's by what they do ("adjoint",
+    """A user's own derivative of the function `title`, which is read: `functions` of the user's by what they do ("adjoint",
     "tangent", "forward", "reverse", "solver"), or the `residual` that the function makes zero, with the name of the
     `solver` of the linear system.
 
     `roles` says of each parameter of a function what it is: ("primal", its name), ("shadow", its primal's name),
     ("seed", its own name) or ("kept", ""); `texts` has what the text of each says, where it is known.
     """
+    title: str
     functions: Mapping[str, Given]
     roles: Mapping[str, tuple[tuple[str, str], ...]]
     texts: Mapping[str, Said]

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.diagnostics import Report
+from s2sad.diagnostics import Report, S2sadError
 from s2sad.infer.types import FLOAT, Type
 from s2sad.program import Program
+from s2sad.read.link import header_of
 from s2sad.rules import constant_result
 from s2sad.rules.given import GIVEN, ROOM, Given
 from s2sad.tree import Call, call_name, walk
@@ -69,6 +70,42 @@ def compilable(units: Units) -> None:
                     report.error("S407", f"Numba cannot compile '{given.path}'{whose}", node,
                                  help='engine="numpy" calls it as it is')
         report.finish()
+
+
+def uncompiled(units: Units) -> S2sadError | None:
+    """Which derivative of the user's own Numba cannot compile, at the function that it belongs to; None if it can
+    compile all of them."""
+    numba = importlib.import_module("numba")
+    for unit in units.made.values():
+        kept = None
+        for what, given in (unit.kernel.own.functions if unit.kernel.own is not None else {}).items():
+            if what == "solver":
+                continue
+            roles = unit.kernel.own.roles[what]
+            owner = unit.owner
+            types = [kept if role == "kept" else _numba_type(numba, owner.types[p] if p in owner.types else FLOAT)
+                     for role, p in roles]
+            reason, result = _tried(given, types)
+            kept = result[-1] if what == "forward" and isinstance(result, numba.types.BaseTuple) and unit.summary.results \
+                else result if what == "forward" else kept
+            if reason:
+                report = Report(unit.kernel.source)
+                report.error("S407", f"Numba cannot compile '{given.path}', the {what} of '{unit.kernel.own.title}'",
+                             header_of(unit.kernel.tree), help='engine="numpy" calls it as it is')
+                return S2sadError(*report.found)
+    return None
+
+
+def _tried(given: Given, types: list[Any]) -> tuple[bool, Any]:
+    """Whether Numba fails to compile a function for these types, and the type of what it returns."""
+    function = for_numba(given.function, {"error_model": "numpy"})
+    try:
+        if not hasattr(function, "compile"):
+            return False, None
+        function.compile(tuple(types))
+        return False, function.overloads[tuple(types)].signature.return_type
+    except Exception:  # as in `_compiles`
+        return True, None
 
 
 def _compiles(given: Given, types: tuple[Type, ...] | None) -> bool:
