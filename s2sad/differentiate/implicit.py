@@ -90,8 +90,10 @@ class Implicit:
     def solved(self, right: AST) -> AST:
         """The call that solves the linear system."""
         own = self.owner.own
-        solver = own.name("solver") if "solver" in own.functions else f"runtime.{own.solver}"
-        return call(solver, name(f"user.{self.product}"), right, tuple_of(*map(name, self.operands)))
+        given = [name(f"user.{self.product}"), right, tuple_of(*map(name, self.operands))]
+        if "solver" in own.functions:
+            return call("runtime.solved_by", name(own.name("solver")), *given)
+        return call(f"runtime.{own.solver}", *given)
 
     @property
     def operands(self) -> tuple[str, ...]:

@@ -71,6 +71,17 @@ def gmres(product, b, operands):
     return found
 
 
+def solved_by(solver, product, b, operands):
+    """The solution by a solver of the user's, looked at.
+
+    >>> solved_by(lambda product, b, operands: b / 2.0, lambda v, operands: 2.0 * v, np.array([4.0]), ())
+    array([2.])
+    """
+    found = solver(product, b, operands)
+    _accept(product, b, operands, found, np.sum(b * b))
+    return found
+
+
 def _cycle(product, rest, operands, steps):
     """The correction of one round of GMRES."""
     basis = np.zeros((steps + 1, rest.size), rest.dtype)
