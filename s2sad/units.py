@@ -32,6 +32,7 @@ from s2sad.normalize.contracted import batched, contracted
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
+from s2sad.normalize.hidden import hidden_arrays
 from s2sad.normalize.parts import parts
 from s2sad.normalize.pieces import pieces
 from s2sad.normalize.rename import rename
@@ -345,14 +346,26 @@ class Units:
             called = self.called(statement.value)
             if called is None or called.kernel.own is None or not asked.arguments and not asked.results:
                 continue
-            wanted = self.wanted(asked, mode)
-            residual = self.residual(called)
-            wrong = called.owner.wrong(mode, wanted) if residual is None else wrong_implicit(
-                called.owner, residual, wanted)
+            wrong = self.wrong(called, self.wanted(asked, mode), mode)
             if wrong:
                 report.error("S301", f"'{called.kernel.own.title}' {wrong}", statement,
                              help="give it with s2sad.rule, whose docstring says what it takes and returns")
         report.finish()
+
+    def wrong(self, unit: Unit, wanted: Wanted, mode: str) -> str:
+        """Why a call cannot have the derivative of the user's own, in words; empty if it can."""
+        residual = self.residual(unit)
+        if unit.pairs:
+            return "is given one array twice, and writes it; no derivative of its own is for that"
+        if residual is not None:
+            return wrong_implicit(unit.owner, residual, wanted)
+        entry = next(u for u in self.made.values() if u.kernel.name == self.program.entry)
+        parameters = [p.id for p in entry.function.args.args]
+        written = {parameters[k] for k in entry.summary.written}
+        outside = [a for p, a in hidden_arrays(self.program).items() if p in unit.owner.types and p in written]
+        if outside:
+            return f"reads '{outside[0]}', an array of its module that is written; so may its own derivative, too late"
+        return unit.owner.wrong(mode, wanted)
 
     def _own(self, mode: str, unit: Unit, wanted: Wanted, title: str) -> Derived:
         """The derivative that calls the user's."""

@@ -128,6 +128,8 @@ class State:
         """The generated function for a request, made once; `engine` may be "auto"."""
         engine = chosen(engine)
         key = (request, engine)
+        if engine == "numba":
+            self.unfrozen()
         with _LOCK:
             if key not in self._variants:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
@@ -136,6 +138,14 @@ class State:
                 self._variants[key] = Variant(generated, engine, self.summary(request.types), self.kernel.name,
                                                self.given)
             return self._variants[key]
+
+    def unfrozen(self) -> None:
+        """Raises if a function with a derivative of its own reads an array of its module: Numba would compile its
+        content in."""
+        for given, array in ((w.functions[0][0], a) for w in self._watched for a in w.arrays()):
+            raise S2sadError(Diagnostic("S407", f"'{given.__name__}' reads the array '{array}' of its module, whose "
+                                        "content Numba would not look at again", help="pass it as an argument; "
+                                        'engine="numpy" calls it as it is'))
 
     def primal(self, types: tuple[Type, ...], engine: str) -> Callable[..., Any]:
         """The primal for positional values: the function itself under NumPy, compiled under Numba."""

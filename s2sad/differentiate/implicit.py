@@ -64,6 +64,8 @@ def wrong_implicit(owner: Owner, residual: Residual, wanted: Wanted) -> str:
         return f"writes no array that its residual, '{residual.title}', takes second; then that returns one float"
     if not solution and len(owner.floats) != 1:
         return f"has {where} for one number, and must return one float, beside integers"
+    if any(t.is_array for t in owner.results):
+        return "returns an array, which no function with a derivative of its own may: write it"
     changed = [p for p in others if p in owner.written]
     if changed:
         return f"overwrites '{changed[0]}', which its residual, '{residual.title}', reads"

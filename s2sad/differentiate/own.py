@@ -51,6 +51,8 @@ class Owner:
     def wrong(self, what: str, wanted: Wanted) -> str:
         """Why a call cannot have a derivative from one of the user's functions, in words; empty if it can."""
         what = self.half(what)
+        if any(t.is_array for t in self.results):
+            return "returns an array, which no function with a derivative of its own may: write it"
         if what not in self.own.functions:
             return f"has no {what} of its own, only its {'tangent' if what == 'adjoint' else self.half('adjoint')}"
         return self.unasked(what, wanted) or self.misfit(what) or self.unreturned(what)
