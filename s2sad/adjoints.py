@@ -31,8 +31,9 @@ class Registered:
         self.path, self.function, self.named = path, function, named
         self.parameters = self.plain_parameters(function, path)
 
-    def own(self, given: dict[str, Any]) -> Own:
-        """The derivative: `given` has what stands behind adjoint=, tangent=, forward=, reverse=, implicit=, solver=."""
+    def own(self, given: dict[str, Any], writes: Any = None, returns: int | None = None) -> Own:
+        """The derivative: `given` has what stands behind adjoint=, tangent=, forward=, reverse=, implicit=, solver=. With
+        `writes` or `returns` the function is not read."""
         given = {what: value for what, value in given.items() if value is not None}
         self.together(given)
         solver, residual = given.pop("solver", "dense" if "implicit" in given else ""), given.pop("implicit", None)
@@ -45,7 +46,24 @@ class Registered:
         if residual is not None:
             residual = self.residual_of(residual)
         texts = {what: said(g.plain) for what, g in functions.items()}
-        return Own(self.path.rpartition(".")[2], functions, roles, texts, residual, solver if isinstance(solver, str) else "")
+        if writes is not None or returns is not None:
+            functions["primal"] = self.function_of("primal", self.function)
+            roles["primal"] = tuple(("primal", p) for p in self.parameters)
+        return Own(self.path.rpartition(".")[2], functions, roles, texts, residual,
+                   solver if isinstance(solver, str) else "", self.written(writes), self.returned(returns))
+
+    def written(self, writes: Any) -> tuple[str, ...]:
+        named = () if writes is None else (writes,) if isinstance(writes, str) else tuple(writes)
+        unknown = [p for p in named if p not in self.parameters]
+        if unknown:
+            raise self.wrong(f"writes= names {', '.join(map(str, unknown))}, which is no parameter of it",
+                             f"its parameters are {', '.join(self.parameters)}")
+        return named
+
+    def returned(self, returns: int | None) -> int:
+        if returns is not None and (type(returns) is not int or returns < 0):
+            raise self.wrong(f"returns={returns!r} is no number of floats", "write 0, 1, 2, ...")
+        return returns or 0
 
     def together(self, given: dict[str, Any]) -> None:
         """Which of them go together."""

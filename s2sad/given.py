@@ -46,7 +46,8 @@ def nondifferentiable(function: Any = None, *, result: str = "float") -> Any:
 
 
 def rule(text: Any = None, *, adjoint: Any = None, tangent: Any = None, forward: Any = None, reverse: Any = None,
-         implicit: Any = None, solver: Any = None, domain: Mapping[str, tuple[float, float]] | None = None,
+         implicit: Any = None, solver: Any = None, writes: Any = None, returns: int | None = None,
+         domain: Mapping[str, tuple[float, float]] | None = None,
          singular: tuple[str, ...] | None = None, kink: str = "", check: bool = True, **partials: str) -> Any:
     """Gives a function of numbers its partial derivatives, expressions over its parameters and `y`, the result.
 
@@ -78,7 +79,8 @@ def rule(text: Any = None, *, adjoint: Any = None, tangent: Any = None, forward:
     if given and (partials or domain or singular or kink or not check):
         raise _wrong(f"rule: {given[0]}= does not go together with partials", "give one of them")
     if given:
-        return _owned(text, own) if text is not None else lambda f: _owned(f, own)
+        unread = {"writes": writes, "returns": returns}
+        return _owned(text, own, unread) if text is not None else lambda f: _owned(f, own, unread)
     if text is None:
         return lambda f: _ruled(*_named(f), _parameters(f), partials, **keywords)
     try:
@@ -94,14 +96,14 @@ def rule(text: Any = None, *, adjoint: Any = None, tangent: Any = None, forward:
     return _ruled(path, _named(path)[1], parameters, partials, **keywords)
 
 
-def _owned(function: Any, own: dict[str, Any]) -> Any:
-    """Registers a derivative of its own for a function that is read."""
+def _owned(function: Any, own: dict[str, Any], unread: dict[str, Any]) -> Any:
+    """Registers a derivative of its own for a function that is read, or that is called as it is."""
     value = _named(function)[1] if isinstance(function, str) else function
     plain = python_function(value)
     if plain is None:
         raise _wrong(f"rule: a Python function is needed, not {value!r}", "wrap it in one")
     path = f"{plain.__module__}.{plain.__qualname__}"
-    found = Registered(path, plain, _named).own(own)
+    found = Registered(path, plain, _named).own(own, **unread)
     TABLE.give(ROOM + path, None)
     GIVEN.add(Given(path, value, plain, False, own=found))
     return value

@@ -48,7 +48,7 @@ from s2sad.simplify import Effect, Effects, Watch, simplify, unwatched
 from s2sad.simplify.dead import dead
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, Tuple, call_name, const,
-    copy, index, name, walk,
+    copy, index, name, stored_names, walk,
 )
 
 
@@ -152,6 +152,8 @@ class Units:
 
     def _prepared(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
         """The passes of `normalize` and `infer`, in order."""
+        if kernel.own is not None and "primal" in kernel.own.functions:
+            return self._unread(kernel, types, title)
         report = Report(kernel.source)
         names = Names()
         values = {**self.program.constants, **self.program.arrays}
@@ -197,6 +199,20 @@ class Units:
         once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
                     self._summary(tree, typing, kernel), guarded, once=once)
+
+    def _unread(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
+        """The unit of a function that is called as it is, of which is known what the user says."""
+        own, tree = kernel.own, kernel.tree
+        assert own is not None
+        parameters = [p.id for p in tree.args.args]
+        given = dict(zip(parameters, types))
+        results = (FLOAT,) * own.returns
+        table = {**given, **{n: FLOAT for n in stored_names(tree.body)}}
+        typing = Typing(table, self.call_types, Report(kernel.source), {})
+        edges = own_edges(given, results, set(own.writes), [], self.solved_by(kernel))
+        summary = Summary(tuple(k for k, p in enumerate(parameters) if p in own.writes), results, {}, tuple(edges), True)
+        return Unit(kernel, title, types, tree, typing, {}, Names(table), tree, structure(tree, typing), summary,
+                    once=True)
 
     def apart(self, typing: Typing) -> Typing:
         """A table of types of its own."""

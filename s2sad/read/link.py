@@ -64,15 +64,20 @@ class Linker:
         captured = function.handle.captured() if isinstance(function.handle, FileFunction) else capture(function.handle)
         report = Report(captured.source)
         self.reports.append(report)
-        fence.check(captured.tree, report)
-        if fence.opaque(captured.tree) and not isinstance(captured.tree, tree.FunctionDef):
-            return
-        resolved = resolve(captured, report, self.identify)
+        own = None if isinstance(function.handle, FileFunction) else GIVEN.own(function.handle)
+        if own is not None:
+            _reached(own, captured, report)
+        if own is not None and "primal" in own.functions:
+            resolved = unread(captured, own)
+        else:
+            fence.check(captured.tree, report)
+            if fence.opaque(captured.tree) and not isinstance(captured.tree, tree.FunctionDef):
+                return
+            resolved = resolve(captured, report, self.identify)
         defaults = _defaults(captured, report)
         callers = [*callers, function]
         for callee, node in resolved.calls:
             self._call(callee, node, callers, report)
-        own = None if isinstance(function.handle, FileFunction) else GIVEN.own(function.handle)
         residual = None if own is None or own.residual is None else live_meaning("residual", own.residual)
         if isinstance(residual, Function):
             self._call(residual, header_of(captured.tree), callers, report)
@@ -115,6 +120,29 @@ class Linker:
 
 def _position(diagnostic: Any) -> tuple[int, int]:
     return (diagnostic.span.line, diagnostic.span.column) if diagnostic.span else (0, 0)
+
+
+def _reached(own: Own, captured: Captured, report: Report) -> None:
+    """Reports what a generated file could not import of a user's own derivative."""
+    for what, given in own.functions.items():
+        if not given.reachable():
+            module, _, last = given.path.rpartition(".")
+            report.error("S201", f"'{own.title}' has a derivative of its own, but 'from {module} import {last}' does not "
+                         f"give its {what}", header_of(captured.tree), help="define it at module level, and register it "
+                         "again when it was defined anew")
+
+
+def unread(captured: Captured, own: Own) -> Resolved:
+    """What stands for a function that is called as it is: a call of it, and no more."""
+    parameters = [p for _, p in own.roles["primal"]]
+    called = tree.call(own.name("primal"), *map(tree.name, parameters))
+    results = [f"result_{k}" for k in range(own.returns)]
+    names = [tree.name(r) for r in results]
+    body: list[AST] = [tree.Expr(called)] if not results else [
+        tree.assign(names[0] if len(names) == 1 else tree.tuple_of(*names), called),
+        tree.Return(names[0] if len(names) == 1 else tree.tuple_of(*names))]
+    definition = tree.function(captured.tree.name, parameters, [tree.at(s, header_of(captured.tree)) for s in body])
+    return Resolved(tree.at(definition, captured.tree), tuple(parameters), frozenset({*parameters, *results}))
 
 
 def called_once(program: Program) -> Program:

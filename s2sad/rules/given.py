@@ -57,7 +57,8 @@ class Said:
 class Own:
     """A user's own derivative of the function `title`, which is read: `functions` of the user's by what they do ("adjoint",
     "tangent", "forward", "reverse", "solver"), or the `residual` that the function makes zero, with the name of the
-    `solver` of the linear system.
+    `solver` of the linear system. A function that is called as it is, and not read, is among them as "primal"; it
+    `writes` these arguments and `returns` so many floats.
 
     `roles` says of each parameter of a function what it is: ("primal", its name), ("shadow", its primal's name),
     ("seed", its own name) or ("kept", ""); `texts` has what the text of each says, where it is known.
@@ -68,6 +69,8 @@ class Own:
     texts: Mapping[str, Said]
     residual: Any = None
     solver: str = ""
+    writes: tuple[str, ...] = ()
+    returns: int = 0
 
     def name(self, what: str) -> str:
         """The name in trees of one of the functions."""
