@@ -14,7 +14,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.read.capture import capture, python_function
 from s2sad.rules.given import Given, Own, Said
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, Constant, FunctionDef, Name, Return, Subscript, Tuple, walk,
+    AST, Assign, Attribute, AugAssign, Constant, FunctionDef, Name, Return, Slice, Subscript, Tuple, indices, walk,
 )
 
 Role = tuple[str, str]
@@ -32,8 +32,8 @@ class Registered:
         self.parameters = self.plain_parameters(function, path)
 
     def own(self, given: dict[str, Any], writes: Any = None, returns: int | None = None) -> Own:
-        """The derivative: `given` has what stands behind adjoint=, tangent=, forward=, reverse=, implicit=, solver=. With
-        `writes` or `returns` the function is not read."""
+        """The derivative: `given` has what stands behind adjoint=, tangent=, forward=, reverse=, implicit=, solver=.
+        With `writes` or `returns` the function is not read."""
         given = {what: value for what, value in given.items() if value is not None}
         self.together(given)
         solver, residual = given.pop("solver", "dense" if "implicit" in given else ""), given.pop("implicit", None)
@@ -48,6 +48,10 @@ class Registered:
         texts = {what: said(g.plain) for what, g in functions.items()}
         if writes is not None or returns is not None:
             functions["primal"] = self.function_of("primal", self.function)
+            stored = sorted(said(functions["primal"].plain).stores - set(self.written(writes)))
+            if stored:
+                raise self.wrong(f"it writes its argument '{stored[0]}', which writes= does not name",
+                                 f"name it, or write `{stored[0]} = {stored[0]} + 1.0` in place of `+=`")
             roles["primal"] = tuple(("primal", p) for p in self.parameters)
         return Own(self.path.rpartition(".")[2], functions, roles, texts, residual,
                    solver if isinstance(solver, str) else "", self.written(writes), self.returned(returns))
@@ -91,8 +95,9 @@ class Registered:
         taken = self.plain_parameters(function, path)
         others = [p for p in taken[1:] if p not in self.parameters]
         if not taken or len(taken) > 1 and others:
-            raise self.wrong(f"the residual '{path}' takes {', '.join(taken) or 'nothing'}", "its first parameter is the "
-                             f"solution, or the array that it fills; the others are of {', '.join(self.parameters)}")
+            raise self.wrong(f"the residual '{path}' takes {', '.join(taken) or 'nothing'}", "its first parameter is "
+                             "the solution, or the array that it fills; the others are of "
+                             f"{', '.join(self.parameters)}")
         return python_function(function) or function
 
     def plain_parameters(self, function: Any, path: str) -> tuple[str, ...]:
@@ -158,13 +163,20 @@ def said(function: Any) -> Said:
     last = [v.elts[-1] if isinstance(v, Tuple) and v.elts else v for v in returns if v is not None]
     kept = [e for v in last for e in (v.elts if isinstance(v, Tuple) else [v])]
     return Said(frozenset(n.id for n in walk(definition.body) if isinstance(n, Name)), frozenset(written(definition)),
-                tuple(map(_count, returns)), frozenset(e.id for e in kept if isinstance(e, Name)))
+                tuple(map(_count, returns)), frozenset(b for b in map(_kept, kept) if b))
 
 
 def _count(value: AST | None) -> int:
     if value is None or isinstance(value, Constant) and value.value is None:
         return 0
     return len(value.elts) if isinstance(value, Tuple) else -1
+
+
+def _kept(value: AST) -> str | None:
+    """The name of the array that a value is, all of it or a slice."""
+    if isinstance(value, Subscript) and not any(isinstance(s, Slice) for s in indices(value)):
+        return None
+    return _base(value)
 
 
 def written(definition: FunctionDef) -> list[str]:
@@ -176,7 +188,7 @@ def written(definition: FunctionDef) -> list[str]:
     for node in walk(definition.body):
         stored = getattr(node, "targets", None) or [getattr(node, "target", None)]
         places = [t for t in stored if isinstance(t, Subscript) or isinstance(node, AugAssign)]
-        found.update({b: None for b in map(_base, places) if b in parameters - rebound})
+        found.update({b: None for b in map(_base, places) if b is not None and b in parameters - rebound})
     return list(found)
 
 

@@ -49,28 +49,54 @@ def rule(text: Any = None, *, adjoint: Any = None, tangent: Any = None, forward:
          implicit: Any = None, solver: Any = None, writes: Any = None, returns: int | None = None,
          domain: Mapping[str, tuple[float, float]] | None = None,
          singular: tuple[str, ...] | None = None, kink: str = "", check: bool = True, **partials: str) -> Any:
-    """Gives a function of numbers its partial derivatives, expressions over its parameters and `y`, the result.
+    """Gives a function a derivative of the user's own, in one of four ways.
 
+    **Partials**, of a function of numbers: expressions over its parameters and `y`, the result.
     `rule("scipy.special.erf(x)", x="2 / math.sqrt(math.pi) * math.exp(-x * x)")`, or as a decorator above a function's
     definition, `@rule(x="...", a="...")`; it then gives the function back, else the function that the name means. The
     function takes floats and returns one float; a kernel may call it with arrays where it works number by number.
-
-    Args: domain, (low, high) for each parameter, where the partials are compared with differences ((-2, 2) where
+    domain, (low, high) for each parameter, where the partials are compared with differences ((-2, 2) where
     nothing is said); check, False if a partial is not the derivative, on purpose; singular, the parameters whose
     partial can be infinite, so that a zero seed contributes zero (default: those that divide by more than a number);
     kink, what `explain` says where it is not smooth.
     A partial may call functions of numpy and math, others by their dotted name, and functions of the module of the
     function. Parameters cannot be called as these arguments are, nor `y`.
-    Raises S2sadError: S302 for a function that cannot be imported, for names that are unknown or missing, and for
-    values that differences contradict; S407, where it is called, if Numba cannot compile it.
 
-    >>> import s2sad
-    >>> found = s2sad.rule("statistics.fmean(x)", x="2.0")
-    Traceback (most recent call last):
-    ...
-    s2sad.diagnostics.S2sadError: error[S302]: rule for 'statistics.fmean': it cannot be called with 1 float
-      note: TypeError: 'float' object is not iterable
-      help: it must take floats and return a float; check=False registers the rule unchecked
+    **An adjoint**, of a function that may write its arrays: `@rule(adjoint=f_adjoint)`, `rule(f, adjoint=f_adjoint)`.
+    It takes the parameters of f by their names and in their order, each float array followed by its shadow (`u_bar`),
+    and then the seed of each float result: `result_bar`, or of several `result_0_bar`, `result_1_bar`, ... by their
+    number. On entry a shadow holds the adjoint of what f leaves in the array, on exit of what f found there; arrays
+    hold what f found, and the adjoint may write those that f writes. It returns the adjoints of f's float numbers, in
+    order: nothing, a number, or a tuple. `tangent=f_tangent` is called in place of f: `u_dot` follows every float,
+    numbers too, and it returns what f returns and then the tangents of the float results.
+
+    **In two halves**, `forward=` and `reverse=`: the first takes f's parameters, does what f does, and returns (what f
+    returns, kept), or kept alone where f returns nothing; the second is an adjoint that takes kept before all else.
+    What is kept may be a number, an array, or a tuple of such, for NumPy anything; not an argument itself.
+
+    **A residual** that f makes zero, `implicit=residual`: of f(x0, p), which returns a number x, residual(x, p) returns
+    a float; of f(x, p), which solves for the array x in place, residual(r, x, p) fills r. Its other parameters are f's,
+    by name; what f takes beside them has no influence. The derivative is one linear solve at what f found. solver:
+    "dense", which makes the matrix; "cg", for symmetric positive definite ones, and "gmres", without a matrix; or a
+    function solver(product, b, operands) that returns x with product(x, operands) equal to b.
+
+    f itself is read like any other function, unless writes= (the parameters that it writes) or returns= (how many
+    floats) are given: then it is called as it is. It must give the same for the same arguments.
+    Raises S2sadError: S302 for a function that cannot be imported, for names that are unknown or missing, and for
+    values that differences contradict; where it is called S301, for what its derivative does not give, and S407, if
+    Numba cannot compile it.
+
+    >>> import sys, numpy as np, s2sad
+    >>> def energy_adjoint(u, u_bar, k, result_bar):
+    ...     u_bar += k * u * result_bar
+    ...     return 0.5 * np.sum(u * u) * result_bar
+    >>> @s2sad.rule(adjoint=energy_adjoint)
+    ... def energy(u, k):
+    ...     return 0.5 * k * np.sum(u * u)
+    >>> sys.modules[__name__].energy_adjoint = energy_adjoint    # where a generated file imports it from
+    >>> found = s2sad.gradient(s2sad.differentiate(energy, engine="numpy"))(np.array([1.0, 2.0]), 3.0)
+    >>> found["u"].tolist(), found["k"]
+    ([3.0, 6.0], 2.5)
     """
     own = {"adjoint": adjoint, "tangent": tangent, "forward": forward, "reverse": reverse, "implicit": implicit,
            "solver": solver}

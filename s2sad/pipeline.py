@@ -142,8 +142,8 @@ def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:
 
 
 def facts(derived: Derived, request: Request, units: Units) -> dict[str, Any]:
-    """What wrappers and reports ask of a derivative: which of `wrt` no output depends on, all that was made, and whether
-    functions are handed to functions, which Numba does not keep on disk."""
+    """What wrappers and reports ask of a derivative: which of `wrt` no output depends on, all that was made, and
+    whether functions are handed to functions, which Numba does not keep on disk."""
     active = derived.activity.active
     moving = any(d.unit.kernel.residual and d.beside for d in units.derived.values())
     return {"independent": tuple(w for w in request.wrt if w not in active), "derived": derived, "units": units,

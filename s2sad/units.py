@@ -19,11 +19,12 @@ from s2sad.diagnostics import Report
 from s2sad.differentiate.adjoint import Made, Wanted, adjoint
 from s2sad.differentiate.arithmetic import scalar_choices
 from s2sad.differentiate.calls import Callee, Pattern, call_uses, is_kernel_call, pattern
-from s2sad.differentiate.own import Owner, own_adjoint, own_edges, own_forward, own_tangent
+from s2sad.differentiate.own import Owner, own_edges
+from s2sad.differentiate.owned import owned
 from s2sad.differentiate.tangent import tangent
 from s2sad.infer.infer import Typing, infer
-from s2sad.differentiate.implicit import Implicit, Residual, solution_of, wrong_implicit
-from s2sad.infer.types import FLOAT, UNKNOWN, Type
+from s2sad.differentiate.implicit import Residual, solution_of, wrong_implicit
+from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
@@ -207,10 +208,11 @@ class Units:
         parameters = [p.id for p in tree.args.args]
         given = dict(zip(parameters, types))
         results = (FLOAT,) * own.returns
-        table = {**given, **{n: FLOAT for n in stored_names(tree.body)}}
+        table = {**given, **dict.fromkeys(stored_names(tree.body), FLOAT)}
         typing = Typing(table, self.call_types, Report(kernel.source), {})
         edges = own_edges(given, results, set(own.writes), [], self.solved_by(kernel))
-        summary = Summary(tuple(k for k, p in enumerate(parameters) if p in own.writes), results, {}, tuple(edges), True)
+        written = tuple(k for k, p in enumerate(parameters) if p in own.writes)
+        summary = Summary(written, results, {}, tuple(edges), True)
         return Unit(kernel, title, types, tree, typing, {}, Names(table), tree, structure(tree, typing), summary,
                     once=True)
 
@@ -385,42 +387,15 @@ class Units:
 
     def _own(self, mode: str, unit: Unit, wanted: Wanted, title: str) -> Derived:
         """The derivative that calls the user's."""
-        owner, reverse, residual = unit.owner, mode == "adjoint", self.residual(unit)
-        pair = reverse and "forward" in owner.own.functions
-        beside: tuple[FunctionDef, ...] = ()
-        if residual is not None:
-            product = self.titles.fresh(f"{unit.title}_{'transposed' if reverse else 'linear'}")
-            implicit = Implicit(owner, residual, wanted, title, "bar" if reverse else "dot", product)
-            made, beside = implicit.adjoint() if reverse else implicit.tangent()
-        else:
-            made = own_adjoint(owner, wanted, title) if reverse else own_tangent(owner, wanted, title)
-        if pair and unit.title not in self.forwards:
-            beside = (own_forward(owner, self.titles.fresh(f"{unit.title}_forward")),)
-        order = list(owner.types)
-        read = owner.reads(mode) if residual is None else {p for p in owner.types if p in residual.parameters}
-        written = owner.written if not reverse else owner.written & read if residual is None else frozenset()
-        types = {**owner.types, **{s: owner.types[p] for p, s in made.shadows.items()}}
-        for name_, _, primal in made.parameters:
-            types.setdefault(name_, owner.results[int(primal.split()[1])] if primal.startswith("return ") else UNKNOWN)
-        names = [n for n, _, _ in made.parameters]
-        shadows = {made.shadows[p]: p for p in made.shadows if made.shadows[p] in names}
-        arrays = frozenset(k for k, n in enumerate(names) if types[n].is_array)
-        self.effects.table[title] = Effect(
-            frozenset(k for k in arrays if names[k] in shadows or names[k] in read),
-            frozenset(k for k in arrays if names[k] in shadows or names[k] in written), True, arrays)
-        for function in beside if pair else ():
-            plain = self.effects.table[unit.title]
-            self.effects.table[function.name] = Effect(plain.arrays, plain.writes, plain.pure, plain.arrays)
-            self.forwards[unit.title] = f"user.{function.name}"
-        callee = Callee(
-            f"user.{title}", tuple(order.index(p) for p in shadows.values()),
-            tuple(int(o.split()[1]) for o in wanted.of if o.startswith("return ")),
-            tuple(order.index(p) for p in wanted.wrt if owner.types[p].is_number),
-            tuple(k for k, p in enumerate(order) if p in read), tuple(k for k, p in enumerate(order) if p in written),
-            self.forwards[unit.title] if pair else "", len(owner.results), residual is not None,
-            tuple(int(p.split()[1]) for _, role, p in made.parameters if role == "value"))
-        return Derived(callee, made.function, made, unit, self.activity(unit, wanted), types, wanted,
-                       Plan() if reverse else None, beside)
+        made = owned(unit.owner, self.residual(unit), mode, wanted, title, self.forwards.get(unit.title, ""),
+                     self.titles.fresh)
+        self.effects.table[title] = Effect(made.reads, made.writes, True, made.arrays)
+        if made.callee.forward:
+            plain, half = self.effects.table[unit.title], made.callee.forward.partition(".")[2]
+            self.forwards[unit.title] = half
+            self.effects.table[half] = Effect(plain.arrays, plain.writes, plain.pure, plain.arrays)
+        return Derived(made.callee, made.made.function, made.made, unit, self.activity(unit, wanted), made.types,
+                       wanted, Plan() if mode == "adjoint" else None, made.beside)
 
     def residual(self, unit: Unit) -> Residual | None:
         """The residual of an implicit function, for its types; None for any other function."""

@@ -23,6 +23,7 @@ from s2sad.rules.given import GIVEN, Given
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
 from s2sad.run.given import given_of, held_to_numbers, uncompiled
 from s2sad.run.load import load
+from s2sad.run.own import looked_at
 from s2sad.run.overlap import Check, Slot
 from s2sad.watch import Watch
 
@@ -249,6 +250,8 @@ class Variant:
         moving = bool(given) or generated.facts.get("moving", False)
         module = (compiled(generated.text, generated.entry, plain=plain, given=moving) if engine == "numba"
                   else held_to_numbers(load(generated.text, generated.entry, own=bool(given)), given))
+        if engine == "numpy" and "units" in generated.facts:
+            looked_at(module, generated.facts["units"])
         stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
         self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
         self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)

@@ -1,7 +1,6 @@
 """Adjoints, tangents and residuals of the user's own, for functions that are read."""
 from __future__ import annotations
 
-import sys
 
 import numpy as np
 import pytest

@@ -37,8 +37,8 @@ class Shift:
 @dataclass
 class Plan:
     """The table. Keys are ids of statements and blocks of the function that was analysed; `resized` are the allocations
-    in loops whose arrays the reverse sweep binds again, `after` the statements whose adjoints run in the state that they
-    leave."""
+    in loops whose arrays the reverse sweep binds again, `after` the statements whose adjoints run in the state that
+    they leave."""
     rerun: frozenset[int] = frozenset()
     values: dict[str, Value] = field(default_factory=dict)
     recorded: dict[str, Value] = field(default_factory=dict)

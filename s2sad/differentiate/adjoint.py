@@ -20,15 +20,16 @@ from s2sad.analyze.resized import escapes, own_loops
 from s2sad.analyze.structure import Structure
 from s2sad.analyze.uses import owns_result
 from s2sad.differentiate.arithmetic import Term
-from s2sad.differentiate.calls import EMPTY, POP, PUSH, Derive, is_kernel_call, pattern
+from s2sad.differentiate.calls import Derive, is_kernel_call, pattern
 from s2sad.differentiate.counting import Counting
 from s2sad.differentiate.expression import Pullback
+from s2sad.differentiate.halves import Halves
 from s2sad.differentiate.resize import empty_at_first
 from s2sad.differentiate.sweeps import Sweeps
 from s2sad.differentiate.tape import Tape
 from s2sad.infer.shapes import shapes_of
 from s2sad.infer.slices import scattered
-from s2sad.infer.types import UNKNOWN, Type
+from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import (
@@ -46,13 +47,6 @@ class Wanted:
     wrt: tuple[str, ...]
     of: tuple[str, ...]
     with_primal: bool = False
-
-
-@dataclass(frozen=True)
-class Kept:
-    """What a first half keeps: the list that it lies on, and its name."""
-    stack: str
-    value: str
 
 
 @dataclass
@@ -81,9 +75,9 @@ class _Adjoint:
         self.scopes: dict[int, list[str]] = {}
         self.tape = Tape(structure, self.typing, free, plan.rerun, Counting(structure, plan, free))
         self.shapes = shapes_of(structure.function, self.typing)
-        self.kept: dict[int, Kept] = {}
+        self.halves = Halves(self.typing, self.active, free, derive)
         self.sweeps = Sweeps(structure, plan, self.tape, free, self.statement, self.zeros, self.shapes, family,
-                             self.first_half)
+                             self.halves.first)
         self.pullback = Pullback(self.typing, self.active, free, self.bind, self.shapes)
         self.parameters = [p.id for p in structure.function.args.args]
         self.written = {base_name(t) for s in walk(structure.function.body) if isinstance(s, (Assign, AugAssign))
@@ -111,7 +105,7 @@ class _Adjoint:
         if self.wanted.with_primal:
             closing = [Return(tuple_of(self.primal_result(), *values))]
         zeros = [assign(self.shadow(p), const(0.0)) for p in returned if p not in self.active]
-        body = [comment("forward sweep"), *(assign(k.stack, call(EMPTY)) for k in self.kept.values()), *forward, comment(REVERSE), *zeros, *reverse, *last, *closing]
+        body = [comment("forward sweep"), *self.halves.stacks(), *forward, comment(REVERSE), *zeros, *reverse, *last, *closing]
         made = function(title, [n for n, _, _ in signature], body)
         return Made(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + returned,
                     self.tape)
@@ -304,9 +298,8 @@ class _Adjoint:
         args += [name(self.shadow(bound[k])) for k in callee.seeds]
         made: list[AST] = []
         if callee.forward:
-            kept = self.kept_of(statement)
-            made.append(assign(kept.value, call(POP, name(kept.stack))))
-            args.append(name(kept.value))
+            made.append(self.halves.popped(statement))
+            args.append(name(self.halves.kept(statement).value))
         returned = [self.free.fresh("gain") for _ in callee.returns]
         for held, position in zip(returned, callee.returns):
             self.typing.table[held] = self.typing.of(statement.value.args[position])
@@ -317,30 +310,3 @@ class _Adjoint:
         for held, position in zip(returned, callee.returns):
             made.append(augment(self.place(statement.value.args[position]), Add(), name(held)))
         return made
-
-    # -- adjoints in two halves --------------------------------------------------------------------------------------
-
-    def kept_of(self, statement: AST) -> Kept:
-        """The names for what the first half of a call's adjoint keeps."""
-        if id(statement) not in self.kept:
-            made = Kept(self.free.fresh("kept_stack"), self.free.fresh("kept"))
-            self.typing.table[made.stack] = self.typing.table[made.value] = UNKNOWN
-            self.kept[id(statement)] = made
-        return self.kept[id(statement)]
-
-    def first_half(self, statement: AST) -> list[AST]:
-        """The call of a first half, and the push of what it keeps; nothing for any other statement."""
-        if not is_kernel_call(statement):
-            return []
-        wanted = pattern(statement, self.typing, self.active)
-        callee = self.derive(wanted) if wanted.arguments or wanted.results else None
-        if callee is None or not callee.forward:
-            return []
-        kept = self.kept_of(statement)
-        held = [*map(copy, targets(statement)), name(kept.value)]
-        if len(held) <= callee.results:                 # the call's results are not bound
-            held = [*(name(self.free.fresh("unread")) for _ in range(callee.results)), *held]
-            self.typing.table.update({t.id: UNKNOWN for t in held})
-        called = call(callee.forward, *map(copy, statement.value.args))
-        return [assign(held[0] if len(held) == 1 else tuple_of(*held), called),
-                Expr(call(PUSH, name(kept.stack), name(kept.value)))]

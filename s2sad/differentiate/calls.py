@@ -27,9 +27,12 @@ class Pattern:
 @dataclass(frozen=True)
 class Callee:
     """A derivative that was made: its name, the positions with shadows, with seeds, and with returned adjoints;
-    `reads` and `writes` are the positions of arrays whose content it reads at its start, and overwrites. Of a user's
-    own adjoint `forward` is the name of its first half, which returns the `results` and one more, that the call takes
-    as its last argument; of an implicit function's the state is that which the function leaves (`after`), and it takes the results `values`."""
+    `reads` and `writes` are the positions of arrays whose content it reads at its start, and overwrites.
+
+    Of a user's own adjoint `forward` is the name of its first half, which returns the `results` and one more, that the
+    call takes as its last argument. An implicit function's sees the state that the function leaves (`after`), and takes
+    the results `values`.
+    """
     name: str
     shadows: tuple[int, ...]
     seeds: tuple[int, ...]

@@ -2,7 +2,7 @@
 
 Requires the function, as `Owner` has it, and derivatives of the residual; establishes a function that is called with
 the state that the function leaves. With R the residual, an adjoint solves (dR/dx)^T s = -x_bar and adds (dR/dp)^T s to
-p_bar; a tangent solves (dR/dx) x_dot = -(dR/dp) p_dot. (Griewank and Walther, Evaluating Derivatives, 2008, chapter 15.)
+p_bar; a tangent solves (dR/dx) x_dot = -(dR/dp) p_dot. (Griewank and Walther, Evaluating Derivatives, 2008, chap. 15.)
 
     def newton_adjoint(x, x_bar, p, p_bar):
         seed = dense(newton_transposed, -x_bar, (x, p))
@@ -109,7 +109,7 @@ class Implicit:
         free = Names([*self.operands, self.filled])
         vector, operands, filled = free.fresh("v"), free.fresh("operands"), free.fresh("residual")
         seed, gain = free.fresh(f"residual_{ending}"), free.fresh(f"{self.solution}_{ending}")
-        body = [assign(tuple_of(*map(name, self.operands)), name(operands)), assign(filled, self.zeros())]
+        body: list[AST] = [assign(tuple_of(*map(name, self.operands)), name(operands)), assign(filled, self.zeros())]
         if ending == "bar":
             body += [assign(seed, call("numpy.copy", name(vector))), assign(gain, self.zeros())]
         else:

@@ -66,7 +66,7 @@ class Owner:
         path, roles, ending = self.own.functions[what].path, self.own.roles[what], ENDINGS[what]
         for primal in (*wanted.wrt, *wanted.of):
             if primal.startswith("return "):
-                seed = self.seed(int(primal.split()[1]))
+                seed = self.seed(int(primal.removeprefix("return ")))
                 if ending == "bar" and ("seed", seed) not in roles:
                     return f"has an adjoint, '{path}', that takes no '{seed}', though what it returns is differentiated"
             elif (self.types[primal].is_array or ending == "dot") and ("shadow", primal) not in roles:

@@ -127,9 +127,9 @@ def _reached(own: Own, captured: Captured, report: Report) -> None:
     for what, given in own.functions.items():
         if not given.reachable():
             module, _, last = given.path.rpartition(".")
-            report.error("S201", f"'{own.title}' has a derivative of its own, but 'from {module} import {last}' does not "
-                         f"give its {what}", header_of(captured.tree), help="define it at module level, and register it "
-                         "again when it was defined anew")
+            report.error("S201", f"'{own.title}' has a derivative of its own, but 'from {module} import {last}' does "
+                         f"not give its {what}", header_of(captured.tree), help="define it at module level, and "
+                         "register it again when it was defined anew")
 
 
 def unread(captured: Captured, own: Own) -> Resolved:

@@ -55,10 +55,10 @@ class Said:
 
 @dataclass(frozen=True, eq=False)
 class Own:
-    """A user's own derivative of the function `title`, which is read: `functions` of the user's by what they do ("adjoint",
-    "tangent", "forward", "reverse", "solver"), or the `residual` that the function makes zero, with the name of the
-    `solver` of the linear system. A function that is called as it is, and not read, is among them as "primal"; it
-    `writes` these arguments and `returns` so many floats.
+    """A user's own derivative of the function `title`: `functions` of the user's by what they do ("adjoint", "tangent",
+    "forward", "reverse", "solver"), or the `residual` that the function makes zero, with the name of the `solver` of
+    the linear system. A function that is called as it is, and not read, is among them as "primal"; it `writes` these
+    arguments and `returns` so many floats.
 
     `roles` says of each parameter of a function what it is: ("primal", its name), ("shadow", its primal's name),
     ("seed", its own name) or ("kept", ""); `texts` has what the text of each says, where it is known.

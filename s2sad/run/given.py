@@ -15,7 +15,7 @@ from s2sad.read.link import header_of
 from s2sad.rules import constant_result
 from s2sad.rules.given import GIVEN, ROOM, Given
 from s2sad.tree import Call, call_name, walk
-from s2sad.units import Units
+from s2sad.units import Unit, Units
 
 
 def given_of(program: Program) -> tuple[Given, ...]:
@@ -75,24 +75,30 @@ def compilable(units: Units) -> None:
 def uncompiled(units: Units) -> S2sadError | None:
     """Which derivative of the user's own Numba cannot compile, at the function that it belongs to; None if it can
     compile all of them."""
-    numba = importlib.import_module("numba")
     for unit in units.made.values():
-        kept = None
-        for what, given in (unit.kernel.own.functions if unit.kernel.own is not None else {}).items():
-            if what == "solver":
-                continue
-            roles = unit.kernel.own.roles[what]
-            owner = unit.owner
-            types = [kept if role == "kept" else _numba_type(numba, owner.types[p] if p in owner.types else FLOAT)
-                     for role, p in roles]
-            reason, result = _tried(given, types)
-            kept = result[-1] if what == "forward" and isinstance(result, numba.types.BaseTuple) and unit.summary.results \
-                else result if what == "forward" else kept
-            if reason:
-                report = Report(unit.kernel.source)
-                report.error("S407", f"Numba cannot compile '{given.path}', the {what} of '{unit.kernel.own.title}'",
-                             header_of(unit.kernel.tree), help='engine="numpy" calls it as it is')
-                return S2sadError(*report.found)
+        what = None if unit.kernel.own is None else _uncompiled(unit)
+        if what is not None and unit.kernel.own is not None:
+            report, own = Report(unit.kernel.source), unit.kernel.own
+            report.error("S407", f"Numba cannot compile '{own.functions[what].path}', the {what} of '{own.title}'",
+                         header_of(unit.kernel.tree), help='engine="numpy" calls it as it is')
+            return S2sadError(*report.found)
+    return None
+
+
+def _uncompiled(unit: Unit) -> str | None:
+    """Which of the user's functions that belong to a unit Numba cannot compile, by what it does."""
+    numba, owner = importlib.import_module("numba"), unit.owner
+    kept = None
+    for what, given in owner.own.functions.items():
+        if what == "solver":
+            continue
+        types = [kept if role == "kept" else _numba_type(numba, owner.types.get(p, FLOAT))
+                 for role, p in owner.own.roles[what]]
+        fails, result = _tried(given, types)
+        if fails:
+            return what
+        if what == "forward":
+            kept = result[-1] if owner.results and isinstance(result, numba.types.BaseTuple) else result
     return None
 
 

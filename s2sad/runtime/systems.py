@@ -105,7 +105,7 @@ def _cycle(product, rest, operands, steps):
         basis[step + 1] = image / norm
     goal = np.zeros(used + 1, rest.dtype)
     goal[0] = start
-    weights = np.linalg.lstsq(projected[:used + 1, :used].copy(), goal, np.finfo(rest.dtype).eps)[0]
+    weights = np.linalg.lstsq(projected[:used + 1, :used].copy(), goal, float(np.finfo(rest.dtype).eps))[0]
     correction = np.zeros(rest.size, rest.dtype)
     for step in range(used):
         correction += weights[step] * basis[step]
