@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import s2sad
+from s2sad.run.compiled import _runtime
 from tests.derivatives import check_derivatives
 
 ENGINES = ("numpy", "numba")
@@ -320,17 +321,50 @@ def several(x, p, t):
     return total
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_implicit_functions(engine):
-    x = np.array([0.5, 0.6, 0.7])
-    check_derivatives(roots, (np.array([0.3, 0.5, 0.7]), 0.4), ("u", "a"), ("u", "return"), engine)
-    check_derivatives(several, (x, P, 0.4), ("x", "p", "t"), ("x", "return"), engine)
+def test_implicit_functions():
+    x, b = np.array([0.5, 0.6, 0.7]), np.array([[1.0, 2.0, 3.0], [-1.0, 0.5, 0.0]])
+    check_derivatives(roots, (np.array([0.3, 0.5, 0.7]), 0.4), ("u", "a"), ("u", "return"))
+    check_derivatives(several, (x, P, 0.4), ("x", "p", "t"), ("x", "return"))
+    check_derivatives(diffused, (0.0 * b, P, b), ("x", "p", "b"), ("x",))
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-def test_a_solver_without_a_matrix(engine):
-    x, b = np.zeros((2, 3)), np.array([[1.0, 2.0, 3.0], [-1.0, 0.5, 0.0]])
-    check_derivatives(diffused, (x, P, b), ("x", "p", "b"), ("x",), engine)
+@s2sad.rule(implicit=coupled)
+def relaxed(x, p, t):
+    for _ in range(80):
+        for i in range(x.size):
+            x[i] -= (x[i] ** 3 + p[i] * x[i] - t - SHIFT[i]) / (3.0 * x[i] ** 2 + p[i])
+            if i:
+                x[i] -= 0.3 * x[i - 1] * p[i] / (3.0 * x[i] ** 2 + p[i])
+
+
+def compiled_too(x, p, t):
+    total, steps = root(1.0, 0.4, t, 50)
+    for _ in range(2):
+        relaxed(x, p, t + total)
+        total += 0.05 * np.sum(x * x) + 0.01 * steps
+    return total
+
+
+def test_implicit_functions_are_compiled():
+    pytest.importorskip("numba")
+    given, seeds = (np.array([0.5, 0.6, 0.7]), P, 0.4), {"x": np.array([1.0, -1.0, 2.0]), "return": 0.7}
+    found, expected = (s2sad.vjp(s2sad.differentiate(compiled_too, engine=e), given, seeds) for e in ENGINES)
+    for name, gradient in expected.items():
+        np.testing.assert_allclose(found[name], gradient, rtol=1e-12, atol=1e-14)
+
+
+def test_solvers_without_a_matrix_are_compiled():
+    numba = pytest.importorskip("numba")
+    product = numba.njit(lambda v, operands: np.dot(operands[0], v))
+    matrix, b = np.array([[2.0, 0.5], [0.5, 1.0]]), np.array([1.0, -3.0])
+    solvers = _runtime("s2sad.runtime.systems", True)
+
+    @numba.njit
+    def both_ways(matrix, b):
+        return cg(product, b, (matrix,)), gmres(product, b, (matrix,))
+    cg, gmres = solvers["cg"], solvers["gmres"]
+    for found in both_ways(matrix, b):
+        np.testing.assert_allclose(matrix @ found, b, rtol=1e-14)
 
 
 def test_the_iteration_has_the_same_derivative():
@@ -347,3 +381,451 @@ def test_the_iteration_has_the_same_derivative():
     through = s2sad.vjp(s2sad.differentiate(conjugate_gradients, engine="numpy"), (0.0 * b, P, b), {"x": b})
     for name in "pb":
         np.testing.assert_allclose(ours[name], through[name], rtol=1e-12)
+
+
+# -- functions that are not read ------------------------------------------------------------------------------------
+def smoothed_adjoint(v, v_bar, u, u_bar, width):
+    u_bar += np.convolve(v_bar, np.ones(width), "same") / width
+    v_bar[:] = 0.0
+
+
+@s2sad.rule(adjoint=smoothed_adjoint, writes="v")
+def smoothed(v, u, width):
+    v[:] = [float(x) for x in np.convolve(u, np.ones(width), "same") / width]
+
+
+def norms_adjoint(u, u_bar, result_0_bar, result_1_bar):
+    u_bar += u / np.linalg.norm(u) * result_0_bar + result_1_bar
+
+
+def norms_tangent(u, u_dot):
+    norm = float(np.linalg.norm(u))
+    return norm, float(sum(u)), float(u @ u_dot) / norm, float(sum(u_dot))
+
+
+@s2sad.rule(adjoint=norms_adjoint, tangent=norms_tangent, returns=2)
+def norms(u):
+    return float(np.linalg.norm(u)), float(sum(list(u)))
+
+
+def bare_system(r, x, p):
+    r[:] = x ** 3 + p * x - 1.0
+
+
+@s2sad.rule(implicit=bare_system, writes="x")
+def solved(x, p):
+    try:
+        for _ in range(100):
+            x -= (x ** 3 + p * x - 1.0) / (3.0 * x * x + p)
+    except ArithmeticError:
+        pass
+
+
+def of_what_is_not_read(u, p):
+    v = np.zeros(u.size)
+    smoothed(v, u, 3)
+    solved(p, v)
+    u[:] = v * p
+    a, b = norms(u)
+    return a * b
+
+
+def test_functions_that_are_not_read():
+    u = np.array([0.3, 0.5, 0.7])
+    report = s2sad.check(of_what_is_not_read, u, P, engine="numpy")
+    assert report and report.with_differences
+    check_derivatives(norms, (u,), ("u",), ("return",))
+    check_derivatives(solved, (P, u), ("x", "p"), ("x",))
+
+
+def test_check_compares_with_differences_and_names_what_parts():
+    report = s2sad.check(takes_wrong, U, engine="numpy")
+    assert str(report).splitlines()[1:] == [
+        "  adjoint with differences (dot product): PARTS, apart by 3.3e-01, 1e-06 allowed",
+        "  adjoints of the user's own, without tangents: tests.test_own_adjoints.wrong_adjoint"]
+    report = s2sad.check(takes_wrong_too, U, engine="numpy")
+    assert str(report).endswith(": return wrong_too(u) * 2.0") and not report.adjoint_holds and report.tangent_holds
+
+
+def wrong_adjoint(u, u_bar, result_bar):
+    u_bar += 4.0 * u * result_bar
+
+
+def right_tangent(u, u_dot):
+    return np.sum(u * u), 2.0 * np.sum(u * u_dot)
+
+
+@s2sad.rule(adjoint=wrong_adjoint)
+def wrong(u):
+    return np.sum(u * u)
+
+
+@s2sad.rule(adjoint=wrong_adjoint, tangent=right_tangent)
+def wrong_too(u):
+    return np.sum(u * u)
+
+
+def takes_wrong(u):
+    return wrong(u) * 2.0
+
+
+def takes_wrong_too(u):
+    return wrong_too(u) * 2.0
+
+
+# -- what is refused ------------------------------------------------------------------------------------------------
+TABLE = np.array([1.0, 2.0, 3.0])
+
+
+def no_p_adjoint(u, u_bar, p, t, result_bar):
+    u_bar += p * t * result_bar
+    return float(f"{np.sum(u * p) * result_bar:.17g}")
+
+
+@s2sad.rule(adjoint=no_p_adjoint)
+def no_p(u, p, t):
+    return np.sum(u * p) * t
+
+
+def spoils_p(u, u_bar, p, p_bar):
+    p[0] = 1.0
+    p_bar += u_bar
+    u_bar[:] = 0.0
+
+
+@s2sad.rule(adjoint=spoils_p)
+def copied(u, p):
+    u[:] = p
+
+
+def returns_none(u, u_bar, t):
+    u_bar[0] = 0.0
+
+
+@s2sad.rule(adjoint=returns_none)
+def placed(u, t):
+    u[0] = t
+
+
+def keeps_itself(u, t):
+    u[0] = t
+    return u[1:]
+
+
+def kept_reverse(kept, u, u_bar, t):
+    return u_bar[0]
+
+
+@s2sad.rule(forward=keeps_itself, reverse=kept_reverse)
+def placed_too(u, t):
+    u[0] = t
+
+
+def no_seed(x):
+    return 2.0
+
+
+@s2sad.rule(adjoint=no_seed)
+def twice(x):
+    return 2.0 * x
+
+
+def reads_table(u, u_bar, result_bar):
+    u_bar += TABLE * result_bar
+
+
+@s2sad.rule(adjoint=reads_table)
+def with_table(u):
+    return np.sum(u * TABLE)
+
+
+def writes_table(u):
+    TABLE[0] = u[0]
+    return with_table(u)
+
+
+def difference(r, x, p):
+    r[:] = x - p
+
+
+@s2sad.rule(implicit=difference)
+def with_work(x, p, work):
+    work[:] = p
+    x[:] = work
+
+
+def reads_work(u, p):
+    work = np.zeros(3)
+    with_work(u, p, work)
+    return u[0] + work[0]
+
+
+@s2sad.rule(implicit=difference)
+def changes_p(x, p):
+    p[0] = 1.0
+    x[:] = p
+
+
+def returns_p(x, p):
+    return p
+
+
+@s2sad.rule(implicit=returns_p)
+def no_filling(x, p):
+    x[:] = p
+
+
+def call_no_p(u, p):
+    return no_p(u, p, 2.0)
+
+
+def call_copied(u, p):
+    copied(u, p)
+
+
+def call_copied_on_itself(u, p):
+    copied(u, u)
+
+
+def call_placed(u, p):
+    placed(u, p[0])
+
+
+def call_placed_too(u, p):
+    placed_too(u, p[0])
+
+
+def call_twice(u, p):
+    return twice(u[0])
+
+
+def call_writes_table(u, p):
+    return writes_table(u)
+
+
+def call_changes_p(u, p):
+    changes_p(u, p)
+
+
+def call_no_filling(u, p):
+    no_filling(u, p)
+
+
+REFUSED = [
+    (call_no_p, "'no_p' has a derivative, 'tests.test_own_adjoints.no_p_adjoint', that takes no "
+     "shadow of 'p', which is differentiated"),
+    (call_copied, "'copied' has a derivative, 'tests.test_own_adjoints.spoils_p', that overwrites 'p', "
+     "which it does not write itself"),
+    (call_copied_on_itself, "'copied' is given one array twice, and writes it; no derivative of its own is for "
+     "that"),
+    (call_placed, "'placed' has a derivative, 'tests.test_own_adjoints.returns_none', that must "
+     "return the adjoint of t, for these arguments, and does not"),
+    (call_placed_too, "'placed_too' has a first half, 'tests.test_own_adjoints.keeps_itself', that "
+     "keeps 'u' itself, which may change: keep a copy"),
+    (call_twice, "'twice' has an adjoint, 'tests.test_own_adjoints.no_seed', that takes no 'result_bar', "
+     "though what it returns is differentiated"),
+    (call_writes_table, "'with_table' reads 'TABLE', an array of its module that is written; so may its "
+     "own derivative, too late"),
+    (reads_work, "'with_work' has a residual, 'difference', that gives no derivative of 'work', which is "
+     "differentiated"),
+    (call_changes_p, "'changes_p' overwrites 'p', which its residual, 'difference', reads"),
+    (call_no_filling, "'no_filling' has a residual, 'returns_p', that must return a float, or take an array that it "
+     "writes second"),
+]
+
+
+@pytest.mark.parametrize(("kernel", "message"), REFUSED, ids=[m for _, m in REFUSED])
+def test_what_a_derivative_does_not_give_is_refused_at_the_call(kernel, message):
+    seeds = {"u": np.ones(3)} if "call_" in kernel.__name__ and kernel(np.ones(3), np.ones(3)) is None else {
+        "return": 1.0}
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.vjp(s2sad.differentiate(kernel, engine="numpy"), (np.ones(3), np.full(3, 2.0)), seeds)
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.message) == ("S301", message)
+    assert found.span is not None and found.span.line == kernel.__code__.co_firstlineno + (
+        2 if kernel in (writes_table, reads_work) else 1) or kernel is call_writes_table
+
+
+def test_a_tangent_or_an_adjoint_that_is_not_there():
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.jvp(s2sad.differentiate(takes_wrong, engine="numpy"), (U,), {"u": U})
+    assert str(caught.value).partition("error")[2].splitlines()[0] == (
+        "[S301]: 'wrong' has no tangent of its own, only its adjoint")
+    with pytest.raises(s2sad.S2sadError, match="'only_tangent' has no adjoint of its own, only its tangent"):
+        s2sad.gradient(s2sad.differentiate(takes_only_tangent, engine="numpy"))(U)
+    assert s2sad.jvp(s2sad.differentiate(takes_only_tangent, engine="numpy"), (U,), {"u": U})["return"] == (
+        pytest.approx(4.0 * np.sum(U * U)))
+
+
+@s2sad.rule(tangent=right_tangent)
+def only_tangent(u):
+    return np.sum(u * u)
+
+
+def takes_only_tangent(u):
+    return only_tangent(u) * 2.0
+
+
+def test_what_numba_cannot_do_is_refused():
+    pytest.importorskip("numba")
+    with pytest.raises(s2sad.S2sadError, match="Numba cannot compile 'tests.test_own_adjoints.no_p_adjoint', the "
+                                               "adjoint of 'no_p'"):
+        s2sad.vjp(s2sad.differentiate(call_no_p, engine="numba"), (U, P), {"return": 1.0}, wrt="u")
+    with pytest.raises(s2sad.S2sadError, match="'reads_table' reads the array 'TABLE' of its module, whose content"):
+        s2sad.gradient(s2sad.differentiate(with_table, engine="numba"))(U)
+    np.testing.assert_array_equal(s2sad.gradient(s2sad.differentiate(with_table, engine="numpy"))(U), TABLE)
+
+
+def hidden_writes(u, u_bar, result_bar):
+    spoiled(u)
+    u_bar += result_bar
+
+
+def spoiled(u):
+    u[0] = 1.0
+
+
+@s2sad.rule(adjoint=hidden_writes)
+def summed(u):
+    return np.sum(u)
+
+
+def returned_array(u, u_bar, t, result_bar):
+    return u
+
+
+@s2sad.rule(adjoint=returned_array)
+def summed_too(u, t):
+    return np.sum(u) * t
+
+
+def keeps_a_view(u):
+    return np.sum(u), (1.0, np.reshape(u, (1, 3)))
+
+
+def of_a_view(kept, u, u_bar, result_bar):
+    u_bar += result_bar
+
+
+@s2sad.rule(forward=keeps_a_view, reverse=of_a_view)
+def summed_again(u):
+    return np.sum(u)
+
+
+def returns_an_array(u, u_bar, result_bar):
+    u_bar += result_bar
+
+
+@s2sad.rule(adjoint=returns_an_array, returns=1)
+def no_number(u):
+    return u + 1.0
+
+
+def squared(u):
+    return no_number(u) ** 2
+
+
+@pytest.mark.parametrize(("function", "given", "error", "message"), [
+    (summed, (U,), ValueError, "read-only"),
+    (summed_too, (U, 2.0), TypeError, "returned_array, the adjoint of summed_too, must return numbers, but returned"),
+    (summed_again, (U,), TypeError, "keeps_a_view keeps memory of its arguments, which may change: keep a copy"),
+    (squared, (U,), TypeError, "no_number, itself of no_number, must return numbers")])
+def test_what_is_seen_when_it_runs(function, given, error, message):
+    with pytest.raises(error, match=message):
+        s2sad.vjp(s2sad.differentiate(function, engine="numpy"), given, {"return": 1.0})
+
+
+def plain(u, n):
+    return u[0] * n
+
+
+def writing(u):
+    u[0] = 1.0
+    return 2.0
+
+
+def wrong_order(u, n, u_bar, result_bar):
+    return 0.0
+
+
+def wrong_name(v, v_bar, n, result_bar):
+    return 0.0
+
+
+def too_many(u, u_bar, n, result_bar, more):
+    return 0.0
+
+
+def good(u, u_bar, n, result_bar):
+    return 0.0
+
+
+def good_reverse(kept, u, u_bar, n, result_bar):
+    return 0.0
+
+
+def good_forward(u, n):
+    return u[0] * n, u[0]
+
+
+def strange_residual(x, y):
+    return x - y
+
+
+def starred(*u):
+    return 0.0
+
+
+ITSELF = "rule for 'tests.test_own_adjoints.plain': "
+WRONG = [
+    ({"adjoint": wrong_order}, "the adjoint 'tests.test_own_adjoints.wrong_order' has 'u_bar' where nothing more is "
+     "expected", "it takes u, n, each float array followed by its shadow '..._bar', and then the seeds, result_bar"),
+    ({"adjoint": wrong_name}, "the adjoint 'tests.test_own_adjoints.wrong_name' has 'v' where 'u' is expected",
+     "it takes u, n, each float array followed by its shadow '..._bar', and then the seeds, result_bar"),
+    ({"adjoint": too_many}, "the adjoint 'tests.test_own_adjoints.too_many' has 'more' where nothing more is expected",
+     "it takes u, n, each float array followed by its shadow '..._bar', and then the seeds, result_bar"),
+    ({"tangent": good}, "the tangent 'tests.test_own_adjoints.good' has 'u_bar' where 'n' is expected",
+     "it takes u, n, each float followed by its shadow '..._dot'"),
+    ({"forward": good_forward}, "forward= is given without reverse=",
+     "an adjoint in two halves has both; one that keeps nothing is adjoint="),
+    ({"forward": good_forward, "reverse": good}, "the reverse 'tests.test_own_adjoints.good' begins without a "
+     "parameter for what the first half kept", "it takes what was kept, then u, n, each float array followed by its "
+     "shadow '..._bar', and then the seeds, result_bar"),
+    ({"forward": good_forward, "reverse": good_reverse, "adjoint": good}, "adjoint= and forward= are two adjoints",
+     "give one of them"),
+    ({"solver": "cg", "adjoint": good}, "solver= is given without implicit=",
+     "a solver is for the linear system of a residual"),
+    ({"implicit": strange_residual}, "the residual 'tests.test_own_adjoints.strange_residual' takes x, y",
+     "its first parameter is the solution, or the array that it fills; the others are of u, n"),
+    ({"implicit": cubic, "solver": "lu"}, "solver='lu' is none of dense, cg, gmres", "or give a function that solves"),
+    ({"adjoint": "good"}, "adjoint='good' is no function", "give a function, or its dotted name"),
+    ({"adjoint": starred}, "the parameter 'u' of 'tests.test_own_adjoints.starred' is not positional",
+     "take plain positional parameters"),
+    ({"adjoint": good, "writes": "v"}, "writes= names v, which is no parameter of it", "its parameters are u, n"),
+    ({"adjoint": good, "returns": 1.0}, "returns=1.0 is no number of floats", "write 0, 1, 2, ..."),
+]
+
+
+@pytest.mark.parametrize(("given", "message", "help"), WRONG, ids=[m for _, m, _ in WRONG])
+def test_registration_says_what_is_wrong(given, message, help):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.rule(plain, **given)
+    assert str(caught.value) == f"error[S302]: {ITSELF}{message}\n  help: {help}"
+
+
+def test_registration_of_other_mistakes():
+    with pytest.raises(s2sad.S2sadError, match="rule: adjoint= does not go together with partials"):
+        s2sad.rule(plain, adjoint=good, u="1.0")
+    with pytest.raises(s2sad.S2sadError, match="rule: a Python function is needed, not <ufunc 'sin'>"):
+        s2sad.rule(np.sin, adjoint=good)
+    with pytest.raises(s2sad.S2sadError, match="it writes its argument 'u', which writes= does not name"):
+        s2sad.rule(writing, adjoint=wrong_adjoint, returns=1)
+    with pytest.raises(s2sad.S2sadError, match="there is no function 'no.such'"):
+        s2sad.rule(plain, adjoint="no.such")
+
+
+def test_a_derivative_that_cannot_be_imported_is_refused():
+    def local(u, u_bar, result_bar):
+        u_bar += result_bar
+    with pytest.raises(s2sad.S2sadError, match=r"'.*local' cannot be imported by name"):
+        s2sad.rule(writing, adjoint=local)

@@ -105,7 +105,8 @@ class _Adjoint:
         if self.wanted.with_primal:
             closing = [Return(tuple_of(self.primal_result(), *values))]
         zeros = [assign(self.shadow(p), const(0.0)) for p in returned if p not in self.active]
-        body = [comment("forward sweep"), *self.halves.stacks(), *forward, comment(REVERSE), *zeros, *reverse, *last, *closing]
+        body = [comment("forward sweep"), *self.halves.stacks(), *forward, comment(REVERSE), *zeros, *reverse, *last,
+                *closing]
         made = function(title, [n for n, _, _ in signature], body)
         return Made(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + returned,
                     self.tape)

@@ -1,5 +1,5 @@
-"""halves: calls whose adjoint a user gave in two halves. What the first keeps, of any type, lies on a list of the call's
-own, from which the second takes it.
+"""halves: calls whose adjoint a user gave in two halves. What the first keeps, of any type, lies on a list of the
+call's own, from which the second takes it.
 
     y = f(u, t)                     y, kept = f_forward(u, t)
                                     kept_stack.append(kept)

@@ -61,7 +61,7 @@ def wrong_implicit(owner: Owner, residual: Residual, wanted: Wanted) -> str:
                 "write and return nothing else")
     if not solution and (residual.written or len(residual.results) != 1 or not residual.results[0].is_number
                          or not residual.results[0].is_float):
-        return f"writes no array that its residual, '{residual.title}', takes second; then that returns one float"
+        return f"has {where} that must return a float, or take an array that it writes second"
     if not solution and len(owner.floats) != 1:
         return f"has {where} for one number, and must return one float, beside integers"
     if any(t.is_array for t in owner.results):

@@ -113,7 +113,7 @@ class Owner:
             text.mentions is None or p in text.mentions))
 
 
-Edge = tuple[int, "int | str"]
+Edge = tuple[int, int | str]
 
 
 def own_edges(types: Mapping[str, Type], results: tuple[Type, ...], written: Set[str], edges: list[Edge],
@@ -126,8 +126,9 @@ def own_edges(types: Mapping[str, Type], results: tuple[Type, ...], written: Set
     ends += [f"return {k}" for k, t in enumerate(results) if t.is_float]
     if residual is None:
         return [(a, b) for a, t in enumerate(types.values()) if t.is_float for b in ends]
-    array = len(residual) > 1 and residual[1] in written
-    solved = [order.index(residual[1])] if array else [e for e in ends if isinstance(e, str)]
+    second = residual[1] if len(residual) > 1 else ""
+    array = second in written
+    solved = [order.index(second)] if array else [e for e in ends if isinstance(e, str)]
     starts = [order.index(p) for p in residual[2 if array else 1:] if types[p].is_float]
     return [(a, b) for a, b in edges if b not in solved] + [(a, b) for a in starts for b in solved]
 
