@@ -160,10 +160,14 @@ def said(function: Any) -> Said:
     except S2sadError:
         return Said()
     returns = [n.value for n in walk(definition.body) if isinstance(n, Return)]
-    last = [v.elts[-1] if isinstance(v, Tuple) and v.elts else v for v in returns if v is not None]
-    kept = [e for v in last for e in (v.elts if isinstance(v, Tuple) else [v])]
+    kept = [e for v in returns if v is not None for e in _parts(v)]
     return Said(frozenset(n.id for n in walk(definition.body) if isinstance(n, Name)), frozenset(written(definition)),
                 tuple(map(_count, returns)), frozenset(b for b in map(_kept, kept) if b))
+
+
+def _parts(value: AST) -> list[AST]:
+    """What a value is made of, in tuples in tuples."""
+    return [e for item in value.elts for e in _parts(item)] if isinstance(value, Tuple) else [value]
 
 
 def _count(value: AST | None) -> int:

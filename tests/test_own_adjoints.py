@@ -332,9 +332,10 @@ def test_implicit_functions():
 def relaxed(x, p, t):
     for _ in range(80):
         for i in range(x.size):
-            x[i] -= (x[i] ** 3 + p[i] * x[i] - t - SHIFT[i]) / (3.0 * x[i] ** 2 + p[i])
+            r = x[i] ** 3 + p[i] * x[i] - t - SHIFT[i]
             if i:
-                x[i] -= 0.3 * x[i - 1] * p[i] / (3.0 * x[i] ** 2 + p[i])
+                r += 0.3 * x[i - 1] * p[i]
+            x[i] -= r / (3.0 * x[i] ** 2 + p[i])
 
 
 def compiled_too(x, p, t):

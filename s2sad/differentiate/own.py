@@ -101,7 +101,7 @@ class Owner:
             first, text = self.own.functions["forward"].path, self.own.texts["forward"]
             if self.results and not text.returns(2):
                 return f"has a first half, '{first}', that must return two things, the result and what is kept"
-            kept = sorted(n for n in text.last & set(self.types) if self.types[n].is_array)
+            kept = sorted(n for n in text.named & set(self.types) if self.types[n].is_array)
             if kept:
                 return f"has a first half, '{first}', that keeps '{kept[0]}' itself, which may change: keep a copy"
         return ""

@@ -36,12 +36,12 @@ class Given:
 @dataclass(frozen=True)
 class Said:
     """What the text of a user's derivative says: the names that it mentions (None if the text is not known), those
-    whose elements it stores to, how many values each return has (-1 where that cannot be seen), and which names stand
-    in the last of them."""
+    whose elements it stores to, how many values each return has (-1 where that cannot be seen), and which names it
+    returns."""
     mentions: frozenset[str] | None = None
     stores: frozenset[str] = frozenset()
     counts: tuple[int, ...] = ()
-    last: frozenset[str] = frozenset()
+    named: frozenset[str] = frozenset()
 
     def returns(self, count: int) -> bool:
         """Whether every return may have so many values; a single one also as a tuple."""
