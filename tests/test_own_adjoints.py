@@ -205,6 +205,9 @@ def test_what_is_kept_lies_on_a_list():
     text = s2sad.differentiate(halved, engine="numpy").adjoint_source(U, 0.5)
     assert "    result, kept = halved_own_forward(u, t)\n    kept_stack.append(kept)\n" in text
     assert "kept = kept_stack.pop()" in text
+    text = s2sad.differentiate(helper, engine="numpy").adjoint_source(U, 0.5)
+    assert "    kept_stack: what `halved(u, t)` keeps\n    kept_stack_2: what `return halved(u, t)` keeps\n" in text
+    assert "kept_stack: what `halved(u, t)` keeps" in str(s2sad.explain(helper, U, 0.5, engine="numpy"))
     assert s2sad.check(halved, U, 0.5, engine="numpy").with_differences
 
 
@@ -540,6 +543,19 @@ def with_table(u):
     return np.sum(u * TABLE)
 
 
+def table_forward(u):
+    return np.sum(u * TABLE), TABLE.copy()
+
+
+def table_reverse(kept, u, u_bar, result_bar):
+    u_bar += kept * result_bar
+
+
+@s2sad.rule(forward=table_forward, reverse=table_reverse)
+def with_table_too(u):
+    return np.sum(u * TABLE)
+
+
 def writes_table(u):
     TABLE[0] = u[0]
     return with_table(u)
@@ -674,7 +690,8 @@ def test_what_numba_cannot_do_is_refused():
         s2sad.vjp(s2sad.differentiate(call_no_p, engine="numba"), (U, P), {"return": 1.0}, wrt="u")
     with pytest.raises(s2sad.S2sadError, match="'reads_table' reads the array 'TABLE' of its module, whose content"):
         s2sad.gradient(s2sad.differentiate(with_table, engine="numba"))(U)
-    np.testing.assert_array_equal(s2sad.gradient(s2sad.differentiate(with_table, engine="numpy"))(U), TABLE)
+    for function in (with_table, with_table_too):
+        np.testing.assert_array_equal(s2sad.gradient(s2sad.differentiate(function, engine="numpy"))(U), TABLE)
 
 
 def hidden_writes(u, u_bar, result_bar):

@@ -51,12 +51,14 @@ class Wanted:
 
 @dataclass
 class Made:
-    """A derivative: the function, the shadow of every name, its parameters as (name, role, primal), its returns."""
+    """A derivative: the function, the shadow of every name, its parameters as (name, role, primal), its returns; the
+    lists of what a user's first halves keep, each with the call."""
     function: FunctionDef
     shadows: dict[str, str]
     parameters: list[tuple[str, str, str]] = field(default_factory=list)
     returns: list[str] = field(default_factory=list)
     tape: Tape | None = None
+    kept: list[tuple[str, AST]] = field(default_factory=list)
 
 
 def adjoint(structure: Structure, active: Activity, plan: Plan, wanted: Wanted, free: Names, derive: Derive,
@@ -109,7 +111,7 @@ class _Adjoint:
                 *closing]
         made = function(title, [n for n, _, _ in signature], body)
         return Made(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + returned,
-                    self.tape)
+                    self.tape, self.halves.lists())
 
     def primal_result(self) -> AST:
         last = self.structure.function.body[-1]

@@ -32,13 +32,14 @@ class Halves:
     def __init__(self, typing: Typing, active: frozenset[str], free: Names, derive: Derive):
         self.typing, self.active, self.free, self.derive = typing, active, free, derive
         self.made: dict[int, Kept] = {}
+        self.calls: dict[int, AST] = {}
 
     def kept(self, statement: AST) -> Kept:
         """The names for what the first half of a call's adjoint keeps."""
         if id(statement) not in self.made:
             made = Kept(self.free.fresh("kept_stack"), self.free.fresh("kept"))
             self.typing.table[made.stack] = self.typing.table[made.value] = UNKNOWN
-            self.made[id(statement)] = made
+            self.made[id(statement)], self.calls[id(statement)] = made, statement
         return self.made[id(statement)]
 
     def first(self, statement: AST) -> list[AST]:
@@ -66,3 +67,7 @@ class Halves:
     def stacks(self) -> list[AST]:
         """The statements that make the lists."""
         return [assign(k.stack, call(EMPTY)) for k in self.made.values()]
+
+    def lists(self) -> list[tuple[str, AST]]:
+        """The lists, each with its call."""
+        return [(kept.stack, self.calls[key]) for key, kept in self.made.items()]

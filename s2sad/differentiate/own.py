@@ -210,7 +210,7 @@ def own_adjoint(owner: Owner, wanted: Wanted, title: str) -> Made:
 def own_forward(owner: Owner, title: str) -> FunctionDef:
     """The first half of a pair: what the function returns, one by one, and what is kept."""
     parameters = list(owner.types)
-    called = call(owner.own.name("forward"), *map(name, parameters))
+    called = call(owner.own.name("forward"), *(name(p) for _, p in owner.own.roles["forward"]))
     if len(owner.results) < 2:
         return function(title, parameters, [Return(called)])
     free = Names(parameters)
