@@ -5,12 +5,13 @@ import inspect
 from collections.abc import Mapping
 from typing import Any
 
+from s2sad.adjoints import Registered, written
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.partials import Partials, dotted
 from s2sad.read.capture import capture, python_function
 from s2sad.rules.given import GIVEN, ROOM, Given, imported
 from s2sad.rules.rule import TABLE, Rule, divides, number
-from s2sad.tree import AST, Assign, Attribute, AugAssign, Call, Name, Subscript, expression, names, walk
+from s2sad.tree import Call, Name, expression, names
 
 __all__ = ["nondifferentiable", "rule"]
 
@@ -44,32 +45,68 @@ def nondifferentiable(function: Any = None, *, result: str = "float") -> Any:
     return value
 
 
-def rule(text: str | None = None, *, domain: Mapping[str, tuple[float, float]] | None = None,
+def rule(text: Any = None, *, adjoint: Any = None, tangent: Any = None, forward: Any = None, reverse: Any = None,
+         implicit: Any = None, solver: Any = None, writes: Any = None, returns: int | None = None,
+         domain: Mapping[str, tuple[float, float]] | None = None,
          singular: tuple[str, ...] | None = None, kink: str = "", check: bool = True, **partials: str) -> Any:
-    """Gives a function of numbers its partial derivatives, expressions over its parameters and `y`, the result.
+    """Gives a function a derivative of the user's own, in one of four ways.
 
+    **Partials**, of a function of numbers: expressions over its parameters and `y`, the result.
     `rule("scipy.special.erf(x)", x="2 / math.sqrt(math.pi) * math.exp(-x * x)")`, or as a decorator above a function's
     definition, `@rule(x="...", a="...")`; it then gives the function back, else the function that the name means. The
     function takes floats and returns one float; a kernel may call it with arrays where it works number by number.
-
-    Args: domain, (low, high) for each parameter, where the partials are compared with differences ((-2, 2) where
+    domain, (low, high) for each parameter, where the partials are compared with differences ((-2, 2) where
     nothing is said); check, False if a partial is not the derivative, on purpose; singular, the parameters whose
     partial can be infinite, so that a zero seed contributes zero (default: those that divide by more than a number);
     kink, what `explain` says where it is not smooth.
     A partial may call functions of numpy and math, others by their dotted name, and functions of the module of the
     function. Parameters cannot be called as these arguments are, nor `y`.
-    Raises S2sadError: S302 for a function that cannot be imported, for names that are unknown or missing, and for
-    values that differences contradict; S407, where it is called, if Numba cannot compile it.
 
-    >>> import s2sad
-    >>> found = s2sad.rule("statistics.fmean(x)", x="2.0")
-    Traceback (most recent call last):
-    ...
-    s2sad.diagnostics.S2sadError: error[S302]: rule for 'statistics.fmean': it cannot be called with 1 float
-      note: TypeError: 'float' object is not iterable
-      help: it must take floats and return a float; check=False registers the rule unchecked
+    **An adjoint**, of a function that may write its arrays: `@rule(adjoint=f_adjoint)`, `rule(f, adjoint=f_adjoint)`.
+    It takes the parameters of f by their names and in their order, each float array followed by its shadow (`u_bar`),
+    and then the seed of each float result: `result_bar`, or of several `result_0_bar`, `result_1_bar`, ... by their
+    number. On entry a shadow holds the adjoint of what f leaves in the array, on exit of what f found there; arrays
+    hold what f found, and the adjoint may write those that f writes. It returns the adjoints of f's float numbers, in
+    order: nothing, a number, or a tuple. `tangent=f_tangent` is called in place of f: `u_dot` follows every float,
+    numbers too, and it returns what f returns and then the tangents of the float results.
+
+    **In two halves**, `forward=` and `reverse=`: the first takes f's parameters, does what f does, and returns (what f
+    returns, kept), or kept alone where f returns nothing; the second is an adjoint that takes kept before all else.
+    What is kept may be a number, an array, or a tuple of such, for NumPy anything; not an argument itself.
+
+    **A residual** that f makes zero, `implicit=residual`: of f(x0, p), which returns a number x, residual(x, p) returns
+    a float; of f(x, p), which solves for the array x in place, residual(r, x, p) fills r. Its other parameters are f's,
+    by name; what f takes beside them has no influence. The derivative is one linear solve at what f found. solver:
+    "dense", which makes the matrix; "cg", for symmetric positive definite ones, and "gmres", without a matrix; or a
+    function solver(product, b, operands) that returns x with product(x, operands) equal to b.
+
+    f itself is read like any other function, unless writes= (the parameters that it writes) or returns= (how many
+    floats) are given: then it is called as it is. It must give the same for the same arguments.
+    Raises S2sadError: S302 for a function that cannot be imported, for names that are unknown or missing, and for
+    values that differences contradict; where it is called S301, for what its derivative does not give, and S407, if
+    Numba cannot compile it.
+
+    >>> import sys, numpy as np, s2sad
+    >>> def energy_adjoint(u, u_bar, k, result_bar):
+    ...     u_bar += k * u * result_bar
+    ...     return 0.5 * np.sum(u * u) * result_bar
+    >>> @s2sad.rule(adjoint=energy_adjoint)
+    ... def energy(u, k):
+    ...     return 0.5 * k * np.sum(u * u)
+    >>> sys.modules[__name__].energy_adjoint = energy_adjoint    # where a generated file imports it from
+    >>> found = s2sad.gradient(s2sad.differentiate(energy, engine="numpy"))(np.array([1.0, 2.0]), 3.0)
+    >>> found["u"].tolist(), found["k"]
+    ([3.0, 6.0], 2.5)
     """
+    own = {"adjoint": adjoint, "tangent": tangent, "forward": forward, "reverse": reverse, "implicit": implicit,
+           "solver": solver}
+    given = [what for what, value in own.items() if value is not None]
     keywords = {"domain": domain, "singular": singular, "kink": kink, "check": check}
+    if given and (partials or domain or singular or kink or not check):
+        raise _wrong(f"rule: {given[0]}= does not go together with partials", "give one of them")
+    if given:
+        unread = {"writes": writes, "returns": returns}
+        return _owned(text, own, unread) if text is not None else lambda f: _owned(f, own, unread)
     if text is None:
         return lambda f: _ruled(*_named(f), _parameters(f), partials, **keywords)
     try:
@@ -83,6 +120,19 @@ def rule(text: str | None = None, *, domain: Mapping[str, tuple[float, float]] |
         raise _wrong(f"rule: {text!r} is not a function's dotted name with its parameters",
                      "write \"scipy.special.erf(x)\", with different names, and not y, which is the result")
     return _ruled(path, _named(path)[1], parameters, partials, **keywords)
+
+
+def _owned(function: Any, own: dict[str, Any], unread: dict[str, Any]) -> Any:
+    """Registers a derivative of its own for a function that is read, or that is called as it is."""
+    value = _named(function)[1] if isinstance(function, str) else function
+    plain = python_function(value)
+    if plain is None:
+        raise _wrong(f"rule: a Python function is needed, not {value!r}", "wrap it in one")
+    path = f"{plain.__module__}.{plain.__qualname__}"
+    found = Registered(path, plain, _named).own(own, **unread)
+    TABLE.give(ROOM + path, None)
+    GIVEN.add(Given(path, value, plain, False, own=found))
+    return value
 
 
 def _ruled(path: str, function: Any, parameters: tuple[str, ...], partials: Mapping[str, str], *,
@@ -141,25 +191,9 @@ def _named(function: Any) -> tuple[str, Any]:
 def _written(function: Any) -> str | None:
     """A parameter that a function's text writes in place; None if there is none, or no text."""
     try:
-        definition = capture(function).tree
+        return next(iter(written(capture(function).tree)), None)
     except S2sadError:
         return None
-    parameters = {a.id for a in (*definition.args.posonlyargs, *definition.args.args, *definition.args.kwonlyargs)}
-    rebound = {t.id for n in walk(definition.body) if isinstance(n, Assign) for t in n.targets if isinstance(t, Name)}
-    for node in walk(definition.body):
-        stored = getattr(node, "targets", None) or [getattr(node, "target", None)]
-        places = [t for t in stored if isinstance(t, Subscript) or isinstance(node, AugAssign)]
-        found = [b for b in map(_base, places) if b in parameters - rebound]
-        if found:
-            return found[0]
-    return None
-
-
-def _base(place: AST) -> str | None:
-    """The name whose content a place is."""
-    while isinstance(place, (Subscript, Attribute)):
-        place = place.value
-    return place.id if isinstance(place, Name) else None
 
 
 def _given(path: str, function: Any, ruled: bool, reads: tuple[Given, ...] = ()) -> Given:

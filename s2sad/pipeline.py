@@ -75,15 +75,15 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
         return Generated(text, unit.title, parameters, ("result",))
     wanted = Wanted(request.wrt, expanded(request.of, unit), request.with_primal)
     derived = units.derive(request.mode, unit, wanted)
-    made = [d.function for d in units.derived.values()]
+    made = [f for d in units.derived.values() for f in (d.function, *d.beside)]
     found = facts(derived, request, units) | {"unshadowed": unshadowed(
         unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
 
     def final(d: Derived) -> FunctionDef:
         return in_loops(d, units) if request.level == "fast" and units.engine == "numba" else d.function
     functions = primal_functions(units, kernels_called(made, units)) + [
-        documented(with_origins(final(d), d.unit.kernel.source), d) for d in units.derived.values()
-        if d is not derived]
+        f for d in units.derived.values() for f in (
+            *d.beside, *([] if d is derived else [documented(with_origins(final(d), d.unit.kernel.source), d)]))]
     kept = kept_tape(derived, final(derived), units) if request.level == "fast" else None
     if kept is None:
         functions.append(with_origins(final(derived), unit.kernel.source))
@@ -147,6 +147,9 @@ def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:
 
 
 def facts(derived: Derived, request: Request, units: Units) -> dict[str, Any]:
-    """What wrappers and reports ask of a derivative: which of `wrt` no output depends on, and all that was made."""
+    """What wrappers and reports ask of a derivative: which of `wrt` no output depends on, all that was made, and
+    whether functions are handed to functions, which Numba does not keep on disk."""
     active = derived.activity.active
-    return {"independent": tuple(w for w in request.wrt if w not in active), "derived": derived, "units": units}
+    moving = any(d.unit.kernel.residual and d.beside for d in units.derived.values())
+    return {"independent": tuple(w for w in request.wrt if w not in active), "derived": derived, "units": units,
+            "moving": moving}

@@ -6,6 +6,7 @@ from typing import Any
 
 from s2sad.diagnostics import Source
 from s2sad.infer.types import Type
+from s2sad.rules.given import Own
 from s2sad.tree import FunctionDef
 
 
@@ -13,7 +14,8 @@ from s2sad.tree import FunctionDef
 class Kernel:
     """One user's function as read: its name in the program, its tree with resolved names, its source.
 
-    `parameters` in order; `defaults` by name (Python values); `annotations` by name (their text).
+    `parameters` in order; `defaults` by name (Python values); `annotations` by name (their text); `own` is the
+    derivative that the user gave it, `residual` the kernel that it makes zero, if it is an implicit function.
     """
     name: str
     tree: FunctionDef
@@ -21,6 +23,8 @@ class Kernel:
     parameters: tuple[str, ...]
     defaults: dict[str, Any] = field(default_factory=dict)
     annotations: dict[str, str] = field(default_factory=dict)
+    own: Own | None = None
+    residual: str = ""
 
 
 @dataclass(frozen=True)

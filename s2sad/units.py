@@ -14,14 +14,17 @@ from s2sad.analyze.plan import Plan, Question
 from s2sad.analyze.recorded import recorded
 from s2sad.analyze.resized import repeated
 from s2sad.analyze.structure import Structure, structure
-from s2sad.analyze.uses import Uses, uses
+from s2sad.analyze.uses import Uses, owns_result, uses
 from s2sad.diagnostics import Report
 from s2sad.differentiate.adjoint import Made, Wanted, adjoint
 from s2sad.differentiate.arithmetic import scalar_choices
-from s2sad.differentiate.calls import Callee, Pattern, call_uses, is_kernel_call
+from s2sad.differentiate.calls import Callee, Pattern, call_uses, is_kernel_call, pattern
+from s2sad.differentiate.own import Owner, own_edges
+from s2sad.differentiate.owned import owned
 from s2sad.differentiate.tangent import tangent
 from s2sad.infer.infer import Typing, infer
-from s2sad.infer.types import Type
+from s2sad.differentiate.implicit import Residual, solution_of, wrong_implicit
+from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
@@ -30,6 +33,7 @@ from s2sad.normalize.contracted import batched, contracted
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
+from s2sad.normalize.hidden import hidden_arrays
 from s2sad.normalize.inlined import Helpers, inlined, returned
 from s2sad.normalize.parts import parts
 from s2sad.normalize.pieces import pieces
@@ -45,8 +49,8 @@ from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects, Watch, simplify, unwatched
 from s2sad.simplify.dead import dead
 from s2sad.tree import (
-    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, call_name, const,
-    copy, index, name, walk,
+    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Name, Raise, Return, Subscript, call_name, const, copy,
+    index, name, stored_names, walk,
 )
 
 
@@ -75,6 +79,15 @@ class Unit:
     summary: Summary
     guarded: bool = False
     pairs: tuple[tuple[int, int], ...] = ()
+    once: bool = False
+
+    @property
+    def owner(self) -> Owner:
+        """What stands of it where its derivative is the user's own."""
+        assert self.kernel.own is not None
+        parameters = [p.id for p in self.function.args.args]
+        return Owner(self.title, self.kernel.own, dict(zip(parameters, self.types)), self.summary.results,
+                     frozenset(parameters[k] for k in self.summary.written))
 
     def first_use(self, parameter: str) -> bool:
         """Whether the kernel may read what an array held at its start."""
@@ -93,6 +106,7 @@ class Derived:
     types: dict[str, Type]
     wanted: Wanted
     plan: Plan | None = None
+    beside: tuple[FunctionDef, ...] = ()
 
     @property
     def mode(self) -> str:
@@ -110,6 +124,7 @@ class Units:
     effects: Effects = field(default_factory=Effects)
     titles: Names = field(default_factory=Names)
     watch: Watch = unwatched
+    forwards: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.titles.taken |= set(self.program.kernels)
@@ -140,6 +155,8 @@ class Units:
 
     def _prepared(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
         """The passes of `normalize` and `infer`, in order."""
+        if kernel.own is not None and "primal" in kernel.own.functions:
+            return self._unread(kernel, types, title)
         names = Names()
         values = {**self.program.constants, **self.program.arrays}
         tree = verify(plain_form(kernel, names, self.program), "structured", "spelled")
@@ -182,16 +199,34 @@ class Units:
         tree = self.with_titles(renamed.function, typing, report)
         tree = verify(atoms(tree, typing, names, written_arrays(tree, self)), "atoms", "atoms")
         self.watch("atoms", tree)
+        typing.runs_once = self.runs_once
+        once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
-                    self._summary(tree, typing), guarded)
+                    self._summary(tree, typing, kernel), guarded, once=once)
+
+    def _unread(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
+        """The unit of a function that is called as it is, of which is known what the user says."""
+        own, tree = kernel.own, kernel.tree
+        assert own is not None
+        parameters = [p.id for p in tree.args.args]
+        given = dict(zip(parameters, types))
+        results = (FLOAT,) * own.returns
+        table = {**given, **dict.fromkeys(stored_names(tree.body), FLOAT)}
+        typing = Typing(table, self.call_types, Report(kernel.source), {})
+        edges = own_edges(given, results, set(own.writes), [], self.solved_by(kernel))
+        written = tuple(k for k, p in enumerate(parameters) if p in own.writes)
+        summary = Summary(written, results, {}, tuple(edges), True)
+        return Unit(kernel, title, types, tree, typing, {}, Names(table), tree, structure(tree, typing), summary,
+                    once=True)
 
     def apart(self, typing: Typing) -> Typing:
         """A table of types of its own."""
         made = Typing(dict(typing.table), self.call_types, typing.report, typing.constants)
         made.ones = dict(typing.ones)
+        made.runs_once = typing.runs_once
         return made
 
-    def _summary(self, tree: FunctionDef, typing: Typing) -> Summary:
+    def _summary(self, tree: FunctionDef, typing: Typing, kernel: Kernel) -> Summary:
         parameters = [p.id for p in tree.args.args]
         written = written_arrays(tree, self)
         arrows: dict[str, list[str]] = {}
@@ -205,12 +240,25 @@ class Units:
         parts = returned(tree)
         guards = any(isinstance(n, (Assert, Raise)) or call_name(n) == "builtins.print" for n in walk(tree.body))
         calls = [n for n in walk(tree.body) if isinstance(n, Call) and (call_name(n) or "").startswith("user.")]
+        results = tuple(map(typing.of, parts))
+        if kernel.own is not None:
+            edges = own_edges({p: typing.table[p] for p in parameters}, results, written, edges,
+                              self.solved_by(kernel))
         return Summary(tuple(k for k, p in enumerate(parameters) if p in written), tuple(map(typing.of, parts)),
                        {k: p.id for k, p in enumerate(parts) if isinstance(p, Name) and p.id in parameters
                         and typing.of(p).is_array},
                        tuple(edges), not guards and all(self.of_call(c, typing).summary.pure for c in calls))
 
+    def solved_by(self, kernel: Kernel) -> tuple[str, ...] | None:
+        """The parameters of the residual of an implicit function; None for any other function."""
+        return self.program.kernels[kernel.residual].parameters if kernel.residual else None
+
     # -- calls -------------------------------------------------------------------------------------------------------
+
+    def runs_once(self, node: Call) -> bool:
+        """Whether a kernel's call is not run again by a reverse sweep: its derivative is the user's own."""
+        unit = self.called(node)
+        return unit is not None and unit.once
 
     def of_call(self, called: Call, typing: Typing) -> Unit:
         return self.unit((call_name(called) or "").partition(".")[2], tuple(map(typing.argument, called.args)))
@@ -252,6 +300,11 @@ class Units:
             found += [statement.value.args[p] for p in unit.summary.written]
         return found
 
+    def seen_after(self, statement: AST) -> bool:
+        """Whether a statement's adjoint runs in the state that it leaves: it solves for what it writes."""
+        unit = self.called(statement.value) if is_kernel_call(statement) else None
+        return owns_result(statement) if unit is None else bool(unit.kernel.residual)
+
     # -- derivatives -------------------------------------------------------------------------------------------------
 
     def derive(self, mode: str, unit: Unit, wanted: Wanted, flat: bool = False) -> Derived:
@@ -259,7 +312,12 @@ class Units:
         if key not in self.derived:
             others = sum(k[0] == mode and k[1] == unit.title for k in self.derived)
             title = self.titles.fresh(f"{unit.title}_{mode}" + (f"_{others + 1}" if others else ""))
-            made = self._adjoint(unit, wanted, title) if mode == "adjoint" else self._tangent(unit, wanted, title, flat)
+            if unit.kernel.own is not None:
+                made = self._own(mode, unit, wanted, title)
+            elif mode == "adjoint":
+                made = self._adjoint(unit, wanted, title)
+            else:
+                made = self._tangent(unit, wanted, title, flat)
             self.derived[key] = made
         return self.derived[key]
 
@@ -275,6 +333,7 @@ class Units:
 
     def _adjoint(self, unit: Unit, wanted: Wanted, title: str) -> Derived:
         found = self.activity(unit, wanted)
+        self._refuse(unit, found, "adjoint")
         typing, names = self.fresh(unit)
         table = structure(unit.function, typing)
         deriving = self.for_calls("adjoint")
@@ -289,7 +348,7 @@ class Units:
             return self.writes(statement)
 
         question = Question(table, Dependence(table), lambda s: is_active_statement(s, typing, found), reads_of, writes,
-                            quick=self.engine == "numba")
+                            self.seen_after, quick=self.engine == "numba")
         plan = recorded(question)
         plan.forwards = order_free(question) if self.engine == "numba" else frozenset()
         made = adjoint(table, found, plan, wanted, names, deriving, unit.family, title)
@@ -297,9 +356,68 @@ class Units:
 
     def _tangent(self, unit: Unit, wanted: Wanted, title: str, flat: bool) -> Derived:
         found = self.activity(unit, wanted)
+        self._refuse(unit, found, "tangent")
         typing, names = self.fresh(unit)
         made = tangent(structure(unit.function, typing), found, wanted, names, self.for_calls("tangent"), title, flat)
         return self._finished(unit, wanted, made, found, typing, names, None)
+
+    def _refuse(self, unit: Unit, found: Activity, mode: str) -> None:
+        """Raises where a call asks for what a derivative of the user's own does not give."""
+        report = Report(unit.kernel.source)
+        for statement in walk(unit.function.body):
+            if not isinstance(statement, (Assign, AugAssign, Expr)) or not is_kernel_call(statement):
+                continue
+            asked = pattern(statement, unit.typing, found.active)
+            called = self.called(statement.value)
+            if called is None or called.kernel.own is None or not asked.arguments and not asked.results:
+                continue
+            wrong = self.wrong(called, self.wanted(asked, mode), mode)
+            if wrong:
+                report.error("S301", f"'{called.kernel.own.title}' {wrong}", statement,
+                             help="give it with s2sad.rule, whose docstring says what it takes and returns")
+        report.finish()
+
+    def wrong(self, unit: Unit, wanted: Wanted, mode: str) -> str:
+        """Why a call cannot have the derivative of the user's own, in words; empty if it can."""
+        residual = self.residual(unit)
+        if unit.pairs:
+            return "is given one array twice, and writes it; no derivative of its own is for that"
+        if residual is not None:
+            return wrong_implicit(unit.owner, residual, wanted)
+        entry = next(u for u in self.made.values() if u.kernel.name == self.program.entry)
+        parameters = [p.id for p in entry.function.args.args]
+        written = {parameters[k] for k in entry.summary.written}
+        outside = [a for p, a in hidden_arrays(self.program).items() if p in unit.owner.types and p in written]
+        if outside:
+            return f"reads '{outside[0]}', an array of its module that is written; so may its own derivative, too late"
+        return unit.owner.wrong(mode, wanted)
+
+    def _own(self, mode: str, unit: Unit, wanted: Wanted, title: str) -> Derived:
+        """The derivative that calls the user's."""
+        made = owned(unit.owner, self.residual(unit), mode, wanted, title, self.forwards.get(unit.title, ""),
+                     self.titles.fresh)
+        self.effects.table[title] = Effect(made.reads, made.writes, True, made.arrays)
+        if made.callee.forward:
+            plain, half = self.effects.table[unit.title], made.callee.forward.partition(".")[2]
+            self.forwards[unit.title] = half
+            self.effects.table[half] = Effect(plain.arrays, plain.writes, plain.pure, plain.arrays)
+        return Derived(made.callee, made.made.function, made.made, unit, self.activity(unit, wanted), made.types,
+                       wanted, Plan() if mode == "adjoint" else None, made.beside)
+
+    def residual(self, unit: Unit) -> Residual | None:
+        """The residual of an implicit function, for its types; None for any other function."""
+        title = unit.kernel.residual
+        if not title:
+            return None
+        taken, types = self.program.kernels[title].parameters, unit.owner.types
+        solution = solution_of(taken, unit.owner.written)
+        first = types[solution] if solution else next((t for t in unit.summary.results if t.is_float), FLOAT)
+        inner = self.unit(title, (first, *(types[p] for p in taken[1:])))
+        written = frozenset(taken[k] for k in inner.summary.written)
+
+        def derive(mode: str, wrt: tuple[str, ...], of: tuple[str, ...]) -> Callee:
+            return self.derive(mode, inner, Wanted(wrt, of, mode == "tangent"), mode == "tangent").callee
+        return Residual(title, taken, inner.summary.results, written, derive)
 
     def _finished(self, unit: Unit, wanted: Wanted, made: Made, found: Activity, typing: Typing, names: Names,
                   plan: Plan | None) -> Derived:
@@ -337,12 +455,17 @@ class Units:
     def for_calls(self, mode: str):
         def made(pattern: Pattern) -> Callee:
             unit = self.unit(pattern.kernel, pattern.types)
-            parameters = [p.id for p in unit.function.args.args]
-            arguments = tuple(parameters[k] for k in pattern.arguments)
-            written = {parameters[k] for k in unit.summary.written}
-            of = tuple(p for p in arguments if p in written) + tuple(f"return {k}" for k in pattern.results)
-            return self.derive(mode, unit, Wanted(arguments, of, mode == "tangent"), mode == "tangent").callee
+            return self.derive(mode, unit, self.wanted(pattern, mode), mode == "tangent").callee
         return made
+
+    def wanted(self, pattern: Pattern, mode: str) -> Wanted:
+        """What a call asks for."""
+        unit = self.unit(pattern.kernel, pattern.types)
+        parameters = [p.id for p in unit.function.args.args]
+        arguments = tuple(parameters[k] for k in pattern.arguments)
+        written = {parameters[k] for k in unit.summary.written}
+        of = tuple(p for p in arguments if p in written) + tuple(f"return {k}" for k in pattern.results)
+        return Wanted(arguments, of, mode == "tangent")
 
 
 def plain_form(kernel: Kernel, names: Names, program: Program) -> FunctionDef:

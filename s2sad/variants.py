@@ -22,8 +22,9 @@ from s2sad.read.capture import not_a_function, python_function
 from s2sad.program import Generated, Kernel, Parameter, Program, Request
 from s2sad.rules.given import GIVEN, Given
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
-from s2sad.run.given import given_of, held_to_numbers
+from s2sad.run.given import given_of, held_to_numbers, uncompiled
 from s2sad.run.load import load
+from s2sad.run.own import looked_at
 from s2sad.run.overlap import Check, Slot
 from s2sad.watch import Watch
 
@@ -129,6 +130,8 @@ class State:
         """The generated function for a request, made once; `engine` may be "auto"."""
         engine = chosen(engine)
         key = (request, engine)
+        if engine == "numba":
+            self.unfrozen()
         with _LOCK:
             if key not in self._variants:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
@@ -137,6 +140,14 @@ class State:
                 self._variants[key] = Variant(generated, engine, self.summary(request.types), self.kernel.name,
                                                self.given)
             return self._variants[key]
+
+    def unfrozen(self) -> None:
+        """Raises if a function with a derivative of its own reads an array of its module: Numba would compile its
+        content in."""
+        for given, array in ((w.functions[0][0], a) for w in self._watched for a in w.arrays()):
+            raise S2sadError(Diagnostic("S407", f"'{given.__name__}' reads the array '{array}' of its module, whose "
+                                        "content Numba would not look at again", help="pass it as an argument; "
+                                        'engine="numpy" calls it as it is'))
 
     def primal(self, types: tuple[Type, ...], engine: str) -> Callable[..., Any]:
         """The primal for positional values: the function itself under NumPy, compiled under Numba."""
@@ -194,7 +205,7 @@ class State:
 
 
 def _same_kernel(ours: Kernel, theirs: Kernel) -> bool:
-    return (ours.source == theirs.source and list(ours.defaults) == list(theirs.defaults)
+    return (ours.source == theirs.source and ours.own is theirs.own and list(ours.defaults) == list(theirs.defaults)
             and all(same_number(v, theirs.defaults[k]) for k, v in ours.defaults.items()))
 
 
@@ -237,8 +248,11 @@ class Variant:
         self.generated, self.engine, self.kernel = generated, engine, kernel
         self.parameters: tuple[Parameter, ...] = generated.parameters
         plain = tuple(generated.facts.get("wrappers", ()))
-        module = (compiled(generated.text, generated.entry, plain=plain, given=bool(given)) if engine == "numba"
+        moving = bool(given) or generated.facts.get("moving", False)
+        module = (compiled(generated.text, generated.entry, plain=plain, given=moving) if engine == "numba"
                   else held_to_numbers(load(generated.text, generated.entry, own=bool(given)), given))
+        if engine == "numpy" and "units" in generated.facts:
+            looked_at(module, generated.facts["units"])
         stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
         self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
         self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)
@@ -301,7 +315,13 @@ class Variant:
     def prepare(self, arguments: Sequence[Any]) -> None:
         """Compiles for the types of these arguments, or reads Numba's cache."""
         if self.engine == "numba":
-            prepare(self.dispatcher, [*arguments, *self._first], f"'{self.generated.entry}' of '{self.kernel}'")
+            try:
+                prepare(self.dispatcher, [*arguments, *self._first], f"'{self.generated.entry}' of '{self.kernel}'")
+            except Exception:  # whatever it is: Numba raises more than its own errors on code that it does not know
+                wrong = uncompiled(self.generated.facts["units"]) if "units" in self.generated.facts else None
+                if wrong is not None:
+                    raise wrong from None
+                raise
             if self._pick is not None:
                 self.check.prepare(self._pick(arguments))
 

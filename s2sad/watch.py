@@ -47,6 +47,12 @@ class Watch:
                 return False
         return True
 
+    def arrays(self) -> list[str]:
+        """The names of the arrays that are read."""
+        return [name for _, name, value in self.places if isinstance(value, np.ndarray)] + [
+            name for function, _, _ in self.functions for name, cell in zip(
+                function.__code__.co_freevars, function.__closure__ or ()) if isinstance(_content(cell), np.ndarray)]
+
     def _add(self, function: FunctionType) -> None:
         if id(function) in self._seen:
             return

@@ -254,7 +254,19 @@ def size_of_a_row(x, m):
     return x[2] * row[0]
 
 
+def squares_added(v, w):
+    for i in range(v.size):
+        v[i] += w[i] * w[i]
+    return w[0]
+
+
+def arrays_computed_in_a_call(x, y):
+    squares_added(x, x * y)
+    return squares_added(y, np.exp(-x[:] + y)) * x[1]
+
+
 CASES = [
+    (arrays_computed_in_a_call, ("x", "y"), ("x", "y", "return")),
     (size_of_a_row, ("x", "m"), ("x", "return")),
     (index_from_a_written_array, ("x", "y"), ("x",)), (one_array_for_two_parameters, ("x", "a"), ("x",)),
     (whole_statement_reads_its_own_target, ("x",), ("x",)), (recorded_under_a_test, ("x", "q"), ("return", "q")),

@@ -16,7 +16,7 @@ from s2sad.analyze.structure import Place, Structure, heads, is_simple
 from s2sad.analyze.trips import known_trips
 from s2sad.analyze.values import Values
 from s2sad.normalize.workspace import is_allocation
-from s2sad.tree import AST, Assign, AugAssign, For, While, call_name, dump, walk
+from s2sad.tree import AST, Assign, AugAssign, Call, For, While, call_name, dump, walk
 
 
 def rerun_arrays(loop: For, question: Question) -> list[str] | None:
@@ -26,6 +26,8 @@ def rerun_arrays(loop: For, question: Question) -> list[str] | None:
     if not any(isinstance(p.statement, (For, While)) or not is_simple(p.statement, typing) for p in inner):
         return None
     if any(type(p.statement).__name__ == "Break" and p.loops[-1] is loop for p in inner):
+        return None
+    if any(isinstance(n, Call) and typing.runs_once(n) for n in walk(loop.body)):
         return None
     own = {p.statement.targets[0].id for p in inner if is_allocation(p.statement)}
     if any(escapes(structure, array) for array in own):

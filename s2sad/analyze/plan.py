@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from s2sad.analyze.dependence import Dependence
 from s2sad.analyze.liveness import targets
 from s2sad.analyze.structure import Structure, heads
-from s2sad.analyze.uses import Uses, loads_of
+from s2sad.analyze.uses import Uses, loads_of, owns_result
 from s2sad.analyze.values import Value
 from s2sad.infer.infer import Typing
 from s2sad.tree import AST, Assign, AugAssign, Call, Expr, Subscript, dump
@@ -48,7 +48,8 @@ class Shift:
 @dataclass
 class Plan:
     """The table. Keys are ids of statements and blocks of the function that was analysed; `resized` are the allocations
-    in loops whose arrays the reverse sweep binds again."""
+    in loops whose arrays the reverse sweep binds again, `after` the statements whose adjoints run in the state that
+    they leave."""
     rerun: frozenset[int] = frozenset()
     snapshots: tuple[Snapshot, ...] = ()
     values: dict[str, Value] = field(default_factory=dict)
@@ -61,19 +62,22 @@ class Plan:
     working: set[int] = field(default_factory=set)
     forwards: frozenset[int] = frozenset()
     resized: set[int] = field(default_factory=set)
+    after: frozenset[int] = frozenset()
     weight: int = 0
     readers: dict[str, list[AST]] = field(default_factory=dict)
 
 
 @dataclass
 class Question:
-    """What the planner is told: the tables, what each statement's adjoint reads, and what each statement writes;
-    `quick` if loops run so fast that to record takes longer than to run them again."""
+    """What the planner is told: the tables, what each statement's adjoint reads, what each statement writes, and
+    whether its adjoint runs in the state that it leaves; `quick` if loops run so fast that to record takes longer than
+    to run them again."""
     structure: Structure
     dependence: Dependence
     active: Callable[[AST], bool]
     uses: Callable[[AST], Uses]
     writes: Callable[[AST], list[AST]]
+    after: Callable[[AST], bool] = owns_result
     quick: bool = False
 
 

@@ -10,7 +10,7 @@ from s2sad.analyze.placement import Placement
 from s2sad.analyze.plan import Plan, Question, Shift, Snapshot, Store, reads, subscripts
 from s2sad.analyze.resized import to_reverse
 from s2sad.analyze.structure import Structure
-from s2sad.analyze.uses import loads_of, owns_result
+from s2sad.analyze.uses import loads_of
 from s2sad.analyze.values import Value
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, Expr
@@ -42,6 +42,7 @@ class Planner(Placement):
     def plan(self) -> Plan:
         """Work, needs, placements, the network, the cut, and what follows from it."""
         self.find_work()
+        self.result.after = frozenset(i for i, p in self.structure.places.items() if self.q.after(p.statement))
         wanted: list[tuple[str, AST]] = []
         mandatory: list[tuple[AST, AST]] = []
         for place in self.structure.places.values():
@@ -131,7 +132,7 @@ class Planner(Placement):
     def choose(self, mandatory: list[tuple[AST, AST]]) -> None:
         """The cut, and what of the rest is computed again and where."""
         forced = {s.key for s in self.stores for load, statement in mandatory
-                  if self.conflict(s, load, statement, _spoils(statement))}
+                  if self.conflict(s, load, statement, self.spoils(statement))}
         forced |= {s.key for s in self.stores for place, _ in self.rerun_places()
                    for load in reads(place.statement, self.typing)
                    if self.conflict(s, load, place.statement, again=True)}
@@ -160,7 +161,7 @@ class Planner(Placement):
         store = self.result.stores.get(key)
         if store is not None:
             found += [s for load, s in mandatory
-                      if self.conflict(store, load, s, _spoils(s))]
+                      if self.conflict(store, load, s, self.spoils(s))]
             found += [p.statement for p, _ in self.rerun_places() for load in reads(p.statement, self.typing)
                       if self.conflict(store, load, p.statement, again=True)]
             waiting = [k for k, v in self.result.values.items() if self.placement[k] != "lost"
@@ -195,12 +196,10 @@ class Planner(Placement):
                     waiting.append(inner.key)
         return list(seen)
 
+    def spoils(self, statement: AST) -> bool:
+        """Whether a statement's own store can destroy what its adjoint reads."""
+        return isinstance(statement, (Assign, AugAssign, Expr)) and not self.q.after(statement)
 
 def weight_of(snapshot: Snapshot, structure: Structure) -> int:
     """What the snapshots of all iterations weigh."""
     return 8 * 16 ** (len(structure.place(snapshot.loop).loops) + 1 + structure.typing.table[snapshot.array].rank)
-
-
-def _spoils(statement: AST) -> bool:
-    """Whether a statement's own store can destroy what its adjoint reads."""
-    return isinstance(statement, (Assign, AugAssign, Expr)) and not owns_result(statement)

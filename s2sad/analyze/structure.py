@@ -84,11 +84,12 @@ def is_simple(statement: AST, typing: Typing) -> bool:
 
 
 def reads_whole(node: AST, typing: Typing) -> bool:
-    """Whether a call reads whole arrays (and may write them)."""
+    """Whether a call reads whole arrays (and may write them), or is not to be run again."""
     function = call_name(node)
     if rules.find_array(function) is not None:
         return True
-    return bool(function) and function.startswith("user.") and any(typing.of(a).is_array for a in node.args)
+    return bool(function) and function.startswith("user.") and (
+        any(typing.of(a).is_array for a in node.args) or typing.runs_once(node))
 
 
 def heads(statement: AST) -> list[AST]:

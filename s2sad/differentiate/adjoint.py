@@ -23,6 +23,7 @@ from s2sad.differentiate.arithmetic import Term
 from s2sad.differentiate.calls import Derive, is_kernel_call, pattern
 from s2sad.differentiate.counting import Counting
 from s2sad.differentiate.expression import Pullback
+from s2sad.differentiate.halves import Halves
 from s2sad.differentiate.resize import empty_at_first
 from s2sad.differentiate.sweeps import Sweeps
 from s2sad.differentiate.tape import Tape
@@ -51,12 +52,14 @@ class Wanted:
 
 @dataclass
 class Made:
-    """A derivative: the function, the shadow of every name, its parameters as (name, role, primal), its returns."""
+    """A derivative: the function, the shadow of every name, its parameters as (name, role, primal), its returns; the
+    lists of what a user's first halves keep, each with the call."""
     function: FunctionDef
     shadows: dict[str, str]
     parameters: list[tuple[str, str, str]] = field(default_factory=list)
     returns: list[str] = field(default_factory=list)
     tape: Tape | None = None
+    kept: list[tuple[str, AST]] = field(default_factory=list)
 
 
 def adjoint(structure: Structure, active: Activity, plan: Plan, wanted: Wanted, free: Names, derive: Derive,
@@ -75,7 +78,9 @@ class _Adjoint:
         self.scopes: dict[int, list[str]] = {}
         self.tape = Tape(structure, self.typing, free, plan.rerun, Counting(structure, plan, free))
         self.shapes = shapes_of(structure.function, self.typing)
-        self.sweeps = Sweeps(structure, plan, self.tape, free, self.statement, self.zeros, self.shapes, family)
+        self.halves = Halves(self.typing, self.active, free, derive)
+        self.sweeps = Sweeps(structure, plan, self.tape, free, self.statement, self.zeros, self.shapes, family,
+                             self.halves.first)
         self.pullback = Pullback(self.typing, self.active, free, self.bind, self.shapes)
         self.parameters = [p.id for p in structure.function.args.args]
         self.written = {base_name(t) for s in walk(structure.function.body) if isinstance(s, (Assign, AugAssign))
@@ -103,11 +108,12 @@ class _Adjoint:
         if self.wanted.with_primal:
             closing = [Return(tuple_of(self.primal_result(), *values))]
         zeros = [assign(self.shadow(p), const(0.0)) for p in returned if p not in self.active]
-        body = [comment("forward sweep"), *forward, *self.seeds_fit(), comment(REVERSE), *zeros, *reverse, *last,
+        body = [comment("forward sweep"), *self.halves.stacks(), *forward, *self.seeds_fit(), comment(REVERSE), *zeros,
+                *reverse, *last,
                 *closing]
         made = function(title, [n for n, _, _ in signature], body)
         return Made(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + returned,
-                    self.tape)
+                    self.tape, self.halves.lists())
 
     def primal_result(self) -> AST:
         last = self.structure.function.body[-1]
@@ -300,8 +306,12 @@ class _Adjoint:
             if position in callee.shadows:
                 args.append(self.value(argument))
         bound = [base_name(t) for t in targets(statement)]
+        args += [name(bound[k]) for k in callee.values]
         args += [name(self.shadow(bound[k])) for k in callee.seeds]
         made: list[AST] = []
+        if callee.forward:
+            made.append(self.halves.popped(statement))
+            args.append(name(self.halves.kept(statement).value))
         returned = [self.free.fresh("gain") for _ in callee.returns]
         for held, position in zip(returned, callee.returns):
             self.typing.table[held] = self.typing.of(statement.value.args[position])

@@ -11,6 +11,10 @@ from s2sad.infer.types import Type
 from s2sad.tree import AST, Call, call_name
 
 
+# A list of what first halves kept, of any type: pushes and pops, as methods in the text.
+EMPTY, PUSH, POP = "builtins.list", "builtins.list.append", "builtins.list.pop"
+
+
 @dataclass(frozen=True)
 class Pattern:
     """What a call asks of the callee's derivative: positions of active arguments and of active results."""
@@ -23,14 +27,22 @@ class Pattern:
 @dataclass(frozen=True)
 class Callee:
     """A derivative that was made: its name, the positions with shadows, with seeds, and with returned adjoints;
-    `reads` and `writes` are the positions of arrays whose content it reads at its start, and overwrites."""
+    `reads` and `writes` are the positions of arrays whose content it reads at its start, and overwrites.
+
+    Of a user's own adjoint `forward` is the name of its first half, which returns the `results` and one more, that the
+    call takes as its last argument. An implicit function's sees the state that the function leaves (`after`), and takes
+    the results `values`.
+    """
     name: str
     shadows: tuple[int, ...]
     seeds: tuple[int, ...]
     returns: tuple[int, ...]
     reads: tuple[int, ...]
     writes: tuple[int, ...]
-    numbers: tuple[int, ...] = ()
+    forward: str = ""
+    results: int = 0
+    after: bool = False
+    values: tuple[int, ...] = ()
 
 
 Derive = Callable[[Pattern], Callee]
@@ -63,3 +75,6 @@ def call_uses(statement: AST, typing: Typing, active: frozenset[str], derive: De
                 found.loads.append(argument)
         else:
             found.value(argument, typing)
+    bound = targets(statement)
+    for position in callee.values:
+        found.value(bound[position], typing)

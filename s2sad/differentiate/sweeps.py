@@ -12,7 +12,6 @@ from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.plan import Plan, Snapshot, Store
 from s2sad.analyze.resized import own_loops
 from s2sad.analyze.structure import Structure, is_simple
-from s2sad.analyze.uses import owns_result
 from s2sad.analyze.values import Value
 from s2sad.differentiate.backwards import reversed_bounds
 from s2sad.differentiate.counting import has_break
@@ -33,16 +32,17 @@ Adjoint = Callable[[AST], list[AST]]
 class Sweeps:
     """Writes both sweeps of one function from its plan.
 
-    `adjoint(statement)` gives the adjoint of a simple statement, a whole-array statement or a call;
+    `adjoint(statement)` gives the adjoint of a simple statement, a whole-array statement or a call, `called(statement)`
+    what takes the place of a call in the forward sweep, where its callee keeps something;
     `zeros(block)` what must be zero where the reverse of a block begins; `family` says which variable a name is of.
     """
 
     def __init__(self, structure: Structure, plan: Plan, tape: Tape, free: Names, adjoint: Adjoint,
-                 zeros: Callable[[list[AST]], list[AST]], shapes: Shapes, family: Mapping[str, str]):
+                 zeros: Callable[[list[AST]], list[AST]], shapes: Shapes, family: Mapping[str, str], called: Adjoint):
         self.shapes = shapes
         self.structure, self.plan, self.tape, self.free = structure, plan, tape, free
         self.typing = structure.typing
-        self.adjoint, self.zeros, self.family = adjoint, zeros, family
+        self.adjoint, self.zeros, self.family, self.called = adjoint, zeros, family, called
         self.counting = tape.counting
 
     # -- forward -----------------------------------------------------------------------------------------------------
@@ -66,7 +66,7 @@ class Sweeps:
                   for s in self.tape.push(self.store_stack(store), self.content(store))]
         if id(statement) in self.plan.resized:
             before += push_sizes(statement, self.tape)
-        return [*before, copy(statement), *self.records(statement)]
+        return [*before, *(self.called(statement) or [copy(statement)]), *self.records(statement)]
 
     def forward_loop(self, loop: AST) -> list[AST]:
         carried = [s for key, value in self.plan.recorded.items() if value.kind == "carried" and value.home is loop
@@ -253,7 +253,7 @@ class Sweeps:
                  for s in self.tape.read(self.store_stack(store), whole_place(self.snapshot(store)))]
         if id(statement) in self.plan.resized:
             popped = [*pop_sizes(statement, self.tape), *popped]
-        if owns_result(statement):
+        if id(statement) in self.plan.after:
             return [*self.adjoint(statement), *popped]
         return [*popped, *self.adjoint(statement), *again]
 

@@ -1,7 +1,8 @@
-"""The spelling that one would choose: `a @ b` for np.matmul(a, b), `x.T` for np.transpose(x)."""
+"""The spelling that one would choose: `a @ b` for np.matmul(a, b), `x.T` for np.transpose(x), `kept.pop()`."""
 from __future__ import annotations
 
-from s2sad.tree import AST, BinOp, FunctionDef, MatMult, attribute, call_name, copy, rebuild
+from s2sad.differentiate.calls import POP, PUSH
+from s2sad.tree import AST, BinOp, Call, FunctionDef, MatMult, attribute, call_name, copy, rebuild
 
 
 def idiomatic(function: FunctionDef) -> FunctionDef:
@@ -18,4 +19,6 @@ def _spelled(node: AST) -> AST | None:
         return BinOp(left, MatMult(), right)
     if called == "numpy.transpose" and len(node.args) == 1 and not node.keywords:
         return attribute(rebuild(node.args[0], _spelled), "T")
+    if called in (PUSH, POP):
+        return Call(attribute(node.args[0], called.rpartition(".")[2]), node.args[1:], [])
     return None

@@ -68,6 +68,8 @@ def recorded_lines(derived: Derived, others: list[Derived]) -> list[str]:
         place = "" if each is derived else f" in {each.function.name}"
         lines += [f"    {r.array}{place}: {r.what}, {_unbroken(r)} bytes"
                   f"{' per push' if r.grows else ''}" for r in recorded_by(each)]
+        lines += [f"    {stack}{place}: what `{text_of(statement, each.unit.kernel.source, _LONGEST)}` keeps"
+                  for stack, statement in each.made.kept]
     return ["It records:", *lines] if lines else ["It records nothing."]
 
 

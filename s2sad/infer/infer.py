@@ -60,6 +60,7 @@ class Typing:
         self.ones = {n: t.ones for n, t in table.items() if t.ones}
         self.table.update({n: t.plain for n, t in table.items() if t.ones})
         self.final = False
+        self.runs_once: Callable[[Call], bool] = lambda call: False  # whether a kernel's call is not to be run again
 
     def argument(self, node: AST) -> Type:
         """The type of an argument of a call, with the axes that are known to have length 1."""

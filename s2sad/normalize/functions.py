@@ -12,6 +12,8 @@ that binds a name, and that its operands are names and parts of arrays; what is 
                                     x[mask] = 0.0
     s = np.sum(x[mask])             picked = x[mask]
                                     s = np.sum(picked)
+    y = f(u * v)                    operand = u * v
+                                    y = f(operand)
 
 What an array of bools picks stands alone, too, but in a statement that fills what the same one picks.
 """
@@ -110,6 +112,8 @@ class _Functions:
                 return at(Subscript(inner, self.moved(n.slice, before), n.ctx), n)
             if call_name(n) in _MADE:
                 return name(self.bind(n, copy(n), before))
+            if isinstance(n, Call) and (call_name(n) or "").startswith("user."):
+                return at(Call(n.func, [self.given(a, before) for a in n.args], n.keywords), n)
             if rules.find_array(call_name(n)) is None:
                 return None
             kept, self.kept = self.kept, ""  # it does not walk what a mask of the statement picks
@@ -117,6 +121,12 @@ class _Functions:
             self.kept = kept
             return name(self.bind(n, made, before)) if is_function(n) else made
         return rebuild(node, change)
+
+    def given(self, argument: AST, before: list[AST]) -> AST:
+        """An argument of a kernel's call: an array that is computed has a name."""
+        inner = self.moved(argument, before)
+        computed = self.typing.of(inner).is_array and not isinstance(inner, (Name, Subscript))
+        return name(self.bind(argument, inner, before)) if computed else inner
 
     def arrays(self, node: Subscript) -> list[AST]:
         """The arrays among the subscripts."""

@@ -28,6 +28,7 @@ def hidden(program: Program) -> Program:
         for node in walk(kernel.tree.body):
             if (call_name(node) or "").startswith("user."):
                 read |= set(needs[(call_name(node) or "")[5:]])
+        read |= set(needs.get(kernel.residual, ()))
         needs[title] = [a for a in program.arrays if a in read]
         kernels[title] = _extended(kernel, needs, spelled)
     return replace(program, kernels=kernels, arrays={a: program.arrays[a] for a in needs[program.entry]})

@@ -18,7 +18,7 @@ from collections.abc import Callable, Mapping
 
 from s2sad.diagnostics import Report, Source
 from s2sad.infer.infer import Typing, infer
-from s2sad.infer.types import Type
+from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
 from s2sad.program import Kernel, Program
 from s2sad.tree import (
@@ -51,6 +51,9 @@ class Helpers:
     def results(self, kernel: str, types: tuple[Type, ...]) -> tuple[Type, ...]:
         """The types of what a function returns for arguments of these types."""
         key = (kernel, types)
+        own = self.program.kernels[kernel].own
+        if own is not None and "primal" in own.functions:
+            return (FLOAT,) * own.returns  # it is not read
         if key not in self._results:
             tree = self.tree(kernel)
             given = dict(zip((p.id for p in tree.args.args), types))
@@ -108,6 +111,8 @@ class _Inlined:
         value = statement.value if isinstance(statement, (Assign, Expr)) else None
         if value is None or not _called(value) or not any(t.is_array for t in self.typing.call_results(value)):
             return [statement]
+        if self.helpers.program.kernels[_called(value)].own is not None:
+            return [statement]  # its derivative is the user's own, whatever it returns
         self.changed = True
         return self.written_out(statement, value)
 

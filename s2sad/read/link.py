@@ -10,9 +10,11 @@ from s2sad.diagnostics import Report, S2sadError, Span
 from s2sad.program import Kernel, Program
 from s2sad.read import fence
 from s2sad.read.handed import definition
+from s2sad.read.capture import live_meaning
 from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number
 from s2sad.read.nested import lifted
 from s2sad.read.resolve import Resolved, resolve
+from s2sad.rules.given import GIVEN, Own
 
 
 @dataclass
@@ -20,6 +22,8 @@ class _Found:
     captured: Captured
     resolved: Resolved
     defaults: dict[str, Any]
+    own: Own | None = None
+    residual: Function | None = None
 
 
 class Linker:
@@ -39,13 +43,13 @@ class Linker:
         names = self._names()
         kernels = {}
         for key, found in self.found.items():
-            kernels[names[key].partition(".")[2]] = _kernel(names[key].partition(".")[2], found, names)
+            kernels[names[key].partition(".")[2]] = _kernel(names[key].partition(".")[2], found, names, self.identify)
         values = {names[key].partition(".")[2]: m for key, m in self.outside.values() if not isinstance(m, Function)}
         constants = {n: m.value for n, m in values.items() if isinstance(m, Number)}
         arrays = {n: m.value for n, m in values.items() if isinstance(m, Array)}
         watched = {names[key]: m.current for key, m in self.outside.values()
                    if not isinstance(m, Function) and m.current is not None}
-        return Program(names[self.identify(entry)].partition(".")[2], kernels, constants, arrays), watched
+        return called_once(Program(names[self.identify(entry)].partition(".")[2], kernels, constants, arrays)), watched
 
     def identify(self, meaning: Function | Number | Array) -> str:
         """A provisional dotted name, one for each function, each number by name and value, each array."""
@@ -61,15 +65,25 @@ class Linker:
         captured = lifted(definition(function), function.key)
         report = Report(captured.source)
         self.reports.append(report)
-        fence.check(captured.tree, report)
-        if fence.opaque(captured.tree) and not isinstance(captured.tree, tree.FunctionDef):
-            return
-        resolved = resolve(captured, report, self.identify)
+        own = None if hasattr(function.handle, "captured") else GIVEN.own(function.handle)
+        if own is not None:
+            _reached(own, captured, report)
+        if own is not None and "primal" in own.functions:
+            resolved = unread(captured, own)
+        else:
+            fence.check(captured.tree, report)
+            if fence.opaque(captured.tree) and not isinstance(captured.tree, tree.FunctionDef):
+                return
+            resolved = resolve(captured, report, self.identify)
         defaults = _defaults(captured, report)
         callers = [*callers, function]
         for callee, node in resolved.calls:
             self._call(callee, node, callers, report)
-        self.found[self.identify(function)] = _Found(captured, resolved, defaults)
+        residual = None if own is None or own.residual is None else live_meaning("residual", own.residual)
+        if isinstance(residual, Function):
+            self._call(residual, header_of(captured.tree), callers, report)
+        self.found[self.identify(function)] = _Found(captured, resolved, defaults, own,
+                                                     residual if isinstance(residual, Function) else None)
 
     def _call(self, callee: Function, node: AST, callers: list[Function], report: Report) -> None:
         keys = [caller.key for caller in callers]
@@ -109,13 +123,70 @@ def _position(diagnostic: Any) -> tuple[int, int]:
     return (diagnostic.span.line, diagnostic.span.column) if diagnostic.span else (0, 0)
 
 
-def _kernel(name: str, found: _Found, names: dict[str, str]) -> Kernel:
+def _reached(own: Own, captured: Captured, report: Report) -> None:
+    """Reports what a generated file could not import of a user's own derivative."""
+    for what, given in own.functions.items():
+        if not given.reachable():
+            module, _, last = given.path.rpartition(".")
+            report.error("S201", f"'{own.title}' has a derivative of its own, but 'from {module} import {last}' does "
+                         f"not give its {what}", header_of(captured.tree), help="define it at module level, and "
+                         "register it again when it was defined anew")
+
+
+def unread(captured: Captured, own: Own) -> Resolved:
+    """What stands for a function that is called as it is: a call of it, and no more."""
+    parameters = [p for _, p in own.roles["primal"]]
+    called = tree.call(own.name("primal"), *map(tree.name, parameters))
+    results = [f"result_{k}" for k in range(own.returns)]
+    names = [tree.name(r) for r in results]
+    body: list[AST] = [tree.Expr(called)] if not results else [
+        tree.assign(names[0] if len(names) == 1 else tree.tuple_of(*names), called),
+        tree.Return(names[0] if len(names) == 1 else tree.tuple_of(*names))]
+    definition = tree.function(captured.tree.name, parameters, [tree.at(s, header_of(captured.tree)) for s in body])
+    return Resolved(tree.at(definition, captured.tree), tuple(parameters), frozenset({*parameters, *results}))
+
+
+def called_once(program: Program) -> Program:
+    """The program; an entry with a derivative of its own is called by another, which is differentiated as usual.
+
+        def f(x): ...                   def f_own(x): ...
+                                        def f(x): return f_own(x)
+    """
+    kernel = program.kernels[program.entry]
+    if kernel.own is None:
+        return program
+    inner = f"{kernel.name}_own"
+    while inner in {*program.kernels, *program.constants, *program.arrays, *kernel.parameters}:
+        inner += "_"
+    definition = tree.copy(kernel.tree)
+    definition.name = inner
+    values = any(isinstance(n, tree.Return) and n.value is not None for n in tree.walk(kernel.tree.body))
+    called = tree.call(f"user.{inner}", *map(tree.name, kernel.parameters))
+    statement = tree.at(tree.Return(called) if values else tree.Expr(called), header_of(kernel.tree))
+    outer = tree.at(tree.function(kernel.name, list(kernel.parameters), [statement]), kernel.tree)
+    kernels = {n: k for n, k in program.kernels.items() if k is not kernel}
+    kernels[inner] = replace(kernel, name=inner, tree=definition)
+    kernels[kernel.name] = replace(kernel, tree=outer, own=None, residual="")
+    return replace(program, kernels=kernels)
+
+
+def header_of(definition: AST) -> AST:
+    """The first line of a definition, as a place."""
+    head = tree.name(definition.name)
+    head.lineno = head.end_lineno = definition.lineno
+    head.col_offset = definition.col_offset
+    head.end_col_offset = definition.col_offset + len(f"def {definition.name}".encode())
+    return head
+
+
+def _kernel(name: str, found: _Found, names: dict[str, str], identify: Callable[[Function], str]) -> Kernel:
     definition = tree.rename(found.resolved.tree, names)
     definition.name = name
     source, given = found.captured.source, found.captured.tree.args
     annotations = {a.id: _annotation(a.annotation, source) for a in (*given.posonlyargs, *given.args, *given.kwonlyargs)
                    if a.annotation is not None}
-    return Kernel(name, definition, source, found.resolved.parameters, found.defaults, annotations)
+    residual = names[identify(found.residual)].partition(".")[2] if found.residual is not None else ""
+    return Kernel(name, definition, source, found.resolved.parameters, found.defaults, annotations, found.own, residual)
 
 
 def _annotation(node: AST, source: Any) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from s2sad.binding import admitted, bind
+from s2sad.diagnostics import S2sadError
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
 from s2sad.program import Request
 from s2sad.report.differences import differences
@@ -26,7 +27,8 @@ class Checked:
     """The report: true if nothing parted; `str(it)` says what was measured and, if it parted, where first.
 
     `dot_product` and `tangent` are distances as fractions of the magnitudes; `unsure` counts the outputs of which the
-    differences say nothing, because a kink or a jump is near.
+    differences say nothing, because a kink or a jump is near. Where a function has an adjoint of its own and no tangent
+    the adjoint is compared `with_differences`; where it has a tangent and no adjoint there is no dot product.
     """
     title: str
     dot_product: float
@@ -36,6 +38,7 @@ class Checked:
     unsure: int
     outputs: int
     where: str = ""
+    with_differences: bool = False
 
     def __bool__(self) -> bool:
         return self.adjoint_holds and self.tangent_holds
@@ -51,7 +54,8 @@ class Checked:
     def __str__(self) -> str:
         def verdict(good: bool) -> str:
             return "agrees" if good else "PARTS"
-        lines = [self.title, f"  adjoint with tangent (dot product): {verdict(self.adjoint_holds)}, apart by "
+        other = "differences" if self.with_differences else "tangent"
+        lines = [self.title, f"  adjoint with {other} (dot product): {verdict(self.adjoint_holds)}, apart by "
                  f"{self.dot_product:.1e}, {self.dot_tolerance:.0e} allowed"]
         lines += [f"  tangent of {name} with differences: {verdict(d <= self.tolerance)}, apart by {d:.1e}, "
                   f"{self.tolerance:.0e} allowed" for name, d in self.tangent.items()]
@@ -112,6 +116,8 @@ class _Measurement:
         self.seeds = split(self.outputs, of, rng.standard_normal(vector_of(self.outputs, of).size))
 
     def made(self) -> Checked:
+        if not self.has_tangent():
+            return self.made_without_tangent()
         tangents, gradients = self.derivatives()
         y_dot, x_bar = vector_of(tangents, self.of), vector_of(gradients, self.wrt)
         y_bar = vector_of(self.seeds, self.of)
@@ -126,18 +132,56 @@ class _Measurement:
                         self.tolerance, int((~known).sum()), known.size)
         return found if found else Checked(**{**vars(found), "where": self.where(found, _sum(y_bar * y_dot))})
 
+    def has_tangent(self) -> bool:
+        """Whether the kernel has a tangent: every function with an adjoint of its own that it needs has one too."""
+        owns = [k.own for k in self.state.program.kernels.values() if k.own is not None]
+        if all("tangent" in o.functions or o.residual is not None for o in owns):
+            return True
+        try:
+            self.forward()
+        except S2sadError as error:
+            if any(d.code != "S301" for d in error.diagnostics):
+                raise
+            return False
+        return True
+
+    def made_without_tangent(self) -> Checked:
+        """The adjoint against differences, where these are sure."""
+        expected, error = differences(self.subject.along(self.direction))
+        known = np.isfinite(error)
+        weights = np.where(known, vector_of(self.seeds, self.of), 0.0)
+        self.seeds = split(self.outputs, self.of, weights)
+        with bounds_checked():
+            x_bar = vector_of(self.reverse().vjp(tuple(self.values.values()), self.seeds), self.wrt)
+        terms, slopes = x_bar * self.direction, np.where(known, weights * np.where(known, expected, 0.0), 0.0)
+        beyond = max(abs(_sum(terms) - _sum(slopes)) - 10 * _sum(np.abs(weights[known]) * error[known]), 0.0)
+        magnitude = float(np.abs(terms).sum() + np.abs(slopes).sum())
+        apart = beyond / magnitude if magnitude else 0.0
+        own = ", ".join(g.path for k in self.state.program.kernels.values() if k.own is not None
+                        for what, g in k.own.functions.items() if what in ("adjoint", "reverse"))
+        return Checked(self.title(), apart if math.isfinite(apart) else math.inf, self.tolerance, {}, self.tolerance,
+                       int((~known).sum()), known.size,
+                       "" if apart <= self.tolerance else f"adjoints of the user's own, without tangents: {own}", True)
+
     def title(self) -> str:
         checked = ", with bounds checks" if self.engine == "numba" else ""
         return (f"Check of {self.state.kernel.name}: d({', '.join(self.of)}) / d({', '.join(self.wrt)}), engine "
                 f"{self.engine}{checked}")
 
     def derivatives(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        args, carrier = tuple(self.values.values()), _Carrier((self.wrt, self.of, self.engine))
+        args = tuple(self.values.values())
         with bounds_checked():
-            forward = ForwardCall(self.state, carrier, args, self.wrt, self.of)
-            reverse = ReverseCall(self.state, carrier, args, self.of, None)
-            reverse.in_vain = ()
-            return forward.jvp(args, self.x_dot), reverse.vjp(args, self.seeds)
+            return self.forward().jvp(args, self.x_dot), self.reverse().vjp(args, self.seeds)
+
+    def forward(self) -> ForwardCall:
+        carrier = _Carrier((self.wrt, self.of, self.engine))
+        return ForwardCall(self.state, carrier, tuple(self.values.values()), self.wrt, self.of)
+
+    def reverse(self) -> ReverseCall:
+        carrier = _Carrier((self.wrt, self.of, self.engine))
+        made = ReverseCall(self.state, carrier, tuple(self.values.values()), self.of, None)
+        made.in_vain = ()
+        return made
 
     def by_output(self, y_dot: np.ndarray, expected: np.ndarray, error: np.ndarray, known: np.ndarray
                   ) -> dict[str, float]:

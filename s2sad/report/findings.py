@@ -100,7 +100,7 @@ def findings(derived: Derived, sizes: Sizes | None) -> Findings:
     return Findings(
         derived.function.name, unit.kernel.name, unit.kernel.source.path,
         tuple(dict.fromkeys([*names_wrt, *(r for r in derived.made.returns if r in unit.typing.table)])), tuple(of),
-        tuple(_verdicts(derived)), tuple(_stacked(r, unit, sizes) for r in recorded_by(derived)),
+        tuple(_verdicts(derived)), (*(_stacked(r, unit, sizes) for r in recorded_by(derived)), *_kept(derived)),
         tuple(_again(derived)), dropped, later, tuple(_loops(derived)),
         tuple(Kink(place_of(s, unit), what) for s, what in kinks(unit, derived.activity)))
 
@@ -161,6 +161,13 @@ def _stacked(recorded: Recorded, unit: Unit, sizes: Sizes | None) -> Stacked:
     needed = tuple(dict.fromkeys(place_of(s, unit) for s in recorded.readers))
     return Stacked(recorded.array, recorded.what, recorded.dtype, place_of(recorded.statement, unit), needed,
                    recorded.formula, None if sizes is None else sizes.bytes(recorded), recorded.grows)
+
+
+def _kept(derived: Derived) -> Iterator[Stacked]:
+    """The lists of what the first halves of a user's adjoints keep."""
+    for stack, statement in derived.made.kept:
+        place = place_of(statement, derived.unit)
+        yield Stacked(stack, f"what `{place.text}` keeps", "any", place, (place,), "its own", None, True)
 
 
 def _again(derived: Derived) -> Iterator[Again]:

@@ -6,7 +6,7 @@ by its identity, so that another one of the same name is never taken for it.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,19 +17,64 @@ ROOM = "given."
 class Given:
     """A function with the dotted path that it is imported by; `reads` are the functions that its partials call.
 
-    `plain` is the Python function behind a compiled one, else the function itself; `ruled` says whether it has a
-    derivative, or is only called by one that has.
+    `plain` is the Python function behind a compiled one, else the function itself; `ruled` says whether it has
+    partials or is held fixed, so that it is called as it is. A function with a derivative of its `own` is read.
     """
     path: str
     function: Any
     plain: Any
     ruled: bool
     reads: tuple[Given, ...] = ()
+    own: Own | None = None
 
     def reachable(self) -> bool:
         """Whether the path leads to this function, now."""
         found = imported(self.path)
         return found is not None and (found is self.function or getattr(found, "py_func", found) is self.plain)
+
+
+@dataclass(frozen=True)
+class Said:
+    """What the text of a user's derivative says: the names that it mentions (None if the text is not known), those
+    whose elements it stores to, how many values each return has (-1 where that cannot be seen), and which names it
+    returns."""
+    mentions: frozenset[str] | None = None
+    stores: frozenset[str] = frozenset()
+    counts: tuple[int, ...] = ()
+    named: frozenset[str] = frozenset()
+
+    def returns(self, count: int) -> bool:
+        """Whether every return may have so many values; a single one also as a tuple."""
+        return self.mentions is None or (not count and not any(self.counts)) or bool(self.counts) and all(
+            c in (count, -1) for c in self.counts)
+
+    def packs(self) -> bool:
+        """Whether a single value is returned in a tuple."""
+        return 1 in self.counts
+
+
+@dataclass(frozen=True, eq=False)
+class Own:
+    """A user's own derivative of the function `title`: `functions` of the user's by what they do ("adjoint", "tangent",
+    "forward", "reverse", "solver"), or the `residual` that the function makes zero, with the name of the `solver` of
+    the linear system. A function that is called as it is, and not read, is among them as "primal"; it `writes` these
+    arguments and `returns` so many floats.
+
+    `roles` says of each parameter of a function what it is: ("primal", its name), ("shadow", its primal's name),
+    ("seed", its own name) or ("kept", ""); `texts` has what the text of each says, where it is known.
+    """
+    title: str
+    functions: Mapping[str, Given]
+    roles: Mapping[str, tuple[tuple[str, str], ...]]
+    texts: Mapping[str, Said]
+    residual: Any = None
+    solver: str = ""
+    writes: tuple[str, ...] = ()
+    returns: int = 0
+
+    def name(self, what: str) -> str:
+        """The name in trees of one of the functions."""
+        return ROOM + self.functions[what].path
 
 
 class Registry:
@@ -51,6 +96,11 @@ class Registry:
         """The given function that a value is, if it has a derivative."""
         found = None if value is None else self.by_identity.get(id(value))
         return found if found is not None and found.ruled else None
+
+    def own(self, value: Any) -> Own | None:
+        """The derivative of its own that a function has, if it is read."""
+        found = None if value is None else self.by_identity.get(id(value))
+        return None if found is None else found.own
 
     def named(self, path: str) -> Given | None:
         """The given function of a dotted path, if it has a derivative."""

@@ -190,13 +190,14 @@ class Table:
             self._claim(key)
             self.constants[key] = result
 
-    def give(self, name: str, found: Rule | str) -> None:
-        """Sets a user's rule, or the kind of result of a user's function without a derivative; the last one holds."""
+    def give(self, name: str, found: Rule | str | None) -> None:
+        """Sets a user's rule, or the kind of result of a user's function without a derivative; None takes either away.
+        The last one holds."""
         self.rules.pop(name, None)
         self.constants.pop(name, None)
         if isinstance(found, Rule):
             self.rules[name] = found
-        else:
+        elif found is not None:
             self.constants[name] = found
 
     def _claim(self, name: str) -> None:

@@ -8,19 +8,23 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.diagnostics import Report
+from s2sad.diagnostics import Report, S2sadError
 from s2sad.infer.types import FLOAT, Type
 from s2sad.program import Program
+from s2sad.read.link import header_of
 from s2sad.rules import constant_result
 from s2sad.rules.given import GIVEN, ROOM, Given
 from s2sad.tree import Call, call_name, walk
-from s2sad.units import Units
+from s2sad.units import Unit, Units
 
 
 def given_of(program: Program) -> tuple[Given, ...]:
-    """The given functions that a program's kernels call, and those that their partials call."""
+    """The given functions that a program's kernels call, those that their partials call, and the user's own
+    derivatives of its kernels."""
     called = (call_name(n) or "" for k in program.kernels.values() for n in walk(k.tree) if isinstance(n, Call))
-    return tuple(GIVEN.closure(dict.fromkeys(c[len(ROOM):] for c in called if c.startswith(ROOM))))
+    owned = (g for k in program.kernels.values() if k.own is not None for g in k.own.functions.values())
+    return (*GIVEN.closure(dict.fromkeys(c[len(ROOM):] for c in called if c.startswith(ROOM))),
+            *dict.fromkeys(owned))
 
 
 def for_numba(function: Any, flags: dict[str, Any]) -> Any:
@@ -66,6 +70,48 @@ def compilable(units: Units) -> None:
                     report.error("S407", f"Numba cannot compile '{given.path}'{whose}", node,
                                  help='engine="numpy" calls it as it is')
         report.finish()
+
+
+def uncompiled(units: Units) -> S2sadError | None:
+    """Which derivative of the user's own Numba cannot compile, at the function that it belongs to; None if it can
+    compile all of them."""
+    for unit in units.made.values():
+        what = None if unit.kernel.own is None else _uncompiled(unit)
+        if what is not None and unit.kernel.own is not None:
+            report, own = Report(unit.kernel.source), unit.kernel.own
+            report.error("S407", f"Numba cannot compile '{own.functions[what].path}', the {what} of '{own.title}'",
+                         header_of(unit.kernel.tree), help='engine="numpy" calls it as it is')
+            return S2sadError(*report.found)
+    return None
+
+
+def _uncompiled(unit: Unit) -> str | None:
+    """Which of the user's functions that belong to a unit Numba cannot compile, by what it does."""
+    numba, owner = importlib.import_module("numba"), unit.owner
+    kept = None
+    for what, given in owner.own.functions.items():
+        if what == "solver":
+            continue
+        types = [kept if role == "kept" else _numba_type(numba, owner.types.get(p, FLOAT))
+                 for role, p in owner.own.roles[what]]
+        fails, result = _tried(given, types)
+        if fails:
+            return what
+        if what == "forward":
+            kept = result[-1] if owner.results and isinstance(result, numba.types.BaseTuple) else result
+    return None
+
+
+def _tried(given: Given, types: list[Any]) -> tuple[bool, Any]:
+    """Whether Numba fails to compile a function for these types, and the type of what it returns."""
+    function = for_numba(given.function, {"error_model": "numpy"})
+    try:
+        if not hasattr(function, "compile"):
+            return False, None
+        function.compile(tuple(types))
+        return False, function.overloads[tuple(types)].signature.return_type
+    except Exception:  # as in `_compiles`
+        return True, None
 
 
 def _compiles(given: Given, types: tuple[Type, ...] | None) -> bool:

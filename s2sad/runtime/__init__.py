@@ -19,13 +19,14 @@ from s2sad.runtime.special import digamma
 from s2sad.runtime.spread import extreme_mask, scattered, spread
 from s2sad.runtime.stacks import grow, sized
 from s2sad.runtime.sums import added, blocked_sum, pairwise_sum
+from s2sad.runtime.systems import cg, dense, gmres, solved_by
 
 __all__ = [
-    "added", "apart", "blocked_sum", "cholesky_change", "cholesky_gain", "cofactors", "comb", "det_sign", "digamma",
-    "eigenvalues_change", "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain",
-    "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain", "from_lower", "grow", "half_lower",
-    "heaviside", "isclose", "isqrt", "lcm", "least_squares", "least_squares_change", "log_det", "of_matrix",
-    "pairwise_sum", "perm", "position", "position_down", "power_change", "product", "remainder", "scattered",
-    "singular_values", "singular_values_change", "singular_values_gain", "sized", "solved", "solved_transposed",
-    "spread", "take_row", "to_lower", "to_matrix", "update_rest",
+    "added", "apart", "blocked_sum", "cg", "cholesky_change", "cholesky_gain", "cofactors", "comb", "dense",
+    "det_sign", "digamma", "eigenvalues_change", "eigenvalues_gain", "eigenvectors", "eigenvectors_change",
+    "eigenvectors_gain", "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain", "from_lower",
+    "gmres", "grow", "half_lower", "heaviside", "isclose", "isqrt", "lcm", "least_squares", "least_squares_change",
+    "log_det", "of_matrix", "pairwise_sum", "perm", "position", "position_down", "power_change", "product",
+    "remainder", "scattered", "singular_values", "singular_values_change", "singular_values_gain", "sized", "solved",
+    "solved_by", "solved_transposed", "spread", "take_row", "to_lower", "to_matrix", "update_rest",
 ]

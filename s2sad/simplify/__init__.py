@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from s2sad.analyze.liveness import Liveness, base_name, targets
 from s2sad.infer.infer import Typing
 from s2sad.differentiate.adjoint import REVERSE
+from s2sad.differentiate.calls import POP, PUSH
 from s2sad.naming import Names
 from s2sad.simplify.algebra import algebra
 from s2sad.simplify.branches import branches
@@ -54,6 +55,8 @@ class Effects:
 
     def writes(self, called: Call) -> list[str]:
         effect = self.of(called)
+        if call_name(called) in (PUSH, POP):
+            return [base_name(called.args[0])]
         if effect is None:
             return []
         return [b for k, a in enumerate(called.args) if k in effect.writes and (b := base_name(a))]

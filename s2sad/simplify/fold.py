@@ -57,7 +57,7 @@ class _Fold:
             return False
         target, value = statement.targets[0].id, statement.value
         if target in self.kept or self.bound.get(target) != 1 or (call_name(value) or "").startswith(
-                ("user.", "numpy.empty", "numpy.zeros", "numpy.copy", "runtime.")):
+                ("user.", "numpy.empty", "numpy.zeros", "numpy.copy", "runtime.", "builtins.list")):
             return False
         plain = isinstance(value, (Name, Constant)) or isinstance(value, UnaryOp) and isinstance(
             value.operand, (Name, Constant))
