@@ -9,8 +9,8 @@ from s2sad.units import Unit, Units
 
 def kernels_called(functions: Iterable[FunctionDef], units: Units) -> list[str]:
     """The titles of the units that functions call."""
-    found = [(call_name(n) or "").partition(".")[2] for f in functions for n in walk(f.body) if isinstance(n, Call)]
-    return list(dict.fromkeys(t for t in found if t in units.titled))
+    found = [(call_name(n) or "").partition(".") for f in functions for n in walk(f.body) if isinstance(n, Call)]
+    return list(dict.fromkeys(t for room, _, t in found if room == "user" and t in units.titled))
 
 
 def primal_functions(units: Units, titles: list[str]) -> list[FunctionDef]:

@@ -12,6 +12,8 @@ that binds a name, and that its operands are names and parts of arrays; what is 
                                     x[mask] = 0.0
     s = np.sum(x[mask])             picked = x[mask]
                                     s = np.sum(picked)
+    x[1:3] = [u, v]                 array_value = np.array([u, v])
+                                    x[1:3] = array_value
 
 What an array of bools picks stands alone, too, but in a statement that fills what the same one picks.
 """
@@ -21,13 +23,13 @@ from s2sad import rules
 from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Return, Slice, Subscript,
-    While, assign, at, augment, call, call_name, const, copy, dump, index, indices, name, rebuild, walk,
+    AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, List, Name, Return, Slice, Subscript,
+    Tuple, While, assign, at, augment, call, call_name, const, copy, dump, index, indices, name, rebuild, walk,
 )
 
 _SUMMED = ("summed", "averaged")
 _MADE = {f"numpy.{made}{like}" for made in ("empty", "zeros", "ones", "full") for like in ("", "_like")} | {
-    "numpy.array", "numpy.copy"}
+    "numpy.array", "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray"}
 
 
 def functions(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
@@ -76,6 +78,10 @@ class _Functions:
 
     def assignment(self, statement: Assign | AugAssign, before: list[AST]) -> list[AST]:
         target = statement.targets[0] if isinstance(statement, Assign) else statement.target
+        if isinstance(statement.value, (List, Tuple)) and self.typing.of(target).is_array and not (
+                isinstance(target, Name) and isinstance(statement, Assign)):
+            statement = copy(statement)
+            statement.value = at(call("numpy.array", statement.value), statement)
         if isinstance(target, Subscript) and self.arrays(target):
             target = self.named(target, before)
             masks = [dump(s) for s in self.arrays(target) if self.typing.of(s).dtype == "bool"]

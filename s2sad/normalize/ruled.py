@@ -15,7 +15,7 @@ from s2sad.infer.infer import Typing
 from s2sad.rules.given import ROOM
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Raise, call_name, children, walk,
+    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Raise, Subscript, call_name, children, walk,
 )
 
 # what makes arrays, asks for their shape, or is no computation at all
@@ -23,6 +23,7 @@ _OTHER = frozenset({
     "numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full", "numpy.empty_like", "numpy.zeros_like", "numpy.ones_like",
     "numpy.full_like", "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array", "numpy.shape",
     "builtins.range"})
+_COPIES = frozenset({"numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array"})
 # functions of whole arrays whose derivative is zero, or that `pieces` writes out; what else has no adjoint is a part of
 # derivatives
 _FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to"})
@@ -46,6 +47,10 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
         _visit(child, typing, report)
     if len(report.found) > before:
         return  # what is refused inside explains it
+    if isinstance(node, (Assign, AugAssign)) and any(
+            isinstance(t, Subscript) and typing.of(t.value).kind == "tuple" for t in targets(node)):
+        report.error("S201", "an element of a list is written", node, help="make it an array: np.zeros(n), or "
+                     "np.array([...])")
     if isinstance(node, (Assign, AugAssign)) and typing.of(targets(node)[0]).is_array or typing.of(node).is_array:
         _alone(node, typing, report)
     if isinstance(node, Call):
@@ -66,6 +71,9 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
     name = call_name(node)
     if name in _REDUCED and len(node.args) + len(node.keywords) != 1:
         report.error("S301", f"no derivative rule for {name} with more than the array", node, help=_LOOP)
+        return
+    if name in _COPIES and node.args and typing.of(node.args[0]).is_number:
+        report.error("S201", f"{name} of a number, an array without axes", node, help="leave it out")
         return
     rule = rules.find_array(name)
     if rule is not None and not rule.adjoints and rule.law != "pieces" and name not in _FLAT:

@@ -10,6 +10,7 @@
     [a] * 2 + [b]       [a, a, b]
     a @ b               np.matmul(a, b)
     np.roll(x, 1, 0)    np.roll(x, 1, axis=0)
+    np.roll(x, (1, 2), axis=(0, 1))     np.roll(np.roll(x, 1, axis=0), 2, axis=1)
     math.prod((a, b))   a * b
 """
 from __future__ import annotations
@@ -19,12 +20,12 @@ from functools import reduce
 from s2sad import rules
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Starred,
-    Tuple, at, call, call_name, compare, const, copy, mult, name, rebuild, tuple_of,
+    Subscript, Tuple, at, call, call_name, compare, const, copy, index, indices, mult, name, rebuild, tuple_of,
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
 _METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot", "var", "std", "prod", "cumsum",
-            "cumprod", "squeeze", "swapaxes", "repeat", "diagonal", "trace"}
+            "cumprod", "squeeze", "swapaxes", "repeat", "diagonal", "trace", "copy"}
 _QUESTIONS = {"any", "all", "argmax", "argmin"}
 _SHAPED = {"reshape", "transpose"}
 
@@ -43,13 +44,16 @@ def _plain(node: AST) -> AST | None:
         return at(call("numpy.matmul", rebuild(node.left, _plain), rebuild(node.right, _plain)), node)
     if isinstance(node, BinOp) and (listed := _list(node)) is not None:
         return at(List([rebuild(item, _plain) for item in listed], name("_").ctx), node)
+    if isinstance(node, Subscript) and any(isinstance(s, List) for s in indices(node)):
+        parts = [call("numpy.array", s) if isinstance(s, List) else s for s in indices(node)]
+        return rebuild(at(Subscript(node.value, index(node.value, *parts).slice, node.ctx), node), _plain)
     if isinstance(node, Attribute) and node.attr == "T":
         return at(call("numpy.transpose", rebuild(node.value, _plain)), node)
     if not isinstance(node, Call):
         return None
     if isinstance(node.func, Attribute) and node.func.attr in _METHODS:
-        return _plain(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], node.keywords),
-                         node))
+        called = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], node.keywords), node)
+        return rebuild(called, _plain)
     if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
         asked = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node)
         return rebuild(asked, _plain)
@@ -107,7 +111,22 @@ def _array_call(node: Call) -> AST | None:
     ordered = rule and rules.bound(rule, node)
     if ordered is None:
         return None
+    if call_name(node) == "numpy.roll" and (moved := _rolled(ordered)) is not None:
+        return at(moved, node)
     return at(Call(ordered.func, [rebuild(a, _plain) for a in ordered.args], ordered.keywords), node)
+
+
+def _rolled(node: Call) -> AST | None:
+    """Shifts along several axes, one after the other."""
+    axes = {k.arg: k.value for k in node.keywords}.get("axis")
+    if not isinstance(axes, (Tuple, List)):
+        return None
+    x, shift = node.args
+    shifts = shift.elts if isinstance(shift, (Tuple, List)) else [shift] * len(axes.elts)
+    if len(shifts) != len(axes.elts):
+        return None
+    start = rebuild(x, _plain)
+    return reduce(lambda made, by: call("numpy.roll", made, copy(by[0]), axis=by[1]), zip(shifts, axes.elts), start)
 
 
 def _scalar_call(node: Call) -> AST | None:
