@@ -36,6 +36,7 @@ from s2sad.normalize.rename import rename
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize, scatter
 from s2sad.normalize.sharing import shared, specialised
+from s2sad.normalize.sought import sought
 from s2sad.normalize.spelled import spelled
 from s2sad.normalize.viewing import viewing
 from s2sad.normalize.views import views
@@ -149,7 +150,7 @@ class Units:
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
-        tree = batched(choices(tree, typing, names), typing)
+        tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")
         ruled(tree, typing, report)
         report.finish()
         tree = functions(tree, typing, names)

@@ -122,6 +122,12 @@ def _blocks_type(args: list[Type], options: Options) -> Type:
     return array(_common(args), args[0].rank) if args[0].rank == args[1].rank else UNKNOWN
 
 
+def _places_type(args: list[Type], options: Options) -> Type:
+    axis = whole_number(options["axis"])
+    fits = args[0].is_array and axis is not None and -args[0].rank <= axis < args[0].rank
+    return array("int64", args[0].rank) if fits else UNKNOWN
+
+
 def _outer_type(args: list[Type], options: Options) -> Type:
     return array(_common(args), 2)
 
@@ -199,7 +205,7 @@ def _moved_shape(args: list[Shape], options: Options) -> Shape | None:
 
 
 LAWS: dict[str, Law] = {
-    "places": Law(lambda args, options: array("int64", args[0].rank), lambda args, options: args[0]),
+    "places": Law(_places_type, lambda args, options: args[0]),
     "same": Law(_same_type, lambda args, options: args[0]),
     "reduced": Law(_reduced_type, _reduced_shape),
     "summed": Law(lambda args, options: _widened(_reduced_type(args, options)), _reduced_shape),

@@ -23,8 +23,9 @@ from s2sad import rules
 from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, List, Name, Return, Slice, Subscript,
-    Tuple, While, assign, at, augment, call, call_name, const, copy, dump, index, indices, name, rebuild, walk,
+    AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, List, Name, Return, Slice,
+    Subscript, Tuple, While, assign, at, augment, call, call_name, const, copy, dump, index, indices, keyword,
+    name, rebuild, walk,
 )
 
 _SUMMED = ("summed", "averaged")
@@ -169,7 +170,8 @@ class _Functions:
             summed = rule.law in _SUMMED and any(isinstance(n, (Name, Subscript)) and self.typing.of(n).is_array
                                                  for n in walk(inner))
             made.append(inner if plain or summed else name(self.bind(operand, inner, before)))
-        return at(Call(node.func, made, node.keywords), node)
+        options = [at(keyword(k.arg, self.moved(k.value, before)), node) for k in node.keywords]
+        return at(Call(node.func, made, options), node)
 
     def bind(self, origin: AST, value: AST, before: list[AST], called: str = "") -> str:
         wanted = (call_name(origin) or "operand").rpartition(".")[2]

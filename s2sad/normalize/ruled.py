@@ -29,6 +29,23 @@ _COPIES = frozenset({"numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "
 _FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to"})
 _SUMS = ("numpy.sum", "builtins.sum")
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
+_HELP = {
+    "numpy.squeeze": "name the axis: np.squeeze(x, axis=0), or write x[0]",
+    "numpy.piecewise": "write np.where, or np.select of arrays", "numpy.digitize": "write np.searchsorted(bins, x, "
+    "side='right')", "numpy.histogram": "count the places np.searchsorted(edges, x) with np.bincount",
+    "numpy.unwrap": "add the jumps in a loop", "numpy.compress": "write x[condition]",
+    "numpy.delete": "write np.concatenate((x[:k], x[k + 1:]))",
+    "numpy.insert": "write np.concatenate((x[:k], [value], x[k:]))", "numpy.ix_": "write x[rows][:, columns]",
+    "numpy.argwhere": "write places = np.nonzero(x)", "numpy.logspace": "write 10.0 ** np.linspace(a, b, n)",
+    "numpy.geomspace": "write np.exp(np.linspace(np.log(a), np.log(b), n))",
+    "numpy.linalg.cond": "divide the largest of np.linalg.svd(a, compute_uv=False) by the smallest",
+    "numpy.linalg.svd": "write full_matrices=False: the vectors beyond the smaller size are not determined",
+    "numpy.linalg.qr": "write q, r = np.linalg.qr(a), in the reduced mode",
+    "numpy.linalg.eig": "write np.linalg.eigh for a symmetric matrix: other ones have complex eigenvalues",
+    "numpy.linalg.eigvals": "write np.linalg.eigvalsh for a symmetric matrix: other ones have complex eigenvalues",
+    "numpy.nanmean": "write np.mean(x[~np.isnan(x)])", "numpy.split": "bind each section to a name: a, b = np.split(x, "
+    "2)", "numpy.array_split": "bind each section to a name: a, b = np.array_split(x, 2)",
+}
 _LOOP = "write it as a loop over the elements"
 _OTHERS = "write it with functions that have a rule, or give it one: s2sad.rule, s2sad.nondifferentiable"
 
@@ -98,5 +115,5 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
         given = f" with {len(node.args) + len(node.keywords)} arguments" if known else ""
         name = name.removeprefix(ROOM)
         note = f"there is one for {name}({', '.join(known.parameters)})" if known else ""
-        report.error("S301", f"no derivative rule for {name}{given}", node, note,
-                     _LOOP if any(typing.of(a).is_array for a in node.args) else _OTHERS)
+        report.error("S301", f"no derivative rule for {name}{given}", node, note, _HELP.get(name) or (
+                     _LOOP if any(typing.of(a).is_array for a in node.args) else _OTHERS))

@@ -18,6 +18,7 @@ from __future__ import annotations
 from functools import reduce
 
 from s2sad import rules
+from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Starred,
     Subscript, Tuple, at, call, call_name, compare, const, copy, index, indices, mult, name, rebuild, tuple_of,
@@ -25,7 +26,8 @@ from s2sad.tree import (
 
 _PAIRED = {"builtins.min", "builtins.max"}
 _METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot", "var", "std", "prod", "cumsum",
-            "cumprod", "squeeze", "swapaxes", "repeat", "diagonal", "trace", "copy"}
+            "cumprod", "squeeze", "swapaxes", "repeat", "diagonal", "trace", "copy",
+            "flatten", "take", "ptp", "astype", "argsort", "clip", "round", "searchsorted"}
 _QUESTIONS = {"any", "all", "argmax", "argmin"}
 _SHAPED = {"reshape", "transpose"}
 
@@ -55,8 +57,11 @@ def _plain(node: AST) -> AST | None:
         called = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], node.keywords), node)
         return rebuild(called, _plain)
     if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
-        asked = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node)
-        return rebuild(asked, _plain)
+        return rebuild(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node),
+                       _plain)
+    other = other_spelling(node) or _multiplied(node) or _in_blocks(node) or _extreme_place(node)
+    if other is not None:
+        return rebuild(at(other, node), _plain)
     return _question(node) or _array_call(node) or _scalar_call(node)
 
 
@@ -73,6 +78,16 @@ def _question(node: Call) -> AST | None:
     if function == "count_nonzero":
         return at(count, node)
     return at(compare(count, Eq() if function == "all" else Gt(), const(0)), node)
+
+
+def _extreme_place(node: Call) -> AST | None:
+    """The place of an extreme along an axis."""
+    function = call_name(node)
+    if function not in ("numpy.argmax", "numpy.argmin") or len(node.args) + len(node.keywords) < 2:
+        return None
+    rule = rules.find_array(f"{function}.along")
+    made = rules.bound(rule, Call(name(f"{function}.along"), node.args, node.keywords)) if rule else None
+    return call(function, node.args[0]) if made is not None and not made.keywords else made
 
 
 def _list(node: AST) -> list[AST] | None:
@@ -105,8 +120,6 @@ def _arguments(node: Call) -> list[AST]:
 def _array_call(node: Call) -> AST | None:
     if call_name(node) == "numpy.transpose" and (axes := _axes(node)) is not None:
         node = at(call("numpy.moveaxis", node.args[0], axes, tuple_of(*map(const, range(len(axes.elts))))), node)
-    if call_name(node) == "numpy.gradient" and len(node.args) > 2:
-        return None  # one spacing for each axis
     rule = rules.find_array(call_name(node))
     ordered = rule and rules.bound(rule, node)
     if ordered is None:
@@ -114,6 +127,25 @@ def _array_call(node: Call) -> AST | None:
     if call_name(node) == "numpy.roll" and (moved := _rolled(ordered)) is not None:
         return at(moved, node)
     return at(Call(ordered.func, [rebuild(a, _plain) for a in ordered.args], ordered.keywords), node)
+
+
+def _in_blocks(node: Call) -> AST | None:
+    """`np.block` of rows of matrices."""
+    if call_name(node) != "numpy.block" or len(node.args) != 1 or not isinstance(node.args[0], List):
+        return None
+    rows = node.args[0].elts
+    if not rows or not all(isinstance(row, List) for row in rows):
+        return None
+    return call("numpy.concatenate", tuple_of(*(call("numpy.concatenate", tuple_of(*row.elts), axis=const(1))
+                                                for row in rows)))
+
+
+def _multiplied(node: Call) -> AST | None:
+    """The product of several matrices, of two at a time, from the left."""
+    several = call_name(node) == "numpy.linalg.multi_dot" and len(node.args) == 1 and not node.keywords
+    if not several or not isinstance(node.args[0], (List, Tuple)) or len(node.args[0].elts) < 2:
+        return None
+    return reduce(lambda a, b: call("numpy.matmul", a, b), node.args[0].elts)
 
 
 def _rolled(node: Call) -> AST | None:

@@ -114,7 +114,10 @@ class _Views(Places):
             new: AST = For(statement.target, bounds, self.block(statement.body), [], None)
             self.shapes.counters = counters
         else:
-            new = While(self.resolve(statement.test), self.block(statement.body), [])
+            self.testing = True
+            test = self.resolve(statement.test)
+            self.testing = False
+            new = While(test, self.block(statement.body), [])
         self.depth -= 1
         self.seen = {n: v if n not in inside or n not in before else AMBIGUOUS for n, v in self.seen.items()}
         return new
