@@ -36,6 +36,7 @@ from s2sad.normalize.rename import rename
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize, scatter
 from s2sad.normalize.sharing import shared, specialised
+from s2sad.normalize.solvers import solvers
 from s2sad.normalize.sought import sought
 from s2sad.normalize.spelled import spelled
 from s2sad.normalize.viewing import viewing
@@ -142,7 +143,9 @@ class Units:
         report = Report(kernel.source)
         names = Names()
         values = {**self.program.constants, **self.program.arrays}
-        tree = contracted(parts(structured(kernel, names, self.program), names))
+        tree = solvers(structured(kernel, names, self.program), report)
+        report.finish()
+        tree = contracted(parts(tree, names))
         tree = verify(spelled(tree), "structured", "spelled")
         given = dict(zip((p.id for p in tree.args.args), types))
         self.watch("structured", tree)

@@ -14,6 +14,7 @@ from s2sad.tree import AST, Constant, List, Tuple, UnaryOp, USub
 Shape = tuple["Affine | None", ...]
 Options = Mapping[str, AST]
 ONE = Affine((), 1)
+LEAST = Affine((), -1)  # stands for the least size of the first argument
 
 
 @dataclass(frozen=True)
@@ -148,11 +149,6 @@ def _least_type(args: list[Type], options: Options) -> Type:
     return b if a.is_float and a.rank == 2 and b.dtype == a.dtype and b.rank in (1, 2) else UNKNOWN
 
 
-def _singular_shape(args: list[Shape], options: Options) -> Shape | None:
-    rows, columns = args[0]
-    return (rows,) if rows == columns else None
-
-
 def _one_more(size: Affine | None) -> Affine | None:
     return size and size.shift(1)
 
@@ -222,7 +218,10 @@ LAWS: dict[str, Law] = {
     "matrix": Law(_of_matrix(2), lambda args, options: args[0]),
     "determinant": Law(_of_matrix(0), lambda args, options: ()),
     "eigenvalues": Law(_of_matrix(1), lambda args, options: args[0][:1]),
-    "singular": Law(_of_matrix(1), _singular_shape),
+    "singular": Law(_of_matrix(1), lambda args, options: (LEAST,)),
+    "orthogonal": Law(_of_matrix(2), lambda args, options: (args[0][0], LEAST)),
+    "triangular": Law(_of_matrix(2), lambda args, options: (LEAST, args[0][1])),
+    "square": Law(lambda args, options: array(args[0].dtype, 2), lambda args, options: (args[0][0], args[0][0])),
     "inverted": Law(_of_matrix(2), lambda args, options: args[0][::-1]),
     "least": Law(_least_type, lambda args, options: args[0][1:] + args[1][1:]),
     "factored": Law(_of_matrix(2), lambda args, options: (_one_more(args[0][0]), args[0][1])),

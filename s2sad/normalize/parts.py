@@ -27,6 +27,7 @@ _PARTS: dict[str, dict[str, str]] = {
     "numpy.linalg.slogdet": {"sign": "runtime.det_sign", "logabsdet": "runtime.log_det"},
     "numpy.linalg.eigh": {"eigenvalues": "numpy.linalg.eigvalsh", "eigenvectors": "runtime.eigenvectors"},
     "numpy.linalg.svd": {"U": "", "S": "runtime.singular_values", "Vh": ""},
+    "numpy.linalg.qr": {"Q": "runtime.orthogonal_part", "R": "runtime.triangular_part"},
     "numpy.linalg.lstsq": {"solution": "runtime.least_squares"},
 }
 # functions of which each part is the function with its number
@@ -37,6 +38,7 @@ _PAIRS = frozenset({"numpy.triu_indices", "numpy.tril_indices", "numpy.diag_indi
 _MOST = 16
 _MASK = "mask"  # all parts as one subscript
 _OPERANDS = {"numpy.linalg.lstsq": 2}
+_REDUCED = {"U": "runtime.left_vectors", "S": "runtime.singular_values", "Vh": "runtime.right_vectors"}
 _NONE = {"numpy.linalg.lstsq": "rcond"}
 
 
@@ -56,17 +58,25 @@ def _as_function(node: AST) -> AST | None:
 
 def parted(node: AST) -> dict[str, str]:
     """The functions of the parts of a call, {} if it is none that gives a tuple or its options are not the default."""
-    called = call_name(node) or ""
+    called = (call_name(node) or "").replace("scipy.linalg.", "numpy.linalg.")
     if called in _NUMBERED and (called != "numpy.where" or len(node.args) == 1 and not node.keywords):
         word = called.rpartition(".")[2]
         masked = {_MASK: "mask"} if _picks(node) or called in _PAIRS else {}
         return {f"{word}_{k}": called for k in range(_MOST)} | masked
     if called not in _PARTS:
         return {}
+    if called == "numpy.linalg.svd" and _reduced(node):
+        return _REDUCED
     left = [k for k in node.keywords if k.arg != _NONE.get(called) or not _is_none(k.value)]
     extra = node.args[_OPERANDS.get(called, 1):]
     plain = not left and all(called in _NONE and _is_none(a) for a in extra) and len(extra) <= 1
     return _PARTS[called] if plain and len(node.args) >= _OPERANDS.get(called, 1) else {}
+
+
+def _reduced(node: Call) -> bool:
+    """Whether a call is `np.linalg.svd(a, full_matrices=False)`."""
+    given = [*node.args[1:], *(k.value for k in node.keywords if k.arg == "full_matrices")]
+    return len(node.args) + len(node.keywords) == 2 and len(given) == 1 and getattr(given[0], "value", None) is False
 
 
 def _picks(node: AST) -> bool:
@@ -112,6 +122,8 @@ class _Parts:
     def part(self, node: AST) -> AST | None:
         if _values_alone(node):
             return at(call("runtime.singular_values", self.changed(node.args[0])), node)
+        if _triangle_alone(node):
+            return at(call("runtime.triangular_part", self.changed(node.args[0])), node)
         asked = _asked(node)
         if asked is None:
             return None
@@ -139,8 +151,14 @@ def _both(node: AST, key: int | str) -> bool:
 
 def _values_alone(node: AST) -> bool:
     """Whether a call is `np.linalg.svd(a, compute_uv=False)`."""
-    return call_name(node) == "numpy.linalg.svd" and len(node.args) == 1 and [k.arg for k in node.keywords] == [
+    return call_name(node) in ("numpy.linalg.svd", "scipy.linalg.svd") and len(node.args) == 1 and [k.arg for k in node.keywords] == [
         "compute_uv"] and isinstance(node.keywords[0].value, Constant) and node.keywords[0].value.value is False
+
+
+def _triangle_alone(node: AST) -> bool:
+    """Whether a call is `np.linalg.qr(a, mode="r")`."""
+    return call_name(node) == "numpy.linalg.qr" and len(node.args) + len(node.keywords) == 2 and "r" == getattr(
+        [*node.args[1:], *(k.value for k in node.keywords if k.arg == "mode")][0], "value", None)
 
 
 def _call(value: AST, part: str, function: str) -> AST:

@@ -25,6 +25,7 @@ from s2sad.read.meaning import (
 )
 from s2sad.read.modules import dropped_decorator
 from s2sad.rules.given import GIVEN, ROOM
+from s2sad.rules.spellings import is_scipy
 from s2sad.tree import FunctionDef
 
 
@@ -228,6 +229,9 @@ class _Resolver:
         root, _, rest = path.partition(".")
         if root == "builtins":
             self._builtin(node, rest, called)
+        elif root == "scipy" and is_scipy(path):
+            if not called:
+                self._as_value(node, text)
         elif root not in ("numpy", "math", "runtime") and (called or rest):
             self._refuse(f"'{text}' is not a function that s2sad can read", node, "write it with numpy and math, or "
                          f"give its derivative: s2sad.rule(\"{path}(x)\", x=...)")

@@ -41,6 +41,16 @@ def same(text: str, value: str) -> None:
     TABLE[call_name(called) or ""] = Spelling(inspect.Signature(parameters), defaults, template(value))
 
 
+# functions that `normalize.solvers` takes apart
+_TAKEN_APART = {"lu_factor", "lu_solve", "cho_factor", "cho_solve", "solve_banded", "cholesky", "svd", "eigh"}
+
+
+def is_scipy(path: str) -> bool:
+    """Whether a function of SciPy's is one that has a derivative here."""
+    room, _, last = path.rpartition(".")
+    return path in TABLE or room == "scipy.linalg" and last in _TAKEN_APART
+
+
 def other_spelling(node: Call) -> AST | None:
     """The call in the spelling that has a rule, if it has another one."""
     found = TABLE.get(call_name(node) or "")
@@ -52,6 +62,14 @@ for _ufunc, _function in (("add", "sum"), ("multiply", "prod"), ("maximum", "max
          f"numpy.{_function}(array, axis=axis, keepdims=keepdims)")
 same("numpy.add.accumulate(array, axis=0)", "numpy.cumsum(array, axis=axis)")
 same("numpy.multiply.accumulate(array, axis=0)", "numpy.cumprod(array, axis=axis)")
+for _function in ("inv(a)", "det(a)", "norm(a, ord=None, axis=None, keepdims=False)", "solve(a, b)", "eigvalsh(a)"):
+    _name, _, _rest = _function.partition("(")
+    _given = ", ".join(f"{p}={p}" if d else p for p, d, _ in (p.partition("=") for p in _rest[:-1].split(", ")))
+    same(f"scipy.linalg.{_function}", f"numpy.linalg.{_name}({_given})")
+same("scipy.linalg.svdvals(a)", "runtime.singular_values(a)")
+same("scipy.linalg.expm(a)", "runtime.exponential(a)")
+same("scipy.linalg.solve_triangular(a, b, trans=0, lower=False, unit_diagonal=False)",
+     "runtime.solve_triangular(a, b, trans=trans, lower=lower, unit=unit_diagonal)")
 same("numpy.flatnonzero(a)", "numpy.nonzero(numpy.ravel(a), part=0)")
 same("numpy.ediff1d(a)", "numpy.diff(numpy.ravel(a))")
 same("numpy.extract(condition, array)", "array[condition]")
