@@ -33,6 +33,8 @@ from s2sad.normalize.functions import functions
 from s2sad.normalize.parts import parts
 from s2sad.normalize.pieces import pieces
 from s2sad.normalize.rename import rename
+from s2sad.normalize.memory import Memory
+from s2sad.normalize.rows import rows
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize, scatter
 from s2sad.normalize.sharing import shared, specialised
@@ -153,6 +155,8 @@ class Units:
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
+        tree = rows(tree, typing, Memory(tree, self.program), report)
+        report.finish()
         tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")
         ruled(tree, typing, report)
         report.finish()

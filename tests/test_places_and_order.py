@@ -117,8 +117,19 @@ def polynomials(a, x, y):
     return s + np.sum(along * across) + np.gradient(y)[1] ** 2
 
 
+def scattered_into(x, y):
+    np.add.at(x, np.array([0, 0]), y[:2])
+    return x[0]
+
+
+def a_helper_that_stores_at_places(a, x, y):
+    s = x[0] * a[0, 0] + scattered_into(x, y) * x[0]
+    np.multiply(y, y, y)
+    return s + np.sum(y)
+
+
 KERNELS = (results_in_place, stores_at_places, ufuncs, where_it_is, ordered, sought, selected, grids, sections, shapes,
-           polynomials)
+           polynomials, a_helper_that_stores_at_places)
 
 
 def arguments():

@@ -78,7 +78,17 @@ def _parts(options: Arguments, args: list[Type]) -> list[Type]:
     return items if written and known else []
 
 
+def _rows(args: list[Type], options: Arguments) -> Type | None:
+    """The type of what joins the rows of one array, in place of a list of them; None if it joins a written list."""
+    if not args[0].is_array:
+        return None
+    first = "axis" not in options or whole_number(options["axis"]) == 0
+    return args[0] if first and args[0].dtype in _ORDER else UNKNOWN
+
+
 def _concatenate(args: list[Type], options: Arguments) -> Type:
+    if (rows := _rows(args, options)) is not None:
+        return of_rank(rows, rows.rank - 1) if rows.rank > 1 else UNKNOWN
     parts = _parts(options, args)
     ranks = {p.rank for p in parts}
     if len(ranks) != 1 or 0 in ranks or one_axis(options["axis"], max(ranks)) is None:
@@ -87,6 +97,8 @@ def _concatenate(args: list[Type], options: Arguments) -> Type:
 
 
 def _stack(args: list[Type], options: Arguments) -> Type:
+    if (rows := _rows(args, options)) is not None:
+        return rows
     parts = _parts(options, args)
     ranks = {p.rank for p in parts}
     if len(ranks) != 1 or 0 in ranks or one_axis(options["axis"], max(ranks) + 1) is None:
@@ -95,14 +107,24 @@ def _stack(args: list[Type], options: Arguments) -> Type:
 
 
 def _hstack(args: list[Type], options: Arguments) -> Type:
+    if (rows := _rows(args, options)) is not None:
+        return of_rank(rows, 1) if rows.rank in (1, 2) else UNKNOWN
     parts = _parts(options, args)
     ranks = {max(p.rank, 1) for p in parts}
     return array(common(parts), ranks.pop()) if len(ranks) == 1 else UNKNOWN
 
 
 def _vstack(args: list[Type], options: Arguments) -> Type:
+    if (rows := _rows(args, options)) is not None:
+        return of_rank(rows, 2) if rows.rank in (2, 3) else UNKNOWN
     parts = _parts(options, args)
     return array(common(parts), 2) if parts and all(p.rank in (1, 2) for p in parts) else UNKNOWN
+
+
+def _columns(args: list[Type], options: Arguments) -> Type:
+    if (rows := _rows(args, options)) is not None:
+        return rows if rows.rank == 2 else UNKNOWN
+    return _vstack(args, options)
 
 
 def _append(args: list[Type], options: Arguments) -> Type:
@@ -300,6 +322,8 @@ def _at_least(rank: int) -> Callable[[list[Type], Arguments], Type]:
 
 
 def _deep(args: list[Type], options: Arguments) -> Type:
+    if args[0].is_array:
+        return UNKNOWN
     parts = _parts(options, args)
     return array(common(parts), 3) if parts and all(p.rank in (1, 2) for p in parts) else UNKNOWN
 
@@ -354,7 +378,7 @@ def _running_extreme(args: list[Type], options: Arguments) -> Type:
 
 _TYPES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.diff": _diff, "numpy.concatenate": _concatenate, "numpy.stack": _stack, "numpy.hstack": _hstack,
-    "numpy.vstack": _vstack, "numpy.column_stack": _vstack, "numpy.append": _append, "numpy.expand_dims": _expanded,
+    "numpy.vstack": _vstack, "numpy.column_stack": _columns, "numpy.append": _append, "numpy.expand_dims": _expanded,
     "numpy.squeeze": _squeezed, "numpy.swapaxes": _swapped, "numpy.tile": _tiled, "numpy.repeat": _repeated,
     "numpy.pad": _padded, "numpy.diag": _diag, "numpy.diagonal": _diagonal, "numpy.tril": _triangle,
     "numpy.triu": _triangle, "numpy.trace": _trace, "numpy.eye": _eye, "numpy.identity": _eye,

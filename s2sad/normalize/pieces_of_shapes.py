@@ -47,7 +47,18 @@ def _joined(parts: list[Piece], axis: int, before: list[str]) -> str:
     return lines(*before, f"result = {empty(whole, common([kind for _, _, kind in parts]))}", *stores)
 
 
+def _rows(asked: Asked, rank: int) -> str:
+    """The rows of one array one after the other, as an array of fewer axes; a copy where it keeps them."""
+    own = asked.rank("x")
+    if own <= rank:
+        return "result = numpy.copy(x)"
+    shape = [f"{size('x', 0)} * {size('x', 1)}", *sizes("x", own)[2:]]
+    return f"result = numpy.reshape(x, ({', '.join(shape)},))"
+
+
 def _concatenate(asked: Asked) -> str:
+    if asked.rank("x"):
+        return _rows(asked, asked.rank("x") - 1)
     before: list[str] = []
     parts = _given(asked, before)
     return _joined(parts, asked.axis(parts[0][2].rank), before)
@@ -59,12 +70,16 @@ def _append(asked: Asked) -> str:
 
 
 def _hstack(asked: Asked) -> str:
+    if asked.rank("x"):
+        return _rows(asked, 1)
     before: list[str] = []
     parts = [(text, found or ["1"], kind) for text, found, kind in _given(asked, before)]
     return _joined(parts, 0 if len(parts[0][1]) == 1 else 1, before)
 
 
 def _vstack(asked: Asked) -> str:
+    if asked.rank("x"):
+        return _rows(asked, 2)
     before: list[str] = []
     parts = [(f"{text}[None, :]" if len(found) == 1 else text, ["1", *found][-2:], kind)
              for text, found, kind in _given(asked, before)]
@@ -72,6 +87,8 @@ def _vstack(asked: Asked) -> str:
 
 
 def _column_stack(asked: Asked) -> str:
+    if asked.rank("x"):
+        return "result = numpy.copy(numpy.transpose(x))"
     before: list[str] = []
     parts = [(f"{text}[:, None]" if len(found) == 1 else text, [*found, "1"][:2], kind)
              for text, found, kind in _given(asked, before)]
@@ -79,6 +96,8 @@ def _column_stack(asked: Asked) -> str:
 
 
 def _stack(asked: Asked) -> str:
+    if asked.rank("x"):
+        return "result = numpy.copy(x)"
     before: list[str] = []
     parts = _given(asked, before)
     axis = asked.axis(parts[0][2].rank + 1)

@@ -1,0 +1,311 @@
+"""lists: lists that grow by `append`, and comprehensions, become arrays that are filled.
+
+    us = [u0]                           us = builtins.list(1 + n)
+    for k in range(n):                  us[0] = u0
+        us.append(f(us[-1]))            us_count = 1
+    y = np.array(us)                    for k in range(n):
+                                            us[us_count] = f(us[us_count - 1])
+                                            us_count += 1
+                                        y = np.array(us[:us_count])
+
+    y = np.array([x[i] ** 2 for i in range(n)])     a list, a loop that appends, and np.array of the list
+    s = sum(x[i] for i in range(n))                 s_total = 0; a loop that adds
+
+Requires resolved names. `builtins.list(count)` is an array whose type follows from what is stored (`infer`); `rows`
+allocates it. How often a list can grow must be known where it is made: else it is refused.
+"""
+from __future__ import annotations
+
+from functools import reduce
+
+from s2sad.normalize.scope import Scope
+from s2sad.tree import (
+    AST, Add, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Constant, Expr, For, FunctionDef, GeneratorExp,
+    If, IfExp, List, ListComp, Mult, Name, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, While, add, assign, at,
+    augment, call, call_name, const, copy, index, indices, name, names, rebuild, rename, stored_names, sub, walk,
+)
+
+LISTED = "builtins.list"
+_HELP = "allocate an array before and fill it in a for loop"
+
+
+def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
+    """The function without such lists and comprehensions."""
+    nodes = list(walk(function.body))
+    if not any(isinstance(n, (ListComp, GeneratorExp)) or _appended(n) for n in nodes):
+        return function
+    new = copy(function)
+    new.body = _Comprehensions(scope).block(function.body)
+    scope.report.finish()
+    return _Lists(new, scope).function()
+
+
+def _appended(node: AST) -> str | None:
+    """The name that `name.append(x)` appends to."""
+    call_ = node.value if isinstance(node, Expr) else None
+    if isinstance(call_, Call) and isinstance(call_.func, Attribute) and call_.func.attr == "append" and isinstance(
+            call_.func.value, Name) and len(call_.args) == 1 and not call_.keywords:
+        return call_.func.value.id
+    return None
+
+
+def _apart(statement: AST) -> list[AST] | None:
+    """`us, vs = [], []` as two statements."""
+    target = statement.targets[0] if isinstance(statement, Assign) and len(statement.targets) == 1 else None
+    value = statement.value if isinstance(statement, Assign) else None
+    if not isinstance(target, Tuple) or not isinstance(value, Tuple) or len(target.elts) != len(value.elts):
+        return None
+    plain = all(isinstance(t, Name) for t in target.elts) and not set(stored_names(target)) & set(names(value))
+    listed = any(isinstance(v, List) for v in value.elts)
+    return [at(assign(t, v), statement) for t, v in zip(target.elts, value.elts)] if plain and listed else None
+
+
+# -- comprehensions --------------------------------------------------------------------------------------------------
+
+class _Comprehensions:
+    """Each comprehension becomes a loop before the statement that it stands in."""
+
+    def __init__(self, scope: Scope):
+        self.scope = scope
+        self.before: list[AST] = []
+
+    def block(self, block: list[AST]) -> list[AST]:
+        return [at(made, s) for s in block for made in self.statement(s)]
+
+    def statement(self, statement: AST) -> list[AST]:
+        if (apart := _apart(statement)) is not None:
+            return [made for s in apart for made in self.statement(s)]
+        outer, self.before = self.before, []
+        new = copy(statement)
+        for field in statement._fields:
+            inner = getattr(statement, field)
+            if field in ("body", "orelse"):
+                setattr(new, field, self.block(inner))
+            elif isinstance(inner, AST):
+                self.refuse_unordered(inner, isinstance(statement, While))
+                setattr(new, field, rebuild(inner, self.change))
+        made, self.before = [*self.before, new], outer
+        return made
+
+    def refuse_unordered(self, node: AST, tested: bool) -> None:
+        """Refuses a comprehension that would run earlier than Python runs it, or more often."""
+        found = [n for n in walk(node) if isinstance(n, (ListComp, GeneratorExp))]
+        inside = {id(n) for f in found for n in walk(f)}
+        lazy = {id(n) for c in walk(node) if isinstance(c, (IfExp, BoolOp)) for n in walk(c)}
+        others = any((call_name(n) or "").startswith("user.") and id(n) not in inside for n in walk(node))
+        for n in found:
+            if tested or others or id(n) in lazy:
+                self.scope.refuse(n, "a comprehension in a test, or beside a call of a kernel",
+                                  help="bind it to a name in a statement of its own before")
+
+    def change(self, node: AST) -> AST | None:
+        if call_name(node) == "builtins.sum" and len(node.args) == 1 and isinstance(
+                node.args[0], (ListComp, GeneratorExp)):
+            total = self.scope.fresh("total")
+            self.before.append(at(assign(total, const(0)), node))
+            self.before += self.loop(node.args[0], lambda item: augment(total, Add(), item))
+            return name(total)
+        if isinstance(node, GeneratorExp):
+            self.scope.refuse(node, "a generator expression that is not summed", help=_HELP)
+        if isinstance(node, ListComp):
+            made = self.scope.fresh("items")
+            self.before.append(at(assign(made, List([], name("_").ctx)), node))
+            self.before += self.loop(node, lambda item: Expr(Call(Attribute(name(made), "append", name("_").ctx),
+                                                                  [item], [])))
+            return name(made)
+        return None
+
+    def loop(self, node: AST, with_item) -> list[AST]:
+        """The loops of a comprehension, with names of their own, around one statement."""
+        own = {n: self.scope.fresh(n) for g in node.generators for n in stored_names(g.target)}
+        outer, self.before = self.before, []
+        item = node.elt
+        if isinstance(item, ListComp):
+            item = at(call("numpy.array", item), item)
+        item = rebuild(rename(item, own), self.change)
+        body = [*self.before, with_item(item)]
+        self.before = outer
+        for number, generator in reversed(list(enumerate(node.generators))):
+            for test in reversed(generator.ifs):
+                body = [If(rename(test, own), body, [])]
+            # the first iterable is evaluated outside of the comprehension's names
+            iterable = generator.iter if number == 0 else rename(generator.iter, own)
+            body = [For(rename(generator.target, own), rebuild(iterable, self.change), body, [], None)]
+        return [at(s, node) for s in body]
+
+
+# -- lists that grow -------------------------------------------------------------------------------------------------
+
+class _Lists:
+    def __init__(self, tree: FunctionDef, scope: Scope):
+        self.tree, self.scope = tree, scope
+        self.order = {id(n): k for k, n in enumerate(walk(tree.body))}
+        self.made: dict[str, Assign] = {}
+        self.counts: dict[str, str] = {}
+
+    def function(self) -> FunctionDef:
+        grown = dict.fromkeys(n for s in walk(self.tree.body) if (n := _appended(s)) is not None)
+        for found in grown:
+            bound = [s for s in walk(self.tree.body) if isinstance(s, Assign) and any(
+                isinstance(t, Name) and t.id == found for t in s.targets)]
+            stores = [n for n in walk(self.tree.body) if isinstance(n, Name) and n.id == found
+                      and isinstance(n.ctx, Store)]
+            if len(bound) != 1 or len(stores) != 1 or len(bound[0].targets) != 1 or not isinstance(
+                    bound[0].value, List):
+                place = next(s for s in walk(self.tree.body) if _appended(s) == found)
+                self.scope.refuse(place, f"append to {found!r}, which is not bound once, to a list",
+                                  help="bind it once, as [] or as a list of what it starts with")
+                continue
+            self.made[found] = bound[0]
+            self.counts[found] = self.scope.fresh(f"{found}_count")
+        self.scope.report.finish()
+        new = copy(self.tree)
+        new.body = self.block(self.tree.body, [])
+        return new
+
+    def block(self, block: list[AST], loops: list[AST]) -> list[AST]:
+        return [at(made, s) for s in block for made in self.statement(s, loops)]
+
+    def statement(self, statement: AST, loops: list[AST]) -> list[AST]:
+        appended = _appended(statement)
+        if appended in self.made:
+            count = self.counts[appended]
+            item = statement.value.args[0]
+            item = call("numpy.array", item) if isinstance(item, (List, Tuple)) else item
+            return [assign(index(name(appended), name(count)), self.read(item)), augment(count, Add(), const(1))]
+        bound = next((n for n, s in self.made.items() if s is statement), None)
+        if bound is not None:
+            return self.start(bound, statement)
+        new = copy(statement)
+        for field in statement._fields:
+            inner = getattr(statement, field)
+            if field in ("body", "orelse"):
+                setattr(new, field, self.block(inner, [*loops, statement]))
+            elif isinstance(inner, AST):
+                setattr(new, field, self.read(inner))
+            elif isinstance(inner, list):
+                setattr(new, field, [self.read(i) if isinstance(i, AST) else i for i in inner])
+        return [new]
+
+    def start(self, bound: str, statement: Assign) -> list[AST]:
+        """The array in place of the list, as large as the list can become, with what it starts with."""
+        items = statement.value.elts
+        made: list[AST] = [assign(bound, call(LISTED, self.most(bound, statement)))]
+        made += [assign(index(name(bound), const(k)), self.read(item)) for k, item in enumerate(items)]
+        return [*made, assign(self.counts[bound], const(len(items)))]
+
+    def most(self, bound: str, statement: Assign) -> AST:
+        """How long the list can become, as an expression where it is made."""
+        size: AST = const(len(statement.value.elts))
+        for loops in self.appends(self.tree.body, bound, []):
+            inner = [node for node in loops if not any(n is statement for n in walk(node))]
+            lengths = [self.length(node, statement) for node in inner if not isinstance(node, If)]
+            if None in lengths:
+                self.scope.refuse(statement, f"how long {bound!r} becomes is not known where it is made", help=_HELP)
+                return const(0)
+            term = reduce(lambda a, b: BinOp(a, Mult(), b), lengths) if lengths else const(1)
+            size = term if isinstance(size, Constant) and size.value == 0 else add(size, term)
+        return size
+
+    def appends(self, block: list[AST], bound: str, around: list[AST]) -> list[list[AST]]:
+        """What is around each append to a list."""
+        found = [around for s in block if _appended(s) == bound]
+        for s in block:
+            for field in ("body", "orelse"):
+                if hasattr(s, field):
+                    found += self.appends(getattr(s, field), bound, [*around, s])
+        return found
+
+    def length(self, loop: AST, statement: AST) -> AST | None:
+        """How often a loop runs at most, if that is known at a statement before it."""
+        if not isinstance(loop, For):
+            return None
+        found = _length(loop.iter)
+        if found is None:
+            return None
+        for n in names(found):
+            stores = [m for m in walk(self.tree.body) if isinstance(m, Name) and m.id == n and isinstance(m.ctx, Store)]
+            if len(stores) > 1 or any(self.order[id(m)] > self.order[id(statement)] for m in stores):
+                return None
+            if any(isinstance(s, AugAssign) and n in stored_names(s.target) for s in walk(self.tree.body)):
+                return None
+        return found
+
+    # -- reading -----------------------------------------------------------------------------------------------------
+
+    def read(self, node: AST) -> AST:
+        return rebuild(node, self.change)
+
+    def change(self, node: AST) -> AST | None:
+        if isinstance(node, Subscript) and isinstance(node.value, Name) and node.value.id in self.made:
+            return self.element(node)
+        if call_name(node) == "builtins.len" and isinstance(node.args[0], Name) and node.args[0].id in self.made:
+            return at(name(self.counts[node.args[0].id]), node)
+        if isinstance(node, Attribute) and isinstance(node.value, Name) and node.value.id in self.made:
+            self.scope.refuse(node, f"the method {node.attr!r} of a list", help="a list may grow by append and be read")
+            return copy(node)
+        if isinstance(node, Name) and node.id in self.made:
+            if isinstance(node.ctx, Store):
+                return None
+            return at(index(name(node.id), Slice(None, name(self.counts[node.id]), None)), node)
+        return None
+
+    def element(self, node: Subscript) -> AST:
+        """An element of a list, counted from the end where its place is a negative number."""
+        place, count = indices(node)[0], name(self.counts[node.value.id])
+        if len(indices(node)) > 1 or isinstance(node.ctx, Store):
+            self.scope.refuse(node, "an element of a list is written", help="make it an array: np.zeros(n)")
+        if isinstance(place, UnaryOp) and isinstance(place.op, USub) and isinstance(place.operand, Constant):
+            return at(index(node.value, sub(count, place.operand)), node)
+        if not self.from_start(place):
+            self.scope.refuse(node, "an element of a list that may count from its end", help=_HELP)
+        return at(index(node.value, self.read(place)), node)
+
+    def from_start(self, place: AST) -> bool:
+        """Whether a place is never negative, as far as the text shows it."""
+        if isinstance(place, Constant):
+            return type(place.value) is int
+        if isinstance(place, Name):
+            return self.least(place.id) is not None and (self.least(place.id) or 0) >= 0
+        moved = isinstance(place, BinOp) and isinstance(place.op, (Add, Sub))
+        if moved and isinstance(place.left, Name) and type(getattr(place.right, "value", None)) is int:
+            low = self.least(place.left.id)
+            shift = place.right.value if isinstance(place.op, Add) else -place.right.value
+            return low is not None and low + shift >= 0
+        return False
+
+    def least(self, identifier: str) -> int | None:
+        """The least value of a name that only loops over ranges with written starts bind."""
+        stores = [m for m in walk(self.tree.body) if isinstance(m, Name) and m.id == identifier and isinstance(
+            m.ctx, Store)]
+        loops = [s for s in walk(self.tree.body) if isinstance(s, For) and isinstance(s.target, Name)
+                 and s.target.id == identifier]
+        if not loops or len(loops) != len(stores):
+            return None
+        lows = [_low(s.iter) for s in loops]
+        return None if None in lows else min(low for low in lows if low is not None)
+
+
+def _low(iterable: AST) -> int | None:
+    args = getattr(iterable, "args", [])
+    if call_name(iterable) != "builtins.range" or len(args) == 3:
+        return None
+    if len(args) == 1:
+        return 0
+    return args[0].value if isinstance(args[0], Constant) and type(args[0].value) is int else None
+
+
+def _length(iterable: AST) -> AST | None:
+    """How long a sequence is, as an expression."""
+    called, args = call_name(iterable), getattr(iterable, "args", [])
+    if called == "builtins.range":
+        plain = len(args) == 1 and isinstance(args[0], (Constant, Subscript, Attribute))
+        return copy(args[0]) if plain else call("builtins.len", copy(iterable))
+    if called in ("builtins.enumerate", "builtins.reversed") and args:
+        return _length(args[0])
+    if called == "builtins.zip" and args:
+        found = [_length(a) for a in args]
+        return None if None in found else found[0] if len(found) == 1 else call("builtins.min", *found)
+    if isinstance(iterable, (Name, Subscript)):
+        return call("builtins.len", copy(iterable))
+    return None
