@@ -61,6 +61,18 @@ def trajectory(a, x, y):
     return np.sum(whole[1:] * whole[:-1]) + np.sum(np.hstack(states)[2:5])
 
 
+def triangular(a, x, y):
+    pairs, rows = [], []
+    for i in range(2):
+        for j in range(i, 3):
+            if x[j] > 0.1:
+                pairs.append(x[i] * x[j])
+        for j in range(i + 1):
+            rows.append([x[i], y[j] ** 2])
+    m = np.array(rows)
+    return np.sum(np.array(pairs) ** 2) + np.sum(m[:, 0] * m[:, 1])
+
+
 def square(v):
     return v * v
 
@@ -70,7 +82,7 @@ def of_a_kernel(a, x, y):
     return np.sum(b * y)
 
 
-KERNELS = (comprehensions, appended, sometimes, trajectory, of_a_kernel)
+KERNELS = (comprehensions, appended, sometimes, trajectory, triangular, of_a_kernel)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -67,3 +67,47 @@ def copy_of_a_number(x):
 def test_refused(kernel, what):
     with pytest.raises(s2sad.S2sadError, match=what):
         s2sad.differentiate(kernel).adjoint_source(np.ones(3))
+
+
+def named_slices(a, x, y):
+    inner, every = slice(1, -1), np.s_[::2]
+    both = (slice(1, None), slice(None, -1))
+    for k in range(2):
+        part = slice(k, k + 2)
+        x[part] *= y[part]
+        a[k, inner] += y[inner]
+    return np.sum(a[both] * a[1:, 1:]) + np.sum(y[every] ** 2) + np.sum(a[:, every]) * x[0]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_named_slices(engine):
+    random = np.random.default_rng(3)
+    check_derivatives(named_slices, (random.random((3, 4)), random.random(3), random.random(4)), ("a", "x", "y"),
+                      ("a", "x", "return"), engine)
+
+
+def slice_of_the_iteration_before(x):
+    n = 1
+    for k in range(3):
+        n = k
+        part = slice(0, n)
+        x[part] *= 2.0
+
+
+def slice_used_before(x):
+    for k in range(3):
+        if k > 0:
+            x[part] *= 2.0  # noqa: F821
+        part = slice(0, k)  # noqa: F841
+
+
+def slice_passed(x):
+    part = slice(0, 2)
+    x[0] = np.sum(np.take(x, part))
+
+
+@pytest.mark.parametrize("kernel", (slice_of_the_iteration_before, slice_used_before, slice_passed),
+                         ids=lambda kernel: kernel.__name__)
+def test_slices_refused(kernel):
+    with pytest.raises(s2sad.S2sadError, match="error.S201.: a slice "):
+        s2sad.differentiate(kernel).adjoint_source(np.ones(3))

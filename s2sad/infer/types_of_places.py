@@ -164,7 +164,9 @@ def _order(args: list[Type], options: Arguments) -> Type:
 PLACES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     **{f"numpy.{f}.at": _stored for f in ("add", "subtract", "multiply", "divide", "maximum", "minimum")},
     "numpy.searchsorted.each": _sought, "numpy.argmax.along": _extreme_place, "numpy.argmin.along": _extreme_place,
-    "numpy.argsort.along": _order, "numpy.fill_diagonal": _diagonal_filled, "numpy.nonzero": _nonzero, "numpy.sort": _sorted, "numpy.take": _taken,
+    "numpy.argsort.along": _order, "numpy.fill_diagonal": _diagonal_filled, "numpy.nonzero": _nonzero,
+    "numpy.sort": _sorted,
+    "numpy.take": _taken,
     "numpy.take_along_axis": _taken_along, "numpy.select": _selected, "numpy.meshgrid": _grid,
     "numpy.indices": _indices, "numpy.unravel_index": _unraveled, "numpy.triu_indices": _triangle_places,
     "numpy.tril_indices": _triangle_places, "numpy.diag_indices": _triangle_places, "numpy.bincount": _counted,

@@ -23,9 +23,9 @@ from s2sad.normalize.in_place import UNSUPPORTED, stored_by_call, stored_out
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.unpack import unpack
 from s2sad.tree import (
-    AST, And, AnnAssign, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr,
+    AST, And, AnnAssign, Assert, Assign, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr,
     For, FunctionDef, If, IfExp, Name, Not, Pass, Raise, Return, Subscript, UnaryOp, While, assign, at,
-    call_name, const, copy, function, index, name, walk,
+    call_name, const, copy, function, name, walk,
 )
 
 

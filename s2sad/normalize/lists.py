@@ -18,11 +18,14 @@ from __future__ import annotations
 
 from functools import reduce
 
+from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
+from s2sad.normalize.sliced import one_by_one
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Constant, Expr, For, FunctionDef, GeneratorExp,
+    AST, Add, Assign, Attribute, BinOp, BoolOp, Call, Constant, Expr, For, FunctionDef, GeneratorExp,
     If, IfExp, List, ListComp, Mult, Name, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, While, add, assign, at,
-    augment, call, call_name, const, copy, index, indices, name, names, rebuild, rename, stored_names, sub, walk,
+    augment, call, call_name, const, copy, index, indices, name, names, rebuild, rename, stored_names, sub, substitute,
+    walk,
 )
 
 LISTED = "builtins.list"
@@ -49,17 +52,6 @@ def _appended(node: AST) -> str | None:
     return None
 
 
-def _apart(statement: AST) -> list[AST] | None:
-    """`us, vs = [], []` as two statements."""
-    target = statement.targets[0] if isinstance(statement, Assign) and len(statement.targets) == 1 else None
-    value = statement.value if isinstance(statement, Assign) else None
-    if not isinstance(target, Tuple) or not isinstance(value, Tuple) or len(target.elts) != len(value.elts):
-        return None
-    plain = all(isinstance(t, Name) for t in target.elts) and not set(stored_names(target)) & set(names(value))
-    listed = any(isinstance(v, List) for v in value.elts)
-    return [at(assign(t, v), statement) for t, v in zip(target.elts, value.elts)] if plain and listed else None
-
-
 # -- comprehensions --------------------------------------------------------------------------------------------------
 
 class _Comprehensions:
@@ -73,7 +65,8 @@ class _Comprehensions:
         return [at(made, s) for s in block for made in self.statement(s)]
 
     def statement(self, statement: AST) -> list[AST]:
-        if (apart := _apart(statement)) is not None:
+        apart = one_by_one(statement, lambda value: isinstance(value, List))
+        if apart != [statement]:
             return [made for s in apart for made in self.statement(s)]
         outer, self.before = self.before, []
         new = copy(statement)
@@ -220,16 +213,36 @@ class _Lists:
         """How often a loop runs at most, if that is known at a statement before it."""
         if not isinstance(loop, For):
             return None
-        found = _length(loop.iter)
-        if found is None:
+        found = _length(self.widest(loop.iter))
+        return found if found is not None and self.lasts(found, statement) else None
+
+    def widest(self, iterable: AST) -> AST:
+        """A range that goes from or to a counter of another loop, as wide as it becomes."""
+        args = [copy(a) for a in getattr(iterable, "args", [])]
+        if call_name(iterable) != "builtins.range" or len(args) > 2:
+            return iterable
+        if len(args) == 2 and self.from_start(args[0]) and not isinstance(args[0], Constant):
+            args[0] = const(0)
+        stops = {n: s for n in names(args[-1]) if (s := self.stop(n)) is not None}
+        plain = isinstance(args[-1], Name) or isinstance(args[-1], BinOp) and isinstance(
+            args[-1].op, (Add, Sub)) and isinstance(args[-1].right, Constant)
+        return call("builtins.range", *args[:-1], substitute(args[-1], stops) if plain else args[-1])
+
+    def stop(self, identifier: str) -> AST | None:
+        """What the counter of one loop stays below."""
+        loops = [s for s in walk(self.tree.body) if isinstance(s, For) and identifier in stored_names(s.target)]
+        if self.least(identifier) is None or len(loops) != 1:
             return None
+        return self.widest(loops[0].iter).args[-1]
+
+    def lasts(self, found: AST, statement: Assign) -> bool:
+        """Whether what an expression reads is bound before a statement, once."""
         for n in names(found):
             stores = [m for m in walk(self.tree.body) if isinstance(m, Name) and m.id == n and isinstance(m.ctx, Store)]
-            if len(stores) > 1 or any(self.order[id(m)] > self.order[id(statement)] for m in stores):
-                return None
-            if any(isinstance(s, AugAssign) and n in stored_names(s.target) for s in walk(self.tree.body)):
-                return None
-        return found
+            if len(stores) > (n not in parameters(self.tree)) or any(
+                    self.order[id(m)] > self.order[id(statement)] for m in stores):
+                return False
+        return True
 
     # -- reading -----------------------------------------------------------------------------------------------------
 

@@ -58,7 +58,7 @@ def _as_function(node: AST) -> AST | None:
 
 def parted(node: AST) -> dict[str, str]:
     """The functions of the parts of a call, {} if it is none that gives a tuple or its options are not the default."""
-    called = (call_name(node) or "").replace("scipy.linalg.", "numpy.linalg.")
+    called = call_name(node) or ""
     if called in _NUMBERED and (called != "numpy.where" or len(node.args) == 1 and not node.keywords):
         word = called.rpartition(".")[2]
         masked = {_MASK: "mask"} if _picks(node) or called in _PAIRS else {}
@@ -151,8 +151,9 @@ def _both(node: AST, key: int | str) -> bool:
 
 def _values_alone(node: AST) -> bool:
     """Whether a call is `np.linalg.svd(a, compute_uv=False)`."""
-    return call_name(node) in ("numpy.linalg.svd", "scipy.linalg.svd") and len(node.args) == 1 and [k.arg for k in node.keywords] == [
-        "compute_uv"] and isinstance(node.keywords[0].value, Constant) and node.keywords[0].value.value is False
+    if call_name(node) != "numpy.linalg.svd" or len(node.args) != 1:
+        return False
+    return [(k.arg, getattr(k.value, "value", None)) for k in node.keywords] == [("compute_uv", False)]
 
 
 def _triangle_alone(node: AST) -> bool:

@@ -154,7 +154,7 @@ def _taken(asked: Asked) -> str:
         before = ["taken = spelled"]
     elif asked.rank("places"):
         before = ["taken = numpy.copy(places)"]
-    whole = before and "taken" or "places"
+    whole = "taken" if before else "places"
     if not asked.given("axis") and rank > 1:
         return lines(*before, "flat = numpy.ravel(x)", f"result = flat[{whole}]")
     axis = asked.axis(rank) if asked.given("axis") else 0
@@ -247,7 +247,8 @@ PLACES: dict[str, Callable[[Asked], str]] = {
     **{f"numpy.{f}.at": lambda asked, f=f: _stored(asked, f) for f in (*_SIGNS, "maximum", "minimum")},
     "numpy.searchsorted.each": _sought, "numpy.argmax.along": lambda asked: _extreme_place(asked, "argmax"),
     "numpy.argmin.along": lambda asked: _extreme_place(asked, "argmin"),
-    "numpy.argsort.along": _argsort, "numpy.fill_diagonal": _fill_diagonal, "numpy.nonzero": _nonzero, "numpy.sort": _sort,
+    "numpy.argsort.along": _argsort, "numpy.fill_diagonal": _fill_diagonal, "numpy.nonzero": _nonzero,
+    "numpy.sort": _sort,
     "numpy.take": _taken,
     "numpy.take_along_axis": _take_along_axis, "numpy.select": _select, "numpy.meshgrid": _meshgrid,
     "numpy.indices": _indices, "numpy.unravel_index": _unravel_index, "numpy.bincount": _bincount,

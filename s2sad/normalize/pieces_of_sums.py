@@ -31,13 +31,13 @@ def _var(asked: Asked, result: str = "result") -> str:
                  f"{result} = numpy.sum(apart * apart{options}) / ({_count(asked, rank)} - ddof)")
 
 
-def _root(asked: Asked, squared: str) -> str:
-    """A square root whose derivative at 0 is 0, as that of abs is."""
+def _root(asked: Asked, squared: str, root: str = "numpy.sqrt({})") -> str:
+    """A root whose derivative at 0 is 0, as that of abs is."""
     rank = asked.rank("x")
     whole = asked.given("axis") and (len(asked.axes(rank)) < rank or asked.true("keepdims"))
     if whole:
-        return f"result = numpy.where({squared} == 0.0, 0.0, numpy.sqrt({squared}))"
-    return lines(f"if {squared} == 0.0:", "    result = 0.0", "else:", f"    result = numpy.sqrt({squared})")
+        return f"result = numpy.where({squared} == 0.0, 0.0, {root.format(squared)})"
+    return lines(f"if {squared} == 0.0:", "    result = 0.0", "else:", f"    result = {root.format(squared)}")
 
 
 def _std(asked: Asked) -> str:
@@ -55,7 +55,8 @@ def _norm(asked: Asked) -> str:
         return f"result = numpy.sum(numpy.abs(x){options})"
     if order in (None, "fro", 2):
         return lines(f"squared = numpy.sum(x * x{options})", _root(asked, "squared"))
-    return lines(f"result = numpy.sum(numpy.abs(x) ** {order}{options}) ** (1.0 / {order})")
+    return lines(f"powers = numpy.sum(numpy.abs(x) ** {order}{options})", _root(
+        asked, "powers", f"{{}} ** (1.0 / {order})"))
 
 
 def _matrix_norm(order: int | float | str | None) -> str:

@@ -13,8 +13,8 @@ from s2sad.infer.infer import LISTED, Typing
 from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.memory import Memory
 from s2sad.tree import (
-    AST, Assign, Attribute, FunctionDef, Name, Slice, Store, Subscript, assign, at, attribute, call, call_name,
-    children, const, copy, index, indices, rebuild, tuple_of, walk,
+    AST, Assign, Attribute, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, assign, at, attribute, call,
+    call_name, children, const, copy, index, indices, rebuild, tuple_of, walk,
 )
 
 
@@ -66,6 +66,8 @@ class _Rows:
         if isinstance(value, Name) and value.id in self.made:
             return [copy(self.made[value.id].value.args[0])] if rank == 1 and self.there(
                 self.made[value.id].value, place) else None
+        if call_name(value) == "numpy.array" and isinstance(value.args[0], (List, Tuple)):
+            return _written(value.args[0])
         if isinstance(value, (Name, Subscript)):
             return self.of_part(value, rank, place, depth)
         for child in children(value):
@@ -99,3 +101,10 @@ class _Rows:
                 if not early or len(stores) > 1:
                     return False
         return True
+
+
+def _written(node: AST) -> list[AST]:
+    """The sizes of the array that nested lists spell."""
+    if not isinstance(node, (List, Tuple)):
+        return []
+    return [const(len(node.elts)), *(_written(node.elts[0]) if node.elts else [])]

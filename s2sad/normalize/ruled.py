@@ -4,7 +4,7 @@ refused.
 Requires structured form and types; establishes that an operation without a rule is none that a value of a float can
 pass through: what the analyses find no rule for is truly inactive.
 
-    np.sort(u)[0]    u[mask] = 0.0    a @ x    np.sum(u, axis=0)        each refused, with its place
+    np.unique(u)[0]     np.histogram(u)     np.linalg.cond(a)       each refused, with its place
 """
 from __future__ import annotations
 
@@ -91,6 +91,9 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
         return
     if name in _COPIES and node.args and typing.of(node.args[0]).is_number:
         report.error("S201", f"{name} of a number, an array without axes", node, help="leave it out")
+        return
+    if name == "numpy.searchsorted" and len(node.args) > 1 and typing.of(node.args[1]).is_array:
+        report.error("S301", f"no derivative rule for {name} of an array with these options", node, help=_LOOP)
         return
     rule = rules.find_array(name)
     if rule is not None and not rule.adjoints and rule.law != "pieces" and name not in _FLAT:

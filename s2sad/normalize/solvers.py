@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from s2sad.diagnostics import Report
 from s2sad.tree import (
     AST, Assign, Call, Constant, FunctionDef, List, Name, Store, Subscript, Tuple, at, call, call_name, const, copy,
-    name, rebuild, walk,
+    rebuild, walk,
 )
 
 _SCIPY = "scipy.linalg."

@@ -16,7 +16,7 @@ from s2sad.rules.spellings import is_scipy
 from s2sad.tree import AST, FunctionDef
 
 BUILTIN_CALLS = ("abs", "bool", "enumerate", "float", "int", "len", "max", "min", "pow", "print", "range", "reversed",
-                 "round", "sum", "zip")
+                 "round", "slice", "sum", "zip")
 _NUMBERS = ("pi", "e", "tau", "inf", "nan")
 
 

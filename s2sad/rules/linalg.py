@@ -58,7 +58,8 @@ arrays("runtime.bands_times(a, y, lower, upper)", law="solved")
 # parts of decompositions
 for _part, _law in (("orthogonal_part", "orthogonal"), ("triangular_part", "triangular"),
                     ("left_vectors", "orthogonal"), ("right_vectors", "triangular")):
-    arrays(f"runtime.{_part}(a)", law=_law, a=f"runtime.{_part}_gain(a, g)", tangent=f"runtime.{_part}_change(a, a_dot)")
+    arrays(f"runtime.{_part}(a)", law=_law, a=f"runtime.{_part}_gain(a, g)",
+           tangent=f"runtime.{_part}_change(a, a_dot)")
     arrays(f"runtime.{_part}_gain(a, g)", law="matrix")
     arrays(f"runtime.{_part}_change(a, e)", law=_law)
 arrays("runtime.exponential(a)", law="matrix", a="runtime.exponential_change(a.T, g)",

@@ -42,7 +42,7 @@ def same(text: str, value: str) -> None:
 
 
 # functions that `normalize.solvers` takes apart
-_TAKEN_APART = {"lu_factor", "lu_solve", "cho_factor", "cho_solve", "solve_banded", "cholesky", "svd", "eigh"}
+_TAKEN_APART = {"lu_factor", "lu_solve", "cho_factor", "cho_solve", "solve_banded", "cholesky"}
 
 
 def is_scipy(path: str) -> bool:
