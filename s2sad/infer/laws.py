@@ -202,6 +202,8 @@ def _moved_shape(args: list[Shape], options: Options) -> Shape | None:
 
 LAWS: dict[str, Law] = {
     "places": Law(_places_type, lambda args, options: args[0]),
+    "counted": Law(lambda args, options: array("int64", 1), lambda args, options: None),
+    "sought": Law(lambda args, options: array("int64", args[1].rank), lambda args, options: args[1]),
     "same": Law(_same_type, lambda args, options: args[0]),
     "reduced": Law(_reduced_type, _reduced_shape),
     "summed": Law(lambda args, options: _widened(_reduced_type(args, options)), _reduced_shape),

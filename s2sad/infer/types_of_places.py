@@ -39,9 +39,8 @@ def _stored(args: list[Type], options: Arguments) -> Type:
     """Of `np.add.at`: with one array of places or several of one axis."""
     x, places, values = args
     given = _places(places)
-    fits = x.is_array and 0 < len(given) <= x.rank and all(
-        _whole(p) and p.rank == given[0].rank <= 1 for p in given)
-    left = x.rank - len(given) + (given[0].rank if given else 0)
+    fits = x.is_array and 0 < len(given) <= x.rank and all(_whole(p) and p.rank <= 1 for p in given)
+    left = x.rank - len(given) + max((p.rank for p in given), default=0)
     return x if fits and values.kind in ("array", "number") and values.rank <= left else UNKNOWN
 
 

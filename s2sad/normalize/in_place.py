@@ -5,6 +5,7 @@
     np.exp(u, out=x)                    x[...] = np.exp(u)
     np.add(u, v, x)                     x[...] = np.add(u, v)
     np.divide(u, v, out=x, where=m)     x[...] = np.where(m, np.divide(u, v), x)
+    a.sum(axis=0, out=x)                x[...] = a.sum(axis=0)
     x.sort()                            x[...] = np.sort(x)
     np.fill_diagonal(x, v)              x[...] = np.fill_diagonal(x, v)
     np.add.at(x, k, v)                  x[...] = np.add.at(x, k, v)
@@ -44,7 +45,8 @@ def stored_by_call(node: Call) -> tuple[AST, AST] | None:
 def stored_out(node: AST) -> tuple[AST, AST] | None:
     """The same for a call that is given an array for its result."""
     called = call_name(node) or ""
-    if not isinstance(node, Call) or not called.startswith("numpy."):
+    method = isinstance(node, Call) and isinstance(node.func, Attribute)
+    if not isinstance(node, Call) or not (called.startswith("numpy.") or method):
         return None
     place = _position(called)
     given = {k.arg: k.value for k in node.keywords}

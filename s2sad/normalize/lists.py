@@ -4,7 +4,7 @@
     for k in range(n):                  us[0] = u0
         us.append(f(us[-1]))            us_count = 1
     y = np.array(us)                    for k in range(n):
-                                            us[us_count] = f(us[us_count - 1])
+                                            us[k + 1] = f(us[us_count - 1])
                                             us_count += 1
                                         y = np.array(us[:us_count])
 
@@ -22,10 +22,10 @@ from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.sliced import one_by_one
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BinOp, BoolOp, Call, Constant, Expr, For, FunctionDef, GeneratorExp,
-    If, IfExp, List, ListComp, Mult, Name, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, While, add, assign, at,
-    augment, call, call_name, const, copy, index, indices, name, names, rebuild, rename, stored_names, sub, substitute,
-    walk,
+    AST, Add, Assign, Attribute, BinOp, BoolOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp,
+    If, IfExp, List, ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, While, add,
+    assign, at, augment, call, call_name, const, copy, index, indices, name, names, rebuild, rename, stored_names,
+    sub, substitute, walk,
 )
 
 LISTED = "builtins.list"
@@ -165,7 +165,8 @@ class _Lists:
             count = self.counts[appended]
             item = statement.value.args[0]
             item = call("numpy.array", item) if isinstance(item, (List, Tuple)) else item
-            return [assign(index(name(appended), name(count)), self.read(item)), augment(count, Add(), const(1))]
+            place = self.counted(appended, loops) or name(count)
+            return [assign(index(name(appended), place), self.read(item)), augment(count, Add(), const(1))]
         bound = next((n for n, s in self.made.items() if s is statement), None)
         if bound is not None:
             return self.start(bound, statement)
@@ -179,6 +180,19 @@ class _Lists:
             elif isinstance(inner, list):
                 setattr(new, field, [self.read(i) if isinstance(i, AST) else i for i in inner])
         return [new]
+
+    def counted(self, appended: str, loops: list[AST]) -> AST | None:
+        """The place of an append by its loop's counter, where each iteration appends once and nothing else does."""
+        inner = [node for node in loops if not any(n is self.made[appended] for n in walk(node))]
+        loop = inner[0] if len(inner) == 1 and isinstance(inner[0], For) else None
+        alone = len(self.appends(self.tree.body, appended, [])) == 1
+        if loop is None or not alone or call_name(loop.iter) != "builtins.range" or len(loop.iter.args) != 1:
+            return None
+        jumps = any(isinstance(n, (Break, Continue, Return)) for n in walk(loop.body))
+        if jumps or not isinstance(loop.target, Name) or loop.target.id in stored_names(loop.body):
+            return None
+        first = len(self.made[appended].value.elts)
+        return add(name(loop.target.id), const(first)) if first else name(loop.target.id)
 
     def start(self, bound: str, statement: Assign) -> list[AST]:
         """The array in place of the list, as large as the list can become, with what it starts with."""

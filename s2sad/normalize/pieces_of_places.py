@@ -26,19 +26,19 @@ def _stored(asked: Asked, function: str) -> str:
     """One store for each place, also where one is named twice; the values are what they were before."""
     given = [asked.let("places", node) for node in asked.items("places")] if isinstance(
         asked.arguments["places"], Tuple) else ["places"]
-    picked = asked.rank(given[0])
-    left = asked.rank("x") - len(given) + picked
+    arrays = [g for g in given if asked.rank(g)]
+    left = asked.rank("x") - len(given) + (1 if arrays else 0)
     values = "held" if asked.rank("values") else "values"
-    taken = f"{values}[place]" if picked and asked.rank("values") == left else values
-    cell = f"x[{', '.join(f'{g}[place]' if picked else g for g in given)}]"
+    taken = f"{values}[place]" if arrays and asked.rank("values") == left else values
+    cell = f"x[{', '.join(f'{g}[place]' if g in arrays else g for g in given)}]"
     store = f"{cell} {_SIGNS[function]} {taken}" if function in _SIGNS else (
         f"{cell} = numpy.{function}({cell}, {taken})")
     before = ["held = numpy.copy(values)"] if values == "held" else []
-    if not picked:
+    if not arrays:
         return lines(*before, store)
-    fits = [f"assert {size(g, 0)} == {size(given[0], 0)}" for g in given[1:]]
-    fits += [f"assert {size('held', 0)} == {size(given[0], 0)}"] if taken != values else []
-    return lines(*before, *fits, f"for place in range({size(given[0], 0)}):", f"    {store}")
+    fits = [f"assert {size(g, 0)} == {size(arrays[0], 0)}" for g in arrays[1:]]
+    fits += [f"assert {size('held', 0)} == {size(arrays[0], 0)}"] if taken != values else []
+    return lines(*before, *fits, f"for place in range({size(arrays[0], 0)}):", f"    {store}")
 
 
 def _fill_diagonal(asked: Asked) -> str:
@@ -52,14 +52,7 @@ def _fill_diagonal(asked: Asked) -> str:
 # -- places ----------------------------------------------------------------------------------------------------------
 
 def _nonzero(asked: Asked) -> str:
-    rank = asked.rank("x")
-    counters = _counters(rank)
-    bounds = sizes("x", rank)
-    test = f"if x[{', '.join(counters)}]:" if asked.type("x").dtype == "bool" else f"if x[{', '.join(counters)}] != 0:"
-    return lines("count = 0", *_nest(counters, bounds, [test, "    count += 1"]),
-                 f"result = {empty(['count'], 'int64')}", "taken = 0",
-                 *_nest(counters, bounds, [test, f"    result[taken] = {counters[asked.number('part') or 0]}",
-                                           "    taken += 1"]))
+    return lines("count = numpy.count_nonzero(x)", f"result = runtime.places(x, count, {asked.number('part') or 0})")
 
 
 def _triangle_places(asked: Asked, bounds: tuple[str, str]) -> str:
@@ -203,12 +196,7 @@ def _quantile(asked: Asked, scale: str) -> str:
 
 
 def _sought(asked: Asked) -> str:
-    rank = asked.rank("v")
-    counters = _counters(rank)
-    taken = ", ".join(counters)
-    side = ", side='right'" if asked.text("side") == "right" else ""
-    return lines(f"result = {empty(sizes('v', rank), 'int64')}", *_nest(counters, sizes("v", rank), [
-        f"result[{taken}] = numpy.searchsorted(a, v[{taken}]{side})"]))
+    return f"result = runtime.sought(a, v, {asked.text('side') == 'right'})"
 
 
 def _extreme_place(asked: Asked, function: str) -> str:

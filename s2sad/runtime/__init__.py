@@ -18,6 +18,7 @@ from s2sad.runtime.matrices import (
     eigenvectors_change, eigenvectors_gain, from_lower, half_lower, least_squares, least_squares_change, log_det,
     power_change, singular_values, singular_values_change, singular_values_gain, to_lower,
 )
+from s2sad.runtime.places import places, sought
 from s2sad.runtime.scalars import comb, factorial, heaviside, isclose, isqrt, lcm, perm, product, remainder
 from s2sad.runtime.spans import position, position_down
 from s2sad.runtime.special import digamma
@@ -36,10 +37,10 @@ __all__ = [
     "exponential_change", "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain", "from_lower",
     "grow", "half_lower", "heaviside", "isclose", "isqrt", "lcm", "least_squares", "least_squares_change",
     "left_vectors", "left_vectors_change", "left_vectors_gain", "log_det", "of_matrix", "orthogonal_part",
-    "orthogonal_part_change", "orthogonal_part_gain", "over_squares", "pairwise_sum", "perm", "position",
+    "orthogonal_part_change", "orthogonal_part_gain", "over_squares", "pairwise_sum", "perm", "places", "position",
     "position_down", "power_change", "product", "remainder", "right_vectors", "right_vectors_change",
     "right_vectors_gain", "scattered", "singular_values", "singular_values_change", "singular_values_gain", "sized",
-    "solve_banded", "solve_triangular", "solved", "solved_transposed", "spread", "take_row", "to_lower",
+    "solve_banded", "solve_triangular", "solved", "solved_transposed", "sought", "spread", "take_row", "to_lower",
     "to_matrix", "triangle", "triangle_gain", "triangle_times", "triangular_part", "triangular_part_change",
     "triangular_part_gain", "update_rest",
 ]
