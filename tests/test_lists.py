@@ -14,7 +14,8 @@ ENGINES = ("numpy", "numba")
 
 def comprehensions(a, x, y):
     n = x.shape[0]
-    b = np.array([x[i] * y[i] for i in range(n)])
+    squares = [x[i] * y[i] for i in range(n)]
+    b = np.array(squares) * squares[0] / squares[0]
     c = np.array([u * u + k for k, u in enumerate(x)])
     d = np.array([a[i] * x[i] for i in range(n)])
     e = np.array([[x[i] * y[j] for j in range(4)] for i in range(3)])
@@ -163,7 +164,20 @@ def beside_a_call(x):
     return stored(x) + np.sum(np.array([v * v for v in x]))
 
 
-REFUSED = {unknown_length: "how long 'out' becomes", rebound_length: "how long 'out' becomes",
+def repeated(x):
+    out = [v * v for v in x]
+    return np.sum(np.array(out * 2))
+
+
+def joined(x):
+    out = []
+    for v in x:
+        out.append(v * v)
+    return np.sum(np.array(out + [x[0]]))
+
+
+REFUSED = {repeated: "the list 'out' is used as a list", joined: "the list 'out' is used as a list",
+           unknown_length: "how long 'out' becomes", rebound_length: "how long 'out' becomes",
            not_copied: "a list holds an array that is written", written: "an element of a list is written",
            removed: "the method 'pop' of a list", from_the_end: "may count from its end",
            beside_a_call: "beside a call of a kernel"}

@@ -1,4 +1,4 @@
-"""lists: lists that grow by `append`, and comprehensions, become arrays that are filled.
+"""lists: lists that grow by `append` become arrays that are filled, after `comprehensions`.
 
     us = [u0]                           us = builtins.list(1 + n)
     for k in range(n):                  us[0] = u0
@@ -8,9 +8,6 @@
                                             us_count += 1
                                         y = np.array(us[:us_count])
 
-    y = np.array([x[i] ** 2 for i in range(n)])     a list, a loop that appends, and np.array of the list
-    s = sum(x[i] for i in range(n))                 s_total = 0; a loop that adds
-
 Requires resolved names. `builtins.list(count)` is an array whose type follows from what is stored (`infer`); `rows`
 allocates it. How often a list can grow must be known where it is made: else it is refused.
 """
@@ -18,18 +15,17 @@ from __future__ import annotations
 
 from functools import reduce
 
+from s2sad.infer.infer import LISTED
+from s2sad.normalize.comprehensions import HELP, comprehensions
 from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
-from s2sad.normalize.sliced import one_by_one
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BinOp, BoolOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp,
-    If, IfExp, List, ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, While, add,
-    assign, at, augment, call, call_name, const, copy, index, indices, name, names, rebuild, rename, stored_names,
-    sub, substitute, walk,
+    AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If,
+    List, ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, add, assign, at, augment,
+    call, call_name, const, copy, index, indices, name, names, rebuild, stored_names, sub, substitute, walk,
 )
 
-LISTED = "builtins.list"
-_HELP = "allocate an array before and fill it in a for loop"
+_READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
 
 
 def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
@@ -37,8 +33,7 @@ def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
     nodes = list(walk(function.body))
     if not any(isinstance(n, (ListComp, GeneratorExp)) or _appended(n) for n in nodes):
         return function
-    new = copy(function)
-    new.body = _Comprehensions(scope).block(function.body)
+    new = comprehensions(function, scope)
     scope.report.finish()
     return _Lists(new, scope).function()
 
@@ -52,87 +47,11 @@ def _appended(node: AST) -> str | None:
     return None
 
 
-# -- comprehensions --------------------------------------------------------------------------------------------------
-
-class _Comprehensions:
-    """Each comprehension becomes a loop before the statement that it stands in."""
-
-    def __init__(self, scope: Scope):
-        self.scope = scope
-        self.before: list[AST] = []
-
-    def block(self, block: list[AST]) -> list[AST]:
-        return [at(made, s) for s in block for made in self.statement(s)]
-
-    def statement(self, statement: AST) -> list[AST]:
-        apart = one_by_one(statement, lambda value: isinstance(value, List))
-        if apart != [statement]:
-            return [made for s in apart for made in self.statement(s)]
-        outer, self.before = self.before, []
-        new = copy(statement)
-        for field in statement._fields:
-            inner = getattr(statement, field)
-            if field in ("body", "orelse"):
-                setattr(new, field, self.block(inner))
-            elif isinstance(inner, AST):
-                self.refuse_unordered(inner, isinstance(statement, While))
-                setattr(new, field, rebuild(inner, self.change))
-        made, self.before = [*self.before, new], outer
-        return made
-
-    def refuse_unordered(self, node: AST, tested: bool) -> None:
-        """Refuses a comprehension that would run earlier than Python runs it, or more often."""
-        found = [n for n in walk(node) if isinstance(n, (ListComp, GeneratorExp))]
-        inside = {id(n) for f in found for n in walk(f)}
-        lazy = {id(n) for c in walk(node) if isinstance(c, (IfExp, BoolOp)) for n in walk(c)}
-        others = any((call_name(n) or "").startswith("user.") and id(n) not in inside for n in walk(node))
-        for n in found:
-            if tested or others or id(n) in lazy:
-                self.scope.refuse(n, "a comprehension in a test, or beside a call of a kernel",
-                                  help="bind it to a name in a statement of its own before")
-
-    def change(self, node: AST) -> AST | None:
-        if call_name(node) == "builtins.sum" and len(node.args) == 1 and isinstance(
-                node.args[0], (ListComp, GeneratorExp)):
-            total = self.scope.fresh("total")
-            self.before.append(at(assign(total, const(0)), node))
-            self.before += self.loop(node.args[0], lambda item: augment(total, Add(), item))
-            return name(total)
-        if isinstance(node, GeneratorExp):
-            self.scope.refuse(node, "a generator expression that is not summed", help=_HELP)
-        if isinstance(node, ListComp):
-            made = self.scope.fresh("items")
-            self.before.append(at(assign(made, List([], name("_").ctx)), node))
-            self.before += self.loop(node, lambda item: Expr(Call(Attribute(name(made), "append", name("_").ctx),
-                                                                  [item], [])))
-            return name(made)
-        return None
-
-    def loop(self, node: AST, with_item) -> list[AST]:
-        """The loops of a comprehension, with names of their own, around one statement."""
-        own = {n: self.scope.fresh(n) for g in node.generators for n in stored_names(g.target)}
-        outer, self.before = self.before, []
-        item = node.elt
-        if isinstance(item, ListComp):
-            item = at(call("numpy.array", item), item)
-        item = rebuild(rename(item, own), self.change)
-        body = [*self.before, with_item(item)]
-        self.before = outer
-        for number, generator in reversed(list(enumerate(node.generators))):
-            for test in reversed(generator.ifs):
-                body = [If(rename(test, own), body, [])]
-            # the first iterable is evaluated outside of the comprehension's names
-            iterable = generator.iter if number == 0 else rename(generator.iter, own)
-            body = [For(rename(generator.target, own), rebuild(iterable, self.change), body, [], None)]
-        return [at(s, node) for s in body]
-
-
-# -- lists that grow -------------------------------------------------------------------------------------------------
-
 class _Lists:
     def __init__(self, tree: FunctionDef, scope: Scope):
         self.tree, self.scope = tree, scope
         self.order = {id(n): k for k, n in enumerate(walk(tree.body))}
+        self.plain = _as_arrays(tree)
         self.made: dict[str, Assign] = {}
         self.counts: dict[str, str] = {}
 
@@ -208,7 +127,7 @@ class _Lists:
             inner = [node for node in loops if not any(n is statement for n in walk(node))]
             lengths = [self.length(node, statement) for node in inner if not isinstance(node, If)]
             if None in lengths:
-                self.scope.refuse(statement, f"how long {bound!r} becomes is not known where it is made", help=_HELP)
+                self.scope.refuse(statement, f"how long {bound!r} becomes is not known where it is made", help=HELP)
                 return const(0)
             term = reduce(lambda a, b: BinOp(a, Mult(), b), lengths) if lengths else const(1)
             size = term if isinstance(size, Constant) and size.value == 0 else add(size, term)
@@ -274,6 +193,9 @@ class _Lists:
         if isinstance(node, Name) and node.id in self.made:
             if isinstance(node.ctx, Store):
                 return None
+            if id(node) not in self.plain:
+                self.scope.refuse(node, f"the list {node.id!r} is used as a list",
+                                  help="make it an array with np.array")
             return at(index(name(node.id), Slice(None, name(self.counts[node.id]), None)), node)
         return None
 
@@ -285,7 +207,7 @@ class _Lists:
         if isinstance(place, UnaryOp) and isinstance(place.op, USub) and isinstance(place.operand, Constant):
             return at(index(node.value, sub(count, place.operand)), node)
         if not self.from_start(place):
-            self.scope.refuse(node, "an element of a list that may count from its end", help=_HELP)
+            self.scope.refuse(node, "an element of a list that may count from its end", help=HELP)
         return at(index(node.value, self.read(place)), node)
 
     def from_start(self, place: AST) -> bool:
@@ -311,6 +233,19 @@ class _Lists:
             return None
         lows = [_low(s.iter) for s in loops]
         return None if None in lows else min(low for low in lows if low is not None)
+
+
+def _as_arrays(tree: FunctionDef) -> set[int]:
+    """The names that stand where a list is as good as an array of its items."""
+    found: set[int] = set()
+    for node in walk(tree.body):
+        called = call_name(node) or ""
+        if called.startswith("numpy.") or called in _READING:
+            given = [*node.args, *(k.value for k in node.keywords)]
+            found |= {id(n) for g in given for n in (g.elts if isinstance(g, (Tuple, List)) else [g])}
+        elif isinstance(node, For):
+            found.add(id(node.iter))
+    return found
 
 
 def _low(iterable: AST) -> int | None:

@@ -123,7 +123,7 @@ def template(text: str) -> AST:
     made = resolved(tree.expression(text))
     for node in tree.walk(made):  # it has no place in a kernel's source
         for place in ("lineno", "col_offset", "end_lineno", "end_col_offset"):
-            vars(node).pop(place, None)
+            node.__dict__.pop(place, None)
     return made
 
 
