@@ -137,3 +137,17 @@ def test_read_from_a_file(tmp_path):
                     "def kernel(a, x):\n    x[:] = solve_triangular(a, x, lower=True)\n    return la.det(a)\n")
     assert main(["adjoint", f"{path}:kernel", "--types", "a: float64[:, :], x: float64[:]", "-o",
                  str(tmp_path / "made.py")]) == 0
+
+
+def in_single_precision(a, b, x):
+    q, r = np.linalg.qr(b)
+    y = solve_triangular(r, x) + solve_banded((1, 1), b, x) + lu_solve(lu_factor(a), x)
+    return np.sum(q[0] * y) + np.sum(scipy_linalg.expm(b)[0] * y)
+
+
+def test_single_precision():
+    gradient = s2sad.gradient(s2sad.differentiate(in_single_precision, engine="numpy"))
+    exact = gradient(*arguments())
+    for n, found in gradient(*(g.astype(np.float32) for g in arguments())).items():
+        assert found.dtype == np.float32
+        np.testing.assert_allclose(found, exact[n], atol=1e-4 * np.max(np.abs(exact[n])))
