@@ -38,9 +38,13 @@ from s2sad.normalize.inlined import Helpers, inlined, returned
 from s2sad.normalize.parts import parts
 from s2sad.normalize.pieces import pieces
 from s2sad.normalize.rename import rename
+from s2sad.normalize.memory import Memory
+from s2sad.normalize.rows import rows
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize, scatter
 from s2sad.normalize.sharing import shared, specialised
+from s2sad.normalize.solvers import solvers
+from s2sad.normalize.sought import sought
 from s2sad.normalize.spelled import spelled
 from s2sad.normalize.viewing import viewing
 from s2sad.normalize.views import views
@@ -168,7 +172,9 @@ class Units:
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
-        tree = batched(choices(tree, typing, names), typing)
+        tree = rows(tree, typing, Memory(tree, self.program), report)
+        report.finish()
+        tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")
         ruled(tree, typing, report)
         report.finish()
         tree = functions(tree, typing, names)
@@ -470,7 +476,10 @@ class Units:
 
 def plain_form(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
     """A kernel in structured form, before types are known."""
-    return spelled(contracted(parts(structured(kernel, names, program), names)))
+    report = Report(kernel.source)
+    tree = solvers(structured(kernel, names, program), report)
+    report.finish()
+    return spelled(contracted(parts(tree, names)))
 
 
 def with_choices(function: FunctionDef) -> FunctionDef:

@@ -27,7 +27,8 @@ import s2sad
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCUMENTS = ("README.md", *(f"docs/{name}.md" for name in (
-    "use", "own-derivatives", "design", "how-it-works", "writing-a-pass", "writing-a-rule", "limits", "changelog")))
+    "use", "own-derivatives", "functions", "design", "how-it-works", "writing-a-pass", "writing-a-rule", "limits",
+    "changelog")))
 BLOCK = re.compile(r"(?:^<!-- (?P<say>[^\n]*) -->\n)?^```(?P<language>\w*)\n(?P<text>.*?)^```$", re.M | re.S)
 
 

@@ -251,8 +251,8 @@ def unknown_mode(x):
     return np.sum(np.pad(x, 1, mode="linear_ramp"))
 
 
-def spectral(x):
-    return np.linalg.norm(np.diag(x), 2)
+def fractional(x):
+    return np.linalg.norm(np.diag(x), 0.5)
 
 
 def initial(x):
@@ -260,10 +260,10 @@ def initial(x):
 
 
 def along(x):
-    return np.sum(x) * np.sum(np.argmax(np.diag(x), axis=0))
+    return np.sum(x) * np.sum(np.argmax(np.diag(x), axis=0, keepdims=True))
 
 
-@pytest.mark.parametrize("kernel", (unknown_option, unknown_mode, spectral, initial, along), ids=lambda k: k.__name__)
+@pytest.mark.parametrize("kernel", (unknown_option, unknown_mode, fractional, initial, along), ids=lambda k: k.__name__)
 def test_refused(kernel):
     with pytest.raises(s2sad.S2sadError) as caught:
         s2sad.gradient(kernel)(np.arange(3.0))
@@ -325,13 +325,3 @@ def view_read_by_a_helper(a):
 
 def test_a_view_may_be_read_by_a_helper():
     check_derivatives(view_read_by_a_helper, (np.array([[0.5, 0.7, 0.9]]),), ("a",), ("return",))
-
-
-def spacings(a):
-    held = np.gradient(a, 1, 1)
-    return np.sum(held[0])
-
-
-def test_one_spacing_for_each_axis_is_refused():
-    with pytest.raises(s2sad.S2sadError):
-        s2sad.gradient(spacings)(np.ones((3, 3)))

@@ -168,7 +168,7 @@ def copy_of_a_number(x):
 
 
 def test_a_copy_of_a_number_is_refused():
-    with pytest.raises(s2sad.S2sadError, match="no derivative rule for numpy.copy of a number"):
+    with pytest.raises(s2sad.S2sadError, match="numpy.copy of a number, an array without axes"):
         s2sad.differentiate(copy_of_a_number, engine="numpy").adjoint_source(np.ones(3))
 
 

@@ -130,7 +130,7 @@ def diagonal(a):
 
 
 def factors_of(a):
-    return np.sum(np.linalg.qr(a)[0])
+    return np.sum(np.linalg.qr(a, mode="complete")[0])
 
 
 def singular_vectors(a):

@@ -159,6 +159,14 @@ class IfExp(expr):
     body: AST
     orelse: AST
 
+class ListComp(expr):
+    elt: AST
+    generators: list[Any]
+
+class GeneratorExp(expr):
+    elt: AST
+    generators: list[Any]
+
 class Load(expr_context): ...
 class Store(expr_context): ...
 class Param(expr_context): ...

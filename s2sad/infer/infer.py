@@ -24,6 +24,8 @@ from s2sad.tree import (
     call_name, indices, is_unset,
 )
 
+LISTED = "builtins.list"
+
 CallTypes = Callable[[str, tuple[Type, ...]], tuple[Type, ...]]
 
 _RANKS = ("bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64")
@@ -61,6 +63,14 @@ class Typing:
         self.table.update({n: t.plain for n, t in table.items() if t.ones})
         self.final = False
         self.runs_once: Callable[[Call], bool] = lambda call: False  # whether a kernel's call is not to be run again
+        self.listed: set[str] = set()   # the arrays in place of lists
+
+    def bind_item(self, identifier: str, item: Type) -> None:
+        """An array in place of a list has one axis more than what is stored in it."""
+        old = self.table.get(identifier, UNKNOWN)
+        if item.kind in ("number", "array") and item.dtype in _RANKS and old.rank in (0, item.rank + 1):
+            dtype = max(item.dtype, old.dtype or item.dtype, key=_RANKS.index)
+            self.table[identifier] = array(dtype, item.rank + 1)
 
     def argument(self, node: AST) -> Type:
         """The type of an argument of a call, with the axes that are known to have length 1."""
@@ -214,6 +224,8 @@ class Typing:
         if name.startswith("user."):
             results = self.call_results(node)
             return UNKNOWN if not results else results[0] if len(results) == 1 else Type("tuple", items=results)
+        if name == LISTED:
+            return UNKNOWN  # what is stored tells
         if name in _ALLOCATIONS:
             return self._allocation(name, node)
         if name in _LIKES:
@@ -237,7 +249,7 @@ class Typing:
 
     def _array_function(self, rule: rules.ArrayRule, node: Call, types: list[Type]) -> Type:
         if rule.name.startswith("runtime."):    # a rule's own text names no options
-            types = types[:len(rule.operands)]
+            node, types = rules.bound(rule, node) or node, types[:len(rule.operands)]
         if any(t.kind == "unknown" for t in types) or len(types) != len(rule.operands):
             return UNKNOWN
         arguments = rule.arguments(node)
@@ -393,7 +405,11 @@ def _statement(statement: AST, typing: Typing) -> None:
 
 def _assignment(statement: Assign, typing: Typing) -> None:
     target = statement.targets[0]
-    if isinstance(target, Name):
+    if isinstance(target, Name) and call_name(statement.value) == LISTED:
+        typing.listed.add(target.id)
+    if isinstance(target, Subscript) and isinstance(target.value, Name) and target.value.id in typing.listed:
+        typing.bind_item(target.value.id, typing.of(statement.value))
+    elif isinstance(target, Name):
         typing.bind(target.id, typing.of(statement.value), statement)
     elif isinstance(target, Tuple) and isinstance(statement.value, Call):
         results = typing.call_results(statement.value)

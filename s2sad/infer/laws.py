@@ -14,6 +14,7 @@ from s2sad.tree import AST, Constant, List, Tuple, UnaryOp, USub
 Shape = tuple["Affine | None", ...]
 Options = Mapping[str, AST]
 ONE = Affine((), 1)
+LEAST = Affine((), -1)  # stands for the least size of the first argument
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,12 @@ def _blocks_type(args: list[Type], options: Options) -> Type:
     return array(_common(args), args[0].rank) if args[0].rank == args[1].rank else UNKNOWN
 
 
+def _places_type(args: list[Type], options: Options) -> Type:
+    axis = whole_number(options["axis"])
+    fits = args[0].is_array and axis is not None and -args[0].rank <= axis < args[0].rank
+    return array("int64", args[0].rank) if fits else UNKNOWN
+
+
 def _outer_type(args: list[Type], options: Options) -> Type:
     return array(_common(args), 2)
 
@@ -140,11 +147,6 @@ def _of_matrix(rank: int) -> Callable[[list[Type], Options], Type]:
 def _least_type(args: list[Type], options: Options) -> Type:
     a, b = args[:2]
     return b if a.is_float and a.rank == 2 and b.dtype == a.dtype and b.rank in (1, 2) else UNKNOWN
-
-
-def _singular_shape(args: list[Shape], options: Options) -> Shape | None:
-    rows, columns = args[0]
-    return (rows,) if rows == columns else None
 
 
 def _one_more(size: Affine | None) -> Affine | None:
@@ -199,7 +201,9 @@ def _moved_shape(args: list[Shape], options: Options) -> Shape | None:
 
 
 LAWS: dict[str, Law] = {
-    "places": Law(lambda args, options: array("int64", args[0].rank), lambda args, options: args[0]),
+    "places": Law(_places_type, lambda args, options: args[0]),
+    "counted": Law(lambda args, options: array("int64", 1), lambda args, options: None),
+    "sought": Law(lambda args, options: array("int64", args[1].rank), lambda args, options: args[1]),
     "same": Law(_same_type, lambda args, options: args[0]),
     "reduced": Law(_reduced_type, _reduced_shape),
     "summed": Law(lambda args, options: _widened(_reduced_type(args, options)), _reduced_shape),
@@ -216,7 +220,10 @@ LAWS: dict[str, Law] = {
     "matrix": Law(_of_matrix(2), lambda args, options: args[0]),
     "determinant": Law(_of_matrix(0), lambda args, options: ()),
     "eigenvalues": Law(_of_matrix(1), lambda args, options: args[0][:1]),
-    "singular": Law(_of_matrix(1), _singular_shape),
+    "singular": Law(_of_matrix(1), lambda args, options: (LEAST,)),
+    "orthogonal": Law(_of_matrix(2), lambda args, options: (args[0][0], LEAST)),
+    "triangular": Law(_of_matrix(2), lambda args, options: (LEAST, args[0][1])),
+    "square": Law(lambda args, options: array(args[0].dtype, 2), lambda args, options: (args[0][0], args[0][0])),
     "inverted": Law(_of_matrix(2), lambda args, options: args[0][::-1]),
     "least": Law(_least_type, lambda args, options: args[0][1:] + args[1][1:]),
     "factored": Law(_of_matrix(2), lambda args, options: (_one_more(args[0][0]), args[0][1])),

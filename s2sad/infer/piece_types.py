@@ -7,7 +7,8 @@ from dataclasses import replace
 
 from s2sad.infer.laws import axes_of, is_true, of_rank, whole_number
 from s2sad.infer.types import UNKNOWN, Type, array
-from s2sad.tree import AST, Constant, List, Name, Tuple
+from s2sad.infer.types_of_places import PLACES, is_none
+from s2sad.tree import AST, Constant, List, Name, Tuple, UnaryOp, USub
 
 Arguments = Mapping[str, AST]
 _ORDER = ("bool", "int64", "float32", "float64")
@@ -23,10 +24,6 @@ def common(args: list[Type]) -> str:
     """The dtype that arrays and numbers have together."""
     arrays = [a for a in args if a.is_array] or args
     return max((a.dtype for a in arrays), key=lambda d: _ORDER.index(d) if d in _ORDER else len(_ORDER), default="")
-
-
-def is_none(node: AST | None) -> bool:
-    return isinstance(node, Constant) and node.value is None
 
 
 def text_of(node: AST) -> str:
@@ -81,7 +78,17 @@ def _parts(options: Arguments, args: list[Type]) -> list[Type]:
     return items if written and known else []
 
 
+def _rows(args: list[Type], options: Arguments) -> Type | None:
+    """The type of what joins the rows of one array, in place of a list of them; None if it joins a written list."""
+    if not args[0].is_array:
+        return None
+    first = "axis" not in options or whole_number(options["axis"]) == 0
+    return args[0] if first and args[0].dtype in _ORDER else UNKNOWN
+
+
 def _concatenate(args: list[Type], options: Arguments) -> Type:
+    if (rows := _rows(args, options)) is not None:
+        return of_rank(rows, rows.rank - 1) if rows.rank > 1 else UNKNOWN
     parts = _parts(options, args)
     ranks = {p.rank for p in parts}
     if len(ranks) != 1 or 0 in ranks or one_axis(options["axis"], max(ranks)) is None:
@@ -90,6 +97,8 @@ def _concatenate(args: list[Type], options: Arguments) -> Type:
 
 
 def _stack(args: list[Type], options: Arguments) -> Type:
+    if (rows := _rows(args, options)) is not None:
+        return rows
     parts = _parts(options, args)
     ranks = {p.rank for p in parts}
     if len(ranks) != 1 or 0 in ranks or one_axis(options["axis"], max(ranks) + 1) is None:
@@ -98,14 +107,24 @@ def _stack(args: list[Type], options: Arguments) -> Type:
 
 
 def _hstack(args: list[Type], options: Arguments) -> Type:
+    if (rows := _rows(args, options)) is not None:
+        return of_rank(rows, 1) if rows.rank in (1, 2) else UNKNOWN
     parts = _parts(options, args)
     ranks = {max(p.rank, 1) for p in parts}
     return array(common(parts), ranks.pop()) if len(ranks) == 1 else UNKNOWN
 
 
 def _vstack(args: list[Type], options: Arguments) -> Type:
+    if (rows := _rows(args, options)) is not None:
+        return of_rank(rows, 2) if rows.rank in (2, 3) else UNKNOWN
     parts = _parts(options, args)
     return array(common(parts), 2) if parts and all(p.rank in (1, 2) for p in parts) else UNKNOWN
+
+
+def _columns(args: list[Type], options: Arguments) -> Type:
+    if (rows := _rows(args, options)) is not None:
+        return rows if rows.rank == 2 else UNKNOWN
+    return _vstack(args, options)
 
 
 def _append(args: list[Type], options: Arguments) -> Type:
@@ -190,6 +209,14 @@ def _reduced(args: list[Type], options: Arguments) -> Type:
     return of_rank(args[0], args[0].rank if is_true(options.get("keepdims")) else args[0].rank - len(axes))
 
 
+def _summed(args: list[Type], options: Arguments) -> Type:
+    return _reduced(args, options) if args[0].is_float else UNKNOWN
+
+
+def _diagflat(args: list[Type], options: Arguments) -> Type:
+    return _diag(args, options) if args[0].rank == 1 else UNKNOWN
+
+
 def _product(args: list[Type], options: Arguments) -> Type:
     one = is_none(options["axis"]) or _array(args) and one_axis(options["axis"], args[0].rank) is not None
     return _reduced(args, options) if one and args[0].is_float else UNKNOWN
@@ -203,14 +230,27 @@ def _running(args: list[Type], options: Arguments) -> Type:
     return args[0] if one_axis(options["axis"], args[0].rank) is not None else UNKNOWN
 
 
+def norm_order(node: AST) -> int | float | str | None:
+    """The order of a norm that an option spells: a number, "inf", "-inf", "fro", "nuc", None; else ""."""
+    if isinstance(node, UnaryOp) and isinstance(node.op, USub):
+        inner = norm_order(node.operand)
+        return "-inf" if inner == "inf" else -inner if isinstance(inner, (int, float)) else ""
+    if isinstance(node, Name):
+        return "inf" if node.id in ("numpy.inf", "math.inf") else ""
+    value = node.value if isinstance(node, Constant) else ""
+    return value if value is None or type(value) in (int, float) or value in ("fro", "nuc") else ""
+
+
 def _norm(args: list[Type], options: Arguments) -> Type:
-    made, order = _averaged(args, options), options["ord"]
-    vector = is_none(options["axis"]) and args[0].rank == 1 or whole_number(options["axis"]) is not None
-    infinite = isinstance(order, Name) and order.id in ("numpy.inf", "math.inf")
-    plain = is_none(order) or vector and (infinite or whole_number(order) in (1, 2)) or (
-        not vector and text_of(order) == "fro")
+    made, order = _averaged(args, options), norm_order(options["ord"])
     axes = axes_of(options["axis"], args[0].rank) or ()
-    return made if plain and (is_none(options["axis"]) or len(axes) <= 2) else UNKNOWN
+    vector = is_none(options["axis"]) and args[0].rank == 1 or whole_number(options["axis"]) is not None
+    if vector:
+        known = order in (None, "inf", "-inf") or isinstance(order, (int, float)) and order > 0
+    else:
+        whole = args[0].rank == 2 and is_none(options["axis"]) and not is_true(options["keepdims"])
+        known = order in (None, "fro") or whole and order in (1, -1, 2, -2, "inf", "-inf", "nuc")
+    return made if known and (is_none(options["axis"]) or len(axes) <= 2) else UNKNOWN
 
 
 def _vdot(args: list[Type], options: Arguments) -> Type:
@@ -231,6 +271,13 @@ def _trapezoid(args: list[Type], options: Arguments) -> Type:
 
 def _gradient(args: list[Type], options: Arguments) -> Type:
     axis = options["axis"]
+    if not is_none(options["part"]) and _array(args):
+        number, several = whole_number(options["part"]) or 0, args[0].rank > 1 and is_none(axis)
+        if several and number < args[0].rank and (is_none(options["second"]) or args[0].rank == 2):
+            return _float(args[0])
+        return UNKNOWN if several or args[0].rank == 0 else _float(of_rank(args[0], args[0].rank - 1))
+    if not is_none(options["second"]):
+        return UNKNOWN
     fits = _array(args) and (is_none(axis) and args[0].rank == 1 or one_axis(axis, args[0].rank) is not None)
     return _float(args[0]) if fits and not isinstance(options["spacing"], (Tuple, List)) else UNKNOWN
 
@@ -253,9 +300,85 @@ def _arange(args: list[Type], options: Arguments) -> Type:
         a.is_number for a in given) else UNKNOWN
 
 
+def astype_dtype(options: Arguments) -> str:
+    """The dtype that `np.astype` is given, "" if it is none that arrays here have."""
+    node = options["dtype"]
+    named = node.id if isinstance(node, Name) else text_of(node)
+    found = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": "bool", "numpy.bool_": "bool",
+             "numpy.bool": "bool"}.get(named, named.removeprefix("numpy."))
+    return found if found in _ORDER else ""
+
+
+def _cast(args: list[Type], options: Arguments) -> Type:
+    dtype = astype_dtype(options)
+    return array(dtype, args[0].rank) if _array(args) and dtype else UNKNOWN
+
+
+def _at_least(rank: int) -> Callable[[list[Type], Arguments], Type]:
+    def made(args: list[Type], options: Arguments) -> Type:
+        known = args[0].kind in ("array", "number") and args[0].dtype in _ORDER
+        return array(args[0].dtype, max(rank, args[0].rank)) if known else UNKNOWN
+    return made
+
+
+def _deep(args: list[Type], options: Arguments) -> Type:
+    if args[0].is_array:
+        return UNKNOWN
+    parts = _parts(options, args)
+    return array(common(parts), 3) if parts and all(p.rank in (1, 2) for p in parts) else UNKNOWN
+
+
+def _turned(args: list[Type], options: Arguments) -> Type:
+    return args[0] if _array(args) and args[0].rank == 2 and whole_number(options["k"]) is not None else UNKNOWN
+
+
+def _section(args: list[Type], options: Arguments) -> Type:
+    sections, number = options["sections"], whole_number(options["part"])
+    written = isinstance(sections, (Tuple, List))
+    count = len(sections.elts) + 1 if written else whole_number(sections)
+    fits = _array(args) and number is not None and (count is None or number < count)
+    if "axis" in options and (not _array(args) or one_axis(options["axis"], args[0].rank) is None):
+        return UNKNOWN
+    return args[0] if fits and (written or args[1].is_integer) else UNKNOWN
+
+
+def _stacked_sections(args: list[Type], options: Arguments) -> Type:
+    return _section(args, options) if args[0].rank >= 2 else UNKNOWN
+
+
+def _outer(args: list[Type], options: Arguments) -> Type:
+    a, b = args
+    fits = all(x.kind in ("array", "number") and x.dtype in _ORDER for x in args) and 0 < a.rank + b.rank <= 4
+    return array(common(args), a.rank + b.rank) if fits else UNKNOWN
+
+
+def _quotient(args: list[Type], options: Arguments) -> Type:
+    return _float(_outer(args, options))
+
+
+def _crossed(args: list[Type], options: Arguments) -> Type:
+    fits = all(a.is_array and 1 <= a.rank <= 2 for a in args)
+    return array(common(args), max(a.rank for a in args)) if fits else UNKNOWN
+
+
+def _powers(args: list[Type], options: Arguments) -> Type:
+    return array(args[0].dtype, 2) if _array(args) and args[0].rank == 1 and isinstance(
+        options["increasing"], Constant) else UNKNOWN
+
+
+def _polynomial(args: list[Type], options: Arguments) -> Type:
+    p, x = args
+    known = p.is_array and p.rank == 1 and p.dtype in _ORDER and x.is_float
+    return (array(common(args), x.rank) if x.rank else Type("number", "float64")) if known else UNKNOWN
+
+
+def _running_extreme(args: list[Type], options: Arguments) -> Type:
+    return args[0] if _array(args) and one_axis(options["axis"], args[0].rank) is not None else UNKNOWN
+
+
 _TYPES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.diff": _diff, "numpy.concatenate": _concatenate, "numpy.stack": _stack, "numpy.hstack": _hstack,
-    "numpy.vstack": _vstack, "numpy.column_stack": _vstack, "numpy.append": _append, "numpy.expand_dims": _expanded,
+    "numpy.vstack": _vstack, "numpy.column_stack": _columns, "numpy.append": _append, "numpy.expand_dims": _expanded,
     "numpy.squeeze": _squeezed, "numpy.swapaxes": _swapped, "numpy.tile": _tiled, "numpy.repeat": _repeated,
     "numpy.pad": _padded, "numpy.diag": _diag, "numpy.diagonal": _diagonal, "numpy.tril": _triangle,
     "numpy.triu": _triangle, "numpy.trace": _trace, "numpy.eye": _eye, "numpy.identity": _eye,
@@ -263,5 +386,12 @@ _TYPES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.prod": _product, "numpy.cumprod": _running, "numpy.cumsum": _running,
     "numpy.average": _averaged, "numpy.linalg.norm": _norm,
     "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.trapezoid": _trapezoid, "numpy.trapz": _trapezoid,
+    "numpy.astype": _cast, "numpy.atleast_1d": _at_least(1), "numpy.atleast_2d": _at_least(2), "numpy.dstack": _deep,
+    "numpy.rot90": _turned, "numpy.diagflat": _diagflat, "numpy.split": _section, "numpy.array_split": _section,
+    "numpy.hsplit": _section, "numpy.vsplit": _stacked_sections, "numpy.tri": _eye, "numpy.ptp": _reduced,
+    "numpy.nansum": _summed, "numpy.maximum.accumulate": _running_extreme, "numpy.minimum.accumulate": _running_extreme,
+    **{f"numpy.{f}.outer": _outer for f in ("add", "subtract", "multiply", "power", "maximum", "minimum")},
+    "numpy.divide.outer": _quotient, "numpy.cross": _crossed, "numpy.vander": _powers, "numpy.polyval": _polynomial,
+    "numpy.correlate": _convolve, **PLACES,
     "numpy.gradient": _gradient, "numpy.convolve": _convolve, "numpy.interp": _interp,
 }

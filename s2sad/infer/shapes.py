@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from s2sad import rules
 from s2sad.infer.affine import Affine
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import LAWS, ONE, Shape, whole_number
+from s2sad.infer.laws import LAWS, LEAST, ONE, Shape, whole_number
 from s2sad.infer.slices import Slices
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Eq, FloorDiv, For, FunctionDef, If, Mult, Name, Store,
@@ -42,8 +42,9 @@ class Shapes(Slices):
                 made = self.asked_for(arguments["shape"], self.of(arguments["x"]))
             elif rule.law == "raveled":
                 made = self.asked_for(const(-1), self.of(arguments["x"]))
-            elif made is None and rule.law == "singular":
-                made = (self._least(self.of(arguments["a"])),)
+            elif made is not None and LEAST in made:
+                least = self._least(self.of(arguments[rule.operands[0]]))
+                made = tuple(least if d == LEAST else d for d in made)
             return made if made is not None else (None,) * self.typing.of(node).rank
         return self.broadcast(self.of(part) for part in children(node) if self.typing.of(part).is_array)
 
@@ -84,6 +85,8 @@ class Shapes(Slices):
     def _least(self, sizes: Shape) -> Affine | None:
         if None in sizes:
             return None
+        if len(set(sizes)) == 1:
+            return sizes[0]
         return self.symbol(call("builtins.min", *(self.expression(d) for d in sizes if d is not None)))
 
     def _product(self, sizes: list[Affine]) -> AST:

@@ -117,7 +117,10 @@ class Carried(Branches):
     def turn(self, statement: For | While, bounds: AST | None, buffers: Tail) -> AST:
         """The loop itself."""
         if isinstance(statement, While):
-            return While(self.resolve(statement.test), self.block(statement.body, buffers), [])
+            self.testing = True
+            test = self.resolve(statement.test)
+            self.testing = False
+            return While(test, self.block(statement.body, buffers), [])
         counters = dict(self.shapes.counters)
         if statement.target.id not in stored_names(statement.body):
             self.shapes.counters |= least_of(statement)

@@ -19,12 +19,13 @@ from collections.abc import Callable
 
 from s2sad.normalize.calls import user_call
 from s2sad.normalize.hoist import bound_call, hoist, hoist_all, impure, operands, replace_operands
+from s2sad.normalize.in_place import UNSUPPORTED, stored_by_call, stored_out
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.unpack import unpack
 from s2sad.tree import (
-    AST, And, AnnAssign, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr,
+    AST, And, AnnAssign, Assert, Assign, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr,
     For, FunctionDef, If, IfExp, Name, Not, Pass, Raise, Return, Subscript, UnaryOp, While, assign, at,
-    call_name, const, copy, function, index, name, walk,
+    call_name, const, copy, function, name, walk,
 )
 
 
@@ -46,6 +47,10 @@ def _block(statements: list[AST], scope: Scope) -> list[AST]:
 
 
 def _assign(node: Assign, scope: Scope) -> list[AST]:
+    stored = stored_out(node.value)
+    if stored is not None:
+        filled, value = stored
+        return [*unpack([filled], value, scope), *unpack(node.targets, copy(filled.value), scope)]
     return unpack(node.targets, node.value, scope)
 
 
@@ -91,29 +96,15 @@ def _expression(node: Expr, scope: Scope) -> list[AST]:
         return [*before, Expr(bound)]
     if not isinstance(value, Call):
         return hoist(value, scope)[0]
-    stored = _stored_by_call(value)
+    stored = stored_by_call(value)
     if stored is not None:
         return unpack([stored[0]], stored[1], scope)
     if call_name(value) == "builtins.print":
         before, left = hoist(value, scope)
         return [*before, Expr(left)]
-    scope.refuse(node, "a call whose result is not used",
-                 help="only calls of kernels, print and x.fill(...) stand alone")
+    scope.refuse(node, "a call whose result is not used", help=UNSUPPORTED.get(
+        call_name(value) or "", "only calls of kernels, print and functions that write an argument stand alone"))
     return []
-
-
-def _stored_by_call(node: Call) -> tuple[AST, AST] | None:
-    """`x.fill(v)`, `np.copyto(x, y)` and `np.exp(x, out=y)` are stores into a whole array."""
-    target = value = None
-    out = next((k.value for k in node.keywords if k.arg == "out"), None)
-    if isinstance(node.func, Attribute) and node.func.attr == "fill" and len(node.args) == 1 and not node.keywords:
-        target, value = node.func.value, node.args[0]
-    elif call_name(node) == "numpy.copyto" and len(node.args) == 2 and not node.keywords:
-        target, value = node.args
-    elif out is not None and call_name(node) is not None:
-        value = at(Call(node.func, node.args, [k for k in node.keywords if k.arg != "out"]), node)
-        target = out
-    return None if target is None else (index(target, const(...)), value)
 
 
 def _if(node: If, scope: Scope) -> list[AST]:

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import reduce
 
 from s2sad import rules
 from s2sad.infer.infer import Typing
@@ -96,13 +97,36 @@ def _is_new(node: AST) -> bool:
 def _roll(elements: Elements, node: AST, positions: list[AST]) -> AST:
     arguments = _arguments(node)
     x, shift, axis = arguments["x"], arguments["shift"], arguments["axis"]
-    shifts, axes = _listed(shift), [whole_number(a) or 0 for a in _listed(axis)]
     moved = list(positions)
-    for by, k in zip(shifts, axes):
-        number = whole_number(by)
-        back = add(moved[k], const(-number)) if number is not None and number < 0 else sub(moved[k], copy(by))
-        moved[k] = BinOp(back, Mod(), elements.size_of(x, k))
+    sizes = [elements.size_of(x, k) for k in range(len(positions))]
+    if _is_new(axis) and len(positions) > 1:
+        back = BinOp(_back(_number(positions, sizes), shift), Mod(), reduce(mult, map(copy, sizes)))
+        return elements.element(x, _places(back, sizes))
+    k = (whole_number(axis) or 0) % len(positions)
+    moved[k] = BinOp(_back(moved[k], shift), Mod(), sizes[k])
     return elements.element(x, moved)
+
+
+def _back(position: AST, shift: AST) -> AST:
+    number = whole_number(shift)
+    return add(position, const(-number)) if number is not None and number < 0 else sub(position, copy(shift))
+
+
+def _number(positions: list[AST], sizes: list[AST]) -> AST:
+    """The number of an element in the order of rows."""
+    found = positions[0]
+    for position, size in zip(positions[1:], sizes[1:]):
+        found = add(mult(found, copy(size)), position)
+    return found
+
+
+def _places(number: AST, sizes: list[AST]) -> list[AST]:
+    """Where the element with a number in the order of rows lies."""
+    found: list[AST] = []
+    for size in reversed(sizes[1:]):
+        found.insert(0, BinOp(copy(number), Mod(), copy(size)))
+        number = BinOp(number, FloorDiv(), copy(size))
+    return [number, *found]
 
 
 def _flip(elements: Elements, node: AST, positions: list[AST]) -> AST:

@@ -14,7 +14,7 @@ What holds from which pass on (each line adds to those before):
 
     structured   the statements above, with every operator in +=
     views        += and -= only on arrays; an array's name is bound once on each path, by an allocation; no slice but
-                 x[...]
+                 x[...]; no list and no copy of an array
     rename       += and -= only; a number's name is bound once, but for copies where paths meet and sums in loops
     atoms        the test of a branch is a name; a kernel's numbers are names or constants
     derivative   as structured, with choices (E if E else E) and comments
@@ -31,6 +31,7 @@ from s2sad.tree import (
 
 STAGES = ("structured", "views", "rename", "atoms", "derivative")
 ALLOCATIONS = frozenset({"numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like"})
+_MADE = frozenset({"numpy.copy", "numpy.array", "numpy.asarray", "numpy.ascontiguousarray"})
 _EXPRESSIONS = (Attribute, BinOp, BoolOp, Call, Compare, Constant, IfExp, List, Name, Slice, Subscript, Tuple, UnaryOp)
 
 
@@ -117,6 +118,8 @@ def _expression(node: AST, level: int, derivative: bool) -> Iterator[tuple[AST, 
             yield part, "a kernel's call inside an expression"
         if isinstance(part, Subscript) and level and not isinstance(part.value, (Name, Attribute, Tuple)):
             yield part, "a part of an expression"
+        if level and not derivative and (isinstance(part, List) or call_name(part) in _MADE):
+            yield part, "an array made inside an expression"
         if isinstance(part, IfExp) and not derivative:
             yield part, "a choice inside an expression"
         if hasattr(part, "lineno") and not isinstance(part, _EXPRESSIONS) and type(part).__name__ != "keyword":

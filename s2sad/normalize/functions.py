@@ -14,6 +14,8 @@ that binds a name, and that its operands are names and parts of arrays; what is 
                                     s = np.sum(picked)
     y = f(u * v)                    operand = u * v
                                     y = f(operand)
+    x[1:3] = [u, v]                 array_value = np.array([u, v])
+                                    x[1:3] = array_value
 
 What an array of bools picks stands alone, too, but in a statement that fills what the same one picks.
 """
@@ -23,13 +25,14 @@ from s2sad import rules
 from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Return, Slice, Subscript,
-    While, assign, at, augment, call, call_name, const, copy, dump, index, indices, name, rebuild, walk,
+    AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, List, Name, Return, Slice,
+    Subscript, Tuple, While, assign, at, augment, call, call_name, const, copy, dump, index, indices, keyword, name,
+    rebuild, walk,
 )
 
 _SUMMED = ("summed", "averaged")
 _MADE = {f"numpy.{made}{like}" for made in ("empty", "zeros", "ones", "full") for like in ("", "_like")} | {
-    "numpy.array", "numpy.copy"}
+    "numpy.array", "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray"}
 
 
 def functions(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
@@ -78,6 +81,10 @@ class _Functions:
 
     def assignment(self, statement: Assign | AugAssign, before: list[AST]) -> list[AST]:
         target = statement.targets[0] if isinstance(statement, Assign) else statement.target
+        if isinstance(statement.value, (List, Tuple)) and self.typing.of(target).is_array and not (
+                isinstance(target, Name) and isinstance(statement, Assign)):
+            statement = copy(statement)
+            statement.value = at(call("numpy.array", statement.value), statement)
         if isinstance(target, Subscript) and self.arrays(target):
             target = self.named(target, before)
             masks = [dump(s) for s in self.arrays(target) if self.typing.of(s).dtype == "bool"]
@@ -177,7 +184,8 @@ class _Functions:
             summed = rule.law in _SUMMED and any(isinstance(n, (Name, Subscript)) and self.typing.of(n).is_array
                                                  for n in walk(inner))
             made.append(inner if plain or summed else name(self.bind(operand, inner, before)))
-        return at(Call(node.func, made, node.keywords), node)
+        options = [at(keyword(k.arg, self.moved(k.value, before)), node) for k in node.keywords]
+        return at(Call(node.func, made, options), node)
 
     def bind(self, origin: AST, value: AST, before: list[AST], called: str = "") -> str:
         wanted = (call_name(origin) or "operand").rpartition(".")[2]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from s2sad.normalize.in_place import stored_by_call
 from s2sad.program import Program
 from s2sad.tree import (
     AST, AnnAssign, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, IfExp,
@@ -125,7 +126,7 @@ class Memory:
 
 def _writing_call(node: Call) -> bool:
     method = isinstance(node.func, Attribute) and node.func.attr in ("fill", "sort", "resize", "put", "itemset")
-    return method or call_name(node) == "numpy.copyto" or any(k.arg == "out" for k in node.keywords)
+    return method or stored_by_call(node) is not None or any(k.arg == "out" for k in node.keywords)
 
 
 def _names(node: AST | list[AST]) -> list[str]:

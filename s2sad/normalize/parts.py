@@ -8,13 +8,18 @@ Requires structured form. A part that has no rule is left as it is, to be refuse
     w = items[0]                    vectors = runtime.eigenvectors(a)
     v = items[1]                    w = values
                                     v = vectors
+    u, v = np.split(y, 2)           u = np.split(y, 2, part=0)
+                                    v = np.split(y, 2, part=1)
+    x[np.where(c)]                  x[c != 0]
+
+`part` is no option of NumPy's: it is what the pieces of these functions ask for.
 """
 from __future__ import annotations
 
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Assign, Attribute, Call, Constant, FunctionDef, Name, Store, Subscript, assign, at, call, call_name, copy,
-    name, rebuild, walk,
+    AST, Assign, Attribute, Call, Constant, FunctionDef, Name, NotEq, Store, Subscript, assign, at, call, call_name,
+    compare, const, copy, keyword, name, rebuild, tuple_of, walk,
 )
 
 # the functions of the parts, with the names that NumPy gives the parts
@@ -22,28 +27,61 @@ _PARTS: dict[str, dict[str, str]] = {
     "numpy.linalg.slogdet": {"sign": "runtime.det_sign", "logabsdet": "runtime.log_det"},
     "numpy.linalg.eigh": {"eigenvalues": "numpy.linalg.eigvalsh", "eigenvectors": "runtime.eigenvectors"},
     "numpy.linalg.svd": {"U": "", "S": "runtime.singular_values", "Vh": ""},
+    "numpy.linalg.qr": {"Q": "runtime.orthogonal_part", "R": "runtime.triangular_part"},
     "numpy.linalg.lstsq": {"solution": "runtime.least_squares"},
 }
+# functions of which each part is the function with its number
+_NUMBERED = frozenset({f"numpy.{f}" for f in (
+    "nonzero where meshgrid indices unravel_index split array_split hsplit vsplit gradient triu_indices tril_indices "
+    "diag_indices").split()})
+_PAIRS = frozenset({"numpy.triu_indices", "numpy.tril_indices", "numpy.diag_indices"})
+_MOST = 16
+_MASK = "mask"  # all parts as one subscript
 _OPERANDS = {"numpy.linalg.lstsq": 2}
+_REDUCED = {"U": "runtime.left_vectors", "S": "runtime.singular_values", "Vh": "runtime.right_vectors"}
 _NONE = {"numpy.linalg.lstsq": "rcond"}
 
 
 def parts(function: FunctionDef, free: Names) -> FunctionDef:
     """The function with those parts."""
     new = copy(function)
-    new.body = _Parts(function, free).block(function.body)
+    new.body = [rebuild(statement, _as_function) for statement in function.body]
+    new.body = _Parts(new, free).block(new.body)
     return new
+
+
+def _as_function(node: AST) -> AST | None:
+    """`x.nonzero()` as a function."""
+    method = isinstance(node, Call) and isinstance(node.func, Attribute) and node.func.attr == "nonzero"
+    return at(call("numpy.nonzero", rebuild(node.func.value, _as_function)), node) if method else None
 
 
 def parted(node: AST) -> dict[str, str]:
     """The functions of the parts of a call, {} if it is none that gives a tuple or its options are not the default."""
     called = call_name(node) or ""
+    if called in _NUMBERED and (called != "numpy.where" or len(node.args) == 1 and not node.keywords):
+        word = called.rpartition(".")[2]
+        masked = {_MASK: "mask"} if _picks(node) or called in _PAIRS else {}
+        return {f"{word}_{k}": called for k in range(_MOST)} | masked
     if called not in _PARTS:
         return {}
+    if called == "numpy.linalg.svd" and _reduced(node):
+        return _REDUCED
     left = [k for k in node.keywords if k.arg != _NONE.get(called) or not _is_none(k.value)]
     extra = node.args[_OPERANDS.get(called, 1):]
     plain = not left and all(called in _NONE and _is_none(a) for a in extra) and len(extra) <= 1
     return _PARTS[called] if plain and len(node.args) >= _OPERANDS.get(called, 1) else {}
+
+
+def _reduced(node: Call) -> bool:
+    """Whether a call is `np.linalg.svd(a, full_matrices=False)`."""
+    given = [*node.args[1:], *(k.value for k in node.keywords if k.arg == "full_matrices")]
+    return len(node.args) + len(node.keywords) == 2 and len(given) == 1 and getattr(given[0], "value", None) is False
+
+
+def _picks(node: AST) -> bool:
+    """Whether the parts of a call are the places where an array is not 0."""
+    return call_name(node) in ("numpy.nonzero", "numpy.where")
 
 
 def _is_none(node: AST) -> bool:
@@ -53,7 +91,7 @@ def _is_none(node: AST) -> bool:
 class _Parts:
     def __init__(self, function: FunctionDef, free: Names):
         self.free = free
-        self.held, self.unread = _held(function)
+        self.held, self.unread, self.calls = _held(function)
         self.names = {n: {part: free.fresh(part) for part in found} for n, found in self.held.items()}
 
     def block(self, block: list[AST]) -> list[AST]:
@@ -65,7 +103,7 @@ class _Parts:
         target = statement.targets[0] if isinstance(statement, Assign) else None
         if isinstance(target, Name) and target.id in self.held:
             value = self.changed(statement.value)
-            return [at(assign(self.names[target.id][part], _call(value, made)), statement)
+            return [at(assign(self.names[target.id][part], _call(value, part, made)), statement)
                     for part, made in self.held[target.id].items()]
         if hasattr(statement, "body"):
             new = copy(statement)
@@ -84,24 +122,53 @@ class _Parts:
     def part(self, node: AST) -> AST | None:
         if _values_alone(node):
             return at(call("runtime.singular_values", self.changed(node.args[0])), node)
+        if _triangle_alone(node):
+            return at(call("runtime.triangular_part", self.changed(node.args[0])), node)
         asked = _asked(node)
         if asked is None:
             return None
         value, key = asked
         if isinstance(value, Name) and value.id in self.held:
-            return at(name(self.names[value.id][_named(self.held[value.id], key)]), node)
-        found = parted(value)
-        part = _named(found, key)
-        return at(_call(self.changed(value), found[part]), node) if part else None
+            held, called = self.names[value.id], self.calls[value.id]
+            known = parted(called)
+            found: AST = tuple_of(*(name(held[p]) for p in list(known)[:2])) if _both(called, key) else name(
+                held[_named(known, key)])
+        else:
+            known = parted(value)
+            part = _named(known, key)
+            if not part:
+                return None
+            called = self.changed(value)
+            found = tuple_of(*(_call(called, p, known[p]) for p in list(known)[:2])) if _both(value, key) else _call(
+                called, part, known[part])
+        return at(Subscript(self.changed(node.value), found, node.ctx) if key == _MASK else found, node)
+
+
+def _both(node: AST, key: int | str) -> bool:
+    """Whether a call gives two arrays of places, both of which a subscript is."""
+    return key == _MASK and call_name(node) in _PAIRS
 
 
 def _values_alone(node: AST) -> bool:
     """Whether a call is `np.linalg.svd(a, compute_uv=False)`."""
-    return call_name(node) == "numpy.linalg.svd" and len(node.args) == 1 and [k.arg for k in node.keywords] == [
-        "compute_uv"] and isinstance(node.keywords[0].value, Constant) and node.keywords[0].value.value is False
+    if call_name(node) != "numpy.linalg.svd" or len(node.args) != 1:
+        return False
+    return [(k.arg, getattr(k.value, "value", None)) for k in node.keywords] == [("compute_uv", False)]
 
 
-def _call(value: AST, function: str) -> Call:
+def _triangle_alone(node: AST) -> bool:
+    """Whether a call is `np.linalg.qr(a, mode="r")`."""
+    return call_name(node) == "numpy.linalg.qr" and len(node.args) + len(node.keywords) == 2 and "r" == getattr(
+        [*node.args[1:], *(k.value for k in node.keywords if k.arg == "mode")][0], "value", None)
+
+
+def _call(value: AST, part: str, function: str) -> AST:
+    if part == _MASK:
+        return at(compare(copy(value.args[0]), NotEq(), const(0)), value)
+    if function in _NUMBERED:
+        number = keyword("part", const(int(part.rpartition("_")[2])))
+        function = "numpy.nonzero" if function == "numpy.where" else function
+        return at(Call(name(function), list(map(copy, value.args)), [*map(copy, value.keywords), number]), value)
     operands = value.args[:_OPERANDS.get(call_name(value) or "", 1)]
     return at(call(function, *map(copy, operands)), value)
 
@@ -110,21 +177,25 @@ def _asked(node: AST) -> tuple[AST, int | str] | None:
     """What a part is taken of, and its number or name."""
     if isinstance(node, Subscript) and isinstance(node.slice, Constant) and type(node.slice.value) is int:
         return node.value, node.slice.value
+    if isinstance(node, Subscript) and (
+            isinstance(node.slice, Name) or _picks(node.slice) or call_name(node.slice) in _PAIRS):
+        return node.slice, _MASK
     return (node.value, node.attr) if isinstance(node, Attribute) else None
 
 
 def _named(found: dict[str, str], key: int | str) -> str:
     """The name of a part, "" if there is none that has a function."""
     if not isinstance(key, str):
-        key = list(found)[key] if 0 <= key < len(found) else ""
+        known = [part for part in found if part != _MASK]
+        key = known[key] if 0 <= key < len(known) else ""
     return key if found.get(key) else ""
 
 
-def _held(function: FunctionDef) -> tuple[dict[str, dict[str, str]], set[int]]:
-    """The names bound once, to such a call, of which only parts with a function are read, with those parts; and the
-    statements that bind parts that are never read."""
+def _held(function: FunctionDef) -> tuple[dict[str, dict[str, str]], set[int], dict[str, AST]]:
+    """The names bound once, to such a call, of which only parts with a function are read, with those parts; the
+    statements that bind parts that are never read; and the calls."""
     nodes = list(walk(function.body))
-    bound = {s.targets[0].id: parted(s.value) for s in nodes
+    calls = {s.targets[0].id: s.value for s in nodes
              if isinstance(s, Assign) and isinstance(s.targets[0], Name) and parted(s.value)}
     stores = [n.id for n in nodes if isinstance(n, Name) and isinstance(n.ctx, Store)]
     loads = [n.id for n in nodes if isinstance(n, Name) and not isinstance(n.ctx, Store)]
@@ -132,11 +203,14 @@ def _held(function: FunctionDef) -> tuple[dict[str, dict[str, str]], set[int]]:
               and s.targets[0].id not in loads}
     asked = [(id(n), *a) for n in nodes if (a := _asked(n)) and isinstance(a[0], Name)]
     made, dropped = {}, set()
-    for held, found in bound.items():
+    for held, called in calls.items():
+        found = parted(called)
         uses = [(node, key) for node, value, key in asked if value.id == held]
         left = {unread[node] for node, _ in uses if node in unread}
         taken = {_named(found, key) for node, key in uses if node not in unread}
+        if _MASK in taken and call_name(called) in _PAIRS:
+            taken = taken - {_MASK} | set(list(found)[:2])
         if stores.count(held) == 1 and "" not in taken and loads.count(held) == len(uses):
             made[held] = {part: f for part, f in found.items() if part in taken}
             dropped |= left
-    return made, dropped
+    return made, dropped, calls

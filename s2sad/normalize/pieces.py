@@ -2,7 +2,7 @@
 
 Requires functions that stand alone on operands with names; establishes that none of those in `rules/composed` is left,
 and no `np.broadcast_to` of the kernel's.
-What each is made of stands in `normalize/pieces_of_shapes` and `normalize/pieces_of_sums`.
+What each is made of stands in `normalize/pieces_of_shapes`, `pieces_of_sums` and `pieces_of_places`.
 
     d = np.diff(x)                  d = x[1:] - x[:-1]
     y = np.concatenate((u, v))      y = np.empty(u.shape[0] + v.shape[0])
@@ -17,17 +17,19 @@ from s2sad.infer.infer import Typing, learn
 from s2sad.naming import Names
 from s2sad.normalize.asked import Asked
 from s2sad.normalize.functions import functions
+from s2sad.normalize.pieces_of_places import PLACES
 from s2sad.normalize.pieces_of_shapes import SHAPES
 from s2sad.normalize.pieces_of_sums import SUMS
+from s2sad.rules.composed import WRITING
 from s2sad.rules.rule import resolved
 from s2sad.tree import (
     AST, Assign, Constant, Expr, For, FunctionDef, If, List, Name, Slice, Store, Subscript, Tuple, UnaryOp,
     While, assign, at, call_name, copy, indices, name, names, rebuild, statements, stored_names, walk,
 )
 
-_PIECES = {**SHAPES, **SUMS}
+_PIECES = {**SHAPES, **SUMS, **PLACES}
 RESULT = "result"
-_BUILTINS = ("len", "max", "min", "range")
+_BUILTINS = ("int", "len", "max", "min", "range")
 
 
 def pieces(function: FunctionDef, typing: Typing, free: Names, report: Report) -> FunctionDef:
@@ -84,6 +86,8 @@ class _Pieces:
             made[RESULT] = target.id
         body = [at(_filled(s, made, asked.arguments), statement) for s in body]
         learn(body, self.typing)
+        if rule.name in WRITING:  # on the first argument, which is what is stored into
+            return [*before, *body]
         return [*before, *body, *([] if direct else [assign(target, name(made[RESULT]))])]
 
     def held(self, asked: Asked, key: str, node: AST) -> list[AST]:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.infer.piece_types import common, widths_of
+from s2sad.infer.piece_types import astype_dtype, common, widths_of
 from s2sad.infer.types import Type
 from s2sad.normalize.asked import Asked, empty, lines, part, size, sizes, zeros
 from s2sad.tree import List, Tuple, call
@@ -47,7 +47,18 @@ def _joined(parts: list[Piece], axis: int, before: list[str]) -> str:
     return lines(*before, f"result = {empty(whole, common([kind for _, _, kind in parts]))}", *stores)
 
 
+def _rows(asked: Asked, rank: int) -> str:
+    """The rows of one array one after the other, as an array of fewer axes; a copy where it keeps them."""
+    own = asked.rank("x")
+    if own <= rank:
+        return "result = numpy.copy(x)"
+    shape = [f"{size('x', 0)} * {size('x', 1)}", *sizes("x", own)[2:]]
+    return f"result = numpy.reshape(x, ({', '.join(shape)},))"
+
+
 def _concatenate(asked: Asked) -> str:
+    if asked.rank("x"):
+        return _rows(asked, asked.rank("x") - 1)
     before: list[str] = []
     parts = _given(asked, before)
     return _joined(parts, asked.axis(parts[0][2].rank), before)
@@ -59,12 +70,16 @@ def _append(asked: Asked) -> str:
 
 
 def _hstack(asked: Asked) -> str:
+    if asked.rank("x"):
+        return _rows(asked, 1)
     before: list[str] = []
     parts = [(text, found or ["1"], kind) for text, found, kind in _given(asked, before)]
     return _joined(parts, 0 if len(parts[0][1]) == 1 else 1, before)
 
 
 def _vstack(asked: Asked) -> str:
+    if asked.rank("x"):
+        return _rows(asked, 2)
     before: list[str] = []
     parts = [(f"{text}[None, :]" if len(found) == 1 else text, ["1", *found][-2:], kind)
              for text, found, kind in _given(asked, before)]
@@ -72,6 +87,8 @@ def _vstack(asked: Asked) -> str:
 
 
 def _column_stack(asked: Asked) -> str:
+    if asked.rank("x"):
+        return "result = numpy.copy(numpy.transpose(x))"
     before: list[str] = []
     parts = [(f"{text}[:, None]" if len(found) == 1 else text, [*found, "1"][:2], kind)
              for text, found, kind in _given(asked, before)]
@@ -79,6 +96,8 @@ def _column_stack(asked: Asked) -> str:
 
 
 def _stack(asked: Asked) -> str:
+    if asked.rank("x"):
+        return "result = numpy.copy(x)"
     before: list[str] = []
     parts = _given(asked, before)
     axis = asked.axis(parts[0][2].rank + 1)
@@ -97,6 +116,52 @@ def _expand_dims(asked: Asked) -> str:
 def _squeeze(asked: Asked) -> str:
     axis = asked.axis(asked.rank("x"))
     return lines(f"assert {size('x', axis)} == 1", f"result = {part('x', axis, '0')}")
+
+
+def _atleast(asked: Asked, rank: int) -> str:
+    if not asked.rank("x"):
+        dtype = asked.type("x").dtype
+        return lines(f"result = {empty(['1'] * rank, dtype)}", f"result[{', '.join(['0'] * rank)}] = x")
+    return f"result = x[{'None, ' * (rank - asked.rank('x'))}...]" if asked.rank("x") < rank else "result = x[...]"
+
+
+def _dstack(asked: Asked) -> str:
+    before: list[str] = []
+    parts: list[Piece] = []
+    for text, found, kind in _given(asked, before):
+        held = f"deep{len(parts)}"
+        before.append(f"{held} = {text}[{'None, :' if len(found) == 1 else ':, :'}, None]")
+        parts.append((held, sizes(held, 3), kind))
+    return _joined(parts, 2, before)
+
+
+def _rot90(asked: Asked) -> str:
+    turns = (asked.number("k") or 0) % 4
+    return ["result = numpy.copy(x)", "result = numpy.flip(numpy.transpose(x), axis=0)", "result = numpy.flip(x)",
+            "result = numpy.flip(numpy.transpose(x), axis=1)"][turns]
+
+
+def _astype(asked: Asked) -> str:
+    return lines(f"result = {empty(sizes('x', asked.rank('x')), astype_dtype(asked.arguments))}", "result[...] = x")
+
+
+def _split(asked: Asked, axis: int | None = None, even: bool = True) -> str:
+    """One of the sections: of equal sizes, the first ones one larger if they do not divide the whole, or between
+    written places."""
+    rank = asked.rank("x")
+    axis = asked.axis(rank) if axis is None else axis
+    number, n = asked.number("part") or 0, size("x", axis)
+    node = asked.arguments["sections"]
+    if isinstance(node, (Tuple, List)):
+        bounds = ["", *(asked.let("bound", e) for e in node.elts), ""]
+        return f"result = numpy.copy({part('x', axis, f'{bounds[number]}:{bounds[number + 1]}')})"
+    if even:
+        return lines(f"assert {n} % sections == 0", f"step = {n} // sections",
+                     f"result = numpy.copy({part('x', axis, f'{number} * step:{number + 1} * step')})")
+    return lines(f"step = {n} // sections", f"more = {n} % sections",
+                 f"start = {number} * step + min({number}, more)",
+                 f"stop = {number + 1} * step + min({number + 1}, more)",
+                 f"result = numpy.copy({part('x', axis, 'start:stop')})")
 
 
 def _swapaxes(asked: Asked) -> str:
@@ -201,6 +266,12 @@ def _triangle(asked: Asked, kept: str, first: str) -> str:
                  f"    result[row, {kept}] = x[row, {kept}]")
 
 
+def _tri(asked: Asked) -> str:
+    columns = "M" if asked.given("M") else "N"
+    return lines(f"result = {zeros(['N', columns], 'float64')}", "for row in range(N):",
+                 f"    bound = max(0, min(row + k + 1, {columns}))", "    result[row, :bound] = 1.0")
+
+
 def _eye(asked: Asked) -> str:
     columns = "M" if asked.given("M") else "N"
     return lines(f"result = {zeros(['N', columns], 'float64')}",
@@ -240,5 +311,9 @@ SHAPES: dict[str, Callable[[Asked], str]] = {
     "numpy.repeat": _repeat, "numpy.pad": _pad, "numpy.diag": _diag, "numpy.diagonal": _diagonal,
     "numpy.trace": _trace, "numpy.tril": lambda asked: _triangle(asked, ":bound", " + 1"),
     "numpy.triu": lambda asked: _triangle(asked, "bound:", ""), "numpy.eye": _eye, "numpy.identity": _identity,
-    "numpy.linspace": _linspace, "numpy.arange": _arange,
+    "numpy.linspace": _linspace, "numpy.arange": _arange, "numpy.tri": _tri, "numpy.dstack": _dstack,
+    "numpy.atleast_1d": lambda asked: _atleast(asked, 1), "numpy.atleast_2d": lambda asked: _atleast(asked, 2),
+    "numpy.rot90": _rot90, "numpy.astype": _astype, "numpy.diagflat": _diag, "numpy.split": _split,
+    "numpy.array_split": lambda asked: _split(asked, even=False), "numpy.vsplit": lambda asked: _split(asked, 0),
+    "numpy.hsplit": lambda asked: _split(asked, min(asked.rank("x") - 1, 1)),
 }

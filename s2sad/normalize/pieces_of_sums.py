@@ -3,10 +3,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.infer.laws import whole_number
-from s2sad.infer.piece_types import common
+from s2sad.infer.piece_types import common, norm_order
 from s2sad.normalize.asked import Asked, empty, lines, made, part, size, sizes, zeros
-from s2sad.tree import Name
 
 
 def _options(asked: Asked, rank: int) -> str:
@@ -33,13 +31,13 @@ def _var(asked: Asked, result: str = "result") -> str:
                  f"{result} = numpy.sum(apart * apart{options}) / ({_count(asked, rank)} - ddof)")
 
 
-def _root(asked: Asked, squared: str) -> str:
-    """A square root whose derivative at 0 is 0, as that of abs is."""
+def _root(asked: Asked, squared: str, root: str = "numpy.sqrt({})") -> str:
+    """A root whose derivative at 0 is 0, as that of abs is."""
     rank = asked.rank("x")
     whole = asked.given("axis") and (len(asked.axes(rank)) < rank or asked.true("keepdims"))
     if whole:
-        return f"result = numpy.where({squared} == 0.0, 0.0, numpy.sqrt({squared}))"
-    return lines(f"if {squared} == 0.0:", "    result = 0.0", "else:", f"    result = numpy.sqrt({squared})")
+        return f"result = numpy.where({squared} == 0.0, 0.0, {root.format(squared)})"
+    return lines(f"if {squared} == 0.0:", "    result = 0.0", "else:", f"    result = {root.format(squared)}")
 
 
 def _std(asked: Asked) -> str:
@@ -47,12 +45,27 @@ def _std(asked: Asked) -> str:
 
 
 def _norm(asked: Asked) -> str:
-    order, options = asked.arguments["ord"], _options(asked, asked.rank("x"))
-    if isinstance(order, Name):
-        return lines("large = numpy.abs(x)", f"result = numpy.max(large{options})")
-    if whole_number(order) == 1:
+    node, options = asked.arguments["ord"], _options(asked, asked.rank("x"))
+    order = norm_order(node)
+    if asked.rank("x") == 2 and not asked.given("axis") and order not in (None, "fro"):
+        return _matrix_norm(order)
+    if order in ("inf", "-inf"):
+        return lines("large = numpy.abs(x)", f"result = numpy.{'max' if order == 'inf' else 'min'}(large{options})")
+    if order == 1:
         return f"result = numpy.sum(numpy.abs(x){options})"
-    return lines(f"squared = numpy.sum(x * x{options})", _root(asked, "squared"))
+    if order in (None, "fro", 2):
+        return lines(f"squared = numpy.sum(x * x{options})", _root(asked, "squared"))
+    return lines(f"powers = numpy.sum(numpy.abs(x) ** {order}{options})", _root(
+        asked, "powers", f"{{}} ** (1.0 / {order})"))
+
+
+def _matrix_norm(order: int | float | str | None) -> str:
+    if order in (2, -2, "nuc"):
+        found = {2: "numpy.max(values)", -2: "numpy.min(values)", "nuc": "numpy.sum(values)"}[order]
+        return lines("values = runtime.singular_values(x)", f"result = {found}")
+    axis = 1 if order in ("inf", "-inf") else 0
+    extreme = "min" if order in (-1, "-inf") else "max"
+    return lines(f"sums = numpy.sum(numpy.abs(x), axis={axis})", f"result = numpy.{extreme}(sums)")
 
 
 def _average(asked: Asked) -> str:
@@ -102,6 +115,26 @@ def _running(asked: Asked, sign: str, start: str, again: str) -> str:
                  f"{part('x', axis, 'place')}")
 
 
+def _running_extreme(asked: Asked, function: str) -> str:
+    rank = asked.rank("x")
+    axis = asked.axis(rank)
+    return lines(f"result = {empty(sizes('x', rank), asked.type('x').dtype)}",
+                 f"{part('result', axis, ':1')} = {part('x', axis, ':1')}",
+                 f"for place in range(1, {size('x', axis)}):",
+                 f"    {part('result', axis, 'place')} = numpy.{function}({part('result', axis, 'place - 1')}, "
+                 f"{part('x', axis, 'place')})")
+
+
+def _ptp(asked: Asked) -> str:
+    options = _options(asked, asked.rank("x"))
+    return f"result = numpy.max(x{options}) - numpy.min(x{options})"
+
+
+def _nansum(asked: Asked) -> str:
+    return lines("there = numpy.where(numpy.isnan(x), 0.0, x)",
+                 f"result = numpy.sum(there{_options(asked, asked.rank('x'))})")
+
+
 # -- products of arrays ----------------------------------------------------------------------------------------------
 
 def _vdot(asked: Asked) -> str:
@@ -113,6 +146,50 @@ def _inner(asked: Asked) -> str:
     if b == 1:
         return "result = numpy.matmul(a, b)"
     return "result = numpy.matmul(b, a)" if a == 1 else "result = numpy.matmul(a, numpy.transpose(b))"
+
+
+def _outer(asked: Asked, text: str) -> str:
+    a = f"a[{', '.join([':'] * asked.rank('a') + ['None'] * asked.rank('b'))}]" if asked.rank("b") else "a"
+    b = f"b[{', '.join(['None'] * asked.rank('a') + [':'] * asked.rank('b'))}]" if asked.rank("a") else "b"
+    return f"result = {text.format(a=a if asked.rank('a') else 'a', b=b if asked.rank('b') else 'b')}"
+
+
+def _cross(asked: Asked) -> str:
+    """Of vectors of three along the last axis."""
+    ranks = [asked.rank(p) for p in "ab"]
+    kind = common([asked.type("a"), asked.type("b")])
+
+    def part(p: str, k: int) -> str:
+        return f"{p}[{':, ' * (asked.rank(p) - 1)}{k}]"
+    fits = [f"assert {size(p, asked.rank(p) - 1)} == 3" for p in "ab"]
+    whole = sizes("ab"[ranks.index(max(ranks))], max(ranks))
+    return lines(*fits, f"result = {empty(whole, kind)}", *(
+        f"result[{':, ' * (max(ranks) - 1)}{k}] = {part('a', i)} * {part('b', j)} - {part('a', j)} * {part('b', i)}"
+        for k, i, j in ((0, 1, 2), (1, 2, 0), (2, 0, 1))))
+
+
+def _vander(asked: Asked) -> str:
+    columns = "N" if asked.given("N") else size("x", 0)
+    at = "column" if asked.true("increasing") else f"{columns} - 1 - column"
+    made = empty([size("x", 0), columns], asked.type("x").dtype)
+    return lines(f"result = {made}", f"for column in range({columns}):",
+                 f"    result[:, {at}] = x ** column")
+
+
+def _polyval(asked: Asked) -> str:
+    """By Horner's scheme."""
+    if asked.rank("x"):
+        start = f"result = {zeros(sizes('x', asked.rank('x')), common([asked.type('p'), asked.type('x')]))}"
+        step = "    result[...] = result * x + p[place]"
+    else:
+        start, step = "result = 0.0", "    result = result * x + p[place]"
+    return lines(start, f"for place in range({size('p', 0)}):", step)
+
+
+def _correlate(asked: Asked) -> str:
+    mode = asked.text("mode")
+    fits = "" if mode == "full" else f"assert {size('a', 0)} >= {size('v', 0)}"
+    return lines(fits, "turned = numpy.flip(v)", f"result = numpy.convolve(a, turned, mode='{mode}')")
 
 
 def _convolve(asked: Asked) -> str:
@@ -149,7 +226,19 @@ def _along(vector: str, axis: int, rank: int, taken: str = ":") -> str:
     return f"{vector}[{', '.join(taken if k == axis else 'None' for k in range(rank))}]"
 
 
+def _gradient_part(asked: Asked) -> str:
+    """The part along one axis; of a vector an element."""
+    number = asked.number("part") or 0
+    if asked.rank("f") == 1 or asked.given("axis"):
+        options = f", axis={asked.axis(asked.rank('f'))}" if asked.given("axis") else ""
+        return lines(f"whole = numpy.gradient(f, spacing=spacing{options})", f"result = whole[{number}]")
+    spacing = "second" if number and asked.given("second") else "spacing"
+    return f"result = numpy.gradient(f, spacing={spacing}, axis={number})"
+
+
 def _gradient(asked: Asked) -> str:
+    if asked.given("part"):
+        return _gradient_part(asked)
     rank = asked.rank("f")
     axis = asked.axis(rank) if asked.given("axis") else 0
     n = size("f", axis)
@@ -188,10 +277,17 @@ def _interp(asked: Asked) -> str:
                  *value("x[position]", "result[position]", "    "))
 
 
+OUTER = {"add": "{a} + {b}", "subtract": "{a} - {b}", "multiply": "{a} * {b}", "divide": "{a} / {b}",
+         "power": "{a} ** {b}", "maximum": "numpy.maximum({a}, {b})", "minimum": "numpy.minimum({a}, {b})"}
 SUMS: dict[str, Callable[[Asked], str]] = {
     "numpy.var": _var, "numpy.std": _std, "numpy.linalg.norm": _norm, "numpy.average": _average, "numpy.prod": _prod,
     "numpy.cumprod": lambda asked: _running(asked, "*", "1.0", "numpy.cumprod"),
     "numpy.cumsum": lambda asked: _running(asked, "+", "0.0", "numpy.cumsum"),
     "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.convolve": _convolve, "numpy.trapezoid": _trapezoid,
+    "numpy.ptp": _ptp, "numpy.nansum": _nansum, "numpy.cross": _cross, "numpy.vander": _vander,
+    "numpy.polyval": _polyval, "numpy.correlate": _correlate,
+    "numpy.maximum.accumulate": lambda asked: _running_extreme(asked, "maximum"),
+    "numpy.minimum.accumulate": lambda asked: _running_extreme(asked, "minimum"),
+    **{f"numpy.{f}.outer": lambda asked, text=text: _outer(asked, text) for f, text in OUTER.items()},
     "numpy.trapz": _trapezoid, "numpy.gradient": _gradient, "numpy.interp": _interp,
 }

@@ -33,7 +33,7 @@ class Places:
                  shapes: Shapes):
         self.types, self.typing, self.free, self.report, self.shapes = types, typing, free, report, shapes
         self.before: list[AST] = []
-        self.loops = False
+        self.loops = self.testing = False               # `testing`: in the test of a while, which has no place before
         self.seen: dict[str, View] = {}
         self.tuples: dict[str, AST] = {}
         self.parameters: set[str] = set()
@@ -153,8 +153,13 @@ class Places:
         return tuple(found)
 
     def whole(self, array: Name) -> AST:
-        """An array of subscripts: a name, or refused."""
+        """An array of subscripts: a name; what names a part of an array is copied before."""
         base, subscripts = self.viewed(array) or AMBIGUOUS
+        if subscripts and base and not self.testing:
+            held, kind = self.free.fresh("places"), self.typing.of(array)
+            self.typing.table[held] = kind
+            self.before += self.allocations.allocate(held, kind, index(name(base), *map(copy, subscripts)), array)
+            return name(held)
         if subscripts or base == "":
             self.report.error("S201", "a part of an array as a subscript", array,
                               help="copy it before: places = x[...].copy()")

@@ -4,7 +4,7 @@ refused.
 Requires structured form and types; establishes that an operation without a rule is none that a value of a float can
 pass through: what the analyses find no rule for is truly inactive.
 
-    np.sort(u)[0]    u[mask] = 0.0    a @ x    np.sum(u, axis=0)        each refused, with its place
+    np.unique(u)[0]     np.histogram(u)     np.linalg.cond(a)       each refused, with its place
 """
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from s2sad.infer.infer import Typing
 from s2sad.rules.given import ROOM
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Raise, call_name, children, walk,
+    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Raise, Subscript, call_name, children, walk,
 )
 
 _COPIES = frozenset({"numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array"})
@@ -28,6 +28,23 @@ _OTHER = frozenset({
 _FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to"})
 _SUMS = ("numpy.sum", "builtins.sum")
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
+_HELP = {
+    "numpy.squeeze": "name the axis: np.squeeze(x, axis=0), or write x[0]",
+    "numpy.piecewise": "write np.where, or np.select of arrays", "numpy.digitize": "write np.searchsorted(bins, x, "
+    "side='right')", "numpy.histogram": "count the places np.searchsorted(edges, x) with np.bincount",
+    "numpy.unwrap": "add the jumps in a loop", "numpy.compress": "write x[condition]",
+    "numpy.delete": "write np.concatenate((x[:k], x[k + 1:]))",
+    "numpy.insert": "write np.concatenate((x[:k], [value], x[k:]))", "numpy.ix_": "write x[rows][:, columns]",
+    "numpy.argwhere": "write places = np.nonzero(x)", "numpy.logspace": "write 10.0 ** np.linspace(a, b, n)",
+    "numpy.geomspace": "write np.exp(np.linspace(np.log(a), np.log(b), n))",
+    "numpy.linalg.cond": "divide the largest of np.linalg.svd(a, compute_uv=False) by the smallest",
+    "numpy.linalg.svd": "write full_matrices=False: the vectors beyond the smaller size are not determined",
+    "numpy.linalg.qr": "write q, r = np.linalg.qr(a), in the reduced mode",
+    "numpy.linalg.eig": "write np.linalg.eigh for a symmetric matrix: other ones have complex eigenvalues",
+    "numpy.linalg.eigvals": "write np.linalg.eigvalsh for a symmetric matrix: other ones have complex eigenvalues",
+    "numpy.nanmean": "write np.mean(x[~np.isnan(x)])", "numpy.split": "bind each section to a name: a, b = np.split(x, "
+    "2)", "numpy.array_split": "bind each section to a name: a, b = np.array_split(x, 2)",
+}
 _LOOP = "write it as a loop over the elements"
 _OTHERS = "write it with functions that have a rule, or give it one: s2sad.rule, s2sad.nondifferentiable"
 
@@ -46,6 +63,10 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
         _visit(child, typing, report)
     if len(report.found) > before:
         return  # what is refused inside explains it
+    if isinstance(node, (Assign, AugAssign)) and any(
+            isinstance(t, Subscript) and typing.of(t.value).kind == "tuple" for t in targets(node)):
+        report.error("S201", "an element of a list is written", node, help="make it an array: np.zeros(n), or "
+                     "np.array([...])")
     if isinstance(node, (Assign, AugAssign)) and typing.of(targets(node)[0]).is_array or typing.of(node).is_array:
         _alone(node, typing, report)
     if isinstance(node, Call):
@@ -68,7 +89,10 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
         report.error("S301", f"no derivative rule for {name} with more than the array", node, help=_LOOP)
         return
     if name in _COPIES and node.args and typing.of(node.args[0]).is_number:
-        report.error("S301", f"no derivative rule for {name} of a number", node, help="write the number itself")
+        report.error("S201", f"{name} of a number, an array without axes", node, help="leave it out")
+        return
+    if name == "numpy.searchsorted" and len(node.args) > 1 and typing.of(node.args[1]).is_array:
+        report.error("S301", f"no derivative rule for {name} of an array with these options", node, help=_LOOP)
         return
     rule = rules.find_array(name)
     if rule is not None and not rule.adjoints and rule.law != "pieces" and name not in _FLAT:
@@ -93,5 +117,5 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
         given = f" with {len(node.args) + len(node.keywords)} arguments" if known else ""
         name = name.removeprefix(ROOM)
         note = f"there is one for {name}({', '.join(known.parameters)})" if known else ""
-        report.error("S301", f"no derivative rule for {name}{given}", node, note,
-                     _LOOP if any(typing.of(a).is_array for a in node.args) else _OTHERS)
+        report.error("S301", f"no derivative rule for {name}{given}", node, note, _HELP.get(name) or (
+                     _LOOP if any(typing.of(a).is_array for a in node.args) else _OTHERS))

@@ -11,6 +11,7 @@
     [a] * 2 + [b]       [a, a, b]
     a @ b               np.matmul(a, b)
     np.roll(x, 1, 0)    np.roll(x, 1, axis=0)
+    np.roll(x, (1, 2), axis=(0, 1))     np.roll(np.roll(x, 1, axis=0), 2, axis=1)
     math.prod((a, b))   a * b
 """
 from __future__ import annotations
@@ -18,14 +19,16 @@ from __future__ import annotations
 from functools import reduce
 
 from s2sad import rules
+from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Starred,
-    Tuple, at, call, call_name, compare, const, copy, mult, name, rebuild, tuple_of,
+    Subscript, Tuple, at, call, call_name, compare, const, copy, index, indices, mult, name, rebuild, tuple_of,
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
 _METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot", "var", "std", "prod", "cumsum",
-            "cumprod", "copy", "squeeze", "swapaxes", "repeat", "diagonal", "trace"}
+            "cumprod", "squeeze", "swapaxes", "repeat", "diagonal", "trace", "copy",
+            "flatten", "take", "ptp", "astype", "argsort", "clip", "round", "searchsorted"}
 _QUESTIONS = {"any", "all", "argmax", "argmin"}
 _SHAPED = {"reshape", "transpose"}
 
@@ -44,17 +47,22 @@ def _plain(node: AST) -> AST | None:
         return at(call("numpy.matmul", rebuild(node.left, _plain), rebuild(node.right, _plain)), node)
     if isinstance(node, BinOp) and (listed := _list(node)) is not None:
         return at(List([rebuild(item, _plain) for item in listed], name("_").ctx), node)
+    if isinstance(node, Subscript) and any(isinstance(s, List) for s in indices(node)):
+        parts = [call("numpy.array", s) if isinstance(s, List) else s for s in indices(node)]
+        return rebuild(at(Subscript(node.value, index(node.value, *parts).slice, node.ctx), node), _plain)
     if isinstance(node, Attribute) and node.attr == "T":
         return at(call("numpy.transpose", rebuild(node.value, _plain)), node)
     if not isinstance(node, Call):
         return None
     if isinstance(node.func, Attribute) and node.func.attr in _METHODS:
         called = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], node.keywords), node)
-        return _plain(called) or at(Call(called.func, [rebuild(a, _plain) for a in called.args], called.keywords),
-                                    node)
+        return rebuild(called, _plain)
     if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
-        asked = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node)
-        return rebuild(asked, _plain)
+        return rebuild(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node),
+                       _plain)
+    other = other_spelling(node) or _multiplied(node) or _in_blocks(node) or _extreme_place(node)
+    if other is not None:
+        return rebuild(at(other, node), _plain)
     return _question(node) or _array_call(node) or _scalar_call(node)
 
 
@@ -71,6 +79,16 @@ def _question(node: Call) -> AST | None:
     if function == "count_nonzero":
         return at(count, node)
     return at(compare(count, Eq() if function == "all" else Gt(), const(0)), node)
+
+
+def _extreme_place(node: Call) -> AST | None:
+    """The place of an extreme along an axis."""
+    function = call_name(node)
+    if function not in ("numpy.argmax", "numpy.argmin") or len(node.args) + len(node.keywords) < 2:
+        return None
+    rule = rules.find_array(f"{function}.along")
+    made = rules.bound(rule, Call(name(f"{function}.along"), node.args, node.keywords)) if rule else None
+    return call(function, node.args[0]) if made is not None and not made.keywords else made
 
 
 def _list(node: AST) -> list[AST] | None:
@@ -103,13 +121,45 @@ def _arguments(node: Call) -> list[AST]:
 def _array_call(node: Call) -> AST | None:
     if call_name(node) == "numpy.transpose" and (axes := _axes(node)) is not None:
         node = at(call("numpy.moveaxis", node.args[0], axes, tuple_of(*map(const, range(len(axes.elts))))), node)
-    if call_name(node) == "numpy.gradient" and len(node.args) > 2:
-        return None  # one spacing for each axis
     rule = rules.find_array(call_name(node))
     ordered = rule and rules.bound(rule, node)
     if ordered is None:
         return None
+    if call_name(node) == "numpy.roll" and (moved := _rolled(ordered)) is not None:
+        return at(moved, node)
     return at(Call(ordered.func, [rebuild(a, _plain) for a in ordered.args], ordered.keywords), node)
+
+
+def _in_blocks(node: Call) -> AST | None:
+    """`np.block` of rows of matrices."""
+    if call_name(node) != "numpy.block" or len(node.args) != 1 or not isinstance(node.args[0], List):
+        return None
+    rows = node.args[0].elts
+    if not rows or not all(isinstance(row, List) for row in rows):
+        return None
+    return call("numpy.concatenate", tuple_of(*(call("numpy.concatenate", tuple_of(*row.elts), axis=const(1))
+                                                for row in rows)))
+
+
+def _multiplied(node: Call) -> AST | None:
+    """The product of several matrices, of two at a time, from the left."""
+    several = call_name(node) == "numpy.linalg.multi_dot" and len(node.args) == 1 and not node.keywords
+    if not several or not isinstance(node.args[0], (List, Tuple)) or len(node.args[0].elts) < 2:
+        return None
+    return reduce(lambda a, b: call("numpy.matmul", a, b), node.args[0].elts)
+
+
+def _rolled(node: Call) -> AST | None:
+    """Shifts along several axes, one after the other."""
+    axes = {k.arg: k.value for k in node.keywords}.get("axis")
+    if not isinstance(axes, (Tuple, List)):
+        return None
+    x, shift = node.args
+    shifts = shift.elts if isinstance(shift, (Tuple, List)) else [shift] * len(axes.elts)
+    if len(shifts) != len(axes.elts):
+        return None
+    start = rebuild(x, _plain)
+    return reduce(lambda made, by: call("numpy.roll", made, copy(by[0]), axis=by[1]), zip(shifts, axes.elts), start)
 
 
 def _scalar_call(node: Call) -> AST | None:

@@ -18,7 +18,8 @@ from s2sad.tree import Assign, AugAssign, Call, Expr, FunctionDef, Name, Subscri
 
 SHOWN = {f"numpy.{f}" for f in (
     "transpose", "reshape", "ravel", "flip", "fliplr", "flipud", "rot90", "asarray", "ascontiguousarray", "squeeze",
-    "swapaxes", "moveaxis", "expand_dims", "atleast_1d", "atleast_2d", "broadcast_to", "diagonal", "diag")}
+    "swapaxes", "moveaxis", "expand_dims", "atleast_1d", "atleast_2d", "broadcast_to", "diagonal", "diag",
+    "split", "array_split", "hsplit", "vsplit")}
 Links = dict[str, dict[str, bool]]
 
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import builtins
 import math
+import sys
 import types
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
@@ -11,10 +12,11 @@ from typing import Any, Protocol
 import numpy
 
 from s2sad.diagnostics import Source
+from s2sad.rules.spellings import is_scipy
 from s2sad.tree import AST, FunctionDef
 
 BUILTIN_CALLS = ("abs", "bool", "enumerate", "float", "int", "len", "max", "min", "pow", "print", "range", "reversed",
-                 "round", "sum", "zip")
+                 "round", "slice", "sum", "zip")
 _NUMBERS = ("pi", "e", "tau", "inf", "nan")
 
 
@@ -144,6 +146,9 @@ def library_path(name: str, value: Any) -> str | None:
             if candidate and getattr(module, candidate, None) is value:
                 return f"{module.__name__}.{candidate}"
     home = str(getattr(value, "__module__", ""))
+    if home.startswith("scipy.") and getattr(sys.modules.get("scipy.linalg"), own, None) is value and is_scipy(
+            f"scipy.linalg.{own}"):
+        return f"scipy.linalg.{own}"
     if home.partition(".")[0] == "numpy" and getattr(library_value(home), own, None) is value:
         return f"{home}.{own}"
     return None

@@ -20,7 +20,7 @@ from s2sad.read.meaning import (
     value_meaning,
 )
 
-LIBRARIES = ("numpy", "math", "numba", "s2sad", "builtins")
+LIBRARIES = ("numpy", "math", "scipy", "numba", "s2sad", "builtins")
 
 
 def read_text(path: str) -> str:

@@ -26,6 +26,7 @@ from s2sad.read.meaning import (
 )
 from s2sad.read.modules import dropped_decorator
 from s2sad.rules.given import GIVEN, ROOM
+from s2sad.rules.spellings import is_scipy
 from s2sad.tree import FunctionDef
 
 
@@ -262,6 +263,9 @@ class _Resolver:
         root, _, rest = path.partition(".")
         if root == "builtins":
             self._builtin(node, rest, called)
+        elif root == "scipy" and is_scipy(path):
+            if not called:
+                self._as_value(node, text)
         elif root not in ("numpy", "math", "runtime") and (called or rest):
             self._refuse(f"'{text}' is not a function that s2sad can read", node, "write it with numpy and math, or "
                          f"give its derivative: s2sad.rule(\"{path}(x)\", x=...)")
@@ -294,7 +298,6 @@ _BUILTIN_HELP = {
     "sorted": "sort before the kernel is called, and pass the sorted array or the order",
     "list": "allocate an array with np.empty or np.zeros",
     "tuple": "write the elements out: (a, b)",
-    "slice": "write the loop, or x[:] for the whole array",
     "isinstance": "write one kernel for each type",
     "map": "write a for loop",
     "filter": "write a for loop with an if",

@@ -46,6 +46,7 @@ class ArrayRule:
 
     def arguments(self, node: Call) -> dict[str, AST]:
         """The operands and options of a call that `bound` has put in order."""
+        assert len(node.args) == len(self.operands), "options are given by name"
         given = dict(zip(self.operands, node.args))
         return {**given, **self.options, **{str(k.arg): k.value for k in node.keywords}}
 

@@ -9,6 +9,10 @@ from s2sad.rules.array import arrays
 
 LAW = "pieces"
 
+# of what NumPy gives as a tuple, `part` is the number of the one that is asked for (normalize.parts)
+WRITING = frozenset({"numpy.fill_diagonal", *(f"numpy.{f}.at" for f in (
+    "add", "subtract", "multiply", "divide", "maximum", "minimum"))})
+
 for _text in (
         # shaping
         "numpy.diff(x, n=1, axis=-1)",
@@ -18,16 +22,43 @@ for _text in (
         "numpy.tile(x, reps)", "numpy.repeat(x, repeats, axis=None)",
         "numpy.pad(x, pad_width, mode='constant', constant_values=0.0)",
         "numpy.diag(x, k=0)", "numpy.diagonal(x, offset=0)", "numpy.tril(x, k=0)", "numpy.triu(x, k=0)",
-        "numpy.trace(x, offset=0)",
+        "numpy.trace(x, offset=0)", "numpy.astype(x, dtype=numpy.float64)",
+        "numpy.atleast_1d(x)", "numpy.atleast_2d(x)", "numpy.dstack(x)", "numpy.rot90(x, k=1)",
+        "numpy.diagflat(x, k=0)",
+        "numpy.split(x, sections, axis=0, part=None)", "numpy.array_split(x, sections, axis=0, part=None)",
+        "numpy.hsplit(x, sections, part=None)", "numpy.vsplit(x, sections, part=None)",
+        # stores through arrays of integers, and along a diagonal
+        "numpy.fill_diagonal(x, values)",
+        "numpy.add.at(x, places, values)", "numpy.subtract.at(x, places, values)",
+        "numpy.multiply.at(x, places, values)", "numpy.divide.at(x, places, values)",
+        "numpy.maximum.at(x, places, values)", "numpy.minimum.at(x, places, values)",
+        # places, order, selection
+        "numpy.searchsorted.each(a, v, side='left')", "numpy.argmax.along(x, axis=None)",
+        "numpy.argsort.along(x, axis=-1)",
+        "numpy.argmin.along(x, axis=None)", "numpy.nonzero(x, part=None)", "numpy.sort(x, axis=-1)",
+        "numpy.take(x, places, axis=None)", "numpy.take_along_axis(x, places, axis)",
+        "numpy.select(conditions, choices, default=0)",
+        "numpy.meshgrid(x, y, z=None, indexing='xy', part=None)", "numpy.indices(shape, part=None)",
+        "numpy.unravel_index(place, shape, part=None)", "numpy.triu_indices(n, k=0, m=None, part=None)",
+        "numpy.tril_indices(n, k=0, m=None, part=None)", "numpy.diag_indices(n, part=None)",
+        "numpy.bincount(x, weights=None, minlength=0)", "numpy.median(x, axis=None, keepdims=False)",
+        "numpy.percentile(x, q, axis=None)", "numpy.quantile(x, q, axis=None)",
         # arrays of numbers
-        "numpy.eye(N, M=None, k=0)", "numpy.identity(n)", "numpy.linspace(start, stop, num=50, endpoint=True)",
+        "numpy.tri(N, M=None, k=0)", "numpy.eye(N, M=None, k=0)", "numpy.identity(n)",
+        "numpy.linspace(start, stop, num=50, endpoint=True)",
         "numpy.arange(start, stop=None, step=1)",
         # reductions and running sums
         "numpy.var(x, axis=None, ddof=0, keepdims=False)", "numpy.std(x, axis=None, ddof=0, keepdims=False)",
         "numpy.prod(x, axis=None, keepdims=False)", "numpy.cumprod(x, axis=None)", "numpy.cumsum(x, axis=None)",
         "numpy.average(x, axis=None, weights=None)", "numpy.linalg.norm(x, ord=None, axis=None, keepdims=False)",
+        "numpy.ptp(x, axis=None, keepdims=False)", "numpy.nansum(x, axis=None, keepdims=False)",
+        "numpy.maximum.accumulate(x, axis=0)", "numpy.minimum.accumulate(x, axis=0)",
         # products, differences, sums
+        "numpy.add.outer(a, b)", "numpy.subtract.outer(a, b)", "numpy.multiply.outer(a, b)",
+        "numpy.divide.outer(a, b)", "numpy.power.outer(a, b)", "numpy.maximum.outer(a, b)",
+        "numpy.minimum.outer(a, b)", "numpy.cross(a, b)", "numpy.vander(x, N=None, increasing=False)",
+        "numpy.polyval(p, x)", "numpy.correlate(a, v, mode='valid')",
         "numpy.vdot(a, b)", "numpy.inner(a, b)", "numpy.trapezoid(y, x=None, dx=1.0, axis=-1)",
-        "numpy.gradient(f, spacing=1.0, axis=None)", "numpy.convolve(a, v, mode='full')",
+        "numpy.gradient(f, spacing=1.0, second=None, axis=None, part=None)", "numpy.convolve(a, v, mode='full')",
         "numpy.interp(x, xp, fp)"):
     arrays(_text, law=LAW, also=("numpy.trapz",) if "trapezoid" in _text else ())

@@ -39,6 +39,33 @@ arrays("runtime.least_squares(a, b)", law="least", shared={"p": "numpy.linalg.pi
           (2, 2): "(b - a @ y) @ (p @ s).T + (p.T @ y) @ (g - a.T @ s).T - s @ y.T"},
        tangent="runtime.least_squares_change(a, b, y, a_dot, b_dot)")
 
+# triangles and bands (as scipy.linalg has them)
+arrays("runtime.solve_triangular(a, b, trans=0, lower=False, unit=False)", law="solved",
+       shared={"s": "runtime.solve_triangular(a, g, trans=1 - trans, lower=lower, unit=unit)"}, b="s",
+       a="runtime.triangle_gain(s, y, trans, lower, unit)",
+       tangent="runtime.solve_triangular(a, b_dot - runtime.triangle_times(a_dot, y, trans, lower, unit), trans=trans, "
+               "lower=lower, unit=unit)")
+arrays("runtime.triangle_gain(s, y, trans, lower, unit)", law="square")
+arrays("runtime.triangle_times(a, y, trans, lower, unit)", law="solved")
+arrays("runtime.solve_banded(a, b, lower, upper)", law="solved",
+       shared={"s": "runtime.solve_banded(runtime.bands_transposed(a, lower, upper), g, upper, lower)"}, b="s",
+       a="runtime.bands_gain(a, s, y, lower, upper)",
+       tangent="runtime.solve_banded(a, b_dot - runtime.bands_times(a_dot, y, lower, upper), lower, upper)")
+arrays("runtime.bands_transposed(a, lower, upper)", law="matrix")
+arrays("runtime.bands_gain(a, s, y, lower, upper)", law="matrix")
+arrays("runtime.bands_times(a, y, lower, upper)", law="solved")
+
+# parts of decompositions
+for _part, _law in (("orthogonal_part", "orthogonal"), ("triangular_part", "triangular"),
+                    ("left_vectors", "orthogonal"), ("right_vectors", "triangular")):
+    arrays(f"runtime.{_part}(a)", law=_law, a=f"runtime.{_part}_gain(a, g)",
+           tangent=f"runtime.{_part}_change(a, a_dot)")
+    arrays(f"runtime.{_part}_gain(a, g)", law="matrix")
+    arrays(f"runtime.{_part}_change(a, e)", law=_law)
+arrays("runtime.exponential(a)", law="matrix", a="runtime.exponential_change(a.T, g)",
+       tangent="runtime.exponential_change(a, a_dot)")
+arrays("runtime.exponential_change(a, e)", law="matrix")
+
 # parts of derivatives
 for _text in ("cofactors(a)", "cholesky_gain(y, g)", "cholesky_change(y, e)", "eigenvalues_gain(a, g)",
               "eigenvectors_gain(a, y, g)", "eigenvectors_change(a, y, e)", "singular_values_gain(a, g)",
@@ -52,7 +79,8 @@ arrays("runtime.singular_values_change(a, e)", law="singular")
 arrays("runtime.factored(a)", law="factored", a="runtime.to_matrix(g)", tangent="runtime.of_matrix(a_dot)")
 arrays("runtime.solved(f, b)", law="solved", shared={"s": "runtime.solved_transposed(f, g)"}, b="s",
        f="runtime.factors_gain(s, y)", tangent="runtime.solved(f, b_dot - runtime.to_matrix(f_dot) @ y)")
-arrays("runtime.solved_transposed(f, b)", law="solved")
+arrays("runtime.solved_transposed(f, b)", law="solved", shared={"s": "runtime.solved(f, g)"}, b="s",
+       f="runtime.factors_gain(y, s)", tangent="runtime.solved_transposed(f, b_dot - runtime.to_matrix(f_dot).T @ y)")
 arrays("runtime.factors_gain(s, y)", law="gained")
 arrays("runtime.of_matrix(a)", law="factored")
 arrays("runtime.to_matrix(g)", law="unfactored")

@@ -15,6 +15,8 @@ for _name in ("max", "min"):
 
 # places, not values: no derivative
 arrays("numpy.argsort(x, axis=-1)", law="places")
+arrays("runtime.places(x, shape, part)", law="counted")
+arrays("runtime.sought(a, v, right)", law="sought")
 arrays("runtime.spread(x, shape, axis=None, keepdims=False)", law="spread")
 arrays("numpy.broadcast_to(x, shape)", law="spread")
 arrays("runtime.scattered(x, shape, places)", law="spread")

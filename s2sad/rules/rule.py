@@ -120,7 +120,11 @@ def template(text: str) -> AST:
     >>> tree.dump(template("numpy.cos(x)"))
     "Call(Name('numpy.cos'), [Name('x')], [])"
     """
-    return resolved(tree.expression(text))
+    made = resolved(tree.expression(text))
+    for node in tree.walk(made):  # it has no place in a kernel's source
+        for place in ("lineno", "col_offset", "end_lineno", "end_col_offset"):
+            node.__dict__.pop(place, None)
+    return made
 
 
 def resolved(node: AST) -> AST:

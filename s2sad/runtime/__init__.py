@@ -5,6 +5,11 @@ into the generated file: no line of it is over 100 columns.
 """
 from __future__ import annotations
 
+from s2sad.runtime.decompositions import (
+    both_parts_gain, exponential, exponential_change, left_vectors, left_vectors_change, left_vectors_gain,
+    orthogonal_part, orthogonal_part_change, orthogonal_part_gain, over_squares, right_vectors,
+    right_vectors_change, right_vectors_gain, triangular_part, triangular_part_change, triangular_part_gain,
+)
 from s2sad.runtime.factors import (
     factor_panel, factored, factors_gain, of_matrix, solved, solved_transposed, take_row, to_matrix, update_rest,
 )
@@ -13,6 +18,7 @@ from s2sad.runtime.matrices import (
     eigenvectors_change, eigenvectors_gain, from_lower, half_lower, least_squares, least_squares_change, log_det,
     power_change, singular_values, singular_values_change, singular_values_gain, to_lower,
 )
+from s2sad.runtime.places import places, sought
 from s2sad.runtime.scalars import comb, factorial, heaviside, isclose, isqrt, lcm, perm, product, remainder
 from s2sad.runtime.spans import position, position_down
 from s2sad.runtime.special import digamma
@@ -20,13 +26,22 @@ from s2sad.runtime.spread import extreme_mask, scattered, spread
 from s2sad.runtime.stacks import grow, sized
 from s2sad.runtime.sums import added, blocked_sum, pairwise_sum
 from s2sad.runtime.systems import cg, dense, gmres, solved_by
+from s2sad.runtime.triangles import (
+    bands_gain, bands_times, bands_transposed, solve_banded, solve_triangular, triangle, triangle_gain,
+    triangle_times,
+)
 
 __all__ = [
-    "added", "apart", "blocked_sum", "cg", "cholesky_change", "cholesky_gain", "cofactors", "comb", "dense",
-    "det_sign", "digamma", "eigenvalues_change", "eigenvalues_gain", "eigenvectors", "eigenvectors_change",
-    "eigenvectors_gain", "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain", "from_lower",
+    "added", "apart", "bands_gain", "bands_times", "bands_transposed", "blocked_sum", "both_parts_gain", "cg",
+    "cholesky_change", "cholesky_gain", "cofactors", "comb", "dense", "det_sign", "digamma", "eigenvalues_change",
+    "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain", "exponential",
+    "exponential_change", "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain", "from_lower",
     "gmres", "grow", "half_lower", "heaviside", "isclose", "isqrt", "lcm", "least_squares", "least_squares_change",
-    "log_det", "of_matrix", "pairwise_sum", "perm", "position", "position_down", "power_change", "product",
-    "remainder", "scattered", "singular_values", "singular_values_change", "singular_values_gain", "sized", "solved",
-    "solved_by", "solved_transposed", "spread", "take_row", "to_lower", "to_matrix", "update_rest",
+    "left_vectors", "left_vectors_change", "left_vectors_gain", "log_det", "of_matrix", "orthogonal_part",
+    "orthogonal_part_change", "orthogonal_part_gain", "over_squares", "pairwise_sum", "perm", "places", "position",
+    "position_down", "power_change", "product", "remainder", "right_vectors", "right_vectors_change",
+    "right_vectors_gain", "scattered", "singular_values", "singular_values_change", "singular_values_gain", "sized",
+    "solve_banded", "solve_triangular", "solved", "solved_by", "solved_transposed", "sought", "spread", "take_row",
+    "to_lower", "to_matrix", "triangle", "triangle_gain", "triangle_times", "triangular_part",
+    "triangular_part_change", "triangular_part_gain", "update_rest",
 ]

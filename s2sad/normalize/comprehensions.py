@@ -1,0 +1,115 @@
+"""comprehensions: list comprehensions become lists that grow, and `sum` of a generator a loop.
+
+    y = np.array([x[i] ** 2 for i in range(n)])     items = []
+                                                    for i_2 in range(n):
+                                                        items.append(x[i_2] ** 2)
+                                                    y = np.array(items)
+    s = sum(x[i] for i in range(n))                 total = 0
+                                                    for i_2 in range(n):
+                                                        total += x[i_2]
+                                                    s = total
+
+Requires resolved names. The loops stand before the statement: where Python would not have run them by then, or would
+run them more than once, the comprehension is refused.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from s2sad.normalize.scope import Scope
+from s2sad.normalize.sliced import one_by_one
+from s2sad.tree import (
+    AST, Add, Assign, Attribute, BoolOp, Call, Expr, For, FunctionDef, GeneratorExp, If, IfExp, List, ListComp, Name,
+    While, assign, at, augment, call, call_name, const, copy, name, rebuild, rename, stored_names, walk,
+)
+
+HELP = "allocate an array before and fill it in a for loop"
+
+
+def comprehensions(function: FunctionDef, scope: Scope) -> FunctionDef:
+    """The function without comprehensions; those that cannot be loops are reported."""
+    new = copy(function)
+    new.body = _Comprehensions(scope).block(function.body)
+    return new
+
+
+class _Comprehensions:
+    """The statements of one function; `before` are the loops of the statement at hand."""
+
+    def __init__(self, scope: Scope):
+        self.scope = scope
+        self.before: list[AST] = []
+
+    def block(self, block: list[AST]) -> list[AST]:
+        return [at(made, s) for s in block for made in self.statement(s)]
+
+    def statement(self, statement: AST) -> list[AST]:
+        apart = one_by_one(statement, lambda value: isinstance(value, List))
+        if apart != [statement]:
+            return [made for s in apart for made in self.statement(s)]
+        outer, self.before = self.before, []
+        target = statement.targets[0] if isinstance(statement, Assign) and len(statement.targets) == 1 else None
+        if isinstance(target, Name) and isinstance(statement.value, ListComp):
+            self.refuse_unordered(statement.value, False)
+            made = self.listed(statement.value, target.id)
+            self.before = outer
+            return made
+        new = copy(statement)
+        for field in statement._fields:
+            inner = getattr(statement, field)
+            if field in ("body", "orelse"):
+                setattr(new, field, self.block(inner))
+            elif isinstance(inner, AST):
+                self.refuse_unordered(inner, isinstance(statement, While))
+                setattr(new, field, rebuild(inner, self.change))
+        made, self.before = [*self.before, new], outer
+        return made
+
+    def refuse_unordered(self, node: AST, tested: bool) -> None:
+        """Refuses a comprehension that would run earlier than Python runs it, or more often."""
+        found = [n for n in walk(node) if isinstance(n, (ListComp, GeneratorExp))]
+        inside = {id(n) for f in found for n in walk(f)}
+        lazy = {id(n) for c in walk(node) if isinstance(c, (IfExp, BoolOp)) for n in walk(c)}
+        others = any((call_name(n) or "").startswith("user.") and id(n) not in inside for n in walk(node))
+        for n in found:
+            if tested or others or id(n) in lazy:
+                self.scope.refuse(n, "a comprehension in a test, or beside a call of a kernel",
+                                  help="bind it to a name in a statement of its own before")
+
+    def change(self, node: AST) -> AST | None:
+        if call_name(node) == "builtins.sum" and len(node.args) == 1 and isinstance(
+                node.args[0], (ListComp, GeneratorExp)):
+            total = self.scope.fresh("total")
+            self.before.append(at(assign(total, const(0)), node))
+            self.before += self.loop(node.args[0], lambda item: augment(total, Add(), item))
+            return name(total)
+        if isinstance(node, GeneratorExp):
+            self.scope.refuse(node, "a generator expression that is not summed", help=HELP)
+        if isinstance(node, ListComp):
+            made = self.scope.fresh("items")
+            self.before += self.listed(node, made)
+            return name(made)
+        return None
+
+    def listed(self, node: AST, made: str) -> list[AST]:
+        """The statements that make a list under a name."""
+        loops = self.loop(node, lambda item: Expr(Call(Attribute(name(made), "append", name("_").ctx), [item], [])))
+        return [at(assign(made, List([], name("_").ctx)), node), *loops]
+
+    def loop(self, node: AST, with_item: Callable[[AST], AST]) -> list[AST]:
+        """The loops of a comprehension, with names of their own, around one statement."""
+        own = {n: self.scope.fresh(n) for g in node.generators for n in stored_names(g.target)}
+        outer, self.before = self.before, []
+        item = node.elt
+        if isinstance(item, ListComp):
+            item = at(call("numpy.array", item), item)
+        item = rebuild(rename(item, own), self.change)
+        body = [*self.before, with_item(item)]
+        self.before = outer
+        for number, generator in reversed(list(enumerate(node.generators))):
+            for test in reversed(generator.ifs):
+                body = [If(rename(test, own), body, [])]
+            # the first iterable is evaluated outside of the comprehension's names
+            iterable = generator.iter if number == 0 else rename(generator.iter, own)
+            body = [For(rename(generator.target, own), rebuild(iterable, self.change), body, [], None)]
+        return [at(s, node) for s in body]

@@ -1,0 +1,82 @@
+"""in_place: calls that write one of their arguments are stores.
+
+    x.fill(v)                           x[...] = v
+    np.copyto(x, v, where=m)            x[...] = np.where(m, v, x)
+    np.exp(u, out=x)                    x[...] = np.exp(u)
+    np.add(u, v, x)                     x[...] = np.add(u, v)
+    np.divide(u, v, out=x, where=m)     x[...] = np.where(m, np.divide(u, v), x)
+    a.sum(axis=0, out=x)                x[...] = a.sum(axis=0)
+    x.sort()                            x[...] = np.sort(x)
+    np.fill_diagonal(x, v)              x[...] = np.fill_diagonal(x, v)
+    np.add.at(x, k, v)                  x[...] = np.add.at(x, k, v)
+
+The last two have no result in NumPy: here it is `x` as they leave it, and `pieces` writes them out on `x` itself.
+"""
+from __future__ import annotations
+
+import numpy
+
+from s2sad.read.meaning import library_value
+from s2sad.rules.composed import WRITING
+from s2sad.tree import AST, Attribute, Call, Tuple, at, call, call_name, const, copy, index, name
+
+_POSITIONAL = {"numpy.dot": 2, "numpy.matmul": 2, "numpy.clip": 3}  # where `out` stands; after the operands of ufuncs
+# what NumPy writes by the number of an element in the order of rows: said, and what to write instead
+UNSUPPORTED = {"numpy.put": "write x[places] = values", "numpy.place": "write x[mask] = values",
+               "numpy.putmask": "write x[...] = np.where(mask, values, x)",
+               "numpy.put_along_axis": "write a loop that stores the elements"}
+
+
+def stored_by_call(node: Call) -> tuple[AST, AST] | None:
+    """The place that a call fills and what it fills it with; None if it is no such call."""
+    called = call_name(node)
+    if isinstance(node.func, Attribute) and node.func.attr == "fill" and len(node.args) == 1 and not node.keywords:
+        return _whole(node.func.value), node.args[0]
+    if isinstance(node.func, Attribute) and node.func.attr == "sort" and len(node.args) < 2:
+        return _whole(node.func.value), at(Call(name("numpy.sort"), [copy(node.func.value), *node.args],
+                                                node.keywords), node)
+    if called == "numpy.copyto" and len(node.args) == 2:
+        return _copied(node)
+    if called in WRITING and node.args:
+        return _whole(node.args[0]), node
+    return stored_out(node)
+
+
+def stored_out(node: AST) -> tuple[AST, AST] | None:
+    """The same for a call that is given an array for its result."""
+    called = call_name(node) or ""
+    method = isinstance(node, Call) and isinstance(node.func, Attribute)
+    if not isinstance(node, Call) or not (called.startswith("numpy.") or method):
+        return None
+    place = _position(called)
+    given = {k.arg: k.value for k in node.keywords}
+    out, args = given.pop("out", None), node.args
+    if isinstance(out, Tuple) and len(out.elts) == 1:
+        out = out.elts[0]
+    if out is None and place is not None and len(args) == place + 1:
+        args, out = args[:place], args[place]
+    if out is None:
+        return None
+    where = given.pop("where", None)
+    keywords = [k for k in node.keywords if k.arg in given]
+    value = at(Call(node.func, args, keywords), node)
+    return _whole(out), value if where is None else at(call("numpy.where", where, value, copy(out)), node)
+
+
+def _position(called: str) -> int | None:
+    """The number of the argument that may be the array for the result."""
+    found = library_value(called)
+    return found.nin if isinstance(found, numpy.ufunc) and found.nout == 1 else _POSITIONAL.get(called)
+
+
+def _copied(node: Call) -> tuple[AST, AST] | None:
+    target, value = node.args
+    given = {k.arg: k.value for k in node.keywords}
+    if not given:
+        return _whole(target), value
+    return (_whole(target), at(call("numpy.where", given["where"], value, copy(target)), node)) \
+        if given.keys() == {"where"} else None
+
+
+def _whole(target: AST) -> AST:
+    return index(target, const(...))

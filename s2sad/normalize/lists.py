@@ -1,0 +1,273 @@
+"""lists: lists that grow by `append` become arrays that are filled, after `comprehensions`.
+
+    us = [u0]                           us = builtins.list(1 + n)
+    for k in range(n):                  us[0] = u0
+        us.append(f(us[-1]))            us_count = 1
+    y = np.array(us)                    for k in range(n):
+                                            us[k + 1] = f(us[us_count - 1])
+                                            us_count += 1
+                                        y = np.array(us[:us_count])
+
+Requires resolved names. `builtins.list(count)` is an array whose type follows from what is stored (`infer`); `rows`
+allocates it. How often a list can grow must be known where it is made: else it is refused.
+"""
+from __future__ import annotations
+
+from functools import reduce
+
+from s2sad.infer.infer import LISTED
+from s2sad.normalize.comprehensions import HELP, comprehensions
+from s2sad.normalize.memory import parameters
+from s2sad.normalize.scope import Scope
+from s2sad.tree import (
+    AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If,
+    List, ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, add, assign, at, augment,
+    call, call_name, const, copy, index, indices, name, names, rebuild, stored_names, sub, substitute, walk,
+)
+
+_READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
+
+
+def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
+    """The function without such lists and comprehensions."""
+    nodes = list(walk(function.body))
+    if not any(isinstance(n, (ListComp, GeneratorExp)) or _appended(n) for n in nodes):
+        return function
+    new = comprehensions(function, scope)
+    scope.report.finish()
+    return _Lists(new, scope).function()
+
+
+def _appended(node: AST) -> str | None:
+    """The name that `name.append(x)` appends to."""
+    call_ = node.value if isinstance(node, Expr) else None
+    if isinstance(call_, Call) and isinstance(call_.func, Attribute) and call_.func.attr == "append" and isinstance(
+            call_.func.value, Name) and len(call_.args) == 1 and not call_.keywords:
+        return call_.func.value.id
+    return None
+
+
+class _Lists:
+    def __init__(self, tree: FunctionDef, scope: Scope):
+        self.tree, self.scope = tree, scope
+        self.order = {id(n): k for k, n in enumerate(walk(tree.body))}
+        self.plain = _as_arrays(tree)
+        self.made: dict[str, Assign] = {}
+        self.counts: dict[str, str] = {}
+
+    def function(self) -> FunctionDef:
+        grown = dict.fromkeys(n for s in walk(self.tree.body) if (n := _appended(s)) is not None)
+        for found in grown:
+            bound = [s for s in walk(self.tree.body) if isinstance(s, Assign) and any(
+                isinstance(t, Name) and t.id == found for t in s.targets)]
+            stores = [n for n in walk(self.tree.body) if isinstance(n, Name) and n.id == found
+                      and isinstance(n.ctx, Store)]
+            if len(bound) != 1 or len(stores) != 1 or len(bound[0].targets) != 1 or not isinstance(
+                    bound[0].value, List):
+                place = next(s for s in walk(self.tree.body) if _appended(s) == found)
+                self.scope.refuse(place, f"append to {found!r}, which is not bound once, to a list",
+                                  help="bind it once, as [] or as a list of what it starts with")
+                continue
+            self.made[found] = bound[0]
+            self.counts[found] = self.scope.fresh(f"{found}_count")
+        self.scope.report.finish()
+        new = copy(self.tree)
+        new.body = self.block(self.tree.body, [])
+        return new
+
+    def block(self, block: list[AST], loops: list[AST]) -> list[AST]:
+        return [at(made, s) for s in block for made in self.statement(s, loops)]
+
+    def statement(self, statement: AST, loops: list[AST]) -> list[AST]:
+        appended = _appended(statement)
+        if appended in self.made:
+            count = self.counts[appended]
+            item = statement.value.args[0]
+            item = call("numpy.array", item) if isinstance(item, (List, Tuple)) else item
+            place = self.counted(appended, loops) or name(count)
+            return [assign(index(name(appended), place), self.read(item)), augment(count, Add(), const(1))]
+        bound = next((n for n, s in self.made.items() if s is statement), None)
+        if bound is not None:
+            return self.start(bound, statement)
+        new = copy(statement)
+        for field in statement._fields:
+            inner = getattr(statement, field)
+            if field in ("body", "orelse"):
+                setattr(new, field, self.block(inner, [*loops, statement]))
+            elif isinstance(inner, AST):
+                setattr(new, field, self.read(inner))
+            elif isinstance(inner, list):
+                setattr(new, field, [self.read(i) if isinstance(i, AST) else i for i in inner])
+        return [new]
+
+    def counted(self, appended: str, loops: list[AST]) -> AST | None:
+        """The place of an append by its loop's counter, where each iteration appends once and nothing else does."""
+        inner = [node for node in loops if not any(n is self.made[appended] for n in walk(node))]
+        loop = inner[0] if len(inner) == 1 and isinstance(inner[0], For) else None
+        alone = len(self.appends(self.tree.body, appended, [])) == 1
+        if loop is None or not alone or call_name(loop.iter) != "builtins.range" or len(loop.iter.args) != 1:
+            return None
+        jumps = any(isinstance(n, (Break, Continue, Return)) for n in walk(loop.body))
+        if jumps or not isinstance(loop.target, Name) or loop.target.id in stored_names(loop.body):
+            return None
+        first = len(self.made[appended].value.elts)
+        return add(name(loop.target.id), const(first)) if first else name(loop.target.id)
+
+    def start(self, bound: str, statement: Assign) -> list[AST]:
+        """The array in place of the list, as large as the list can become, with what it starts with."""
+        items = statement.value.elts
+        made: list[AST] = [assign(bound, call(LISTED, self.most(bound, statement)))]
+        made += [assign(index(name(bound), const(k)), self.read(item)) for k, item in enumerate(items)]
+        return [*made, assign(self.counts[bound], const(len(items)))]
+
+    def most(self, bound: str, statement: Assign) -> AST:
+        """How long the list can become, as an expression where it is made."""
+        size: AST = const(len(statement.value.elts))
+        for loops in self.appends(self.tree.body, bound, []):
+            inner = [node for node in loops if not any(n is statement for n in walk(node))]
+            lengths = [self.length(node, statement) for node in inner if not isinstance(node, If)]
+            if None in lengths:
+                self.scope.refuse(statement, f"how long {bound!r} becomes is not known where it is made", help=HELP)
+                return const(0)
+            term = reduce(lambda a, b: BinOp(a, Mult(), b), lengths) if lengths else const(1)
+            size = term if isinstance(size, Constant) and size.value == 0 else add(size, term)
+        return size
+
+    def appends(self, block: list[AST], bound: str, around: list[AST]) -> list[list[AST]]:
+        """What is around each append to a list."""
+        found = [around for s in block if _appended(s) == bound]
+        for s in block:
+            for field in ("body", "orelse"):
+                if hasattr(s, field):
+                    found += self.appends(getattr(s, field), bound, [*around, s])
+        return found
+
+    def length(self, loop: AST, statement: AST) -> AST | None:
+        """How often a loop runs at most, if that is known at a statement before it."""
+        if not isinstance(loop, For):
+            return None
+        found = _length(self.widest(loop.iter))
+        return found if found is not None and self.lasts(found, statement) else None
+
+    def widest(self, iterable: AST) -> AST:
+        """A range that goes from or to a counter of another loop, as wide as it becomes."""
+        args = [copy(a) for a in getattr(iterable, "args", [])]
+        if call_name(iterable) != "builtins.range" or len(args) > 2:
+            return iterable
+        if len(args) == 2 and self.from_start(args[0]) and not isinstance(args[0], Constant):
+            args[0] = const(0)
+        stops = {n: s for n in names(args[-1]) if (s := self.stop(n)) is not None}
+        plain = isinstance(args[-1], Name) or isinstance(args[-1], BinOp) and isinstance(
+            args[-1].op, (Add, Sub)) and isinstance(args[-1].right, Constant)
+        return call("builtins.range", *args[:-1], substitute(args[-1], stops) if plain else args[-1])
+
+    def stop(self, identifier: str) -> AST | None:
+        """What the counter of one loop stays below."""
+        loops = [s for s in walk(self.tree.body) if isinstance(s, For) and identifier in stored_names(s.target)]
+        if self.least(identifier) is None or len(loops) != 1:
+            return None
+        return self.widest(loops[0].iter).args[-1]
+
+    def lasts(self, found: AST, statement: Assign) -> bool:
+        """Whether what an expression reads is bound before a statement, once."""
+        for n in names(found):
+            stores = [m for m in walk(self.tree.body) if isinstance(m, Name) and m.id == n and isinstance(m.ctx, Store)]
+            if len(stores) > (n not in parameters(self.tree)) or any(
+                    self.order[id(m)] > self.order[id(statement)] for m in stores):
+                return False
+        return True
+
+    # -- reading -----------------------------------------------------------------------------------------------------
+
+    def read(self, node: AST) -> AST:
+        return rebuild(node, self.change)
+
+    def change(self, node: AST) -> AST | None:
+        if isinstance(node, Subscript) and isinstance(node.value, Name) and node.value.id in self.made:
+            return self.element(node)
+        if call_name(node) == "builtins.len" and isinstance(node.args[0], Name) and node.args[0].id in self.made:
+            return at(name(self.counts[node.args[0].id]), node)
+        if isinstance(node, Attribute) and isinstance(node.value, Name) and node.value.id in self.made:
+            self.scope.refuse(node, f"the method {node.attr!r} of a list", help="a list may grow by append and be read")
+            return copy(node)
+        if isinstance(node, Name) and node.id in self.made:
+            if isinstance(node.ctx, Store):
+                return None
+            if id(node) not in self.plain:
+                self.scope.refuse(node, f"the list {node.id!r} is used as a list",
+                                  help="make it an array with np.array")
+            return at(index(name(node.id), Slice(None, name(self.counts[node.id]), None)), node)
+        return None
+
+    def element(self, node: Subscript) -> AST:
+        """An element of a list, counted from the end where its place is a negative number."""
+        place, count = indices(node)[0], name(self.counts[node.value.id])
+        if len(indices(node)) > 1 or isinstance(node.ctx, Store):
+            self.scope.refuse(node, "an element of a list is written", help="make it an array: np.zeros(n)")
+        if isinstance(place, UnaryOp) and isinstance(place.op, USub) and isinstance(place.operand, Constant):
+            return at(index(node.value, sub(count, place.operand)), node)
+        if not self.from_start(place):
+            self.scope.refuse(node, "an element of a list that may count from its end", help=HELP)
+        return at(index(node.value, self.read(place)), node)
+
+    def from_start(self, place: AST) -> bool:
+        """Whether a place is never negative, as far as the text shows it."""
+        if isinstance(place, Constant):
+            return type(place.value) is int
+        if isinstance(place, Name):
+            return self.least(place.id) is not None and (self.least(place.id) or 0) >= 0
+        moved = isinstance(place, BinOp) and isinstance(place.op, (Add, Sub))
+        if moved and isinstance(place.left, Name) and type(getattr(place.right, "value", None)) is int:
+            low = self.least(place.left.id)
+            shift = place.right.value if isinstance(place.op, Add) else -place.right.value
+            return low is not None and low + shift >= 0
+        return False
+
+    def least(self, identifier: str) -> int | None:
+        """The least value of a name that only loops over ranges with written starts bind."""
+        stores = [m for m in walk(self.tree.body) if isinstance(m, Name) and m.id == identifier and isinstance(
+            m.ctx, Store)]
+        loops = [s for s in walk(self.tree.body) if isinstance(s, For) and isinstance(s.target, Name)
+                 and s.target.id == identifier]
+        if not loops or len(loops) != len(stores):
+            return None
+        lows = [_low(s.iter) for s in loops]
+        return None if None in lows else min(low for low in lows if low is not None)
+
+
+def _as_arrays(tree: FunctionDef) -> set[int]:
+    """The names that stand where a list is as good as an array of its items."""
+    found: set[int] = set()
+    for node in walk(tree.body):
+        called = call_name(node) or ""
+        if called.startswith("numpy.") or called in _READING:
+            given = [*node.args, *(k.value for k in node.keywords)]
+            found |= {id(n) for g in given for n in (g.elts if isinstance(g, (Tuple, List)) else [g])}
+        elif isinstance(node, For):
+            found.add(id(node.iter))
+    return found
+
+
+def _low(iterable: AST) -> int | None:
+    args = getattr(iterable, "args", [])
+    if call_name(iterable) != "builtins.range" or len(args) == 3:
+        return None
+    if len(args) == 1:
+        return 0
+    return args[0].value if isinstance(args[0], Constant) and type(args[0].value) is int else None
+
+
+def _length(iterable: AST) -> AST | None:
+    """How long a sequence is, as an expression."""
+    called, args = call_name(iterable), getattr(iterable, "args", [])
+    if called == "builtins.range":
+        plain = len(args) == 1 and isinstance(args[0], (Constant, Subscript, Attribute))
+        return copy(args[0]) if plain else call("builtins.len", copy(iterable))
+    if called in ("builtins.enumerate", "builtins.reversed") and args:
+        return _length(args[0])
+    if called == "builtins.zip" and args:
+        found = [_length(a) for a in args]
+        return None if None in found else found[0] if len(found) == 1 else call("builtins.min", *found)
+    if isinstance(iterable, (Name, Subscript)):
+        return call("builtins.len", copy(iterable))
+    return None

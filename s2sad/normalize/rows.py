@@ -1,0 +1,110 @@
+"""rows: the arrays in place of lists are allocated.
+
+    us = builtins.list(n)               us = np.empty((n, u.shape[0]))
+    us[us_count] = 2.0 * u              us[us_count] = 2.0 * u
+
+Requires structured form and types. A row's sizes are those of an array in what is stored first, which must be there
+where the list is made. A list holds arrays themselves, not copies: where one is written later, it is refused.
+"""
+from __future__ import annotations
+
+from s2sad.diagnostics import Report
+from s2sad.infer.infer import LISTED, Typing
+from s2sad.normalize.allocations import dtype_of
+from s2sad.normalize.memory import Memory
+from s2sad.tree import (
+    AST, Assign, Attribute, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, assign, at, attribute, call,
+    call_name, children, const, copy, index, indices, rebuild, tuple_of, walk,
+)
+
+
+def rows(function: FunctionDef, typing: Typing, memory: Memory, report: Report) -> FunctionDef:
+    """The function with those allocations; what cannot be allocated goes into the report."""
+    if not any(call_name(n) == LISTED for n in walk(function.body)):
+        return function
+    pass_ = _Rows(function, typing, report)
+    written = memory.written(function.body)
+    for statement in pass_.stores:
+        value = statement.value
+        shared = typing.of(value).is_array and isinstance(value, (Name, Subscript, Attribute))
+        if shared and memory.affected(Subscript(value, const(0), value.ctx), written):
+            report.error("S201", "a list holds an array that is written, not a copy of it", statement,
+                         help="append a copy: .append(x.copy())")
+    return rebuild(function, pass_.change)
+
+
+class _Rows:
+    def __init__(self, function: FunctionDef, typing: Typing, report: Report):
+        self.function, self.typing, self.report = function, typing, report
+        nodes = list(walk(function.body))
+        self.order = {id(n): k for k, n in enumerate(nodes)}
+        self.bound = [s for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
+        self.made = {s.targets[0].id: s for s in self.bound if call_name(s.value) == LISTED}
+        self.stores = [s for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Subscript)
+                       and isinstance(s.targets[0].value, Name) and s.targets[0].value.id in self.made]
+
+    def change(self, node: AST) -> AST | None:
+        if not isinstance(node, Assign) or call_name(node.value) != LISTED:
+            return None
+        listed, kind = node.targets[0].id, self.typing.of(node.targets[0])
+        count = node.value.args[0]
+        first = next((s.value for s in self.stores if s.targets[0].value.id == listed), None)
+        sizes = None if first is None else self.sizes(first, kind.rank - 1, node, 0)
+        if sizes is None:
+            self.report.error("S201", f"the sizes of the rows of {listed!r} are not known where the list is made", node,
+                              help="allocate an array before and fill it in a for loop")
+            return copy(node)
+        shape = tuple_of(copy(count), *sizes) if sizes else copy(count)
+        return at(assign(listed, call("numpy.empty", shape, *dtype_of(kind))), node)
+
+    def sizes(self, value: AST, rank: int, place: AST, depth: int) -> list[AST] | None:
+        """The sizes of an expression with so many axes, from an array in it that is there before a statement."""
+        if rank == 0:
+            return []
+        if depth > 8 or self.typing.of(value).rank != rank:
+            return None
+        if isinstance(value, Name) and value.id in self.made:
+            return [copy(self.made[value.id].value.args[0])] if rank == 1 and self.there(
+                self.made[value.id].value, place) else None
+        if call_name(value) == "numpy.array" and isinstance(value.args[0], (List, Tuple)):
+            return _written(value.args[0])
+        if isinstance(value, (Name, Subscript)):
+            return self.of_part(value, rank, place, depth)
+        for child in children(value):
+            if self.typing.of(child).is_array and (found := self.sizes(child, rank, place, depth)) is not None:
+                return found
+        return None
+
+    def of_part(self, value: AST, rank: int, place: AST, depth: int) -> list[AST] | None:
+        base = value.value if isinstance(value, Subscript) else value
+        subscripts = indices(value) if isinstance(value, Subscript) else []
+        if not isinstance(base, Name):
+            return None
+        if isinstance(value, Subscript) and base.id in self.made and isinstance(subscripts[0], Slice):
+            return self.sizes(base, rank, place, depth + 1)
+        if any(isinstance(s, Slice) or self.typing.of(s).is_array or self.typing.of(s).kind == "unknown"
+               for s in subscripts):
+            return None
+        if self.there(base, place):
+            return [index(attribute(base, "shape"), const(len(subscripts) + k)) for k in range(rank)]
+        made = [s.value for s in self.bound if s.targets[0].id == base.id]
+        return self.sizes(made[0], rank, place, depth + 1) if len(made) == 1 and not subscripts else None
+
+    def there(self, node: AST, place: AST) -> bool:
+        """Whether all names of an expression are bound before a statement, each once."""
+        parameters = {p.id for p in self.function.args.args}
+        for n in walk(node):
+            if isinstance(n, Name) and "." not in n.id:
+                stores = [m for m in walk(self.function.body) if isinstance(m, Name) and m.id == n.id
+                          and isinstance(m.ctx, Store)]
+                early = n.id in parameters or stores and all(self.order[id(m)] < self.order[id(place)] for m in stores)
+                if not early or len(stores) > 1:
+                    return False
+        return True
+
+
+def _written(node: AST) -> list[AST]:
+    """The sizes of the array that nested lists spell."""
+    if not isinstance(node, (List, Tuple)):
+        return []
+    return [const(len(node.elts)), *(_written(node.elts[0]) if node.elts else [])]

@@ -1,0 +1,76 @@
+"""Functions that are another one under another name or with other arguments, in the spelling that has a rule."""
+from __future__ import annotations
+
+import inspect
+from dataclasses import dataclass
+
+from s2sad import tree
+from s2sad.rules.rule import template
+from s2sad.tree import AST, Call, call_name
+
+
+@dataclass(frozen=True)
+class Spelling:
+    """The parameters of a function with their defaults, and what a call of it is over them."""
+    parameters: inspect.Signature
+    defaults: dict[str, AST]
+    value: AST
+
+    def of(self, node: Call) -> AST | None:
+        """The call in its other spelling; None if its arguments do not fit."""
+        try:
+            given = self.parameters.bind(*node.args, **{str(k.arg): k.value for k in node.keywords})
+        except TypeError:
+            return None
+        return tree.substitute(self.value, {**self.defaults, **given.arguments})
+
+
+TABLE: dict[str, Spelling] = {}
+
+
+def same(text: str, value: str) -> None:
+    """Registers what a call such as "numpy.fliplr(x)" is; each parameter stands once in it."""
+    called = template(text)
+    defaults = {str(k.arg): k.value for k in called.keywords}
+    names = [*(a.id for a in called.args), *defaults]
+    read = [n.id for n in tree.walk(template(value)) if isinstance(n, tree.Name) and "." not in n.id]
+    if sorted(read) != sorted(names):
+        raise ValueError(f"{text!r}: its parameters do not stand in {value!r} once each")
+    parameters = [inspect.Parameter(n, inspect.Parameter.POSITIONAL_OR_KEYWORD,
+                                    default=None if n in defaults else inspect.Parameter.empty) for n in names]
+    TABLE[call_name(called) or ""] = Spelling(inspect.Signature(parameters), defaults, template(value))
+
+
+# functions that `normalize.solvers` takes apart
+_TAKEN_APART = {"lu_factor", "lu_solve", "cho_factor", "cho_solve", "solve_banded", "cholesky"}
+
+
+def is_scipy(path: str) -> bool:
+    """Whether a function of SciPy's is one that has a derivative here."""
+    room, _, last = path.rpartition(".")
+    return path in TABLE or room == "scipy.linalg" and last in _TAKEN_APART
+
+
+def other_spelling(node: Call) -> AST | None:
+    """The call in the spelling that has a rule, if it has another one."""
+    found = TABLE.get(call_name(node) or "")
+    return found.of(node) if found else None
+
+
+for _ufunc, _function in (("add", "sum"), ("multiply", "prod"), ("maximum", "max"), ("minimum", "min")):
+    same(f"numpy.{_ufunc}.reduce(array, axis=0, keepdims=False)",
+         f"numpy.{_function}(array, axis=axis, keepdims=keepdims)")
+same("numpy.add.accumulate(array, axis=0)", "numpy.cumsum(array, axis=axis)")
+same("numpy.multiply.accumulate(array, axis=0)", "numpy.cumprod(array, axis=axis)")
+for _function in ("inv(a)", "det(a)", "norm(a, ord=None, axis=None, keepdims=False)", "solve(a, b)", "eigvalsh(a)"):
+    _name, _, _rest = _function.partition("(")
+    _given = ", ".join(f"{p}={p}" if d else p for p, d, _ in (p.partition("=") for p in _rest[:-1].split(", ")))
+    same(f"scipy.linalg.{_function}", f"numpy.linalg.{_name}({_given})")
+same("scipy.linalg.svdvals(a)", "runtime.singular_values(a)")
+same("scipy.linalg.expm(a)", "runtime.exponential(a)")
+same("scipy.linalg.solve_triangular(a, b, trans=0, lower=False, unit_diagonal=False)",
+     "runtime.solve_triangular(a, b, trans=trans, lower=lower, unit=unit_diagonal)")
+same("numpy.flatnonzero(a)", "numpy.nonzero(numpy.ravel(a), part=0)")
+same("numpy.ediff1d(a)", "numpy.diff(numpy.ravel(a))")
+same("numpy.extract(condition, array)", "array[condition]")
+same("numpy.flatten(a)", "numpy.copy(numpy.ravel(a))")  # the method

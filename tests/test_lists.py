@@ -1,0 +1,190 @@
+"""Lists that grow by append, and comprehensions, under both engines."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+
+ENGINES = ("numpy", "numba")
+
+
+# -- a: (3, 4), x: (3,), y: (4,) -------------------------------------------------------------------------------------
+
+def comprehensions(a, x, y):
+    n = x.shape[0]
+    squares = [x[i] * y[i] for i in range(n)]
+    b = np.array(squares) * squares[0] / squares[0]
+    c = np.array([u * u + k for k, u in enumerate(x)])
+    d = np.array([a[i] * x[i] for i in range(n)])
+    e = np.array([[x[i] * y[j] for j in range(4)] for i in range(3)])
+    f = np.vstack([a[i] * x[i] for i in range(3)]) + np.stack([row * row for row in a])
+    s = sum(p * q for p, q in zip(x, y)) + sum([x[i] ** 2 for i in range(n)]) + np.sum([v for v in y if v > 0.7])
+    return s + np.sum(b * c) + np.sum(d * e) + np.sum(f ** 2)
+
+
+def appended(a, x, y):
+    out, rows, us = [], [], [x[0]]
+    for i in range(3):
+        out.append(x[i] * y[i])
+        out.append(x[i] ** 2)
+        rows.append(a[i] * x[i])
+        us.append(us[-1] * x[i] + us[i])
+    b = np.concatenate(rows)
+    c = np.column_stack(rows)
+    return np.sum(np.array(out) ** 2) + np.sum(b[1:] * b[:-1]) + np.sum(c[1:] * x) + np.sum(np.array(us) ** 2) * len(us)
+
+
+def sometimes(a, x, y):
+    large = []
+    for i in range(3):
+        for j in range(4):
+            if a[i, j] > 0.6:
+                large.append(a[i, j] ** 2)
+    s = 0.0
+    for v in large:
+        s += v * v
+    for k in range(3):
+        held = [y[k]]
+        for j in range(k):
+            held.append(a[j, k])
+        x[k] += np.sum(np.array(held) ** 2)
+    return s * len(large)
+
+
+def trajectory(a, x, y):
+    states = [x.copy()]
+    for _ in range(4):
+        x += 0.1 * np.array([x[1] * x[2], -x[0], x[0] * x[1]])
+        states.append(x.copy())
+    whole = np.array(states)
+    return np.sum(whole[1:] * whole[:-1]) + np.sum(np.hstack(states)[2:5])
+
+
+def triangular(a, x, y):
+    pairs, rows = [], []
+    for i in range(2):
+        for j in range(i, 3):
+            if x[j] > 0.1:
+                pairs.append(x[i] * x[j])
+        for j in range(i + 1):
+            rows.append([x[i], y[j] ** 2])
+    m = np.array(rows)
+    return np.sum(np.array(pairs) ** 2) + np.sum(m[:, 0] * m[:, 1])
+
+
+def square(v):
+    return v * v
+
+
+def of_a_kernel(a, x, y):
+    b = np.array([square(v) for v in y])
+    return np.sum(b * y)
+
+
+KERNELS = (comprehensions, appended, sometimes, trajectory, triangular, of_a_kernel)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.__name__)
+def test_kernel(kernel, engine):
+    random = np.random.default_rng(7)
+    given = 0.3 + 0.7 * random.random((3, 4)), 0.5 + random.random(3), 0.5 + random.random(4)
+    left = [g.copy() for g in given]
+    kernel(*left)
+    of = tuple(n for n, p, q in zip("axy", given, left) if not np.array_equal(p, q))
+    check_derivatives(kernel, given, ("a", "x", "y"), (*of, "return"), engine)
+
+
+def none_or_one(x):
+    out = []
+    for v in x:
+        out.append(v * v)
+    return np.sum(np.array(out)) + np.sum(np.array([v ** 3 for v in x]))
+
+
+def test_sizes_of_one_and_none():
+    check_derivatives(none_or_one, (np.zeros(0),), ("x",), ("return",))
+    check_derivatives(none_or_one, (np.array([1.5]),), ("x",), ("return",))
+
+
+def unknown_length(x):
+    out = []
+    while len(out) < 3:
+        out.append(x[0])
+    return np.sum(np.array(out))
+
+
+def rebound_length(x, n):
+    out = []
+    n = n + 1
+    for i in range(n):
+        out.append(x[i])
+    return np.sum(np.array(out))
+
+
+def not_copied(x):
+    rows = []
+    row = np.zeros(2)
+    for i in range(2):
+        row[:] = x[i]
+        rows.append(row)
+    return np.sum(np.array(rows) * x)
+
+
+def written(x):
+    out = []
+    for i in range(3):
+        out.append(x[i])
+    out[0] = 1.0
+    return np.sum(np.array(out))
+
+
+def removed(x):
+    out = []
+    for i in range(3):
+        out.append(x[i])
+    return out.pop() * x[0]
+
+
+def from_the_end(x, k):
+    out = []
+    for i in range(3):
+        out.append(x[i])
+    return out[k] * x[0]
+
+
+def stored(x):
+    x[0] = 2.0
+    return x[1]
+
+
+def beside_a_call(x):
+    return stored(x) + np.sum(np.array([v * v for v in x]))
+
+
+def repeated(x):
+    out = [v * v for v in x]
+    return np.sum(np.array(out * 2))
+
+
+def joined(x):
+    out = []
+    for v in x:
+        out.append(v * v)
+    return np.sum(np.array(out + [x[0]]))
+
+
+REFUSED = {repeated: "the list 'out' is used as a list", joined: "the list 'out' is used as a list",
+           unknown_length: "how long 'out' becomes", rebound_length: "how long 'out' becomes",
+           not_copied: "a list holds an array that is written", written: "an element of a list is written",
+           removed: "the method 'pop' of a list", from_the_end: "may count from its end",
+           beside_a_call: "beside a call of a kernel"}
+
+
+@pytest.mark.parametrize("kernel", REFUSED, ids=lambda kernel: kernel.__name__)
+def test_refused(kernel):
+    given = (np.ones(3), 2)[:kernel.__code__.co_argcount]
+    with pytest.raises(s2sad.S2sadError, match=r"S201.*" + REFUSED[kernel]):
+        s2sad.gradient(kernel, wrt="x")(*given)
