@@ -18,7 +18,7 @@ from collections.abc import Mapping
 from s2sad.emit.whose import CHOICES, CONVERT, FLOAT, INT, NARROW, OF_MATH, Whose
 from s2sad.infer.types import Type
 from s2sad.tree import (
-    AST, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, FunctionDef, IfExp, Name, Subscript,
+    AST, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Expr, FunctionDef, IfExp, Name, Subscript,
     UnaryOp, USub, assign, at, call, call_name, function, name, rebuild, walk,
 )
 
@@ -70,7 +70,9 @@ class _Unraised:
         body = [self.statement(s) for s in self.tree.body]
         parameters = self.whose.parameters
         top = [assign(p, call(CONVERT, name(p))) for p in parameters if p in self.whose.converted]
-        made = function(self.tree.name, parameters, [*top, *body])
+        said = [s for s in body[:1] if isinstance(s, Expr) and isinstance(s.value, Constant)
+                and isinstance(s.value.value, str) and s.value.kind is None]
+        made = function(self.tree.name, parameters, [*said, *top, *body[len(said):]])
         return at(made, self.tree) if getattr(self.tree, "lineno", None) else made
 
     # -- who is converted where it is bound -------------------------------------------------------------------------
