@@ -178,8 +178,10 @@ class Units:
         ruled(tree, typing, report)
         report.finish()
         tree = functions(tree, typing, names)
-        viewing(tree, typing, lambda c: [base_name(c.args[k]) for k in self.of_call(c, typing).summary.written], report)
-        written = lambda called: self.of_call(called, typing).summary.written  # noqa: E731
+
+        def written(called: Call) -> tuple[int, ...]:
+            return self.of_call(called, typing).summary.written
+        viewing(tree, typing, lambda called: [base_name(called.args[k]) for k in written(called)], report)
         plain = tree = pieces(tree, typing, names, report)
         report.finish()
         tree = views(tree, typing.table, typing, names, written, report, self.engine == "numba")

@@ -158,6 +158,7 @@ def branches(y, u, n, c):
         if s == 2:
             v = u
         u = v + 0.1
+        u = u[::-1]
     y[:] = u
 
 

@@ -216,7 +216,8 @@ class Carried(Branches):
         checks = self.checks(place, value)
         said = const(CHANGES.format(identifier))
         checks = [Assert(c.test, said) if isinstance(c, Assert) else c for c in checks]
-        return [*checks, assign(place, self.apart(place, value, checks, origin))]
+        value = self.apart(place, value, checks, origin)
+        return [*checks, assign(place, value)]
 
     def may_last(self, filled: Affine | None, size: Affine | None) -> bool:
         """Whether the size that an array has at the end of a turn may be the one that it had before: it is known to be,

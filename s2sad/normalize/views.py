@@ -132,7 +132,8 @@ class _Views(Carried):
         if self.fills_buffer(target, value, statement):
             place = index(name(self.buffers[target]), const(...))
             checks = self.checks(place, value)
-            return [*checks, assign(place, self.apart(place, value, checks, statement))]
+            value = self.apart(place, value, checks, statement)
+            return [*checks, assign(place, value)]
         new = self.version(target)
         made = self.allocations.allocate(new, self.types[target], value, statement)
         self.seen[target] = (new, ())
