@@ -27,7 +27,7 @@ from s2sad.tree import (
 
 _SUMMED = ("summed", "averaged")
 _MADE = {f"numpy.{made}{like}" for made in ("empty", "zeros", "ones", "full") for like in ("", "_like")} | {
-    "numpy.array", "numpy.copy"}
+    "numpy.array", "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray"}
 
 
 def functions(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
