@@ -83,7 +83,8 @@ def one_element_at_counters_of_several_loops(x, y, m):
 def copies_within_expressions(x, y, m):
     x[np.array([0, 2, 2, 1, 4])] = y.copy()
     x[1:] += y[1:].copy() * x[0]
-    x *= np.copy(y) + 0.5
+    x *= np.copy(y) + 0.5 * np.asarray(x[::-1])
+    m[0] += np.sum(np.ascontiguousarray(y)) * np.asarray([x[0], 2.0, 1.0, y[0]])
     z = y.copy()
     z += 1.0
     x[0] = np.sum(z.copy() * x)
