@@ -249,7 +249,7 @@ class Typing:
 
     def _array_function(self, rule: rules.ArrayRule, node: Call, types: list[Type]) -> Type:
         if rule.name.startswith("runtime."):    # a rule's own text names no options
-            node, types = rules.bound(rule, node) or node, types[:len(rule.operands)]
+            types = types[:len(rule.operands)]
         if any(t.kind == "unknown" for t in types) or len(types) != len(rule.operands):
             return UNKNOWN
         arguments = rule.arguments(node)

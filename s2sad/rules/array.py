@@ -45,10 +45,11 @@ class ArrayRule:
     tangent: AST | None = None
 
     def arguments(self, node: Call) -> dict[str, AST]:
-        """The operands and options of a call that `bound` has put in order."""
-        assert len(node.args) == len(self.operands), "options are given by name"
-        given = dict(zip(self.operands, node.args))
-        return {**given, **self.options, **{str(k.arg): k.value for k in node.keywords}}
+        """The operands and options of a call that `bound` has put in order, or of a call in a rule's own text, which
+        gives options by place."""
+        known = (*self.operands, *self.options)
+        assert len(self.operands) <= len(node.args) <= len(known), "an argument that the rule does not know"
+        return {**self.options, **dict(zip(known, node.args)), **{str(k.arg): k.value for k in node.keywords}}
 
     def adjoint(self, operand: str, ranks: Ranks) -> AST:
         """What the shadow of an operand gains, over the rule's names."""
