@@ -6,6 +6,7 @@ from typing import Any
 
 from s2sad.binding import bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.flattened import flattened
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
 from s2sad.selection import RETURN, names_of
 from s2sad.variants import Derivatives, derivatives_of
@@ -35,8 +36,7 @@ def gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = None) -> C
     derivatives, names = derivatives_of(f), names_of(wrt)
 
     def gradient_of(*args: Any, **keywords: Any) -> Any:
-        entry, args = _prepared(f, derivatives, names, args, keywords)
-        return entry.value_and_gradient(args)[1]
+        return _with_gradient(f, derivatives, names, args, keywords)[1]
 
     return _titled(gradient_of, f, "gradient")
 
@@ -58,23 +58,25 @@ def value_and_gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = 
     derivatives, names = derivatives_of(f), names_of(wrt)
 
     def value_and_gradient_of(*args: Any, **keywords: Any) -> Any:
-        entry, args = _prepared(f, derivatives, names, args, keywords)
-        return entry.value_and_gradient(args)
+        return _with_gradient(f, derivatives, names, args, keywords)
 
     return _titled(value_and_gradient_of, f, "value and gradient")
 
 
-def _prepared(f: Any, derivatives: Derivatives, names: tuple[str, ...] | None, args: tuple[Any, ...],
-              keywords: dict[str, Any]) -> tuple[ReverseCall, tuple[Any, ...]]:
-    """The prepared gradient for arguments of these types, and the arguments by position."""
+def _with_gradient(f: Any, derivatives: Derivatives, names: tuple[str, ...] | None, args: tuple[Any, ...],
+                   keywords: dict[str, Any]) -> tuple[Any, Any]:
+    """The value and the gradient."""
     state = derivatives.state()
     if keywords:
         args = tuple(bind(state.kernel, args, keywords))
+    apart = flattened(state, args)
+    if apart is not None:
+        return apart.gradient(f, bind(state.kernel, args), names)
     key = ("gradient", names, describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
         entry = state.entries[key] = ReverseCall(state, f, args, (RETURN,), names, with_value=True)
-    return entry, args
+    return entry.value_and_gradient(args)
 
 
 def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
@@ -98,6 +100,10 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
     """
     state = derivatives_of(f).state()
     args, names = _listed(args), names_of(wrt)
+    apart = flattened(state, args)
+    if apart is not None:
+        _named(seeds, "seeds")
+        return apart.vjp(f, bind(state.kernel, args), seeds, names)
     key = ("vjp", names, _named(seeds, "seeds"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
@@ -123,6 +129,10 @@ def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any],
     """
     state = derivatives_of(f).state()
     args, names = _listed(args), names_of(of)
+    apart = flattened(state, args)
+    if apart is not None:
+        _named(tangents, "tangents")
+        return apart.jvp(f, bind(state.kernel, args), tangents, names)
     key = ("jvp", names, _named(tangents, "tangents"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:

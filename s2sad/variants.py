@@ -17,6 +17,7 @@ from s2sad import pipeline, read
 from s2sad.binding import float_parameters, same_number, types as types_of
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, of_value
+from s2sad.normalize.fields import asks
 from s2sad.read.capture import not_a_function, python_function
 from s2sad.program import Generated, Kernel, Parameter, Program, Request
 from s2sad.rules.given import GIVEN, Given
@@ -79,10 +80,12 @@ class Derivatives:
 
 class State:
     """A program whose constants are known, and what was derived from it. `entries` keeps prepared calls by their
-    callers' keys."""
+    callers' keys. A `flat` one takes the leaves of structures; one that `asks` must know what its arguments are made of.
+    """
 
-    def __init__(self, program: Program, function: FunctionType):
-        self.program, self.function = program, function
+    def __init__(self, program: Program, function: FunctionType, flat: bool = False):
+        self.program, self.function, self.flat = program, function, flat
+        self.asks = not flat and asks(program)
         self.kernel: Kernel = program.kernels[program.entry]
         self.parameters = self.kernel.parameters
         self.floats = float_parameters(self.kernel)
@@ -139,7 +142,7 @@ class State:
 
     def primal(self, types: tuple[Type, ...], engine: str) -> Callable[..., Any]:
         """The primal for positional values: the function itself under NumPy, compiled under Numba."""
-        if chosen(engine) == "numpy":
+        if chosen(engine) == "numpy" and not self.flat:
             return self.function
         variant = self.variant(Request("primal", types, (), ()), engine)
         hidden = tuple(p.name for p in variant.generated.parameters if p.name.startswith(HIDDEN))

@@ -1,0 +1,225 @@
+"""Structures of arguments: a frozen description of what they are made of, their leaves by path, and how to build one.
+
+    Params(k=2.0, layers=[(w, b)])      p.k: float64, p.layers[0][0]: float64[:, :], p.layers[0][1]: float64[:]
+
+A structure is a dataclass, a named tuple, a `types.SimpleNamespace`, a dict, a tuple or a list; a leaf is anything
+else: an array, a number, a str, None, or something that a kernel may carry along but not use.
+"""
+from __future__ import annotations
+
+import copy
+import dataclasses
+import re
+from collections import OrderedDict
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.infer.types import Type, of_value
+
+LARGEST = 512                           # leaves: longer lists of numbers are arrays
+_DEEPEST = 16
+_USED = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "float64",
+                   "float32"))
+_FLOATS = ("float", "np.float64", "numpy.float64", "float64")
+_STEP = re.compile(r"""\.([^\W\d]\w*)|\[(-?\d+)\]|\['([^']*)'\]|\["([^"]*)"\]""")
+
+
+@dataclass(frozen=True)
+class Structure:
+    """One level of a structure: `kind` is "record" (fields), "named" (a named tuple), "dict", "tuple" or "list";
+    "either" was spelled in a text and goes by fields and by keys.
+
+    `floats` are the fields that are annotated as float: an int there means a float. Of a `fixed` one no item can be
+    assigned.
+    """
+    kind: str
+    keys: tuple[str | int, ...]
+    items: tuple[Form, ...]
+    made: type | None = None
+    fixed: bool = False
+    floats: frozenset[str] = frozenset()
+
+    @property
+    def is_sequence(self) -> bool:
+        return self.kind in ("tuple", "list", "named")
+
+    def __str__(self) -> str:
+        titles = {"dict": "a dict", "tuple": "a tuple", "list": "a list", "named": "a named tuple",
+                  "either": "a structure"}
+        if self.kind in titles:
+            return titles[self.kind]
+        return "a dataclass" if dataclasses.is_dataclass(self.made) else "a structure"
+
+
+Form = Type | Structure
+
+
+def is_structure(value: object) -> bool:
+    """Whether a value has parts that a kernel can name."""
+    return _kind(value) is not None
+
+
+def form_of(value: object, name: str, largest: int = LARGEST) -> Form:
+    """The description of an argument; raises S2sadError (S405) for what is nested without end or far too large."""
+    form = _form(value, name, 0)
+    count = sum(1 for _ in leaves(form, name))
+    if isinstance(form, Structure) and count > largest:
+        raise S2sadError(Diagnostic("S405", f"the argument '{name}' is {form} of {count} values",
+                                    help=f"pass numpy.array({name}, dtype=float)"))
+    return form
+
+
+def _form(value: object, name: str, depth: int) -> Form:
+    kind = _kind(value)
+    if kind is None:
+        return _leaf(value)
+    if depth > _DEEPEST:
+        raise S2sadError(Diagnostic("S405", f"the argument '{name}' is nested more than {_DEEPEST} deep",
+                                    help="pass its parts as arguments of their own"))
+    keys = _keys(kind, value)
+    items = tuple(_form(part_of(kind, value, k), name, depth + 1) for k in keys)
+    made, floats = type(value), frozenset()
+    if kind in ("record", "named"):
+        annotated = {k: t for c in reversed(made.__mro__) for k, t in vars(c).get("__annotations__", {}).items()}
+        floats = frozenset(k for k, t in annotated.items() if t is float or t in _FLOATS)
+    frozen = dataclasses.is_dataclass(made) and made.__dataclass_params__.frozen  # pyright: ignore
+    return Structure(kind, keys, items, made, kind in ("named", "tuple") or bool(frozen), floats)
+
+
+def _kind(value: object) -> str | None:
+    kind = type(value)
+    if kind in (dict, OrderedDict):
+        return "dict" if all(type(k) in (str, int) for k in value) else None  # pyright: ignore
+    if kind in (tuple, list):
+        return kind.__name__
+    if isinstance(value, tuple) and hasattr(kind, "_fields"):
+        return "named"
+    if kind is SimpleNamespace or (dataclasses.is_dataclass(value) and not isinstance(value, type)):
+        return "record"
+    return None
+
+
+def _keys(kind: str, value: Any) -> tuple[str | int, ...]:
+    if kind == "dict":
+        return tuple(value)
+    if kind == "named":
+        return tuple(value._fields)
+    if kind in ("tuple", "list"):
+        return tuple(range(len(value)))
+    declared = [f.name for f in dataclasses.fields(value)] if dataclasses.is_dataclass(value) else []
+    return tuple(dict.fromkeys(k for k in (*declared, *getattr(value, "__dict__", ())) if hasattr(value, k)))
+
+
+def part_of(kind: str, value: Any, key: str | int) -> Any:
+    """One item of a structure."""
+    return getattr(value, str(key)) if kind in ("record", "named") else value[key]
+
+
+def _leaf(value: object) -> Type:
+    """The type of a leaf; of kind "other" where a kernel cannot use it."""
+    found = of_value(value)
+    if found.kind in ("none", "text"):
+        return found
+    if found.is_array and (type(value) is np.ndarray or isinstance(value, np.memmap)):
+        usable = found.dtype in _USED and found.rank > 0 and value.dtype.isnative  # pyright: ignore
+        return found if usable else Type("other", f"an array of {found.dtype} of rank {found.rank}")
+    if found.is_number and found.dtype in _USED:
+        return found
+    word = type(value).__name__
+    return Type("other", f"{'an' if word[0].lower() in 'aeiou' else 'a'} {word}")
+
+
+# -- paths ----------------------------------------------------------------------------------------------------------
+
+def step(form: Structure, path: str, key: str | int) -> str:
+    """The path of an item, as one writes it: `state.u`, `p['k']`, `layers[0]`."""
+    return f"{path}.{key}" if form.kind in ("record", "named", "either") else f"{path}[{key!r}]"
+
+
+def leaves(form: Form, path: str) -> Iterator[tuple[str, Type]]:
+    """Every leaf with its path, in order."""
+    if isinstance(form, Type):
+        yield path, form
+    else:
+        for key, item in zip(form.keys, form.items):
+            yield from leaves(item, step(form, path, key))
+
+
+def steps(text: str) -> tuple[str | int, ...] | None:
+    """The name and the keys of a path as a user writes it; None if it is none.
+
+    >>> steps('p["k"]'), steps("layers[0].w"), steps("1u")
+    (('p', 'k'), ('layers', 0, 'w'), None)
+    """
+    name = re.match(r"[^\W\d]\w*", text)
+    found: list[str | int] = []
+    at = name.end() if name else -1
+    while name and at < len(text):
+        part = _STEP.match(text, at)
+        if part is None:
+            return None
+        found.append(int(part[2]) if part[2] else next(p for p in (part[1], part[3], part[4]) if p is not None))
+        at = part.end()
+    return (name[0], *found) if name else None
+
+
+def reached(form: Form, path: str, keys: tuple[str | int, ...]) -> tuple[Form, str] | None:
+    """What a path of keys leads to in a structure, with its path in one spelling; None if it leads nowhere."""
+    for key in keys:
+        if isinstance(form, Type) or key not in form.keys:
+            return None
+        form, path = form.items[form.keys.index(key)], step(form, path, key)
+    return form, path
+
+
+# -- values ---------------------------------------------------------------------------------------------------------
+
+def mapped(form: Form, value: Any, path: str, change: Callable[[str, Type, Any], Any]) -> Any:
+    """A structure like `value` in which every leaf is what `change(path, type, leaf)` gives."""
+    if isinstance(form, Type):
+        return change(path, form, value)
+    items = [mapped(item, part_of(form.kind, value, key), step(form, path, key), change)
+             for key, item in zip(form.keys, form.items)]
+    return rebuilt(form, value, items)
+
+
+def rebuilt(form: Structure, like: Any, items: list[Any]) -> Any:
+    """A structure of the same kind with other items; no code of its class runs."""
+    if form.kind in ("tuple", "list"):
+        return tuple(items) if form.kind == "tuple" else items
+    if form.kind == "named":
+        return type(like)._make(items)
+    if form.kind == "dict":
+        return type(like)(zip(form.keys, items))
+    new = copy.copy(like)
+    for key, item in zip(form.keys, items):
+        object.__setattr__(new, str(key), item)
+    return new
+
+
+def fits(form: Form, value: Any) -> bool:
+    """Whether a value is made as the description says, whatever its leaves are."""
+    if isinstance(form, Type):
+        return not is_structure(value)
+    kind = _kind(value)
+    if kind is None or {kind, form.kind} == {"record", "dict"} or kind != form.kind or _keys(kind, value) != form.keys:
+        return False
+    return all(fits(item, part_of(kind, value, key)) for key, item in zip(form.keys, form.items))
+
+
+def without_lengths(form: Form) -> Form:
+    """The description without what is known of lengths of axes."""
+    if isinstance(form, Type):
+        return form.plain
+    return dataclasses.replace(form, items=tuple(map(without_lengths, form.items)))
+
+
+def is_held(kind: Form) -> bool:
+    """Whether a leaf takes part in a generated function: arrays, numbers and strings do."""
+    return isinstance(kind, Type) and kind.kind not in ("none", "other")
+
