@@ -10,6 +10,8 @@ from s2sad.annotated import AnnotatedCall
 from s2sad.annotations import Annotation, Duplicated, Mode
 from s2sad.binding import admitted, bind, describe
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.flattened import annotated as with_structures, flattened, taken_apart
+from s2sad.prepared import selection_of
 from s2sad.program import Request
 from s2sad.run.compiled import chosen
 from s2sad.selection import Results, names_of, selected_of, selected_wrt
@@ -86,6 +88,11 @@ class Differentiated:
     def primal(self, *args: Any, **keywords: Any) -> Any:
         """What f returns, computed by the compiled primal (under NumPy: by f itself)."""
         state = self._derivatives.state()
+        structures = flattened(state, bind(state.kernel, args, keywords))
+        if structures is not None:
+            if chosen(self.engine) == "numpy":
+                return self.__wrapped_kernel__(*args, **keywords)
+            return with_structures.primal(structures, bind(state.kernel, args, keywords), self.engine)
         values = self._values(state, args, keywords)
         types = state.types(values)
         function, apart = state.primal(types, self.engine), state.apart(types)
@@ -126,6 +133,9 @@ class Differentiated:
         key = (self._tokens[mode], describe(args))
         entry = state.entries.get(key)
         if entry is None:
+            found = with_structures.shadowed(state, mode, args, self)
+            if found is not None:
+                return found[0]
             entry = state.entries[key] = ShadowedCall(state, mode, args, self.__s2sad_selection__)
         return entry(args)
 
@@ -134,11 +144,11 @@ class Differentiated:
         return [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, bound)]
 
     def _source(self, mode: str, args: tuple[Any, ...], keywords: dict[str, Any], level: str) -> str:
-        state = self._derivatives.state()
-        types = state.types(self._values(state, args, keywords))
+        state, values, (wrt, of, _) = taken_apart(self._derivatives.state(), self, args, keywords)
+        types = state.types([admitted(n, v, n in state.floats) for n, v in zip(state.parameters, values)])
         name, parameters = state.kernel.name, state.parameters
-        wrt = selected_wrt(name, parameters, types, self.wrt)
-        of = selected_of(name, parameters, types, state.summary(types), self.of)
+        wrt = selected_wrt(name, parameters, types, wrt)
+        of = selected_of(name, parameters, types, state.summary(types), of)
         request = Request(mode, types, wrt, of, engine=chosen(self.engine), level=level)
         return pipeline.derive(state.program, request).text
 
@@ -166,6 +176,9 @@ def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = Non
         raise S2sadError(Diagnostic("S402", f"{mode!r} is no mode",
                                     help="use Forward, ForwardWithPrimal, Reverse or ReverseWithPrimal"))
     state = derivatives_of(f).state()
+    found = with_structures.annotated(state, mode, annotated, selection_of(f)[2], seed)
+    if found is not None:
+        return found[0]
     engine = getattr(f, "__s2sad_selection__", (None, None, "auto"))[2]
     kinds = tuple([type(a) if isinstance(a, Annotation) else None for a in annotated])
     values = [a.value if isinstance(a, Annotation) else a for a in annotated]

@@ -6,7 +6,7 @@ from typing import Any
 
 from s2sad.binding import bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.flattened import flattened
+from s2sad.flattened import drivers as with_structures, flattened
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
 from s2sad.selection import RETURN, names_of
 from s2sad.variants import Derivatives, derivatives_of
@@ -71,7 +71,7 @@ def _with_gradient(f: Any, derivatives: Derivatives, names: tuple[str, ...] | No
         args = tuple(bind(state.kernel, args, keywords))
     apart = flattened(state, args)
     if apart is not None:
-        return apart.gradient(f, bind(state.kernel, args), names)
+        return with_structures.gradient(apart, f, bind(state.kernel, args), names)
     key = ("gradient", names, describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
@@ -103,7 +103,7 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
     apart = flattened(state, args)
     if apart is not None:
         _named(seeds, "seeds")
-        return apart.vjp(f, bind(state.kernel, args), seeds, names)
+        return with_structures.vjp(apart, f, bind(state.kernel, args), seeds, names)
     key = ("vjp", names, _named(seeds, "seeds"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
@@ -132,7 +132,7 @@ def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any],
     apart = flattened(state, args)
     if apart is not None:
         _named(tangents, "tangents")
-        return apart.jvp(f, bind(state.kernel, args), tangents, names)
+        return with_structures.jvp(apart, f, bind(state.kernel, args), tangents, names)
     key = ("jvp", names, _named(tangents, "tangents"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:

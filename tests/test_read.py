@@ -82,8 +82,6 @@ REFUSED = [
     ("p, *q = x", "*q", "S201", f"a starred expression {NO}", "write the elements out, one by one"),
     ("other(*x)", "*x", "S201", f"a starred expression {NO}", "write the elements out, one by one"),
     ("other(**x)", "x", "S201", f"** in a call {NO}", "write the keyword arguments out"),
-    ("x.a = 1", "x.a", "S201", f"an assignment to the attribute x.a {NO}", ATTRIBUTE),
-    ("x.a += 1", "x.a", "S201", f"an assignment to the attribute x.a {NO}", ATTRIBUTE),
     ("x.shape = (2, 3)", "x.shape", "S201", f"an assignment to the attribute x.shape {NO}",
      "bind the new shape to a new name: y = x.reshape(...)"),
     ("y = 2j", "2j", "S201", f"a complex number {NO}", "keep the real and the imaginary part in two names"),

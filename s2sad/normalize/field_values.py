@@ -36,6 +36,7 @@ class Callee(Protocol):
     """A kernel made for arguments of one pattern."""
     title: str
     flat: dict[str, list[str]]
+    taken: tuple[str, ...]
     needed: set[int]
     result: Group | None
 
@@ -363,10 +364,11 @@ class Values:
         positional, keywords = [], []
         for k, (parameter, argument) in enumerate(given):
             made = self._flat(values[parameter], patterns[kernel.parameters.index(parameter)], argument)
+            pairs = [(n, a) for n, a in zip(callee.flat[parameter], made) if n in callee.taken]
             if k < len(node.args):
-                positional += made
+                positional += [a for _, a in pairs]
             else:
-                keywords += [keyword(n, a) for n, a in zip(callee.flat[parameter], made)]
+                keywords += [keyword(n, a) for n, a in pairs]
         passed = self._passed(kernel, callee, values)
         self._cells(node, callee, passed)
         return callee, at(Call(at(name(f"user.{callee.title}"), node), positional, keywords), node), passed

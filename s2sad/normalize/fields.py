@@ -44,9 +44,10 @@ class Flat:
 
 @dataclass
 class Made:
-    """A kernel made for arguments of one pattern."""
+    """A kernel made for arguments of one pattern: its flat names by parameter, and those that it takes."""
     title: str
     flat: dict[str, list[str]]
+    taken: tuple[str, ...] = ()
     needed: set[int] = field(default_factory=set)
     result: Group | None = None
 
@@ -158,7 +159,9 @@ class _Making:
         body = blocks.block(kernel.tree.body)
         made.needed = blocks.needed
         made.result = self._returned(blocks, body, report, is_entry)
-        parameters = tuple(n for p in kernel.parameters for n in made.flat[p])
+        used = {n.id for n in walk(body) if isinstance(n, Name)}
+        parameters = made.taken = tuple(n for p in kernel.parameters for n in made.flat[p]
+                                        if is_entry or n in used or n == p)
         tree = at(function(made.title, list(parameters), body or [at(Return(None), kernel.tree)]), kernel.tree)
         defaults = {p: v for p, v in kernel.defaults.items() if p in parameters}
         return Kernel(made.title, tree, kernel.source, parameters, defaults, annotations)

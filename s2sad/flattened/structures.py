@@ -1,6 +1,4 @@
-"""Calls with structures: taken apart into arrays and numbers at the door, and what comes back put together again.
-
-    gradient(loss, wrt="p")(state, p)      the flat call's gradients of p_k, p_w  ->  a structure like p
+"""The arguments of one call with structures as arrays and numbers, and the way back.
 
 The flat program is made once for what the arguments are made of (`normalize.fields`); everything behind it knows arrays
 and numbers only.
@@ -9,7 +7,7 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
@@ -48,11 +46,28 @@ def flattened(state: State, args: Sequence[Any]) -> Flattened | None:
     return found
 
 
+def taken_apart(state: State, f: Any, args: Sequence[Any], keywords: Mapping[str, Any] | None = None
+                ) -> tuple[State, list[Any], tuple[Any, Any, str]]:
+    """The state and the values to work with, flat where there are structures, and what f carries in its names."""
+    values = bind(state.kernel, args, keywords)
+    apart = flattened(state, values)
+    if apart is None:
+        return state, values, selection_of(f)
+    return apart.state, apart.values(values), apart.carried(f)[1].__s2sad_selection__
+
+
 class Carrier:
-    """What a differentiated function carries, in flat names."""
+    """What a differentiated function carries: wrt, of and engine."""
 
     def __init__(self, selection: tuple[Any, Any, str]):
         self.__s2sad_selection__ = selection
+
+    @classmethod
+    def overridden(cls, f: Any, wrt: Any, of: Any, engine: str | None) -> Carrier:
+        """What f carries, where nothing else was said."""
+        carried = selection_of(f)
+        return cls((wrt if wrt is not None else carried[0], of if of is not None else carried[1],
+                    engine if engine is not None else carried[2]))
 
 
 class Flattened:
@@ -97,14 +112,24 @@ class Flattened:
     def holders(self, args: Sequence[Any]) -> Iterator[tuple[str, Any, str | int]]:
         """The cells, with the object that holds each and its key there."""
         for (parameter, form), value in zip(self.forms.items(), args):
-            yield from self._holders(form, value, parameter)
+            yield from self.held(form, value, parameter)
 
-    def _holders(self, form: Form, value: Any, path: str) -> Iterator[tuple[str, Any, str | int]]:
+    def write_back(self, args: Sequence[Any], flat: Mapping[str, Any]) -> None:
+        """Gives the fields that the kernel assigns what their cells hold."""
+        for name, holder, key in self.holders(args):
+            value = flat[name][0].item()
+            if isinstance(holder, (dict, list)):
+                holder[key] = value
+            else:
+                setattr(holder, str(key), value)
+
+    def held(self, form: Form, value: Any, path: str) -> Iterator[tuple[str, Any, str | int]]:
+        """The cells in one argument."""
         for key, item in zip(form.keys, form.items) if isinstance(form, Structure) else ():
             assert isinstance(form, Structure)
             inner = step(form, path, key)
             if isinstance(item, Structure):
-                yield from self._holders(item, part_of(form.kind, value, key), inner)
+                yield from self.held(item, part_of(form.kind, value, key), inner)
             elif self.names.get(inner) in self.cells:
                 yield self.names[inner], value, key
 
@@ -225,102 +250,6 @@ class Flattened:
         mapped(form, given, spelling, add)
         return found
 
-    # -- drivers -------------------------------------------------------------------------------------------------------
-
-    def gradient(self, f: Any, args: Sequence[Any], names: Sequence[str] | None) -> tuple[Any, Any]:
-        """The value, and the gradients as `gradient` gives them."""
-        with self.told():
-            asked, call, values = self._reverse(f, args, (RETURN,), names, True)
-            shadows, returned = call.run(values, {RETURN: 1.0})
-            found = self._answered(f, names, asked, call, args, call.gradients(shadows, returned))
-        return returned[0], found[asked[0][0]] if len(asked) == 1 else found
-
-    def vjp(self, f: Any, args: Sequence[Any], seeds: Mapping[str, Any], names: Sequence[str] | None) -> dict[str, Any]:
-        with self.told():
-            values = dict(zip(self.paths, self.values(args)))
-            flat, kept = self._seeds(seeds, values)
-            asked, call, ordered = self._reverse(f, args, tuple(flat), names, False)
-            found = call.vjp(ordered, flat)
-            for name, seed in kept.items():
-                if name in found:
-                    found[name] = found[name] + seed
-            return self._answered(f, names, asked, call, args, found)
-
-    def _seeds(self, seeds: Mapping[str, Any], values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """The seeds of what is written, by flat names, and those of what stays as it is."""
-        flat: dict[str, Any] = {}
-        kept: dict[str, Any] = {}
-        for name, seed in seeds.items():
-            if name == RETURN:
-                flat[RETURN] = seed if self.result is None else self.result_leaves(seed)
-                continue
-            path = self._asked(name, "seeds")
-            written = self.written(path)
-            for leaf, given in self.spread(path, seed, "seed", values).items():
-                (flat if leaf in written else kept)[leaf] = given
-            for leaf in written:
-                flat.setdefault(leaf, seed)  # not a float: refused as any other
-        return flat, kept
-
-    def _reverse(self, f: Any, args: Sequence[Any], outputs: tuple[str, ...], names: Sequence[str] | None,
-                 with_value: bool) -> tuple[list[Path], ReverseCall, list[Any]]:
-        values = self.values(args)
-        inputs, carrier = self.carried(f)
-        asked = self.asked(names, "wrt") if names is not None or inputs is None else inputs
-        wrt = self.flat_names(asked, "wrt") if asked else None
-        key = ("reverse", with_value, outputs, wrt, carrier.__s2sad_selection__, describe(values))
-        call = self.state.entries.get(key)
-        if call is None:
-            call = self.state.entries[key] = ReverseCall(self.state, carrier, tuple(values), outputs, wrt, with_value)
-            call.in_vain = ()
-        return asked, call, values
-
-    def _answered(self, f: Any, names: Sequence[str] | None, asked: list[Path], call: ReverseCall,
-                  args: Sequence[Any], found: Mapping[str, Any]) -> dict[str, Any]:
-        lost = set(call.rv.generated.facts.get("independent", ()))
-        explicit = names is not None or selection_of(f)[0] is not None
-        for name, form, path in asked if explicit else ():
-            if set(self.floats(form, path)) <= lost:
-                message = f"no output asked for of '{self.title}' depends on '{name}': its gradient is zero"
-                warnings.warn(message, S2sadWarning, stacklevel=4)
-        return {path[0]: self.gathered(path, args, found) for path in asked}
-
-    def jvp(self, f: Any, args: Sequence[Any], tangents: Mapping[str, Any], of: Sequence[str] | None) -> dict[str, Any]:
-        with self.told():
-            values = self.values(args)
-            by_name = dict(zip(self.paths, values))
-            flat: dict[str, Any] = {}
-            for name, given in tangents.items():
-                path = self._asked(name, "tangents")
-                own = self.spread(path, given, "tangent", by_name)
-                flat |= own or {self.flat_names([path], "tangents")[0]: given}
-            _, carrier = self.carried(f)
-            outputs = self.outputs(of)
-            key = ("forward", tuple(flat), outputs, carrier.__s2sad_selection__, describe(values))
-            call = self.state.entries.get(key)
-            if call is None:
-                call = self.state.entries[key] = ForwardCall(self.state, carrier, tuple(values), tuple(flat), outputs)
-            found = call.jvp(values, flat)
-            return self._tangents(args, of if of is not None else selection_of(f)[1], found, flat)
-
-    def _tangents(self, args: Sequence[Any], of: Sequence[str] | None, found: dict[str, Any],
-                  given: Mapping[str, Any]) -> dict[str, Any]:
-        """The tangents of outputs: of what a structure holds and the kernel does not write, those that it had."""
-        if of is None:
-            roots = {self.paths[n].partition(".")[0].partition("[")[0] for n in found if n != RETURN}
-            of = [*(p for p in self.forms if p in roots), *([RETURN] if RETURN in found else [])]
-        answer: dict[str, Any] = {}
-        for name in of:
-            if name == RETURN:
-                answer[name] = found[RETURN] if self.result is None else self.result_of(found[RETURN])
-                continue
-            path = self._asked(name, "of")
-            floats = self.floats(path[1], path[2])
-            held = {n: found.get(n, given.get(n)) for n in floats}
-            zeros = {n: make_zero(v) for n, v in zip(self.paths, self.values(args)) if held.get(n, 0) is None}
-            answer[name] = self.gathered(path, args, {**held, **zeros})
-        return answer
-
     # -- results -------------------------------------------------------------------------------------------------------
 
     def result_leaves(self, seed: Any) -> Any:
@@ -339,6 +268,17 @@ class Flattened:
         count = sum(is_held(t) for _, t in leaves(self.result, RETURN))
         remaining = iter(returned if count > 1 else (returned,))
         return _built(self.result, remaining)
+
+    def calling(self, function: Callable[..., Any], args: Sequence[Any]) -> Callable[..., Any]:
+        """The function, which takes structures like args, as one of flat arguments."""
+        def called(*flat: Any) -> Any:
+            by_name = dict(zip(self.paths, flat))
+            own = [self.gathered((p, form, p), args, by_name) for p, form in self.forms.items()]
+            returned = function(*own)
+            for name, holder, key in self.holders(own):
+                by_name[name][0] = holder[key] if isinstance(holder, (dict, list)) else getattr(holder, str(key))
+            return returned if self.result is None else self.result_leaves(returned)
+        return called
 
     @cached_property
     def _summary(self) -> Any:
