@@ -87,8 +87,13 @@ def _form(value: object, name: str, depth: int) -> Form:
     if kind in ("record", "named"):
         annotated = {k: t for c in reversed(made.__mro__) for k, t in vars(c).get("__annotations__", {}).items()}
         floats = frozenset(k for k, t in annotated.items() if t is float or t in _FLOATS)
-    frozen = dataclasses.is_dataclass(made) and made.__dataclass_params__.frozen  # pyright: ignore
-    return Structure(kind, keys, items, made, kind in ("named", "tuple") or bool(frozen), floats)
+    return Structure(kind, keys, items, made, is_fixed(kind, made), floats)
+
+
+def is_fixed(kind: str, made: type) -> bool:
+    """Whether nothing can be assigned to the items: of a frozen dataclass, or one that does more when it is."""
+    assigned = made.__setattr__ not in (object.__setattr__, SimpleNamespace.__setattr__)
+    return kind in ("named", "tuple") or kind == "record" and assigned
 
 
 def _kind(value: object) -> str | None:
@@ -99,9 +104,24 @@ def _kind(value: object) -> str | None:
         return kind.__name__
     if isinstance(value, tuple) and hasattr(kind, "_fields"):
         return "named"
-    if kind is SimpleNamespace or (dataclasses.is_dataclass(value) and not isinstance(value, type)):
+    if kind is SimpleNamespace or (dataclasses.is_dataclass(value) and not isinstance(value, type)
+                                   and kind.__getattribute__ is object.__getattribute__):
         return "record"
     return None
+
+
+def record_fields(made: type) -> tuple[str, dict[str, Any]] | None:
+    """The kind of a class whose constructor only fills its fields, and these with their defaults (`...` without one);
+    None for any other class."""
+    if issubclass(made, tuple) and made.__bases__ == (tuple,) and hasattr(made, "_fields"):
+        defaults = made._field_defaults  # pyright: ignore[reportAttributeAccessIssue]
+        return "named", {n: defaults.get(n, ...) for n in made._fields}  # pyright: ignore[reportAttributeAccessIssue]
+    if "__dataclass_params__" not in vars(made) or hasattr(made, "__post_init__"):
+        return None
+    given = dataclasses.fields(made)  # pyright: ignore[reportArgumentType]
+    plain = made.__dataclass_params__.init and all(  # pyright: ignore[reportAttributeAccessIssue]
+        f.init and not f.kw_only and f.default_factory is dataclasses.MISSING for f in given)
+    return ("record", {f.name: ... if f.default is dataclasses.MISSING else f.default for f in given}) if plain else None
 
 
 def _keys(kind: str, value: Any) -> tuple[str | int, ...]:

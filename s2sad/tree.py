@@ -19,7 +19,7 @@ from typing import Any
 import gast
 from gast import (
     AST, Add, And, AnnAssign, Assert, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Break,
-    Call, Compare, Constant, Continue, Div, Eq, Expr, FloorDiv, For, FunctionDef, Gt, GtE, If, IfExp, In, Invert, Is,
+    Call, Compare, Constant, Continue, Dict, Div, Eq, Expr, FloorDiv, For, FunctionDef, Gt, GtE, If, IfExp, In, Invert, Is,
     IsNot, List, Load, LShift, Lt, LtE, MatMult, Mod, Module, Mult, Name, Not, NotEq, NotIn, Or, Pass, Pow, Raise,
     Return, RShift, Slice, Starred, Store, Sub, Subscript, Tuple, UAdd, UnaryOp, USub, While, arguments, expr,
     keyword,
@@ -27,7 +27,7 @@ from gast import (
 
 __all__ = [
     "AST", "Add", "And", "AnnAssign", "Assert", "Assign", "Attribute", "AugAssign", "BinOp", "BitAnd", "BitOr",
-    "BitXor", "BoolOp", "Break", "Call", "Compare", "Constant", "Continue", "Div", "Eq", "Expr", "FloorDiv", "For",
+    "BitXor", "BoolOp", "Break", "Call", "Compare", "Constant", "Continue", "Dict", "Div", "Eq", "Expr", "FloorDiv", "For",
     "FunctionDef", "Gt", "GtE", "If", "IfExp", "In", "Invert", "Is", "IsNot", "List", "Load", "LShift", "Lt", "LtE",
     "MatMult", "Mod", "Module", "Mult", "Name", "Not", "NotEq", "NotIn", "Or", "Pass", "Pow", "Raise", "Return",
     "RShift", "Slice", "Starred", "Store", "Sub", "Subscript", "Tuple", "UAdd", "UnaryOp", "USub", "While",

@@ -106,7 +106,7 @@ class State:
         return (list(ours.constants) == list(theirs.constants) and list(ours.arrays) == list(theirs.arrays)
                 and all(same_number(v, theirs.constants[k]) for k, v in ours.constants.items())
                 and all(of_value(v) == of_value(theirs.arrays[k]) for k, v in ours.arrays.items())
-                and list(ours.kernels) == list(theirs.kernels) and self.given == given_of(theirs) and self.unchanged()
+                and ours.records == theirs.records and list(ours.kernels) == list(theirs.kernels) and self.given == given_of(theirs) and self.unchanged()
                 and all(_same_kernel(k, theirs.kernels[name]) for name, k in ours.kernels.items()))
 
     def summary(self, types: tuple[Type, ...]) -> Any:

@@ -221,7 +221,7 @@ class Flattened:
         name = self.names.get(path, "")
         if name not in found or not is_held(kind):
             return leaf
-        return float(found[name][0]) if name in self.cells else found[name]
+        return found[name][0].item() if name in self.cells else found[name]
 
     def part(self, path: Path, args: Sequence[Any]) -> Any:
         """The value of a part of the arguments."""
@@ -297,7 +297,8 @@ def _form_of_result(group: Group) -> Form:
 def _built(form: Form, remaining: Iterator[Any]) -> Any:
     """A structure whose leaves are given in order."""
     if isinstance(form, Type):
-        return next(remaining) if is_held(form) else None
+        found = next(remaining) if is_held(form) else None
+        return float(found) if type(found) is np.float64 else found
     items = [_built(i, remaining) for i in form.items]
     if form.kind == "named" and form.made is not None:
         return form.made._make(items)  # pyright: ignore[reportAttributeAccessIssue]

@@ -17,12 +17,12 @@ from s2sad.diagnostics import Report
 from s2sad.infer.types import UNKNOWN
 from s2sad.normalize.calls import bound_arguments, user_call
 from s2sad.normalize.groups import (
-    CELL, NOTHING, Conflict, Group, Leaf, Ordinary, Plain, Value, flat, nothing, pattern, spelled, usable,
+    CELL, NOTHING, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, flat, listed, nothing, pattern, spelled, usable,
 )
 from s2sad.program import Kernel, Program
-from s2sad.structure import Form, Structure
+from s2sad.structure import Form, Structure, is_fixed, record_fields
 from s2sad.tree import (
-    AST, Add, And, Attribute, BinOp, BoolOp, Call, Compare, Constant, FloorDiv, IfExp, In, Is, IsNot, List, Mod, Mult,
+    AST, Add, And, Attribute, BinOp, BoolOp, Call, Compare, Constant, Dict, FloorDiv, IfExp, In, Is, IsNot, List, Mod, Mult,
     Name, Not, NotIn, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, at, call_name, const, copy, keyword, name,
     rebuild,
 )
@@ -68,6 +68,11 @@ class Values:
         if found is not None:
             return found
         return Plain(rebuild(node, lambda n: None if n is node else self._changed(n)))
+
+    def whole(self, node: AST) -> Value:
+        """The value of an expression, a tuple that is written out as a structure."""
+        spelled_out = isinstance(node, (Tuple, List)) and self.structural(node) is None
+        return listed(tuple(self.whole(item) for item in node.elts)) if spelled_out else self.value(node)
 
     def plain(self, node: AST) -> AST:
         """The expression without structures; one that stays a structure is refused."""
@@ -313,6 +318,8 @@ class Values:
                             "give the result a name of its own first")
             return Plain(made)
         called = call_name(node) or ""
+        if called.startswith("record."):
+            return self._constructed(node, called.partition(".")[2])
         if called == "builtins.len":
             return self._length(node)
         if called in ("builtins.tuple", "builtins.list") and len(node.args) == 1:
@@ -327,6 +334,32 @@ class Values:
                 return self._method(base, node)
         return None
 
+    def _constructed(self, node: Call, title: str) -> Value:
+        """`State(u, t=0.0)` of a class that only holds fields."""
+        made = self.program.records[title]
+        kind, defaults = record_fields(made) or ("record", {})
+        given: dict[str, Value] = {}
+        pairs = [*zip(defaults, node.args), *((k.arg or "", k.value) for k in node.keywords)]
+        fit = len(node.args) <= len(defaults) and len({k for k, _ in pairs}) == len(pairs) and all(
+            k in defaults for k, _ in pairs)
+        for key, argument in pairs:
+            given[key] = self.value(argument)
+        for key, default in defaults.items():
+            if key not in given and (default is None or type(default) in (int, float, bool, str)):
+                given[key] = Plain(at(const(default), node))
+        if not fit or any(k not in given for k in defaults):
+            self.refuse(node, f"{title}({', '.join(defaults)}) is made with other arguments", code="S405")
+            return Plain(at(const(0.0), node))
+        return _group(Structure(kind, tuple(defaults), (), made, is_fixed(kind, made)),
+                      [given[k] for k in defaults])
+
+    def _dict(self, node: Dict) -> Value:
+        """A dict whose keys are written out."""
+        keys = tuple(k.value for k in node.keys)
+        if len(set(keys)) < len(keys):
+            self.refuse(node, "a dict that has one key twice", "leave one of them out")
+        return _group(Structure("dict", tuple(dict.fromkeys(keys)), (), dict), [self.value(v) for v in node.values])
+
     def _length(self, node: Call) -> Value | None:
         found = self.structural(node.args[0]) if len(node.args) == 1 else None
         return Plain(at(const(len(found.items)), node)) if isinstance(found, Group) else None
@@ -334,6 +367,10 @@ class Values:
     def _method(self, base: Group, node: Call) -> Value:
         """`p.get("k", 1.0)`, `p.items()`, `p.keys()`, `p.values()` of a dict."""
         method, count, kind = node.func.attr, len(node.args), base.form.kind
+        if kind == "named" and method == "_replace" and not count and all(k.arg in base.form.keys
+                                                                          for k in node.keywords):
+            new = {k.arg: self.value(k.value) for k in node.keywords}
+            return replace(base, items=tuple(new.get(k, i) for k, i in zip(base.form.keys, base.items)), path=SPELLED)
         if kind == "dict" and not node.keywords:
             key = self.key(node.args[0]) if method == "get" and 1 <= count <= 2 else None
             if key is not None:
@@ -358,7 +395,7 @@ class Values:
         if len(self.report.found) > before:
             return None, node, {}
         given = [*zip(kernel.parameters, node.args), *((k.arg or "", k.value) for k in node.keywords)]
-        values = {p: self.value(a) for p, a in given}
+        values = {p: self.whole(a) for p, a in given}
         patterns = tuple(self._pattern(values.get(p), kernel.defaults.get(p, 0)) for p in kernel.parameters)
         callee = self.maker.callee(called, patterns)
         positional, keywords = [], []
@@ -408,13 +445,13 @@ class Values:
                             "return the new value, and assign it here")
 
 
-def listed(items: tuple[Value, ...]) -> Group:
-    """Values as a tuple."""
-    return Group(Structure("tuple", tuple(range(len(items))), (UNKNOWN,) * len(items), None, True), items, "the tuple")
+def _group(form: Structure, items: list[Value]) -> Group:
+    """A structure that a kernel makes."""
+    return Group(replace(form, items=tuple(map(pattern, items))), tuple(items), SPELLED)
 
 
 def _called(group: Group, node: AST) -> str:
-    return f"'{group.path}'" if " " not in group.path else "the tuple"
+    return f"'{group.path}'" if group.path != SPELLED else str(group.form).replace("a ", "the ", 1)
 
 
 def _parts(group: Group) -> str:
@@ -430,5 +467,5 @@ def _is_none(node: AST) -> bool:
 _SEEN: dict[type, Callable[[Values, Any], Value | None]] = {
     Name: Values._name, Attribute: Values._field, Subscript: Values._item, Call: Values._call, Compare: Values._test,
     BoolOp: Values._test, UnaryOp: lambda v, n: v._test(n) if isinstance(n.op, Not) else None, IfExp: Values._choice,
-    Tuple: Values._display, List: Values._display,
+    Tuple: Values._display, List: Values._display, Dict: Values._dict,
 }

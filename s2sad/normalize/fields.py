@@ -22,12 +22,12 @@ from s2sad.normalize.calls import user_call
 from s2sad.normalize.exits import FALL, exits
 from s2sad.normalize.field_blocks import Blocks
 from s2sad.normalize.groups import (
-    CELL, ORDINARY, Group, Leaf, Plain, Value, flat, grouped, nothing, spelled, usable,
+    CELL, ORDINARY, SPELLED, Group, Leaf, Plain, Value, flat, grouped, nothing, spelled, usable,
 )
 from s2sad.program import Kernel, Program
 from s2sad.structure import Form, Structure, is_held, leaves, step
 from s2sad.tree import (
-    AST, Attribute, Compare, FunctionDef, In, Is, IsNot, Name, NotIn, Return, Store, at, const, function, name,
+    AST, Attribute, Compare, Dict, In, Is, IsNot, List, Name, NotIn, Return, Store, Tuple, at, const, function,
     tuple_of, walk,
 )
 
@@ -53,8 +53,10 @@ class Made:
 
 
 def asks(program: Program) -> bool:
-    """Whether kernels assign attributes or test what arguments are, which is decided here."""
-    return any(isinstance(n, Attribute) and isinstance(n.ctx, Store) or
+    """Whether kernels assign attributes, make structures or test what arguments are: that is settled here."""
+    return bool(program.records) or any(
+               isinstance(n, Dict) or user_call(n) is not None and any(isinstance(a, (Tuple, List)) for a in n.args) or
+               isinstance(n, Attribute) and isinstance(n.ctx, Store) or
                isinstance(n, Compare) and any(isinstance(o, (Is, IsNot, In, NotIn)) for o in n.ops)
                for k in program.kernels.values() for n in walk(k.tree.body))
 
@@ -168,11 +170,15 @@ class _Making:
 
     def _returned(self, blocks: Blocks, body: list[AST], report: Report, is_entry: bool) -> Group | None:
         """What structure a kernel returns; its returns give the values that the caller does not have."""
-        if not blocks.returned:
+        given = {id(r) for r, _ in blocks.returned}
+        others = [n for n in walk(body) if isinstance(n, Return) and id(n) not in given]
+        tuples = all(isinstance(i, (Plain, Leaf)) for _, g in blocks.returned for i in g.items)
+        if not blocks.returned or (others or is_entry) and tuples and all(g.path == SPELLED for _, g in blocks.returned):
+            for node, group in blocks.returned:
+                node.value = spelled(group, node)
             return None
         groups = [group for _, group in blocks.returned]
         places = [[v.place if isinstance(v, Leaf) and not is_entry else -1 for v in flat(g)] for g in groups]
-        others = [n for n in walk(body) if isinstance(n, Return) and all(n is not r for r, _ in blocks.returned)]
         for node, group in blocks.returned:
             if _keys(group) != _keys(groups[0]) or others:
                 report.error("S201", "returns that are structures of different makes, or no structure on some way",

@@ -14,6 +14,7 @@ from s2sad.infer.types import NONE, UNKNOWN, Type
 from s2sad.structure import Form, Structure, is_held, step
 from s2sad.tree import AST, Constant, at, const, index, name, tuple_of
 
+SPELLED = "the tuple"                   # the path of a tuple that is written out
 CELL = "cell"                           # the kind of type of a number that lives in an array of one element
 
 
@@ -109,6 +110,11 @@ def pattern(value: Value) -> Form:
     if nothing(value):
         return NONE
     return value.type if isinstance(value, Leaf) else UNKNOWN
+
+
+def listed(items: tuple[Value, ...]) -> Group:
+    """Values as a tuple."""
+    return Group(Structure("tuple", tuple(range(len(items))), (UNKNOWN,) * len(items), None, True), items, SPELLED)
 
 
 def grouped(form: Form, path: str, leaf) -> Value:

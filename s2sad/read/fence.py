@@ -54,7 +54,12 @@ _REFUSED = {
 
 def opaque(node: AST) -> bool:
     """Whether the fence refuses the node as a whole, whatever is inside."""
-    return type(node).__name__ in _REFUSED
+    return type(node).__name__ in _REFUSED and not is_record(node)
+
+
+def is_record(node: AST) -> bool:
+    """Whether an expression is a dict whose keys are strings that are written out."""
+    return type(node).__name__ == "Dict" and all(k is not None and _is_string(k) for k in node.keys)
 
 
 def check(function: AST, report: Report) -> None:

@@ -10,7 +10,7 @@ from s2sad.diagnostics import Report, S2sadError, Span
 from s2sad.program import Kernel, Program
 from s2sad.read import fence
 from s2sad.read.capture import capture
-from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number
+from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number, Record
 from s2sad.read.modules import FileFunction
 from s2sad.read.resolve import Resolved, resolve
 
@@ -26,7 +26,7 @@ class Linker:
     """Collects what the entry reaches; `program` gives it, or raises with everything that is wrong."""
 
     def __init__(self) -> None:
-        self.outside: dict[Hashable, tuple[str, Function | Number | Array]] = {}
+        self.outside: dict[Hashable, tuple[str, Function | Number | Array | Record]] = {}
         self.found: dict[str, _Found] = {}  # callees first
         self.reports: list[Report] = []
 
@@ -43,16 +43,20 @@ class Linker:
         values = {names[key].partition(".")[2]: m for key, m in self.outside.values() if not isinstance(m, Function)}
         constants = {n: m.value for n, m in values.items() if isinstance(m, Number)}
         arrays = {n: m.value for n, m in values.items() if isinstance(m, Array)}
+        records = {n: m.value for n, m in values.items() if isinstance(m, Record)}
         watched = {names[key]: m.current for key, m in self.outside.values()
-                   if not isinstance(m, Function) and m.current is not None}
-        return Program(names[self.identify(entry)].partition(".")[2], kernels, constants, arrays), watched
+                   if not isinstance(m, (Function, Record)) and m.current is not None}
+        return Program(names[self.identify(entry)].partition(".")[2], kernels, constants, arrays,
+                       records), watched
 
-    def identify(self, meaning: Function | Number | Array) -> str:
+    def identify(self, meaning: Function | Number | Array | Record) -> str:
         """A provisional dotted name, one for each function, each number by name and value, each array."""
         if isinstance(meaning, Function):
             kind, key = "user", meaning.key
         elif isinstance(meaning, Number):
             kind, key = "const", (meaning.name, type(meaning.value).__name__, repr(meaning.value))
+        elif isinstance(meaning, Record):
+            kind, key = "record", (meaning.name, id(meaning.value))
         else:
             kind, key = "array", (meaning.name, id(meaning.value))
         return self.outside.setdefault((kind, key), (f"{kind}.{len(self.outside)}", meaning))[0]
