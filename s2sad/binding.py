@@ -157,8 +157,8 @@ def make_zero(x: Any) -> Any:
     """A zero shadow of the same structure as x: arrays and floats zero, everything else as it is.
 
     Args: x, a float, an array of float64 or float32 of any shape, an integer, bool, str or None, or a dataclass, named
-    tuple, tuple, list or dict of such; what else a structure holds stays. Raises S2sadError (S405) for other types. The shadows are those of Enzyme (Moses and Churavy,
-    NeurIPS 2020).
+    tuple, tuple, list or dict of such; what else a structure holds stays. Raises S2sadError (S405) for other types. The
+    shadows are those of Enzyme (Moses and Churavy, NeurIPS 2020).
 
     >>> import numpy as np
     >>> make_zero((np.ones(2), 3.0, 4))

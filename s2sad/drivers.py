@@ -36,7 +36,8 @@ def gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = None) -> C
     derivatives, names = derivatives_of(f), names_of(wrt)
 
     def gradient_of(*args: Any, **keywords: Any) -> Any:
-        return _with_gradient(f, derivatives, names, args, keywords)[1]
+        entry, args = _prepared(f, derivatives, names, args, keywords)
+        return entry.value_and_gradient(args)[1]
 
     return _titled(gradient_of, f, "gradient")
 
@@ -58,25 +59,26 @@ def value_and_gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = 
     derivatives, names = derivatives_of(f), names_of(wrt)
 
     def value_and_gradient_of(*args: Any, **keywords: Any) -> Any:
-        return _with_gradient(f, derivatives, names, args, keywords)
+        entry, args = _prepared(f, derivatives, names, args, keywords)
+        return entry.value_and_gradient(args)
 
     return _titled(value_and_gradient_of, f, "value and gradient")
 
 
-def _with_gradient(f: Any, derivatives: Derivatives, names: tuple[str, ...] | None, args: tuple[Any, ...],
-                   keywords: dict[str, Any]) -> tuple[Any, Any]:
-    """The value and the gradient."""
+def _prepared(f: Any, derivatives: Derivatives, names: tuple[str, ...] | None, args: tuple[Any, ...],
+              keywords: dict[str, Any]) -> tuple[ReverseCall | with_structures.Gradient, tuple[Any, ...]]:
+    """The prepared gradient for arguments of these types, and the arguments by position."""
     state = derivatives.state()
     if keywords:
         args = tuple(bind(state.kernel, args, keywords))
     apart = flattened(state, args)
     if apart is not None:
-        return with_structures.gradient(apart, f, bind(state.kernel, args), names)
+        return with_structures.Gradient(apart, f, names), tuple(bind(state.kernel, args))
     key = ("gradient", names, describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
         entry = state.entries[key] = ReverseCall(state, f, args, (RETURN,), names, with_value=True)
-    return entry.value_and_gradient(args)
+    return entry, args
 
 
 def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],

@@ -28,8 +28,8 @@ class Program:
     """A kernel and every kernel that it calls, by name, callees before callers; `entry` is the last one's name.
 
     `constants` holds the numbers that kernels read from their module or closure, by the name behind
-    `const.`; `arrays` the arrays read likewise, which become hidden parameters of every kernel on the way; `records` the
-    classes that kernels make structures with, by the name behind `record.`.
+    `const.`; `arrays` the arrays read likewise, which become hidden parameters of every kernel on the way; `records`
+    the classes that kernels make structures with, by the name behind `record.`.
     """
     entry: str
     kernels: dict[str, Kernel]

@@ -121,7 +121,8 @@ def record_fields(made: type) -> tuple[str, dict[str, Any]] | None:
     given = dataclasses.fields(made)  # pyright: ignore[reportArgumentType]
     plain = made.__dataclass_params__.init and all(  # pyright: ignore[reportAttributeAccessIssue]
         f.init and not f.kw_only and f.default_factory is dataclasses.MISSING for f in given)
-    return ("record", {f.name: ... if f.default is dataclasses.MISSING else f.default for f in given}) if plain else None
+    defaults = {f.name: ... if f.default is dataclasses.MISSING else f.default for f in given}
+    return ("record", defaults) if plain else None
 
 
 def _keys(kind: str, value: Any) -> tuple[str | int, ...]:
@@ -138,6 +139,14 @@ def _keys(kind: str, value: Any) -> tuple[str | int, ...]:
 def part_of(kind: str, value: Any, key: str | int) -> Any:
     """One item of a structure."""
     return getattr(value, str(key)) if kind in ("record", "named") else value[key]
+
+
+def assign_part(kind: str, value: Any, key: str | int, new: Any) -> None:
+    """Assigns one item of a structure."""
+    if kind in ("dict", "list"):
+        value[key] = new
+    else:
+        setattr(value, str(key), new)
 
 
 def _leaf(value: object) -> Type:

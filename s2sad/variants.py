@@ -80,8 +80,7 @@ class Derivatives:
 
 class State:
     """A program whose constants are known, and what was derived from it. `entries` keeps prepared calls by their
-    callers' keys. A `flat` one takes the leaves of structures; one that `asks` must know what its arguments are made of.
-    """
+    callers' keys. A `flat` one takes the leaves of structures; one that `asks` must know what arguments are made of."""
 
     def __init__(self, program: Program, function: FunctionType, flat: bool = False):
         self.program, self.function, self.flat = program, function, flat
@@ -106,7 +105,8 @@ class State:
         return (list(ours.constants) == list(theirs.constants) and list(ours.arrays) == list(theirs.arrays)
                 and all(same_number(v, theirs.constants[k]) for k, v in ours.constants.items())
                 and all(of_value(v) == of_value(theirs.arrays[k]) for k, v in ours.arrays.items())
-                and ours.records == theirs.records and list(ours.kernels) == list(theirs.kernels) and self.given == given_of(theirs) and self.unchanged()
+                and ours.records == theirs.records
+                and list(ours.kernels) == list(theirs.kernels) and self.given == given_of(theirs) and self.unchanged()
                 and all(_same_kernel(k, theirs.kernels[name]) for name, k in ours.kernels.items()))
 
     def summary(self, types: tuple[Type, ...]) -> Any:

@@ -16,14 +16,13 @@ import numpy as np
 
 from s2sad.annotated import AnnotatedCall
 from s2sad.annotations import Active, Annotation, Const, Duplicated, Mode
-from s2sad.binding import FLOATS, bind, describe, misfit
+from s2sad.binding import FLOATS, bind, describe
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.flattened.structures import Carrier, Flattened, flattened
 from s2sad.infer.types import Type
-from s2sad.prepared import selection_of
 from s2sad.selection import RETURN, Results, selected_of, selected_wrt
 from s2sad.shadowed import ShadowedCall
-from s2sad.structure import Structure, is_held, is_structure, leaves, mapped, part_of, step
+from s2sad.structure import Structure, assign_part, is_held, is_structure, leaves, part_of, step
 from s2sad.variants import State
 
 _READINGS = 512
@@ -51,8 +50,8 @@ class _Annotated:
         self.apart, self.mode, self.engine = apart, mode, engine
         self.args = list(values)
         self.given: list[Any] = []
-        self.active: list[tuple[Any, str | int] | None] = []    # where each Active float's adjoint is added
-        self.shadowed: list[tuple[np.ndarray, Any, str | int]] = []
+        self.active: list[tuple[str, Any, str | int] | None] = []   # where each Active float's adjoint is added
+        self.shadowed: list[tuple[np.ndarray, str, Any, str | int]] = []
         flat = apart.values(self.args)
         self.flat = dict(zip(apart.paths, flat))
         for (parameter, form), mark in zip(apart.forms.items(), marks):
@@ -97,14 +96,14 @@ class _Annotated:
                 continue
             name = self.apart.names.get(inner, "")
             if name in self.apart.cells and name in shadows:
-                self.shadowed.append((shadows[name], shadow, key))
+                self.shadowed.append((shadows[name], form.kind, shadow, key))
             elif self.mode.reverse and name in shadows and not item.is_array:
                 if form.fixed:
                     what = "a frozen dataclass" if form.kind == "record" else str(form)
                     raise S2sadError(Diagnostic("S402", f"the float '{inner}' lies in {what}: its adjoint cannot be "
                                                 "added to the shadow", help="use s2sad.vjp or s2sad.gradient, which "
                                                 f"return it, or hold '{inner}' in an array"))
-                self.active.append((shadow, key))
+                self.active.append((form.kind, shadow, key))
 
     def called(self, seed: Any) -> Any:
         apart = self.apart
@@ -119,8 +118,8 @@ class _Annotated:
             seed = apart.result_leaves(seed)
         found = entry(values, shadows, seed)
         derivative, primal = found if self.mode.with_primal else (found, None)
-        for cell, holder, key in self.shadowed:
-            assign_item(holder, key, float(cell[0]))
+        for cell, kind, holder, key in self.shadowed:
+            assign_part(kind, holder, key, float(cell[0]))
         if entry.keeps:
             apart.write_back(self.args, self.flat)
         if self.mode.reverse:
@@ -138,18 +137,8 @@ class _Annotated:
             if place is None:
                 left.append(value)
             else:
-                holder, key = place
-                before = getattr(holder, str(key)) if not isinstance(holder, (dict, list)) else holder[key]
-                assign_item(holder, key, before + value)
+                assign_part(*place, part_of(*place) + value)
         return tuple(left)
-
-
-def assign_item(holder: Any, key: str | int, value: Any) -> None:
-    """Assigns an item of a structure."""
-    if isinstance(holder, (dict, list)):
-        holder[key] = value
-    else:
-        setattr(holder, str(key), value)
 
 
 # -- f.adjoint and f.tangent ----------------------------------------------------------------------------------------
@@ -223,7 +212,7 @@ def _called(apart: Flattened, mode: str, layout: Layout, args: Sequence[Any], sh
     own = [args[k] for k, (role, _) in enumerate(layout) if role == "primal"]
     values = dict(zip(apart.paths, apart.values(own)))
     bars: dict[str, Any] = {}
-    cells: list[tuple[np.ndarray, Any, str | int]] = []
+    cells: list[tuple[np.ndarray, str, Any, str | int]] = []
     for k, (role, parameter) in enumerate(layout):
         if role == "shadow":
             form = apart.forms[parameter]
@@ -232,7 +221,7 @@ def _called(apart: Flattened, mode: str, layout: Layout, args: Sequence[Any], sh
                 continue
             found = apart.spread((parameter, form, parameter), args[k], "shadow", values)
             bars |= {n: v for n, v in found.items() if apart.paths[n] in shadows}
-            cells += [(bars[n], holder, key) for n, holder, key in apart.held(form, args[k], parameter) if n in bars]
+            cells += [(bars[n], kind, v, i) for n, kind, v, i in apart.held(form, args[k], parameter) if n in bars]
     flat: list[Any] = []
     for name, value in values.items():
         flat += [value, bars[name]] if name in bars else [value]
@@ -242,8 +231,8 @@ def _called(apart: Flattened, mode: str, layout: Layout, args: Sequence[Any], sh
     if entry is None:
         entry = apart.state.entries[key] = ShadowedCall(apart.state, mode, tuple(flat), carrier.__s2sad_selection__)
     returned = entry(tuple(flat))
-    for cell, holder, item in cells:
-        assign_item(holder, item, float(cell[0]))
+    for cell, kind, holder, item in cells:
+        assign_part(kind, holder, item, float(cell[0]))
     return returned
 
 

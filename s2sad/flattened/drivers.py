@@ -15,16 +15,25 @@ from s2sad.prepared import ForwardCall, ReverseCall, selection_of
 from s2sad.selection import RETURN
 
 
-def gradient(apart: Flattened, f: Any, args: Sequence[Any], names: Sequence[str] | None) -> tuple[Any, Any]:
-    """The value, and the gradients as `gradient` gives them."""
-    with apart.told():
-        asked, call, values = _reverse(apart, f, args, (RETURN,), names, True)
-        shadows, returned = call.run(values, {RETURN: 1.0})
-        found = _answered(apart, f, names, asked, call, args, call.gradients(shadows, returned))
-    return returned[0], found[asked[0][0]] if len(asked) == 1 else found
+class Gradient:
+    """A `gradient` of a function that takes structures."""
+
+    def __init__(self, apart: Flattened, f: Any, names: Sequence[str] | None):
+        self.apart, self.f, self.names = apart, f, names
+
+    def value_and_gradient(self, args: Sequence[Any]) -> tuple[Any, Any]:
+        """The value, and the gradients as `gradient` gives them."""
+        apart = self.apart
+        with apart.told():
+            asked, call, values = _reverse(apart, self.f, args, (RETURN,), self.names, True)
+            shadows, returned = call.run(values, {RETURN: 1.0})
+            found = _answered(apart, self.f, self.names, asked, call, args, call.gradients(shadows, returned))
+        return returned[0], found[asked[0][0]] if len(asked) == 1 else found
 
 
-def vjp(apart: Flattened, f: Any, args: Sequence[Any], seeds: Mapping[str, Any], names: Sequence[str] | None) -> dict[str, Any]:
+def vjp(apart: Flattened, f: Any, args: Sequence[Any], seeds: Mapping[str, Any], names: Sequence[str] | None
+        ) -> dict[str, Any]:
+    """The gradients as `vjp` gives them."""
     with apart.told():
         values = dict(zip(apart.paths, apart.values(args)))
         flat, kept = _seeds(apart, seeds, values)
@@ -36,7 +45,8 @@ def vjp(apart: Flattened, f: Any, args: Sequence[Any], seeds: Mapping[str, Any],
         return _answered(apart, f, names, asked, call, args, found)
 
 
-def _seeds(apart: Flattened, seeds: Mapping[str, Any], values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+def _seeds(apart: Flattened, seeds: Mapping[str, Any], values: Mapping[str, Any]
+           ) -> tuple[dict[str, Any], dict[str, Any]]:
     """The seeds of what is written, by flat names, and those of what stays as it is."""
     flat: dict[str, Any] = {}
     kept: dict[str, Any] = {}
@@ -78,7 +88,9 @@ def _answered(apart: Flattened, f: Any, names: Sequence[str] | None, asked: list
     return {path[0]: apart.gathered(path, args, found) for path in asked}
 
 
-def jvp(apart: Flattened, f: Any, args: Sequence[Any], tangents: Mapping[str, Any], of: Sequence[str] | None) -> dict[str, Any]:
+def jvp(apart: Flattened, f: Any, args: Sequence[Any], tangents: Mapping[str, Any], of: Sequence[str] | None
+        ) -> dict[str, Any]:
+    """The tangents as `jvp` gives them."""
     with apart.told():
         values = apart.values(args)
         by_name = dict(zip(apart.paths, values))

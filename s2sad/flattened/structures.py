@@ -6,7 +6,6 @@ and numbers only.
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -15,20 +14,21 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.binding import admitted, bind, describe, make_zero, misfit
-from s2sad.diagnostics import Diagnostic, S2sadError, S2sadWarning
+from s2sad.binding import admitted, bind, misfit
+from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import FLOAT, NONE, UNKNOWN, Type, array
 from s2sad.normalize.fields import Flat, fields
 from s2sad.normalize.groups import Group, nothing
-from s2sad.prepared import ForwardCall, ReverseCall, selection_of
+from s2sad.prepared import selection_of
 from s2sad.selection import RETURN
 from s2sad.structure import (
-    Form, Structure, fits, form_of, is_held, is_structure, leaves, mapped, part_of, reached, step, steps,
+    Form, Structure, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, part_of, reached, step, steps,
     without_lengths,
 )
 from s2sad.variants import State
 
 _PLAIN = frozenset((np.ndarray, float, int, bool, np.float64, type(None), str))
+Holder = tuple[str, str, Any, "str | int"]
 Path = tuple[str, Form, str]            # what the caller asked for, what it is, its path in one spelling
 
 
@@ -106,24 +106,20 @@ class Flattened:
         if not self.cells:
             return
         places = {n: k for k, n in enumerate(self.paths)}
-        for name, holder, key in self.holders(args):
+        for name, _, holder, key in self.holders(args):
             found[places[name]] = seen.setdefault((id(holder), key), found[places[name]])
 
-    def holders(self, args: Sequence[Any]) -> Iterator[tuple[str, Any, str | int]]:
-        """The cells, with the object that holds each and its key there."""
+    def holders(self, args: Sequence[Any]) -> Iterator[Holder]:
+        """The cells, each with the structure that holds it, its kind and the key there."""
         for (parameter, form), value in zip(self.forms.items(), args):
             yield from self.held(form, value, parameter)
 
     def write_back(self, args: Sequence[Any], flat: Mapping[str, Any]) -> None:
         """Gives the fields that the kernel assigns what their cells hold."""
-        for name, holder, key in self.holders(args):
-            value = flat[name][0].item()
-            if isinstance(holder, (dict, list)):
-                holder[key] = value
-            else:
-                setattr(holder, str(key), value)
+        for name, kind, holder, key in self.holders(args):
+            assign_part(kind, holder, key, flat[name][0].item())
 
-    def held(self, form: Form, value: Any, path: str) -> Iterator[tuple[str, Any, str | int]]:
+    def held(self, form: Form, value: Any, path: str) -> Iterator[Holder]:
         """The cells in one argument."""
         for key, item in zip(form.keys, form.items) if isinstance(form, Structure) else ():
             assert isinstance(form, Structure)
@@ -131,7 +127,7 @@ class Flattened:
             if isinstance(item, Structure):
                 yield from self.held(item, part_of(form.kind, value, key), inner)
             elif self.names.get(inner) in self.cells:
-                yield self.names[inner], value, key
+                yield self.names[inner], form.kind, value, key
 
     @contextmanager
     def told(self) -> Iterator[None]:
@@ -225,10 +221,9 @@ class Flattened:
 
     def part(self, path: Path, args: Sequence[Any]) -> Any:
         """The value of a part of the arguments."""
-        keys = steps(path[2]) or ()
-        form = self.forms[str(keys[0])]
-        value = args[list(self.forms).index(str(keys[0]))]
-        for key in keys[1:]:
+        root, *keys = steps(path[2]) or ("",)
+        form, value = self.forms[str(root)], args[list(self.forms).index(str(root))]
+        for key in keys:
             assert isinstance(form, Structure)
             value, form = part_of(form.kind, value, key), form.items[form.keys.index(key)]
         return value
@@ -275,8 +270,8 @@ class Flattened:
             by_name = dict(zip(self.paths, flat))
             own = [self.gathered((p, form, p), args, by_name) for p, form in self.forms.items()]
             returned = function(*own)
-            for name, holder, key in self.holders(own):
-                by_name[name][0] = holder[key] if isinstance(holder, (dict, list)) else getattr(holder, str(key))
+            for name, kind, holder, key in self.holders(own):
+                by_name[name][0] = part_of(kind, holder, key)
             return returned if self.result is None else self.result_leaves(returned)
         return called
 
@@ -305,7 +300,7 @@ def _built(form: Form, remaining: Iterator[Any]) -> Any:
     if form.kind == "dict":
         return dict(zip(form.keys, items))
     if form.kind == "record" and form.made is not None:
-        new = form.made.__new__(form.made)
+        new = object.__new__(form.made)
         for key, item in zip(form.keys, items):
             object.__setattr__(new, str(key), item)
         return new

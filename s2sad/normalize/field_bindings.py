@@ -17,7 +17,7 @@ from dataclasses import replace
 from s2sad.diagnostics import Report
 from s2sad.infer.types import NONE, UNKNOWN
 from s2sad.normalize.calls import user_call
-from s2sad.normalize.field_values import NO, Callee, Maker, Values
+from s2sad.normalize.field_values import NO, Maker, Values
 from s2sad.normalize.groups import (
     ORDINARY, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, flat, listed, nothing, spelled, usable,
 )
@@ -162,14 +162,16 @@ class Bindings(Values):
         for key, item in zip(group.form.keys, group.items):
             path = step(group.form, wanted, key)
             if isinstance(item, Group):
-                inner, item = self._kept(item, origin, path, copying)
+                inner, part = self._kept(item, origin, path, copying)
                 pairs += inner
+                items.append(part)
             elif isinstance(item, Plain) and not isinstance(item.node, Constant) or isinstance(item, Leaf) and usable(
                     item) and (copying or item.is_cell and group.path == SPELLED):
                 held = self.fresh(path)
                 pairs.append((name(held), spelled(item, origin) or const(0.0)))
-                item = Leaf(held, path, UNKNOWN)
-            items.append(item)
+                items.append(Leaf(held, path, UNKNOWN))
+            else:
+                items.append(item)
         path = wanted if group.path == SPELLED or copying else group.path
         return pairs, replace(group, items=tuple(items), path=path)
 
@@ -215,7 +217,8 @@ class Bindings(Values):
                 return at(Name("_", Store(), None, None), node)
             return None
         read = type(node)(*[getattr(node, f) for f in node._fields[:-1]], name("x").ctx)
-        item = self.field_of(base, at(read, node)) if isinstance(node, Attribute) else self.item_of(base, at(read, node))
+        found = self.field_of if isinstance(node, Attribute) else self.item_of
+        item = found(base, at(read, node))  # pyright: ignore[reportArgumentType]
         dummy = at(Name("_", Store(), None, None), node)
         if not isinstance(item, Leaf) or not self._assignable(base, item, node, augmented):
             if isinstance(item, Group):

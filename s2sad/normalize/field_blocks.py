@@ -23,7 +23,7 @@ from s2sad.normalize.loops import LONGEST
 from s2sad.program import Kernel
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Break, Call, Constant, Continue, Expr, For, If, List, Name, Return,
-    Store, Subscript, Tuple, While, at, call_name, const, copy, name, names, stored_names, tuple_of, walk,
+    Store, Subscript, Tuple, While, at, call_name, const, copy, name, names, tuple_of, walk,
 )
 
 _ITEMS = ".items"                       # no user's name: what a loop that is written out still goes through
@@ -184,9 +184,7 @@ class Blocks(Bindings):
         if called == "builtins.zip":
             return self._zipped(iterable)
         if called == "builtins.range" and loop is not None and self._picks(loop):
-            bounds = [self.key(p) for p in parts]
-            if bounds and all(isinstance(b, int) for b in bounds):
-                return [Plain(at(const(k), iterable)) for k in range(*bounds)]
+            return self._counted(iterable)
         if loop is not None and isinstance(iterable, (Tuple, List)) and self._picks(loop) and all(
                 isinstance(i, Constant) for i in iterable.elts):
             return [Plain(i) for i in iterable.elts]
@@ -197,6 +195,13 @@ class Blocks(Bindings):
             return [Plain(at(const(k), iterable)) for k in found.form.keys]
         return list(found.items) if found.form.is_sequence else None
 
+    def _counted(self, node: Call) -> list[Value] | None:
+        """The numbers of a range whose bounds are known here."""
+        bounds = [b for b in map(self.key, node.args) if isinstance(b, int)]
+        if not bounds or len(bounds) < len(node.args) or bounds[2:] == [0] or len(range(*bounds)) > LONGEST * 4:
+            return None
+        return [Plain(at(const(k), node)) for k in range(*bounds)]
+
     def _zipped(self, iterable: Call) -> list[Value] | None:
         columns = [self._items(p) for p in iterable.args]
         if all(c is None for c in columns):
@@ -205,9 +210,7 @@ class Blocks(Bindings):
             if columns[k] is None and isinstance(part, (Tuple, List)):
                 columns[k] = [self.value(e) for e in part.elts]
             elif columns[k] is None and call_name(part) == "builtins.range":
-                bounds = [self.key(p) for p in part.args]
-                if all(isinstance(b, int) for b in bounds):
-                    columns[k] = [Plain(at(const(i), part)) for i in range(*bounds)]
+                columns[k] = self._counted(part)
         if any(c is None for c in columns):
             self.refuse(iterable, "zip() of a structure and of something whose length is not known here",
                         "loop over range(len(...)) of the structure, and index both")

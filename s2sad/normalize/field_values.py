@@ -17,14 +17,15 @@ from s2sad.diagnostics import Report
 from s2sad.infer.types import UNKNOWN
 from s2sad.normalize.calls import bound_arguments, user_call
 from s2sad.normalize.groups import (
-    CELL, NOTHING, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, flat, listed, nothing, pattern, spelled, usable,
+    CELL, NOTHING, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, flat, listed, nothing, pattern, spelled,
+    usable,
 )
 from s2sad.program import Kernel, Program
 from s2sad.structure import Form, Structure, is_fixed, record_fields
 from s2sad.tree import (
-    AST, Add, And, Attribute, BinOp, BoolOp, Call, Compare, Constant, Dict, FloorDiv, IfExp, In, Is, IsNot, List, Mod, Mult,
-    Name, Not, NotIn, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, at, call_name, const, copy, keyword, name,
-    rebuild,
+    AST, Add, And, Attribute, BinOp, BoolOp, Call, Compare, Constant, Dict, FloorDiv, IfExp, In, Is, IsNot, List, Mod,
+    Mult, Name, Not, NotIn, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, at, call_name, const, copy, keyword,
+    name, rebuild,
 )
 
 NO = "is not supported in a kernel"
@@ -139,10 +140,12 @@ class Values:
                 return base.item(node.attr)
             self._absent(base, node, f"{_called(base, node.value)} has no field '{node.attr}'", node.attr, "fields")
         else:
-            kind = base.form.kind
-            key = f'["{node.attr}"]' if kind == "dict" else "[0]"
-            self.refuse(node, f"{_called(base, node.value)} is a {kind}: it has no attribute '{node.attr}' in a kernel",
-                        f"its items are read as {base.path}{key}", "S203")
+            numbers = all(isinstance(i, Leaf) and i.type.kind in ("number", CELL) for i in base.items)
+            help = f"write {base.path}[{node.attr!r}]" if node.attr in base.form.keys else (
+                f"its items are read as {_parts(base)}" if base.items and not (numbers and base.form.is_sequence) else
+                f"pass numpy.array({base.path}, dtype=float)" if base.form.is_sequence else "it is empty")
+            self.refuse(node, f"{_called(base, node.value)} is {base.form}, which has no attribute '{node.attr}' in a "
+                        "kernel", help, "S203")
         return Plain(at(const(0.0), node))
 
     def _absent(self, base: Group, node: AST, message: str, key: str, what: str) -> None:
@@ -193,15 +196,12 @@ class Values:
                     f"than {wanted}", help, "S203")
 
     def _slice(self, base: Group, node: Subscript) -> Value:
-        bounds = [None if b is None else self.key(b) for b in (node.slice.lower, node.slice.upper, node.slice.step)]
-        given = [b for b in (node.slice.lower, node.slice.upper, node.slice.step) if b is not None]
-        if any(not isinstance(self.key(b), int) for b in given) or bounds[2] == 0:
+        written = (node.slice.lower, node.slice.upper, node.slice.step)
+        bounds = [None if b is None else self.key(b) for b in written]
+        if any(b is not None and not isinstance(k, int) for b, k in zip(written, bounds)) or bounds[2] == 0:
             self._dynamic(base, node)
             return Plain(at(const(0.0), node))
-        items = base.items[slice(*bounds)]
-        kind = "tuple" if base.form.kind == "named" else base.form.kind
-        form = Structure(kind, tuple(range(len(items))), base.form.items[slice(*bounds)], None, kind == "tuple")
-        return Group(form, items, base.path)
+        return listed(base.items[slice(*[k if isinstance(k, int) else None for k in bounds])])
 
     def key(self, node: AST) -> int | str | None:
         """The constant that an index is, loops that are written out considered."""
@@ -367,10 +367,10 @@ class Values:
     def _method(self, base: Group, node: Call) -> Value:
         """`p.get("k", 1.0)`, `p.items()`, `p.keys()`, `p.values()` of a dict."""
         method, count, kind = node.func.attr, len(node.args), base.form.kind
-        if kind == "named" and method == "_replace" and not count and all(k.arg in base.form.keys
-                                                                          for k in node.keywords):
-            new = {k.arg: self.value(k.value) for k in node.keywords}
-            return replace(base, items=tuple(new.get(k, i) for k, i in zip(base.form.keys, base.items)), path=SPELLED)
+        new = {str(k.arg): self.value(k.value) for k in node.keywords} if method == "_replace" else {}
+        if kind == "named" and new and not count and new.keys() <= set(base.form.keys):
+            items = tuple(new.get(str(k), i) for k, i in zip(base.form.keys, base.items))
+            return replace(base, items=items, path=SPELLED)
         if kind == "dict" and not node.keywords:
             key = self.key(node.args[0]) if method == "get" and 1 <= count <= 2 else None
             if key is not None:
@@ -379,9 +379,9 @@ class Values:
                 return self.value(node.args[1]) if count == 2 else NOTHING
             keys = tuple(Plain(at(const(k), node)) for k in base.form.keys)
             pairs = tuple(listed((k, v)) for k, v in zip(keys, base.items))
-            listed = {"keys": keys, "values": base.items, "items": pairs}
-            if method in listed and not count:
-                return listed(listed[method])
+            views = {"keys": keys, "values": base.items, "items": pairs}
+            if method in views and not count:
+                return listed(views[method])
         self.refuse(node, f"the method '{method}' of {_called(base, node.func.value)}, which is {base.form}, {NO}",
                     f"write what it does with {_parts(base)}" if base.items else "")
         return Plain(at(const(0.0), node))

@@ -173,7 +173,8 @@ class _Making:
         given = {id(r) for r, _ in blocks.returned}
         others = [n for n in walk(body) if isinstance(n, Return) and id(n) not in given]
         tuples = all(isinstance(i, (Plain, Leaf)) for _, g in blocks.returned for i in g.items)
-        if not blocks.returned or (others or is_entry) and tuples and all(g.path == SPELLED for _, g in blocks.returned):
+        plain = tuples and all(g.path == SPELLED and g.form.kind == "tuple" for _, g in blocks.returned)
+        if not blocks.returned or (others or is_entry) and plain:
             for node, group in blocks.returned:
                 node.value = spelled(group, node)
             return None
@@ -185,8 +186,8 @@ class _Making:
                              node, help="return the same structure on every path")
                 return None
         if FALL in exits(body):
-            report.error("S201", "a result that is None where the function ends without a return", blocks.returned[0][0],
-                         help="end the function with a return of a value")
+            report.error("S201", "a result that is None where the function ends without a return",
+                         blocks.returned[0][0], help="end the function with a return of a value")
         kept = [ps[0] if len(set(ps)) == 1 else -1 for ps in zip(*places)]
         for node, group in blocks.returned:
             values = [spelled(v, node) or const(0.0) for v, k in zip(flat(group), kept) if k < 0]
