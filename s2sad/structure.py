@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.infer.types import Type, of_value
+from s2sad.infer.types import FLOAT, INT, Type, of_value
 
 LARGEST = 512                           # leaves: longer lists of numbers are arrays
 _DEEPEST = 16
@@ -32,17 +32,14 @@ _STEP = re.compile(r"""\.([^\W\d]\w*)|\[(-?\d+)\]|\['([^']*)'\]|\["([^"]*)"\]"""
 @dataclass(frozen=True)
 class Structure:
     """One level of a structure: `kind` is "record" (fields), "named" (a named tuple), "dict", "tuple" or "list";
-    "either" was spelled in a text and goes by fields and by keys.
-
-    `floats` are the fields that are annotated as float: an int there means a float. Of a `fixed` one no item can be
-    assigned.
+    "either" was spelled in a text and goes by fields and by keys. Of a `fixed` one no item can be assigned. An int in a
+    field that is annotated as float means a float.
     """
     kind: str
     keys: tuple[str | int, ...]
     items: tuple[Form, ...]
     made: type | None = None
     fixed: bool = False
-    floats: frozenset[str] = frozenset()
 
     @property
     def is_sequence(self) -> bool:
@@ -81,13 +78,13 @@ def _form(value: object, name: str, depth: int) -> Form:
     if depth > _DEEPEST:
         raise S2sadError(Diagnostic("S405", f"the argument '{name}' is nested more than {_DEEPEST} deep",
                                     help="pass its parts as arguments of their own"))
-    keys = _keys(kind, value)
-    items = tuple(_form(part_of(kind, value, k), name, depth + 1) for k in keys)
-    made, floats = type(value), frozenset()
+    keys, made = _keys(kind, value), type(value)
+    items = [_form(part_of(kind, value, k), name, depth + 1) for k in keys]
     if kind in ("record", "named"):
         annotated = {k: t for c in reversed(made.__mro__) for k, t in vars(c).get("__annotations__", {}).items()}
-        floats = frozenset(k for k, t in annotated.items() if t is float or t in _FLOATS)
-    return Structure(kind, keys, items, made, is_fixed(kind, made), floats)
+        items = [FLOAT if i == INT and (annotated.get(str(k)) is float or annotated.get(str(k)) in _FLOATS) else i
+                 for k, i in zip(keys, items)]
+    return Structure(kind, keys, tuple(items), made, is_fixed(kind, made))
 
 
 def is_fixed(kind: str, made: type) -> bool:
@@ -236,7 +233,10 @@ def fits(form: Form, value: Any) -> bool:
     if isinstance(form, Type):
         return not is_structure(value)
     kind = _kind(value)
-    if kind is None or {kind, form.kind} == {"record", "dict"} or kind != form.kind or _keys(kind, value) != form.keys:
+    if kind is None or kind != form.kind:
+        return False
+    keys = _keys(kind, value)
+    if len(keys) != len(form.keys) or set(keys) != set(form.keys):
         return False
     return all(fits(item, part_of(kind, value, key)) for key, item in zip(form.keys, form.items))
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.binding import admitted, bind, misfit
+from s2sad.binding import bind, misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import FLOAT, NONE, UNKNOWN, Type, array
 from s2sad.normalize.fields import Flat, fields
@@ -87,46 +87,44 @@ class Flattened:
     def values(self, args: Sequence[Any]) -> list[Any]:
         """The flat arguments; a number that the kernel assigns is an array of one element."""
         found: list[Any] = []
-        seen: dict[tuple[int, Any], np.ndarray] = {}
+        if self.cells:
+            self._apart(args)
 
         def add(path: str, kind: Type, leaf: Any) -> None:
             if is_held(kind):
-                name = self.names[path]
-                found.append(_cell(self._number(name, leaf)) if name in self.cells else leaf)
+                value = float(leaf) if kind == FLOAT else leaf
+                found.append(np.array([value]) if self.names[path] in self.cells else value)
         for (parameter, form), value in zip(self.forms.items(), args):
             mapped(form, value, parameter, add)
-        self._same_cells(args, found, seen)
         return found
 
-    def _number(self, name: str, leaf: Any) -> Any:
-        return admitted(name, leaf, name in self.state.floats)
+    def _apart(self, args: Sequence[Any]) -> None:
+        """Refuses a field that is given twice and assigned: each name would have its own number."""
+        seen: dict[tuple[int, str | int], str] = {}
+        for name, _, holder, key in self.holders(args, True):
+            first = seen.setdefault((id(holder), key), name)
+            if name != first and {name, first} & self.cells:
+                raise S2sadError(Diagnostic("S404", f"'{self.paths[first]}' and '{self.paths[name]}' are one field of "
+                                            "one object, and it is assigned", help="pass a copy of one of them"))
 
-    def _same_cells(self, args: Sequence[Any], found: list[Any], seen: dict[tuple[int, Any], np.ndarray]) -> None:
-        """A field of one object that is given twice is one cell."""
-        if not self.cells:
-            return
-        places = {n: k for k, n in enumerate(self.paths)}
-        for name, _, holder, key in self.holders(args):
-            found[places[name]] = seen.setdefault((id(holder), key), found[places[name]])
-
-    def holders(self, args: Sequence[Any]) -> Iterator[Holder]:
-        """The cells, each with the structure that holds it, its kind and the key there."""
+    def holders(self, args: Sequence[Any], every: bool = False) -> Iterator[Holder]:
+        """The cells, or every leaf, each with the structure that holds it, its kind and the key there."""
         for (parameter, form), value in zip(self.forms.items(), args):
-            yield from self.held(form, value, parameter)
+            yield from self.held(form, value, parameter, every)
 
     def write_back(self, args: Sequence[Any], flat: Mapping[str, Any]) -> None:
         """Gives the fields that the kernel assigns what their cells hold."""
         for name, kind, holder, key in self.holders(args):
             assign_part(kind, holder, key, flat[name][0].item())
 
-    def held(self, form: Form, value: Any, path: str) -> Iterator[Holder]:
+    def held(self, form: Form, value: Any, path: str, every: bool = False) -> Iterator[Holder]:
         """The cells in one argument."""
         for key, item in zip(form.keys, form.items) if isinstance(form, Structure) else ():
             assert isinstance(form, Structure)
             inner = step(form, path, key)
             if isinstance(item, Structure):
-                yield from self.held(item, part_of(form.kind, value, key), inner)
-            elif self.names.get(inner) in self.cells:
+                yield from self.held(item, part_of(form.kind, value, key), inner, every)
+            elif self.names.get(inner) in (self.names.values() if every else self.cells):
                 yield self.names[inner], form.kind, value, key
 
     @contextmanager
@@ -305,10 +303,6 @@ def _built(form: Form, remaining: Iterator[Any]) -> Any:
             object.__setattr__(new, str(key), item)
         return new
     return items if form.kind == "list" else tuple(items)
-
-
-def _cell(value: Any) -> np.ndarray:
-    return np.array([value])
 
 
 def _cell_seed(given: Any, like: np.ndarray, name: str, path: str) -> np.ndarray:

@@ -17,7 +17,7 @@ from dataclasses import replace
 from s2sad.diagnostics import Report
 from s2sad.infer.types import NONE, UNKNOWN
 from s2sad.normalize.calls import user_call
-from s2sad.normalize.field_values import NO, Maker, Values
+from s2sad.normalize.field_values import NO, Maker, Values, plain_tuple
 from s2sad.normalize.groups import (
     ORDINARY, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, flat, listed, nothing, spelled, usable,
 )
@@ -264,9 +264,8 @@ def _storing(target: AST) -> AST:
 
 def _straight(target: AST, result: Group) -> bool:
     """Whether the names of a target are the results of a call, one by one."""
-    return (result.path == SPELLED and len(target.elts) == len(result.items) and all(
-        isinstance(t, Name) for t in target.elts) and all(
-        isinstance(i, Leaf) and usable(i) and i.place < 0 for i in result.items))
+    return plain_tuple(result) and len(target.elts) == len(result.items) and all(
+        isinstance(t, Name) for t in target.elts)
 
 
 def _unplaced(value: Group, fresh: dict[str, str] | None = None) -> Group:

@@ -242,6 +242,8 @@ class Blocks(Bindings):
         if node.value is None or isinstance(node.value, Constant) and node.value.value is None:
             return [Return(node.value)]
         before, value = self.result(node.value, [])
+        if isinstance(node.value, Tuple):
+            value = self.whole(node.value)
         if nothing(value):
             return [*before, Return(at(const(None), node))]
         if not isinstance(value, Group):

@@ -23,14 +23,16 @@ from s2sad.normalize.groups import (
 from s2sad.program import Kernel, Program
 from s2sad.structure import Form, Structure, is_fixed, record_fields
 from s2sad.tree import (
-    AST, Add, And, Attribute, BinOp, BoolOp, Call, Compare, Constant, Dict, FloorDiv, IfExp, In, Is, IsNot, List, Mod,
-    Mult, Name, Not, NotIn, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, at, call_name, const, copy, keyword,
-    name, rebuild,
+    AST, Add, And, Attribute, BinOp, BoolOp, Call, Compare, Constant, Dict, Eq, FloorDiv, Gt, GtE, IfExp, In, Is, IsNot,
+    List, Lt, LtE, Mod, Mult, Name, Not, NotEq, NotIn, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, at,
+    call_name, const, copy, keyword, name, rebuild,
 )
 
 NO = "is not supported in a kernel"
 _ARITHMETIC: dict[type, Callable[[int, int], int]] = {
     Add: operator.add, Sub: operator.sub, Mult: operator.mul, FloorDiv: operator.floordiv, Mod: operator.mod}
+_ORDER: dict[type, Callable[[Any, Any], bool]] = {
+    Eq: operator.eq, NotEq: operator.ne, Lt: operator.lt, LtE: operator.le, Gt: operator.gt, GtE: operator.ge}
 
 
 class Callee(Protocol):
@@ -260,6 +262,9 @@ class Values:
 
     def _compared(self, node: Compare) -> bool | None:
         op, left, right = node.ops[0], node.left, node.comparators[0]
+        if len(node.ops) == 1 and type(op) in _ORDER:
+            one, other = self.key(left), self.key(right)
+            return bool(_ORDER[type(op)](one, other)) if type(one) is type(other) and one is not None else None
         if len(node.ops) > 1 or not isinstance(op, (Is, IsNot, In, NotIn)):
             return None
         if isinstance(op, (In, NotIn)):
@@ -313,7 +318,7 @@ class Values:
     def _call(self, node: Call) -> Value | None:
         if user_call(node) is not None:
             callee, made, passed = self.call(node)
-            if callee is not None and callee.result is not None:
+            if callee is not None and callee.result is not None and not plain_tuple(callee.result):
                 self.refuse(node, f"'{user_call(node)}' returns a structure inside an expression",
                             "give the result a name of its own first")
             return Plain(made)
@@ -448,6 +453,12 @@ class Values:
 def _group(form: Structure, items: list[Value]) -> Group:
     """A structure that a kernel makes."""
     return Group(replace(form, items=tuple(map(pattern, items))), tuple(items), SPELLED)
+
+
+def plain_tuple(result: Group) -> bool:
+    """Whether a result is a tuple of values as any function may return one."""
+    return result.path == SPELLED and result.form.kind == "tuple" and all(
+        isinstance(i, Leaf) and usable(i) and i.place < 0 for i in result.items)
 
 
 def _called(group: Group, node: AST) -> str:

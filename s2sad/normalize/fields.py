@@ -16,7 +16,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from s2sad.diagnostics import Report, S2sadError
-from s2sad.infer.types import UNKNOWN, Type
+from s2sad.infer.types import FLOAT, UNKNOWN, Type
 from s2sad.naming import Names
 from s2sad.normalize.calls import user_call
 from s2sad.normalize.exits import FALL, exits
@@ -150,7 +150,7 @@ class _Making:
                 blocks.env[parameter] = group
                 made.flat[parameter] = [v.name for v in flat(group) if isinstance(v, Leaf)]
                 annotations.pop(parameter, None)
-                annotations |= {self.flat_name(p): "float" for p in _floats(form, parameter)}
+                annotations |= {self.flat_name(p): "float" for p, t in kinds if t == FLOAT}
             elif is_held(form):
                 blocks.env[parameter] = ORDINARY
                 made.flat[parameter] = [parameter]
@@ -213,15 +213,6 @@ def _keys(value: Value) -> object:
     if isinstance(value, Group):
         return (value.form.kind, value.form.keys, tuple(map(_keys, value.items)))
     return nothing(value)
-
-
-def _floats(form: Form, path: str) -> list[str]:
-    """The numbers of a structure that are annotated as float."""
-    if isinstance(form, Type):
-        return []
-    own = [step(form, path, k) for k, i in zip(form.keys, form.items)
-           if k in form.floats and isinstance(i, Type) and i.kind == "number"]
-    return own + [p for k, i in zip(form.keys, form.items) for p in _floats(i, step(form, path, k))]
 
 
 def _joined(path: str) -> str:
