@@ -151,7 +151,7 @@ def _given(parser: argparse.ArgumentParser, text: str) -> dict[str, Form]:
         kind = form_spelled(spelling)
         if kind is None:
             parser.error(f"--types: '{spelling.strip()}' is no type for '{name.strip()}'; use float64, float32, int64 "
-                         "or bool, or an array of these, as float64[:, :], or a structure, as {u: float64[:], t: float}")
+                         "or bool, an array of these, as float64[:, :], or a structure, as {u: float64[:], t: float}")
         found[name.strip()] = kind
     return found
 

@@ -30,7 +30,7 @@ def form_spelled(text: str) -> Form | None:
     text = text.strip()
     if text == "None":
         return NONE
-    if not (text[:1] + text[-1:] in ("{}", "()")):
+    if text[:1] + text[-1:] not in ("{}", "()"):
         return spelled(text)
     parts = [part.partition(":") if text[0] == "{" else ("0", ":", part) for part in listed(text[1:-1])]
     keys = [key.strip().strip("'\"") for key, _, _ in parts]

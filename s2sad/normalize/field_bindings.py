@@ -147,7 +147,7 @@ class Bindings(Values):
             env[target.id] = value if isinstance(value, Leaf) else Leaf("", target.id, NONE)
             return []
         only_meant = unrolled is not None and target.id not in unrolled
-        if only_meant and isinstance(value, Leaf) and value.type.is_array:
+        if only_meant and isinstance(value, Leaf) and (value.type.is_array or value.type.is_number and value.place >= 0):
             env[target.id] = value
             return []
         plain = self.plainly(value, target)
