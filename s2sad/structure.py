@@ -2,18 +2,22 @@
 
     Params(k=2.0, layers=[(w, b)])      p.k: float64, p.layers[0][0]: float64[:, :], p.layers[0][1]: float64[:]
 
-A structure is a dataclass, a named tuple, a `types.SimpleNamespace`, a dict, a tuple or a list; a leaf is anything
-else: an array, a number, a str, None, or something that a kernel may carry along but not use.
+A structure is a dataclass or another object of a class of the user's, a named tuple, a `types.SimpleNamespace`, a
+dict, a tuple or a list; a leaf is anything else: an array, a number, a str, None, or something that a kernel may carry
+along but not use.
 """
 from __future__ import annotations
 
 import copy
 import dataclasses
+import inspect
 import re
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from types import SimpleNamespace
+from enum import Enum
+from functools import cache
+from types import FunctionType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,6 +29,8 @@ LARGEST = 512                           # leaves: longer lists of numbers are ar
 _DEEPEST = 16
 _USED = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "float64",
                    "float32"))
+_HEAP = 1 << 9                          # the flag of a class that is written in Python (or was made at run time)
+_LIBRARIES = ("builtins", "numpy", "scipy", "pandas", "numba", "torch", "jax", "s2sad", "threading", "types")
 _FLOATS = ("float", "np.float64", "numpy.float64", "float64")
 _STEP = re.compile(r"""\.([^\W\d]\w*)|\[(-?\d+)\]|\['([^']*)'\]|\["([^"]*)"\]""")
 
@@ -50,7 +56,9 @@ class Structure:
                   "either": "a structure"}
         if self.kind in titles:
             return titles[self.kind]
-        return "a dataclass" if dataclasses.is_dataclass(self.made) else "a structure"
+        if dataclasses.is_dataclass(self.made) or self.made is None:
+            return "a dataclass" if self.made else "a structure"
+        return f"an object of class {self.made.__name__}"
 
 
 Form = Type | Structure
@@ -101,10 +109,27 @@ def _kind(value: object) -> str | None:
         return kind.__name__
     if isinstance(value, tuple) and hasattr(kind, "_fields"):
         return "named"
-    if kind is SimpleNamespace or (dataclasses.is_dataclass(value) and not isinstance(value, type)
-                                   and kind.__getattribute__ is object.__getattribute__):
-        return "record"
-    return None
+    return "record" if kind is SimpleNamespace or _holds_fields(kind) else None
+
+
+@cache
+def _holds_fields(kind: type) -> bool:
+    """Whether the objects of a class are what is stored in their attributes: a class written in Python that does not
+    compute them."""
+    written = all(c.__flags__ & _HEAP and c.__module__.partition(".")[0] not in _LIBRARIES for c in kind.__mro__[:-1])
+    plain = kind.__getattribute__ is object.__getattribute__ and not hasattr(kind, "__getattr__")
+    holds = dataclasses.is_dataclass(kind) or kind.__dictoffset__ != 0
+    return written and plain and holds and not issubclass(kind, (type, BaseException, Enum))
+
+
+def method_of(made: type, name: str) -> tuple[FunctionType, str] | None:
+    """A function that a class defines, and what it is: "method", "static" or "property"; None if there is none."""
+    found = inspect.getattr_static(made, name, None)
+    if isinstance(found, property):
+        return (found.fget, "property") if isinstance(found.fget, FunctionType) else None
+    if isinstance(found, staticmethod):
+        return (found.__func__, "static") if isinstance(found.__func__, FunctionType) else None
+    return (found, "method") if isinstance(found, FunctionType) else None
 
 
 def record_fields(made: type) -> tuple[str, dict[str, Any]] | None:
@@ -222,7 +247,8 @@ def rebuilt(form: Structure, like: Any, items: list[Any]) -> Any:
         return type(like)._make(items)
     if form.kind == "dict":
         return type(like)(zip(form.keys, items))
-    new = copy.copy(like)
+    copied = dataclasses.is_dataclass(like) or type(like) is SimpleNamespace
+    new = copy.copy(like) if copied else object.__new__(type(like))
     for key, item in zip(form.keys, items):
         object.__setattr__(new, str(key), item)
     return new

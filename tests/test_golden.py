@@ -80,7 +80,7 @@ def given(case: str) -> Given:
         arguments = bind(program.kernels[program.entry], arguments)
         program, kernel = apart.state.program, apart.calling(kernel, copy.deepcopy(arguments))
         kinds = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_ONLY) for name in apart.paths]
-        setattr(kernel, "__signature__", inspect.Signature(kinds))
+        vars(kernel)["__signature__"] = inspect.Signature(kinds)
         arguments = tuple(apart.values(arguments))
     types = tuple(of_value(a) if apart is None else of_value(a).plain for a in arguments)
     adjoint, tangent = (Request(mode, types, module.WRT, module.OF) for mode in ("adjoint", "tangent"))

@@ -51,6 +51,43 @@ class Model:
     opts: dict
 
 
+GRAVITY = 2.0
+
+
+@dataclass
+class Spring:
+    x: np.ndarray
+    k: float
+    t: float = 0.0
+
+    @property
+    def size(self):
+        return self.x.size
+
+    @staticmethod
+    def square(v):
+        return v * v
+
+    def energy(self, c=1.0):
+        e = 0.0
+        for i in range(self.size):
+            e += c * self.k * self.x[i] ** 2 * GRAVITY
+        return e
+
+    def advance(self, dt):
+        for i in range(self.size):
+            self.x[i] -= dt * self.k * self.x[i]
+        self.t += dt
+
+
+class Layer:
+    def __init__(self, w, b):
+        self.w, self.b = w, b
+
+    def apply(self, x):
+        return np.sum(self.w * x) + self.b
+
+
 @dataclass
 class Loss:
     total: float
@@ -185,6 +222,12 @@ def shaped(shape, index, c):
     return np.sum(a)
 
 
+def released(spring, layer, dt):
+    for _ in range(3):
+        spring.advance(dt)
+    return spring.energy(c=2.0) + spring.square(spring.t) * layer.apply(spring.x)
+
+
 def state_of():
     return State(array([1.0, 2.0, 3.0]), np.zeros(3), 0.5)
 
@@ -214,6 +257,7 @@ CASES = [
     (orbit, lambda: (Orbit(1.0, 2.0), 0.1, 4)),
     (pairs, lambda: (Orbit(1.0, 2.0), 0.1)),
     (shaped, lambda: ((2, 3), (1, 2), 3.0)),
+    (released, lambda: (Spring(array([1.0, 2.0]), 0.5), Layer(array([0.3, 0.4]), 2.0), 0.1)),
 ]
 
 
@@ -223,7 +267,7 @@ def test_derivatives(kernel, arguments):
     assert found, str(found)
 
 
-@pytest.mark.parametrize("case", [0, 4, 8, 10], ids=lambda n: CASES[n][0].__name__)
+@pytest.mark.parametrize("case", [0, 4, 8, 10, 13], ids=lambda n: CASES[n][0].__name__)
 def test_derivatives_compiled(case):
     kernel, arguments = CASES[case]
     found = check(kernel, *arguments(), engine="numba")
@@ -380,6 +424,26 @@ def test_structures_that_share():
     g = differentiate(written, engine="numpy")
     refused("error[S404]: the arguments 'a.u' and 'b.u' share memory, and 'a.u' is written\n"
             "  help: pass a copy of one of them", gradient(g), one, State(one.u, one.v, 1.0))
+
+
+def test_methods_and_what_they_read_are_watched(monkeypatch):
+    def energy(s):
+        return s.energy()
+    f, spring = gradient(differentiate(energy, engine="numpy"), wrt="s.k"), Spring(array([1.0, 2.0]), 0.5)
+    assert f(spring) == 10.0
+    monkeypatch.setitem(globals(), "GRAVITY", 4.0)
+    assert f(spring) == 20.0
+
+    def halved(self, c=1.0):
+        return 0.5 * self.k
+    monkeypatch.setattr(Spring, "energy", halved)
+    assert f(spring) == 0.5
+    found = gradient(differentiate(applied, engine="numpy"), wrt="layer")(Layer(U, 3.0), array([1.0, 3.0]))
+    assert type(found) is Layer and same(found.w, array([1.0, 3.0])) and found.b == 1.0
+
+
+def applied(layer, x):
+    return layer.apply(x)
 
 
 def test_make_zero_of_structures():

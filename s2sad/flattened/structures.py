@@ -14,18 +14,21 @@ from typing import Any
 
 import numpy as np
 
+from s2sad import read
 from s2sad.binding import bind, misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import FLOAT, NONE, UNKNOWN, Type, array
+from s2sad.normalize.field_values import Unread
 from s2sad.normalize.fields import Flat, fields
 from s2sad.normalize.groups import Group, nothing
 from s2sad.prepared import selection_of
 from s2sad.selection import RETURN
 from s2sad.structure import (
-    Form, Structure, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, part_of, reached, step, steps,
-    without_lengths,
+    Form, Structure, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, method_of, part_of,
+    reached, step, steps, without_lengths,
 )
 from s2sad.variants import State
+from s2sad.watch import Watch
 
 _PLAIN = frozenset((np.ndarray, float, int, bool, np.float64, type(None), str))
 Holder = tuple[str, str, Any, "str | int"]
@@ -40,10 +43,22 @@ def flattened(state: State, args: Sequence[Any]) -> Flattened | None:
     forms = tuple(without_lengths(form_of(v, n)) for n, v in zip(state.parameters, args))
     key = ("flattened", forms)
     found = state.entries.get(key)
-    if found is None:
+    if found is None or not found.current():
         found = state.entries[key] = Flattened(state, forms)
-    found.state.arrays = state.arrays
+    if not found.methods:
+        found.state.arrays = state.arrays
     return found
+
+
+def _taken_apart(state: State, forms: tuple[Form, ...]) -> tuple[Flat, dict[Any, tuple[type, str]]]:
+    """The flat program, and the functions of classes that it calls, which are read as they are met."""
+    program, methods = state.program, {}
+    while True:
+        try:
+            return fields(program, forms), methods
+        except Unread as unread:
+            methods[unread.function] = (unread.made, unread.name)
+            program = read.load(state.function, tuple(methods))
 
 
 def taken_apart(state: State, f: Any, args: Sequence[Any], keywords: Mapping[str, Any] | None = None
@@ -74,13 +89,19 @@ class Flattened:
     """The flat program for arguments of one make, and the way there and back."""
 
     def __init__(self, state: State, forms: tuple[Form, ...]):
-        flat: Flat = fields(state.program, forms)
+        flat, self.methods = _taken_apart(state, forms)
         self.forms = dict(zip(state.parameters, forms))
         self.cells, self.paths = flat.cells, flat.paths
         self.names = {path: name for name, path in flat.paths.items()}
         self.state = State(flat.program, state.function, flat=True)
+        self.watches = [Watch(f) for f in (state.function, *self.methods)] if self.methods else []
         self.result = None if flat.result is None else _form_of_result(flat.result)
         self.title = state.kernel.name
+
+    def current(self) -> bool:
+        """Whether the functions of classes that are called are what they were, and what they read from outside."""
+        return all((method_of(made, name) or (None,))[0] is f for f, (made, name) in self.methods.items()) and all(
+            w.unchanged() for w in self.watches)
 
     # -- there ---------------------------------------------------------------------------------------------------------
 

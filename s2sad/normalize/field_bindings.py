@@ -46,15 +46,16 @@ class Bindings(Values):
 
     def result(self, node: AST, targets: list[AST]) -> tuple[list[AST], Value]:
         """A value that may be what a helper returns as a structure: the call comes before."""
-        if not isinstance(node, Call) or user_call(node) is None:
+        called = self.as_call(node)
+        if called is None:
             return [], self.value(node)
-        callee, made, passed = self.call(node)
+        callee, made, passed = self.call(called)
         if callee is None or callee.result is None:
             return [], Plain(made)
         target = targets[0] if len(targets) == 1 else None
         if isinstance(target, (Tuple, List)) and _straight(target, callee.result):
             return [], Plain(made)
-        wanted = target.id if isinstance(target, Name) else user_call(node) or ""
+        wanted = target.id if isinstance(target, Name) else user_call(called) or ""
         return self._received(made, callee.result, passed, wanted, self.env.get(wanted) if target is not None else None)
 
     def _received(self, made: Call, result: Group, passed: dict[int, Leaf], wanted: str,
@@ -147,13 +148,14 @@ class Bindings(Values):
             env[target.id] = value if isinstance(value, Leaf) else Leaf("", target.id, NONE)
             return []
         only_meant = unrolled is not None and target.id not in unrolled
-        if only_meant and isinstance(value, Leaf) and (value.type.is_array or value.type.is_number and value.place >= 0):
+        constant = isinstance(value, Leaf) and (value.type.is_array or value.type.is_number and value.place >= 0)
+        if only_meant and constant:
             env[target.id] = value
             return []
         plain = self.plainly(value, target)
-        constant = only_meant and isinstance(plain, Constant)
-        env[target.id] = Plain(plain) if constant else ORDINARY
-        return [] if constant and isinstance(plain.value, str) else [(target, plain)]
+        written = only_meant and isinstance(plain, Constant)
+        env[target.id] = Plain(plain) if written else ORDINARY
+        return [] if written and isinstance(plain.value, str) else [(target, plain)]
 
     def _kept(self, group: Group, origin: AST, wanted: str, copying: bool) -> tuple[list[Pair], Group]:
         """A group whose expressions have names of their own; `copying` its names, too."""

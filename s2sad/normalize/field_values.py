@@ -1,13 +1,12 @@
-"""The expressions of one kernel while structures are taken apart.
+"""What tests and calls of one kernel stand for while structures are taken apart.
 
-    state.inner.k * x[0]       ->   state_inner_k * x[0]
-    layers[1][0] @ x           ->   layers_1_0 @ x
     x if m is None else m * x  ->   m * x               (an argument that is not None)
     limit(state, 2.0)          ->   user.limit(state_u, state_t, 2.0)
+    state.norm()               ->   user.norm(state_u)
+    Orbit(x, v=0.0)            ->   a structure of x and 0.0
 """
 from __future__ import annotations
 
-import difflib
 import operator
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,21 +15,18 @@ from typing import Any, Protocol
 from s2sad.diagnostics import Report
 from s2sad.infer.types import UNKNOWN
 from s2sad.normalize.calls import bound_arguments, user_call
+from s2sad.normalize.field_items import Items, parts_of, spoken
 from s2sad.normalize.groups import (
-    CELL, NOTHING, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, flat, listed, nothing, pattern, spelled,
-    usable,
+    NOTHING, SPELLED, Group, Leaf, Plain, Value, flat, listed, nothing, pattern, usable,
 )
 from s2sad.program import Kernel, Program
-from s2sad.structure import Form, Structure, is_fixed, record_fields
+from s2sad.structure import Form, Structure, is_fixed, method_of, record_fields
 from s2sad.tree import (
-    AST, Add, And, Attribute, BinOp, BoolOp, Call, Compare, Constant, Dict, Eq, FloorDiv, Gt, GtE, IfExp, In, Is, IsNot,
-    List, Lt, LtE, Mod, Mult, Name, Not, NotEq, NotIn, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, at,
-    call_name, const, copy, keyword, name, rebuild,
+    AST, And, Attribute, BoolOp, Call, Compare, Constant, Dict, Eq, Gt, GtE, IfExp, In, Is, IsNot, List, Lt, LtE, Name,
+    Not, NotEq, NotIn, Subscript, Tuple, UnaryOp, at, call_name, const, keyword, name,
 )
 
 NO = "is not supported in a kernel"
-_ARITHMETIC: dict[type, Callable[[int, int], int]] = {
-    Add: operator.add, Sub: operator.sub, Mult: operator.mul, FloorDiv: operator.floordiv, Mod: operator.mod}
 _ORDER: dict[type, Callable[[Any, Any], bool]] = {
     Eq: operator.eq, NotEq: operator.ne, Lt: operator.lt, LtE: operator.le, Gt: operator.gt, GtE: operator.ge}
 
@@ -51,187 +47,22 @@ class Maker(Protocol):
     def callee(self, kernel: str, patterns: tuple[Form, ...]) -> Callee: ...
 
 
-class Values:
-    """What the expressions of one kernel stand for, given what its names do; `needed` are the places of parameters
-    that are assigned and must be cells."""
+class Unread(Exception):
+    """A function of a class that must be read before the program can be taken apart."""
+
+    def __init__(self, function: Any, made: type, name: str):
+        super().__init__(function)
+        self.function, self.made, self.name = function, made, name
+
+
+class Values(Items):
+    """What the expressions of one kernel stand for; `needed` are the places of parameters that are assigned and must be
+    cells."""
 
     def __init__(self, kernel: Kernel, maker: Maker, report: Report):
-        self.kernel, self.maker, self.report = kernel, maker, report
-        self.program = maker.program
-        self.env: dict[str, Value | Conflict | Ordinary] = {}
+        super().__init__(kernel, report)
+        self.maker, self.program = maker, maker.program
         self.needed: set[int] = set()
-
-    def refuse(self, node: AST, message: str, help: str = "", code: str = "S201") -> None:
-        self.report.error(code, message, node, help=help)
-
-    # -- what an expression is -----------------------------------------------------------------------------------------
-
-    def value(self, node: AST) -> Value:
-        found = self.structural(node)
-        if found is not None:
-            return found
-        return Plain(rebuild(node, lambda n: None if n is node else self._changed(n)))
-
-    def whole(self, node: AST) -> Value:
-        """The value of an expression, a tuple that is written out as a structure."""
-        spelled_out = isinstance(node, (Tuple, List)) and self.structural(node) is None
-        return listed(tuple(self.whole(item) for item in node.elts)) if spelled_out else self.value(node)
-
-    def plain(self, node: AST) -> AST:
-        """The expression without structures; one that stays a structure is refused."""
-        return self.plainly(self.value(node), node)
-
-    def plainly(self, value: Value, node: AST) -> AST:
-        found = spelled(value, node)
-        if found is not None and not (nothing(value) and isinstance(value, Leaf)):
-            return found
-        if isinstance(value, Leaf):
-            self._unusable(value, node)
-        elif isinstance(value, Group):
-            self.refuse(node, f"{_called(value, node)} is {value.form}, which is used as a whole here",
-                        f"name what is in it: {_parts(value)}" if value.items else "", "S203")
-        return at(const(0.0), node)
-
-    def structural(self, node: AST) -> Value | None:
-        """The value of an expression that has to do with structures, None for any other."""
-        seen = _SEEN.get(type(node))
-        return None if seen is None else seen(self, node)
-
-    def _changed(self, node: AST) -> AST | None:
-        if isinstance(node, (Attribute, Subscript)) and isinstance(node.ctx, Store):
-            return self.stored(node)
-        found = self.structural(node)
-        return None if found is None else self.plainly(found, node)
-
-    def stored(self, node: AST) -> AST | None:
-        """A target inside another one; field_blocks knows what may be stored where."""
-        return None
-
-    def _unusable(self, value: Leaf, node: AST) -> None:
-        path = value.path or (node.id if isinstance(node, Name) else "this")
-        if nothing(value):
-            self.refuse(node, f"'{path}' is None here", f"test it before: if {path} is not None: ...", "S203")
-        else:
-            self.refuse(node, f"'{path}' is {value.type.dtype}, which a kernel cannot use",
-                        "keep what the kernel reads in arrays, floats and ints", "S203")
-
-    # -- names, fields, items ------------------------------------------------------------------------------------------
-
-    def _name(self, node: Name) -> Value | None:
-        found = None if isinstance(node.ctx, Store) else self.env.get(node.id)
-        if isinstance(found, Conflict):
-            self.refuse(node, f"'{node.id}' is one thing on one way to here and another on another, one of them a "
-                        "structure or None", "give the two different names", "S203")
-            return None
-        if isinstance(found, Plain):
-            return Plain(at(copy(found.node), node)) if isinstance(found.node, Constant) else None
-        return None if isinstance(found, Ordinary) else found
-
-    def _field(self, node: Attribute) -> Value | None:
-        base = self.structural(node.value)
-        if isinstance(base, Leaf) and not usable(base):
-            self._unusable(base, node.value)
-            return Plain(at(const(0.0), node))
-        if not isinstance(base, Group) or isinstance(node.ctx, Store):
-            return None
-        return self.field_of(base, node)
-
-    def field_of(self, base: Group, node: Attribute) -> Value:
-        if base.form.kind in ("record", "named", "either"):
-            if node.attr in base.form.keys:
-                return base.item(node.attr)
-            self._absent(base, node, f"{_called(base, node.value)} has no field '{node.attr}'", node.attr, "fields")
-        else:
-            numbers = all(isinstance(i, Leaf) and i.type.kind in ("number", CELL) for i in base.items)
-            help = f"write {base.path}[{node.attr!r}]" if node.attr in base.form.keys else (
-                f"its items are read as {_parts(base)}" if base.items and not (numbers and base.form.is_sequence) else
-                f"pass numpy.array({base.path}, dtype=float)" if base.form.is_sequence else "it is empty")
-            self.refuse(node, f"{_called(base, node.value)} is {base.form}, which has no attribute '{node.attr}' in a "
-                        "kernel", help, "S203")
-        return Plain(at(const(0.0), node))
-
-    def _absent(self, base: Group, node: AST, message: str, key: str, what: str) -> None:
-        keys = [str(k) for k in base.form.keys]
-        close = difflib.get_close_matches(key, keys, 1, 0.7)
-        listed = f"its {what} are {', '.join(keys)}" if keys else f"it has no {what}"
-        self.refuse(node, message, f"did you mean '{close[0]}'? {listed}" if close else listed, "S202")
-
-    def _item(self, node: Subscript) -> Value | None:
-        base = self.structural(node.value)
-        if isinstance(base, Leaf) and not usable(base):
-            self._unusable(base, node.value)
-            return Plain(at(const(0.0), node))
-        if not isinstance(base, Group) or isinstance(node.ctx, Store):
-            return None
-        if isinstance(node.slice, Slice) and base.form.is_sequence:
-            return self._slice(base, node)
-        found = self.item_of(base, node)
-        return Plain(at(const(0.0), node)) if found is None else found
-
-    def item_of(self, base: Group, node: Subscript) -> Value | None:
-        """The item that a subscript names; None, and a diagnostic, if it names none."""
-        key = self.key(node.slice)
-        form, count = base.form, len(base.items)
-        if form.is_sequence and isinstance(key, int):
-            if -count <= key < count:
-                return base.items[key]
-            self.refuse(node, f"{_called(base, node.value)} has {count} items, and no item {key}", code="S203")
-        elif form.kind in ("dict", "either") and key is not None:
-            if key in form.keys:
-                return base.item(key)
-            self._absent(base, node, f"{_called(base, node.value)} has no key {key!r}", str(key), "keys")
-        elif form.kind == "record":
-            self.refuse(node, f"{_called(base, node.value)} is {form}, which has no items",
-                        f"its fields are read as {_parts(base)}", "S203")
-        else:
-            self._dynamic(base, node)
-        return None
-
-    def _dynamic(self, base: Group, node: Subscript) -> None:
-        wanted = "a constant" if base.form.is_sequence else "a string that is written out"
-        numbers = all(isinstance(i, Leaf) and i.type.kind in ("number", CELL) for i in base.items)
-        help = f"write {_parts(base)}"
-        if base.form.is_sequence:
-            help = (f"pass an array: numpy.array({base.path})" if numbers and base.items else
-                    f"loop over it, for item in {base.path}, or over range(len({base.path}))")
-        self.refuse(node, f"an item of {_called(base, node.value)}, which is {base.form}, is picked by something other "
-                    f"than {wanted}", help, "S203")
-
-    def _slice(self, base: Group, node: Subscript) -> Value:
-        written = (node.slice.lower, node.slice.upper, node.slice.step)
-        bounds = [None if b is None else self.key(b) for b in written]
-        if any(b is not None and not isinstance(k, int) for b, k in zip(written, bounds)) or bounds[2] == 0:
-            self._dynamic(base, node)
-            return Plain(at(const(0.0), node))
-        return listed(base.items[slice(*[k if isinstance(k, int) else None for k in bounds])])
-
-    def key(self, node: AST) -> int | str | None:
-        """The constant that an index is, loops that are written out considered."""
-        if isinstance(node, Constant):
-            return node.value if type(node.value) in (int, str) else None
-        if isinstance(node, Name):
-            found = self.env.get(node.id)
-            return self.key(found.node) if isinstance(found, Plain) and isinstance(found.node, Constant) else None
-        if isinstance(node, UnaryOp) and isinstance(node.op, USub):
-            inner = self.key(node.operand)
-            return -inner if isinstance(inner, int) else None
-        if isinstance(node, BinOp) and type(node.op) in _ARITHMETIC:
-            left, right = self.key(node.left), self.key(node.right)
-            if isinstance(left, int) and isinstance(right, int) and (right or isinstance(node.op, (Add, Sub, Mult))):
-                return _ARITHMETIC[type(node.op)](left, right)
-        if call_name(node) == "builtins.len":
-            found = self._length(node)
-            return self.key(found.node) if isinstance(found, Plain) else None
-        return None
-
-    def _display(self, node: Tuple | List) -> Value | None:
-        """A tuple that is spelled out is a structure if one of its items is one, or None."""
-        if isinstance(node.ctx, Store):
-            return None
-        found = [self.structural(item) for item in node.elts]
-        if not any(isinstance(f, (Group, Leaf)) and not (isinstance(f, Leaf) and usable(f)) for f in found):
-            return None
-        return listed(tuple(self.value(item) for item in node.elts))
 
     # -- decisions -----------------------------------------------------------------------------------------------------
 
@@ -315,11 +146,36 @@ class Values:
 
     # -- calls ---------------------------------------------------------------------------------------------------------
 
+    def as_call(self, node: AST) -> Call | None:
+        """A call of a kernel: as it is, or what a method's call means, `user.norm(state)` for `state.norm()`."""
+        if not isinstance(node, Call) or user_call(node) is not None:
+            return node if isinstance(node, Call) else None
+        base = self.structural(node.func.value) if isinstance(node.func, Attribute) else None
+        return self._of_class(base, node.func, node) if isinstance(base, Group) else None
+
+    def _of_class(self, base: Group, place: Attribute, node: AST) -> Call | None:
+        """The call that a method or a property of a structure's class means."""
+        found = method_of(base.form.made, place.attr) if base.form.made and place.attr not in base.form.keys else None
+        if found is None or base.form.kind not in ("record", "named") or (found[1] == "property") is isinstance(
+                node, Call) or found[0].__module__ in ("collections", "builtins") or place.attr == "_replace":
+            return None
+        title = self.program.methods.get(found[0])
+        if title is None:
+            raise Unread(found[0], base.form.made or object, place.attr)
+        given = [] if found[1] == "static" else [place.value]
+        arguments, keywords = (node.args, node.keywords) if isinstance(node, Call) else ([], [])
+        return at(Call(at(name(f"user.{title}"), place), [*given, *arguments], keywords), node)
+
+    def property_of(self, base: Group, node: Attribute) -> Value | None:
+        called = self._of_class(base, node, node)
+        return None if called is None else self._call(called)
+
     def _call(self, node: Call) -> Value | None:
-        if user_call(node) is not None:
-            callee, made, passed = self.call(node)
+        method = self.as_call(node)
+        if method is not None:
+            callee, made, _ = self.call(method)
             if callee is not None and callee.result is not None and not plain_tuple(callee.result):
-                self.refuse(node, f"'{user_call(node)}' returns a structure inside an expression",
+                self.refuse(node, f"'{user_call(method)}' returns a structure inside an expression",
                             "give the result a name of its own first")
             return Plain(made)
         called = call_name(node) or ""
@@ -365,10 +221,6 @@ class Values:
             self.refuse(node, "a dict that has one key twice", "leave one of them out")
         return _group(Structure("dict", tuple(dict.fromkeys(keys)), (), dict), [self.value(v) for v in node.values])
 
-    def _length(self, node: Call) -> Value | None:
-        found = self.structural(node.args[0]) if len(node.args) == 1 else None
-        return Plain(at(const(len(found.items)), node)) if isinstance(found, Group) else None
-
     def _method(self, base: Group, node: Call) -> Value:
         """`p.get("k", 1.0)`, `p.items()`, `p.keys()`, `p.values()` of a dict."""
         method, count, kind = node.func.attr, len(node.args), base.form.kind
@@ -387,8 +239,8 @@ class Values:
             views = {"keys": keys, "values": base.items, "items": pairs}
             if method in views and not count:
                 return listed(views[method])
-        self.refuse(node, f"the method '{method}' of {_called(base, node.func.value)}, which is {base.form}, {NO}",
-                    f"write what it does with {_parts(base)}" if base.items else "")
+        self.refuse(node, f"the method '{method}' of {spoken(base)}, which is {base.form}, {NO}",
+                    f"write what it does with {parts_of(base)}" if base.items else "")
         return Plain(at(const(0.0), node))
 
     def call(self, node: Call) -> tuple[Callee | None, Call, dict[int, Leaf]]:
@@ -461,21 +313,11 @@ def plain_tuple(result: Group) -> bool:
         isinstance(i, Leaf) and usable(i) and i.place < 0 for i in result.items)
 
 
-def _called(group: Group, node: AST) -> str:
-    return f"'{group.path}'" if group.path != SPELLED else str(group.form).replace("a ", "the ", 1)
-
-
-def _parts(group: Group) -> str:
-    """The first items of a structure as one writes them."""
-    shown = [i.path for i in group.items if isinstance(i, (Leaf, Group)) and i.path]
-    return ", ".join(shown[:4]) + (", ..." if len(shown) > 4 else "")
-
-
 def _is_none(node: AST) -> bool:
     return isinstance(node, Constant) and node.value is None
 
 
-_SEEN: dict[type, Callable[[Values, Any], Value | None]] = {
+Values.seen = {
     Name: Values._name, Attribute: Values._field, Subscript: Values._item, Call: Values._call, Compare: Values._test,
     BoolOp: Values._test, UnaryOp: lambda v, n: v._test(n) if isinstance(n.op, Not) else None, IfExp: Values._choice,
     Tuple: Values._display, List: Values._display, Dict: Values._dict,

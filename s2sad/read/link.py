@@ -30,8 +30,13 @@ class Linker:
         self.found: dict[str, _Found] = {}  # callees first
         self.reports: list[Report] = []
 
-    def program(self, entry: Function) -> tuple[Program, dict[str, Callable[[], Any]]]:
-        """The program, and how to look up again each number and array that it read from outside."""
+    def program(self, entry: Function, methods: tuple[Function, ...] = ()
+                ) -> tuple[Program, dict[str, Callable[[], Any]]]:
+        """The program, with kernels for the given methods, and how to look up again each number and array that it read
+        from outside."""
+        for method in methods:
+            if self.identify(method) not in self.found:
+                self.visit(method, [])
         self.visit(entry, [])
         wrong = [d for report in self.reports for d in sorted(report.found, key=_position)]
         if wrong:
@@ -47,7 +52,7 @@ class Linker:
         watched = {names[key]: m.current for key, m in self.outside.values()
                    if not isinstance(m, (Function, Record)) and m.current is not None}
         return Program(names[self.identify(entry)].partition(".")[2], kernels, constants, arrays,
-                       records), watched
+                       records, {m.handle: names[self.identify(m)].partition(".")[2] for m in methods}), watched
 
     def identify(self, meaning: Function | Number | Array | Record) -> str:
         """A provisional dotted name, one for each function, each number by name and value, each array."""
