@@ -303,7 +303,7 @@ def test_structures(ran, tmp_path, monkeypatch):
   3 |         for i in range(state.u.size):
     |                        ^^^^^^^
   help: say what it is made of, as --types "state: {u: float64, t: float64}"
-s.py:4:29: error[S203]: 'p' has parts, whose types are not known
+s.py:4:32: error[S203]: 'p' has parts, whose types are not known
   4 |             state.u[i] += dt * p["k"] * w[i] * b
     |                                ^^^^^^
   help: say what it is made of, as --types "p: {k: float64}"

@@ -228,6 +228,40 @@ def released(spring, layer, dt):
     return spring.energy(c=2.0) + spring.square(spring.t) * layer.apply(spring.x)
 
 
+def tossed(o, n, flag):
+    for _ in range(n):
+        o, last = Orbit(o.v * 2.0, o.x), o
+    p = Orbit(last.x, 1.0)
+    if flag > 0.0:
+        p = Orbit(p.v, p.x * o.v)
+    return max(p) * sum(p) + p[1]
+
+
+def swapped(m):
+    m["a"].t, m["b"].t = m["b"].t, m["a"].t
+    s = m["a"]
+    for k in range(3):
+        s.t *= m["b"].t
+        m["a"].v[0] += s.t
+    for s in (m["a"], m["b"]):
+        for k in range(s.u.size):
+            if s.u[k] > 1.5:
+                break
+            s.t += s.u[k]
+    return m["a"].v[0] * m["b"].t
+
+
+def left_behind(state):
+    old = (state.t, state.u[0])
+    state.t *= 3.0
+    while state.t < 10.0:
+        state.t *= 1.7
+        if state.t > 5.0:
+            state.u[0] = state.t
+            break
+    return old[0] * state.t + old[1] * state.u[0]
+
+
 def state_of():
     return State(array([1.0, 2.0, 3.0]), np.zeros(3), 0.5)
 
@@ -257,6 +291,10 @@ CASES = [
     (orbit, lambda: (Orbit(1.0, 2.0), 0.1, 4)),
     (pairs, lambda: (Orbit(1.0, 2.0), 0.1)),
     (shaped, lambda: ((2, 3), (1, 2), 3.0)),
+    (tossed, lambda: (Orbit(1.0, 2.0), 3, 1.0)),
+    (tossed, lambda: (Orbit(1.0, 2.0), 2, -1.0)),
+    (swapped, lambda: ({"a": state_of(), "b": State(array([1.2]), array([0.1]), 0.7)},)),
+    (left_behind, lambda: (state_of(),)),
     (released, lambda: (Spring(array([1.0, 2.0]), 0.5), Layer(array([0.3, 0.4]), 2.0), 0.1)),
 ]
 
@@ -267,7 +305,7 @@ def test_derivatives(kernel, arguments):
     assert found, str(found)
 
 
-@pytest.mark.parametrize("case", [0, 4, 8, 10, 13], ids=lambda n: CASES[n][0].__name__)
+@pytest.mark.parametrize("case", [0, 4, 8, 10, 13, 15, 17], ids=lambda n: CASES[n][0].__name__)
 def test_derivatives_compiled(case):
     kernel, arguments = CASES[case]
     found = check(kernel, *arguments(), engine="numba")

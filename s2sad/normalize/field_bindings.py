@@ -25,7 +25,7 @@ from s2sad.program import Kernel
 from s2sad.structure import step
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BoolOp, Call, Compare, Constant, Expr, List, Mult, Name, Not, Store, Sub, Subscript,
-    Tuple, UnaryOp, assign, at, const, index, name, stored_names, tuple_of,
+    Tuple, UnaryOp, assign, at, const, index, name, stored_names, tuple_of, walk,
 )
 
 Env = dict[str, "Value | Conflict | Ordinary"]
@@ -41,6 +41,8 @@ class Bindings(Values):
         super().__init__(kernel, maker, report)
         self.fresh = fresh
         self.in_loop = False
+        stores = [n.id for n in walk(kernel.tree.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
+        self.rebound = {n for n in stores if stores.count(n) > 1 or n in kernel.parameters}
 
     # -- values --------------------------------------------------------------------------------------------------------
 
@@ -118,7 +120,8 @@ class Bindings(Values):
             found: list[Pair] = []
             before = self.env.get(_OTHERS)
             for k, (part, item) in enumerate(zip(target.elts, value.items)):
-                others = value.items[:k] + value.items[k + 1:]
+                others = tuple(i for i in value.items[:k] + value.items[k + 1:]
+                               if unrolled is not None or not self._read_at_once(i))
                 self.env[_OTHERS] = listed(others if before is None else (*others, before))  # pyright: ignore
                 found += self._pairs(part, item, node, unrolled, env)
             self.env.pop(_OTHERS)
@@ -133,6 +136,10 @@ class Bindings(Values):
             self.refuse(target, "a structure or None is assigned to a field or an item", "assign its fields one by one")
         return [(stored if stored is not None else self.plain(target), self.plainly(value, node))]
 
+    def _read_at_once(self, value: Value) -> bool:
+        """Whether a value is copied where it is bound, so that it does not change with names that it was read from."""
+        return self.in_loop and _fixed(value) if isinstance(value, Group) else True
+
     def _named(self, target: Name, value: Value, unrolled: frozenset[str] | None, env: Env) -> list[Pair]:
         if isinstance(value, Group):
             old = self.env.get(target.id)
@@ -142,7 +149,8 @@ class Bindings(Values):
                 env[target.id] = _unplaced(old)
                 return [(name(was.name), spelled(new, target) or const(0.0)) for was, new in zip(flat(old), flat(value))
                         if isinstance(was, Leaf) and was != new]
-            pairs, env[target.id] = self._kept(value, target, target.id, copying)
+            constants = target.id in self.rebound and _fixed(value)
+            pairs, env[target.id] = self._kept(value, target, target.id, copying, constants)
             return pairs
         if nothing(value) or isinstance(value, Leaf) and not usable(value):
             env[target.id] = value if isinstance(value, Leaf) else Leaf("", target.id, NONE)
@@ -157,18 +165,21 @@ class Bindings(Values):
         env[target.id] = Plain(plain) if written else ORDINARY
         return [] if written and isinstance(plain.value, str) else [(target, plain)]
 
-    def _kept(self, group: Group, origin: AST, wanted: str, copying: bool) -> tuple[list[Pair], Group]:
-        """A group whose expressions have names of their own; `copying` its names, too."""
+    def _kept(self, group: Group, origin: AST, wanted: str, copying: bool, constants: bool = False
+              ) -> tuple[list[Pair], Group]:
+        """A group whose expressions have names of their own; `copying` its names, too. Of one that is spelled out for
+        a name that is bound again (`constants`) everything has, so that it can take new values."""
         pairs: list[Pair] = []
         items: list[Value] = []
         for key, item in zip(group.form.keys, group.items):
             path = step(group.form, wanted, key)
             if isinstance(item, Group):
-                inner, part = self._kept(item, origin, path, copying)
+                inner, part = self._kept(item, origin, path, copying, constants)
                 pairs += inner
                 items.append(part)
-            elif isinstance(item, Plain) and not isinstance(item.node, Constant) or isinstance(item, Leaf) and usable(
-                    item) and (copying or item.is_cell and group.path == SPELLED):
+            elif isinstance(item, Plain) and (constants and not nothing(item) or not isinstance(item.node, Constant)) \
+                    or isinstance(item, Leaf) and usable(item) and (
+                        copying or (constants or item.is_cell) and group.path == SPELLED):
                 held = self.fresh(path)
                 pairs.append((name(held), spelled(item, origin) or const(0.0)))
                 items.append(Leaf(held, path, UNKNOWN))

@@ -7,6 +7,7 @@
 """
 from __future__ import annotations
 
+import functools
 import operator
 from collections.abc import Callable
 from dataclasses import replace
@@ -23,7 +24,7 @@ from s2sad.program import Kernel, Program
 from s2sad.structure import Form, Structure, is_fixed, method_of, record_fields
 from s2sad.tree import (
     AST, And, Attribute, BoolOp, Call, Compare, Constant, Dict, Eq, Gt, GtE, IfExp, In, Is, IsNot, List, Lt, LtE, Name,
-    Not, NotEq, NotIn, Subscript, Tuple, UnaryOp, at, call_name, const, keyword, name,
+    Not, NotEq, NotIn, Subscript, Tuple, UnaryOp, add, at, call_name, const, keyword, name,
 )
 
 NO = "is not supported in a kernel"
@@ -183,6 +184,8 @@ class Values(Items):
             return self._constructed(node, called.partition(".")[2])
         if called == "builtins.len":
             return self._length(node)
+        if called in ("builtins.max", "builtins.min", "builtins.sum") and len(node.args) == 1 and not node.keywords:
+            return self._over_items(called, node)
         if called in ("builtins.tuple", "builtins.list") and len(node.args) == 1:
             found = self.structural(node.args[0])
             if isinstance(found, Group) and found.form.is_sequence:
@@ -213,6 +216,16 @@ class Values(Items):
             return Plain(at(const(0.0), node))
         return _group(Structure(kind, tuple(defaults), (), made, is_fixed(kind, made)),
                       [given[k] for k in defaults])
+
+    def _over_items(self, called: str, node: Call) -> Value | None:
+        """`max(p)`, `min(p)` and `sum(p)` of a structure's items."""
+        found = self.structural(node.args[0])
+        if not isinstance(found, Group) or not found.form.is_sequence or len(found.items) < 2:
+            return None
+        items = [self.plainly(item, node.args[0]) for item in found.items]
+        if called != "builtins.sum":
+            return Plain(at(Call(node.func, items, []), node))
+        return Plain(at(functools.reduce(add, items), node))
 
     def _dict(self, node: Dict) -> Value:
         """A dict whose keys are written out."""
