@@ -240,7 +240,7 @@ def tossed(o, n, flag):
 def swapped(m):
     m["a"].t, m["b"].t = m["b"].t, m["a"].t
     s = m["a"]
-    for k in range(3):
+    for _ in range(3):
         s.t *= m["b"].t
         m["a"].v[0] += s.t
     for s in (m["a"], m["b"]):
@@ -260,6 +260,29 @@ def left_behind(state):
             state.u[0] = state.t
             break
     return old[0] * state.t + old[1] * state.u[0]
+
+
+def advanced(s, x):
+    s.t += x
+    return Orbit(s.t, x)
+
+
+def maybe(s, p=None):
+    if p is None:
+        return s.t
+    return s.t * p.k
+
+
+def handed_out(s, p):
+    a = advanced(s, 1.0)
+    b = advanced(s, a.x)
+    own = {"k": p.k, "t": s.t, "u": s.u}
+    own["k"] += 1.0
+    own["t"] *= own["k"]
+    own["u"][0] *= own["t"]
+    s.v += s.t
+    s.v *= s.v
+    return a.x * b.v + b.x + maybe(s) * maybe(s, p) + own["t"] * p.k + np.sum(s.v) + s.u[0]
 
 
 def state_of():
@@ -295,6 +318,7 @@ CASES = [
     (tossed, lambda: (Orbit(1.0, 2.0), 2, -1.0)),
     (swapped, lambda: ({"a": state_of(), "b": State(array([1.2]), array([0.1]), 0.7)},)),
     (left_behind, lambda: (state_of(),)),
+    (handed_out, lambda: (state_of(), params())),
     (released, lambda: (Spring(array([1.0, 2.0]), 0.5), Layer(array([0.3, 0.4]), 2.0), 0.1)),
 ]
 
@@ -305,7 +329,7 @@ def test_derivatives(kernel, arguments):
     assert found, str(found)
 
 
-@pytest.mark.parametrize("case", [0, 4, 8, 10, 13, 15, 17], ids=lambda n: CASES[n][0].__name__)
+@pytest.mark.parametrize("case", [0, 4, 8, 10, 13, 15, 17, 18], ids=lambda n: CASES[n][0].__name__)
 def test_derivatives_compiled(case):
     kernel, arguments = CASES[case]
     found = check(kernel, *arguments(), engine="numba")

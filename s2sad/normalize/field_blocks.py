@@ -42,7 +42,10 @@ class Blocks(Bindings):
     def block(self, statements: list[AST]) -> list[AST]:
         made: list[AST] = []
         for node in statements:
-            made += [at(s, node) for s in self._statement(node)]
+            new = [at(s, node) for s in self._statement(node)]
+            made += new
+            if isinstance(node, If) and FALL not in exits(new):
+                break                   # what follows a branch that is always taken may be about what is not there
         return made
 
     def _statement(self, node: AST) -> list[AST]:

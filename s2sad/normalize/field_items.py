@@ -49,7 +49,13 @@ class Items:
     def whole(self, node: AST) -> Value:
         """The value of an expression, a tuple that is written out as a structure."""
         spelled_out = isinstance(node, (Tuple, List)) and self.structural(node) is None
-        return listed(tuple(self.whole(item) for item in node.elts)) if spelled_out else self.value(node)
+        return listed(tuple(self.now(self.whole(i), i) for i in node.elts)) if spelled_out else self.value(node)
+
+    def now(self, value: Value, origin: AST, own: bool = False) -> Value:
+        """A value as it is when a structure is made of it: of a field that is assigned, the number that it holds. A
+        structure whose items can be assigned has its `own` numbers."""
+        copied = isinstance(value, Leaf) and usable(value) and (value.is_cell or own and not value.type.is_array)
+        return Plain(value.read(origin)) if isinstance(value, Leaf) and copied else value
 
     def plain(self, node: AST) -> AST:
         """The expression without structures; one that stays a structure is refused."""
@@ -212,7 +218,7 @@ class Items:
         found = [self.structural(item) for item in node.elts]
         if not any(isinstance(f, (Group, Leaf)) and not (isinstance(f, Leaf) and usable(f)) for f in found):
             return None
-        return listed(tuple(self.value(item) for item in node.elts))
+        return listed(tuple(self.now(self.value(item), item) for item in node.elts))
 
     def _length(self, node: Call) -> Value | None:
         found = self.structural(node.args[0]) if len(node.args) == 1 else None
