@@ -16,6 +16,7 @@ from s2sad.program import Request
 from s2sad.run.compiled import chosen
 from s2sad.selection import Results, names_of, selected_of, selected_wrt
 from s2sad.shadowed import ShadowedCall
+from s2sad.structure import is_structure
 from s2sad.variants import State, derivatives_of
 
 __all__ = ["Differentiated", "autodiff", "differentiate"]
@@ -117,6 +118,9 @@ class Differentiated:
         its module are its last parameters.
         """
         state = self._derivatives.state()
+        if any(map(is_structure, args)):
+            raise S2sadError(Diagnostic("S405", f"'{self.__wrapped_kernel__.__name__}.compiled' was given a structure",
+                                        help="the bare function takes arrays and numbers: call adjoint or tangent"))
         if mode in ("adjoint", "tangent"):
             return ShadowedCall(state, mode, args, self.__s2sad_selection__).variant.function
         if mode != "primal":

@@ -400,6 +400,26 @@ def test_results_are_structures(engine):
     assert same(tangent, dots) and same(primal, orbit(*arguments))
 
 
+def test_an_argument_that_is_returned():
+    f, ones = differentiate(doubled, engine="numpy"), State(np.ones(3), np.ones(3), 1.0)
+    wanted = {"state": State(array([3.0, 2.0, 2.0]), np.ones(3), 2.0)}
+    assert same(vjp(f, (state_of(),), {"return": ones}), wanted)
+    assert same(vjp(f, (state_of(),), {"state": ones}), wanted)
+    found = jvp(f, (state_of(),), {"state": ones}, of="return")["return"]
+    assert same((found.u, found.v, found.t, found.n), (2.0 * np.ones(3), np.ones(3), 3.0, None))
+
+
+def test_calls_whose_arguments_are_tested_for_none():
+    f, u_bar, w_bar = differentiate(with_none, engine="numpy"), np.zeros(2), np.zeros(2)
+    wanted = gradient(f)(X, X + 1.0, 2.0)
+    assert f.adjoint(X, u_bar, X + 1.0, w_bar, 2.0, 1.0) == (1.0,)
+    assert same(wanted, {"u": u_bar, "w": w_bar, "bias": 1.0})
+    u_bar[:] = 0.0
+    assert f.adjoint(X, u_bar, None, None, 1.0) is None and same(u_bar, gradient(f)(X))
+    refused("error[S405]: 'doubled.compiled' was given a structure\n  help: the bare function takes arrays and numbers: "
+            "call adjoint or tangent", differentiate(doubled).compiled, "adjoint", state_of(), state_of())
+
+
 def test_autodiff_with_shadows_that_are_structures(engine):
     f, p = differentiate(step, engine=engine), params()
     wanted = vjp(f, (state_of(), p, 0.1), {"state": State(np.ones(3), np.zeros(3), 1.0)})

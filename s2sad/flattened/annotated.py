@@ -115,7 +115,7 @@ class _Annotated:
         if entry is None:
             entry = apart.state.entries[key] = AnnotatedCall(apart.state, self.mode, self.given, self.engine)
         if seed is not None and apart.result is not None:
-            seed = apart.result_leaves(seed)
+            seed = apart.result_seed(seed)
         found = entry(values, shadows, seed)
         derivative, primal = found if self.mode.with_primal else (found, None)
         for cell, kind, holder, key in self.shadowed:

@@ -4,6 +4,7 @@
 """
 from __future__ import annotations
 
+import copy
 import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -52,7 +53,7 @@ def _seeds(apart: Flattened, seeds: Mapping[str, Any], values: Mapping[str, Any]
     kept: dict[str, Any] = {}
     for name, seed in seeds.items():
         if name == RETURN:
-            flat[RETURN] = seed if apart.result is None else apart.result_leaves(seed)
+            flat[RETURN] = seed if apart.result is None else apart.result_seed(seed)
             continue
         path = apart._asked(name, "seeds")
         written = apart.written(path)
@@ -122,7 +123,7 @@ def _tangents(apart: Flattened, args: Sequence[Any], of: Sequence[str] | None, f
             continue
         path = apart._asked(name, "of")
         floats = apart.floats(path[1], path[2])
-        held = {n: found.get(n, given.get(n)) for n in floats}
+        held = {n: found.get(n, copy.copy(given.get(n))) for n in floats}
         zeros = {n: make_zero(v) for n, v in zip(apart.paths, apart.values(args)) if held.get(n, 0) is None}
         answer[name] = apart.gathered(path, args, {**held, **zeros})
     return answer

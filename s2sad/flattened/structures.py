@@ -266,8 +266,14 @@ class Flattened:
 
     # -- results -------------------------------------------------------------------------------------------------------
 
+    def result_seed(self, seed: Any) -> Any:
+        """The seed of a structure that the kernel returns, as that of a tuple: None for what is no float."""
+        found = self.result_leaves(seed)
+        kinds = self._summary.results
+        return tuple(s if t.is_float else None for s, t in zip(found, kinds)) if len(kinds) > 1 else found
+
     def result_leaves(self, seed: Any) -> Any:
-        """The seed of a structure that the kernel returns, as that of a tuple."""
+        """A structure that is like what the kernel returns, as a tuple."""
         assert self.result is not None
         if not fits(self.result, seed):
             raise misfit(f"the seed of 'return' is of type {type(seed).__name__} or has other parts: the result is "
