@@ -416,8 +416,9 @@ def test_calls_whose_arguments_are_tested_for_none():
     assert same(wanted, {"u": u_bar, "w": w_bar, "bias": 1.0})
     u_bar[:] = 0.0
     assert f.adjoint(X, u_bar, None, None, 1.0) is None and same(u_bar, gradient(f)(X))
-    refused("error[S405]: 'doubled.compiled' was given a structure\n  help: the bare function takes arrays and numbers: "
-            "call adjoint or tangent", differentiate(doubled).compiled, "adjoint", state_of(), state_of())
+    refused("error[S405]: 'doubled.compiled' was given a structure\n"
+            "  help: the bare function takes arrays and numbers: call adjoint or tangent",
+            differentiate(doubled).compiled, "adjoint", state_of(), state_of())
 
 
 def test_autodiff_with_shadows_that_are_structures(engine):
