@@ -14,6 +14,7 @@ from s2sad import (
     Active, Const, Duplicated, Forward, ForwardWithPrimal, Reverse, S2sadError, autodiff, check,
     differentiate, explain, gradient, jvp, make_zero, value_and_gradient, vjp,
 )
+from tests import structure_kernels
 
 array = np.array
 ENGINES = ["numpy", "numba"]
@@ -333,6 +334,13 @@ def test_derivatives(kernel, arguments):
 def test_derivatives_compiled(case):
     kernel, arguments = CASES[case]
     found = check(kernel, *arguments(), engine="numba")
+    assert found, str(found)
+
+
+@pytest.mark.parametrize(("kernel", "arguments"), structure_kernels.CASES, ids=[
+    f"{k.__name__}{n}" for n, (k, _) in enumerate(structure_kernels.CASES)])
+def test_kernels_that_mislead(kernel, arguments):
+    found = check(kernel, *arguments(), engine="numpy")
     assert found, str(found)
 
 
