@@ -202,7 +202,7 @@ def r4(d, n):
         s = d[name]
         for i in range(n):
             tot += s.u[i] * s.t
-    for name, s in d.items():
+    for _, s in d.items():
         s.u[0] = tot
     for s in d.values():
         tot += s.u[0]
