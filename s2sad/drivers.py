@@ -20,6 +20,7 @@ def gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = None) -> C
     Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or names (default: every float
     argument). The result is one array (of the argument's shape and dtype) or float for one name, a dict by name for
     several; arguments are never changed, read-only arrays are fine, and nothing is changed when f raises.
+    The gradient of a structure is one of the same make, what is no float as it was; names may mean parts: "p.k".
     Raises S2sadError: S401 (f does not return one float; wrt names nothing that is a float), S404 (a written argument
     shares memory with another), S405 (an argument of another type); and what f raises. Reverse mode: Griewank and
     Walther, Evaluating Derivatives, SIAM 2008.
@@ -88,7 +89,7 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
     Args: args, all of f's positional arguments; seeds by output name: a written argument's name (an array of its
     shape and dtype: weights of its final content) or "return" (a float, an array, or a tuple for a tuple result, with
     None for what is no float); wrt, a name or names (default: every float argument). Gradients have the shape and
-    dtype of their arguments; `args` and `seeds` are never changed.
+    dtype of their arguments, those of structures their make, as seeds have; `args` and `seeds` are never changed.
     Raises S2sadError: S401 (an unknown output or wrt), S403 (a seed that does not fit), S404, S405 as for `gradient`;
     and what f raises. A zero gradient because no output depends on the argument comes with an S2sadWarning.
     Literature as for `gradient`.
