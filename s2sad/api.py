@@ -10,10 +10,13 @@ from s2sad.annotated import AnnotatedCall
 from s2sad.annotations import Annotation, Duplicated, Mode
 from s2sad.binding import admitted, bind, describe
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.flattened import annotated as with_structures, flattened, taken_apart
+from s2sad.prepared import selection_of
 from s2sad.program import Request
 from s2sad.run.compiled import chosen
 from s2sad.selection import Results, names_of, selected_of, selected_wrt
 from s2sad.shadowed import ShadowedCall
+from s2sad.structure import is_structure
 from s2sad.variants import State, derivatives_of
 
 __all__ = ["Differentiated", "autodiff", "differentiate"]
@@ -86,6 +89,11 @@ class Differentiated:
     def primal(self, *args: Any, **keywords: Any) -> Any:
         """What f returns, computed by the compiled primal (under NumPy: by f itself)."""
         state = self._derivatives.state()
+        structures = flattened(state, bind(state.kernel, args, keywords))
+        if structures is not None:
+            if chosen(self.engine) == "numpy":
+                return self.__wrapped_kernel__(*args, **keywords)
+            return with_structures.primal(structures, bind(state.kernel, args, keywords), self.engine)
         values = self._values(state, args, keywords)
         types = state.types(values)
         function, apart = state.primal(types, self.engine), state.apart(types)
@@ -110,6 +118,9 @@ class Differentiated:
         its module are its last parameters.
         """
         state = self._derivatives.state()
+        if any(map(is_structure, args)):
+            raise S2sadError(Diagnostic("S405", f"'{self.__wrapped_kernel__.__name__}.compiled' was given a structure",
+                                        help="the bare function takes arrays and numbers: call adjoint or tangent"))
         if mode in ("adjoint", "tangent"):
             return ShadowedCall(state, mode, args, self.__s2sad_selection__).variant.function
         if mode != "primal":
@@ -126,6 +137,9 @@ class Differentiated:
         key = (self._tokens[mode], describe(args))
         entry = state.entries.get(key)
         if entry is None:
+            found = with_structures.shadowed(state, mode, args, self)
+            if found is not None:
+                return found[0]
             entry = state.entries[key] = ShadowedCall(state, mode, args, self.__s2sad_selection__)
         return entry(args)
 
@@ -134,11 +148,11 @@ class Differentiated:
         return [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, bound)]
 
     def _source(self, mode: str, args: tuple[Any, ...], keywords: dict[str, Any], level: str) -> str:
-        state = self._derivatives.state()
-        types = state.types(self._values(state, args, keywords))
+        state, values, (wrt, of, _) = taken_apart(self._derivatives.state(), self, args, keywords)
+        types = state.types([admitted(n, v, n in state.floats) for n, v in zip(state.parameters, values)])
         name, parameters = state.kernel.name, state.parameters
-        wrt = selected_wrt(name, parameters, types, self.wrt)
-        of = selected_of(name, parameters, types, state.summary(types), self.of)
+        wrt = selected_wrt(name, parameters, types, wrt)
+        of = selected_of(name, parameters, types, state.summary(types), of)
         request = Request(mode, types, wrt, of, engine=chosen(self.engine), level=level)
         return pipeline.derive(state.program, request).text
 
@@ -166,6 +180,9 @@ def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = Non
         raise S2sadError(Diagnostic("S402", f"{mode!r} is no mode",
                                     help="use Forward, ForwardWithPrimal, Reverse or ReverseWithPrimal"))
     state = derivatives_of(f).state()
+    found = with_structures.annotated(state, mode, annotated, selection_of(f)[2], seed)
+    if found is not None:
+        return found[0]
     engine = getattr(f, "__s2sad_selection__", (None, None, "auto"))[2]
     kinds = tuple([type(a) if isinstance(a, Annotation) else None for a in annotated])
     values = [a.value if isinstance(a, Annotation) else a for a in annotated]

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,6 +12,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, of_value
 from s2sad.program import Kernel
 from s2sad.run.overlap import folded, self_overlap, shape_mismatch
+from s2sad.structure import Structure, form_of, mapped
 
 FLOATS = ("float64", "float32")
 _DTYPES = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", *FLOATS))
@@ -154,19 +156,17 @@ def _unfit(name: str, what: str, remedy: str) -> S2sadError:
 def make_zero(x: Any) -> Any:
     """A zero shadow of the same structure as x: arrays and floats zero, everything else as it is.
 
-    Args: x, a float, an array of float64 or float32 of any shape, an integer, bool, str or None, or a tuple, list or
-    dict of such. Raises S2sadError (S405) for other types. The shadows are those of Enzyme (Moses and Churavy,
-    NeurIPS 2020).
+    Args: x, a float, an array of float64 or float32 of any shape, an integer, bool, str or None, or a dataclass, named
+    tuple, tuple, list or dict of such; what else a structure holds stays. Raises S2sadError (S405) for other types. The
+    shadows are those of Enzyme (Moses and Churavy, NeurIPS 2020).
 
     >>> import numpy as np
     >>> make_zero((np.ones(2), 3.0, 4))
     (array([0., 0.]), 0.0, 4)
     """
-    if isinstance(x, (tuple, list)):
-        items = [make_zero(item) for item in x]
-        return type(x)(*items) if hasattr(x, "_fields") else type(x)(items)
-    if isinstance(x, dict):
-        return {key: make_zero(value) for key, value in x.items()}
+    form = form_of(x, "x", sys.maxsize)
+    if isinstance(form, Structure):
+        return mapped(form, x, "x", lambda path, kind, leaf: leaf if kind.kind == "other" else make_zero(leaf))
     value = admitted("x", x)
     if isinstance(value, np.ndarray):
         return np.zeros_like(value) if value.dtype.name in FLOATS else value

@@ -14,13 +14,14 @@ from pathlib import Path
 
 from s2sad import pipeline, read
 from s2sad.diagnostics import Diagnostic, Report, S2sadError
-from s2sad.infer.assumed import Assumed, assumed, spelled
-from s2sad.infer.types import Type
+from s2sad.flattened.spelling import form_spelled, listed, named, spelled_out
+from s2sad.infer.assumed import Assumed, assumed
 from s2sad.program import Program, Request
 from s2sad.report.explain import explained
 from s2sad.report.made_up import checked_file
 from s2sad.report.stages import ROOMS, STAGES, stages
 from s2sad.run.compiled import chosen
+from s2sad.structure import Form
 from s2sad.selection import selected_of, selected_wrt
 
 _ABOUT = """\
@@ -90,9 +91,9 @@ def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
         parser.error(f"'{options.target}' is not FILE:FUNCTION, as kernel.py:step")
     given = _given(parser, options.types or "")
     program = read.load_file(path, function)
-    request, found = _request(parser, program, options, given)
+    program, request, found, paths = _request(parser, program, options, given)
     if options.command == "check":
-        report = checked_file(path, function, options.arguments, found, request)
+        report = checked_file(path, function, options.arguments, found, request, paths)
         _write(options.output, f"{report}\n")
         return 0 if report else 1
     if options.command == "explain":
@@ -111,55 +112,48 @@ def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
 
 
 def _request(parser: argparse.ArgumentParser, program: Program, options: argparse.Namespace,
-             given: dict[str, Type]) -> tuple[Request, dict[str, Assumed]]:
-    """What is asked for, and the types of the parameters by name."""
+             given: dict[str, Form]) -> tuple[Program, Request, dict[str, Assumed], dict[str, str]]:
+    """The program without structures, what is asked for, the types of its parameters by name, and the paths of these
+    in structures."""
     kernel = program.kernels[program.entry]
     for name in given:
         if name not in kernel.parameters:
             parser.error(f"--types names '{name}', which is no parameter of '{program.entry}': its parameters are "
                          f"{', '.join(kernel.parameters)}")
+    program, leaves, paths = spelled_out(program, given)
+    kernel = program.kernels[program.entry]
     report = Report(kernel.source)
     found = assumed(program.entry, {n: k.tree for n, k in program.kernels.items()}, kernel.parameters,
-                    kernel.annotations, kernel.defaults, given, report)
+                    kernel.annotations, kernel.defaults, leaves, report)
     report.finish()
     types = tuple(found[p].type for p in kernel.parameters)
-    wrt = selected_wrt(program.entry, kernel.parameters, types, _listed(options.wrt))
-    of = selected_of(program.entry, kernel.parameters, types, pipeline.summary(program, types), _listed(options.of))
+    wrt, of = (named(_listed(names), paths) for names in (options.wrt, options.of))
+    wrt = selected_wrt(program.entry, kernel.parameters, types, wrt)
+    of = selected_of(program.entry, kernel.parameters, types, pipeline.summary(program, types), of)
     engine = chosen("auto") if options.engine == "auto" else options.engine
     mode = "tangent" if options.command == "tangent" else getattr(options, "mode", "adjoint")
     reasons = tuple((p, found[p].reason) for p in kernel.parameters if found[p].reason)
-    return Request(mode, types, wrt, of, engine, options.level, standalone=options.standalone, assumed=reasons), found
+    request = Request(mode, types, wrt, of, engine, options.level, standalone=options.standalone, assumed=reasons)
+    return program, request, found, paths
 
 
 def _listed(names: str | None) -> tuple[str, ...] | None:
     return None if names is None else tuple(n.strip() for n in names.split(",") if n.strip())
 
 
-def _given(parser: argparse.ArgumentParser, text: str) -> dict[str, Type]:
+def _given(parser: argparse.ArgumentParser, text: str) -> dict[str, Form]:
     """The types of `--types "u: float64[:, :], n: int64"`."""
-    found: dict[str, Type] = {}
-    for part in _parts(text):
+    found: dict[str, Form] = {}
+    for part in listed(text):
         name, colon, spelling = part.partition(":")
         if not colon or not name.strip().isidentifier():
             parser.error(f"--types: '{part.strip()}' is not NAME: TYPE, as u: float64[:, :]")
-        kind = spelled(spelling)
+        kind = form_spelled(spelling)
         if kind is None:
             parser.error(f"--types: '{spelling.strip()}' is no type for '{name.strip()}'; use float64, float32, int64 "
-                         "or bool, or an array of these, as float64[:, :]")
+                         "or bool, an array of these, as float64[:, :], or a structure, as {u: float64[:], t: float}")
         found[name.strip()] = kind
     return found
-
-
-def _parts(text: str) -> list[str]:
-    """A list with commas, those in brackets aside."""
-    parts, depth = [""], 0
-    for letter in text:
-        depth += (letter == "[") - (letter == "]")
-        if letter == "," and not depth:
-            parts.append("")
-        else:
-            parts[-1] += letter
-    return [p for p in parts if p.strip()]
 
 
 def _stages(parser: argparse.ArgumentParser, program: Program, request: Request, after: str | None) -> str:

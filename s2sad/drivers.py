@@ -6,6 +6,7 @@ from typing import Any
 
 from s2sad.binding import bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.flattened import drivers as with_structures, flattened
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
 from s2sad.selection import RETURN, names_of
 from s2sad.variants import Derivatives, derivatives_of
@@ -19,6 +20,7 @@ def gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = None) -> C
     Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or names (default: every float
     argument). The result is one array (of the argument's shape and dtype) or float for one name, a dict by name for
     several; arguments are never changed, read-only arrays are fine, and nothing is changed when f raises.
+    The gradient of a structure is one of the same make, what is no float as it was; names may mean parts: "p.k".
     Raises S2sadError: S401 (f does not return one float; wrt names nothing that is a float), S404 (a written argument
     shares memory with another), S405 (an argument of another type); and what f raises. Reverse mode: Griewank and
     Walther, Evaluating Derivatives, SIAM 2008.
@@ -65,11 +67,14 @@ def value_and_gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = 
 
 
 def _prepared(f: Any, derivatives: Derivatives, names: tuple[str, ...] | None, args: tuple[Any, ...],
-              keywords: dict[str, Any]) -> tuple[ReverseCall, tuple[Any, ...]]:
+              keywords: dict[str, Any]) -> tuple[ReverseCall | with_structures.Gradient, tuple[Any, ...]]:
     """The prepared gradient for arguments of these types, and the arguments by position."""
     state = derivatives.state()
     if keywords:
         args = tuple(bind(state.kernel, args, keywords))
+    apart = flattened(state, args)
+    if apart is not None:
+        return with_structures.Gradient(apart, f, names), tuple(bind(state.kernel, args))
     key = ("gradient", names, describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
@@ -84,7 +89,7 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
     Args: args, all of f's positional arguments; seeds by output name: a written argument's name (an array of its
     shape and dtype: weights of its final content) or "return" (a float, an array, or a tuple for a tuple result, with
     None for what is no float); wrt, a name or names (default: every float argument). Gradients have the shape and
-    dtype of their arguments; `args` and `seeds` are never changed.
+    dtype of their arguments, those of structures their make, as seeds have; `args` and `seeds` are never changed.
     Raises S2sadError: S401 (an unknown output or wrt), S403 (a seed that does not fit), S404, S405 as for `gradient`;
     and what f raises. A zero gradient because no output depends on the argument comes with an S2sadWarning.
     Literature as for `gradient`.
@@ -98,6 +103,10 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
     """
     state = derivatives_of(f).state()
     args, names = _listed(args), names_of(wrt)
+    apart = flattened(state, args)
+    if apart is not None:
+        _named(seeds, "seeds")
+        return with_structures.vjp(apart, f, bind(state.kernel, args), seeds, names)
     key = ("vjp", names, _named(seeds, "seeds"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
@@ -123,6 +132,10 @@ def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any],
     """
     state = derivatives_of(f).state()
     args, names = _listed(args), names_of(of)
+    apart = flattened(state, args)
+    if apart is not None:
+        _named(tangents, "tangents")
+        return with_structures.jvp(apart, f, bind(state.kernel, args), tangents, names)
     key = ("jvp", names, _named(tangents, "tangents"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:

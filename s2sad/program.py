@@ -32,12 +32,16 @@ class Program:
     """A kernel and every kernel that it calls, by name, callees before callers; `entry` is the last one's name.
 
     `constants` holds the numbers that kernels read from their module or closure, by the name behind
-    `const.`; `arrays` the arrays read likewise, which become hidden parameters of every kernel on the way.
+    `const.`; `arrays` the arrays read likewise, which become hidden parameters of every kernel on the way; `records`
+    the classes that kernels make structures with, by the name behind `record.`; `methods`
+    the names of the kernels that are functions of classes.
     """
     entry: str
     kernels: dict[str, Kernel]
     constants: dict[str, Any] = field(default_factory=dict)
     arrays: dict[str, Any] = field(default_factory=dict)
+    records: dict[str, type] = field(default_factory=dict)
+    methods: dict[Any, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

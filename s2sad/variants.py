@@ -18,6 +18,7 @@ from s2sad.binding import float_parameters, same_number, types as types_of
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.differentiate.adjoint import MISFIT
 from s2sad.infer.types import Type, of_value
+from s2sad.normalize.fields import asks
 from s2sad.read.capture import not_a_function, python_function
 from s2sad.program import Generated, Kernel, Parameter, Program, Request
 from s2sad.rules.given import GIVEN, Given
@@ -81,10 +82,11 @@ class Derivatives:
 
 class State:
     """A program whose constants are known, and what was derived from it. `entries` keeps prepared calls by their
-    callers' keys."""
+    callers' keys. A `flat` one takes the leaves of structures; one that `asks` must know what arguments are made of."""
 
-    def __init__(self, program: Program, function: FunctionType):
-        self.program, self.function = program, function
+    def __init__(self, program: Program, function: FunctionType, flat: bool = False):
+        self.program, self.function, self.flat = program, function, flat
+        self.asks = not flat and asks(program)
         self.kernel: Kernel = program.kernels[program.entry]
         self.parameters = self.kernel.parameters
         self.floats = float_parameters(self.kernel)
@@ -105,6 +107,7 @@ class State:
         return (list(ours.constants) == list(theirs.constants) and list(ours.arrays) == list(theirs.arrays)
                 and all(same_number(v, theirs.constants[k]) for k, v in ours.constants.items())
                 and all(of_value(v) == of_value(theirs.arrays[k]) for k, v in ours.arrays.items())
+                and ours.records == theirs.records
                 and list(ours.kernels) == list(theirs.kernels) and self.given == given_of(theirs) and self.unchanged()
                 and all(_same_kernel(k, theirs.kernels[name]) for name, k in ours.kernels.items()))
 
@@ -151,7 +154,7 @@ class State:
 
     def primal(self, types: tuple[Type, ...], engine: str) -> Callable[..., Any]:
         """The primal for positional values: the function itself under NumPy, compiled under Numba."""
-        if chosen(engine) == "numpy":
+        if chosen(engine) == "numpy" and not self.flat:
             return self.function
         variant = self.variant(Request("primal", types, (), ()), engine)
         hidden = tuple(p.name for p in variant.generated.parameters if p.name.startswith(HIDDEN))

@@ -135,14 +135,13 @@ def test_read_only_arguments_that_are_one_array_share_their_shadow(made):
 
 
 @pytest.mark.parametrize(("value", "text"), [
-    ([1.0], "is a list\n  help: pass numpy.array(u, dtype=float)"),
     (np.array(1.0), "is an array of rank 0\n  help: pass the number, u[()], or an array of shape (1,)"),
     (np.zeros(2, np.float16), "has dtype float16\n  help: use float64, float32, an integer type or bool"),
     (np.zeros(2, complex), "has dtype complex128\n  help: use float64, float32, an integer type or bool"),
     (np.zeros(2, ">f8"), 'has the other byte order\n  help: pass u.astype("float64")'),
     (1j, "is a number of type complex128\n  help: give a float"),
     (np.ma.zeros(2), "is a MaskedArray\n  help: pass numpy.asarray(u)"),
-    ({}, "is a dict\n  help: give an array, a float, an int, a bool, a str or None"),
+    ({(1, 2): 3.0}, "is a dict\n  help: give an array, a float, an int, a bool, a str or None"),
 ])
 def test_arguments_that_do_not_fit(value, text):
     refused(f"error[S405]: the argument 'u' {text}", gradient(kernels.norm), value)

@@ -280,10 +280,43 @@ def test_wrt_that_no_output_depends_on_is_a_warning(ran, kernel):
     assert ran("adjoint", "k.py:f")[2] == ""
 
 
+STRUCTURES = """def step(state, p, layers, dt, mask=None):
+    for w, b in layers:
+        for i in range(state.u.size):
+            state.u[i] += dt * p["k"] * w[i] * b
+    if mask is not None:
+        state.u[0] *= mask[0]
+    state.t += dt
+"""
+
+
+def test_structures(ran, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.py").write_text(STRUCTURES)
+    types = "state: {u: float64[:], t: float}, p: {k: float64}, layers: ((float64[:], float),)"
+    status, text, _ = ran("adjoint", "s.py:step", "--types", types, "--wrt", "state.u,p", "--of", "state")
+    assert not status
+    assert "state_u, state_u_bar, state_t, state_t_bar, p_k, layers_0_0, layers_0_1, dt" in text
+    assert "    return (p_k_bar,)" in text
+    assert "mask" in ran("adjoint", "s.py:step", "--types", f"{types}, mask: float64[:]")[1]
+    assert ran("adjoint", "s.py:step")[2] == """s.py:3:24: error[S203]: 'state' has parts, whose types are not known
+  3 |         for i in range(state.u.size):
+    |                        ^^^^^^^
+  help: say what it is made of, as --types "state: {u: float64, t: float64}"
+s.py:4:32: error[S203]: 'p' has parts, whose types are not known
+  4 |             state.u[i] += dt * p["k"] * w[i] * b
+    |                                ^^^^^^
+  help: say what it is made of, as --types "p: {k: float64}"
+"""
+    assert ran("check", "s.py:step", "--types", types)[2] == (
+        "error[S405]: 'step' takes structures, and none can be made up\n  help: give its arguments as Python, in "
+        "--arguments, or call s2sad.check\n")
+
+
 @pytest.mark.parametrize(("options", "message"), [
     (("k.py",), "'k.py' is not FILE:FUNCTION, as kernel.py:step"),
     (("k.py:scale", "--types", "u: flaot64[:]"), "--types: 'flaot64[:]' is no type for 'u'; use float64, float32, "
-     "int64 or bool, or an array of these, as float64[:, :]"),
+     "int64 or bool, an array of these, as float64[:, :], or a structure, as {u: float64[:], t: float}"),
     (("k.py:scale", "--types", "float64"), "--types: 'float64' is not NAME: TYPE, as u: float64[:, :]"),
     (("k.py:scale", "--types", "v: float64"), "--types names 'v', which is no parameter of 'scale': its parameters are "
      "u, c"),

@@ -16,11 +16,13 @@ from __future__ import annotations
 import copy
 import difflib
 import importlib.util
+import inspect
 import math
 import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -30,13 +32,16 @@ import numpy as np
 import pytest
 
 from s2sad import pipeline, read
+from s2sad.binding import bind
 from s2sad.emit import module_text
+from s2sad.flattened import flattened
 from s2sad.infer.types import of_value
 from s2sad.program import Generated, Program, Request
 from s2sad.run.compiled import compiled
 from s2sad.run.load import load
 from s2sad.tree import FunctionDef
 from s2sad.units import Unit
+from s2sad.variants import State
 from tests.derivatives import Subject, differences
 
 FOLDER = Path(__file__).resolve().parent / "golden"
@@ -45,9 +50,12 @@ FILES = ("normal.py", "adjoint.py", "adjoint_fast.py", "tangent.py")
 
 
 class Given(NamedTuple):
-    """A case as given: its module, its program, and the plain requests for its derivatives."""
+    """A case as given: its module, its program, its kernel and arguments without structures, and the plain requests for
+    its derivatives."""
     module: ModuleType
     program: Program
+    kernel: Callable[..., Any]
+    arguments: tuple[Any, ...]
     adjoint: Request
     tangent: Request
 
@@ -66,14 +74,22 @@ def given(case: str) -> Given:
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    types = tuple(map(of_value, module.ARGUMENTS))
+    program, kernel, arguments = read.load(module.kernel), module.kernel, module.ARGUMENTS
+    apart = flattened(State(program, kernel), arguments)
+    if apart is not None:
+        arguments = bind(program.kernels[program.entry], arguments)
+        program, kernel = apart.state.program, apart.calling(kernel, copy.deepcopy(arguments))
+        kinds = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_ONLY) for name in apart.paths]
+        vars(kernel)["__signature__"] = inspect.Signature(kinds)
+        arguments = tuple(apart.values(arguments))
+    types = tuple(of_value(a) if apart is None else of_value(a).plain for a in arguments)
     adjoint, tangent = (Request(mode, types, module.WRT, module.OF) for mode in ("adjoint", "tangent"))
-    return Given(module, read.load(module.kernel), adjoint, tangent)
+    return Given(module, program, kernel, arguments, adjoint, tangent)
 
 
 @cache
 def made(case: str) -> Made:
-    program, adjoint, tangent = given(case)[1:]
+    program, (adjoint, tangent) = given(case).program, given(case)[-2:]
     units, unit = pipeline.entry(program, adjoint.types, "numpy")
     normal = module_text([titled(u) for u in units.titled.values()], constants=program.constants, standalone=False,
                          header=["Normal form."])
@@ -148,7 +164,7 @@ class Call:
         program, signature = given(case).program, made(case).signatures[name]
         build = compiled if engine == "numba" else load
         function = getattr(build(golden(case, name), signature.entry), signature.entry)
-        values = dict(zip(program.kernels[program.entry].parameters, copy.deepcopy(given(case).module.ARGUMENTS)))
+        values = dict(zip(program.kernels[program.entry].parameters, copy.deepcopy(given(case).arguments)))
         values |= {f"array.{key}": value for key, value in program.arrays.items()}
         self.shadows, places = copy.deepcopy(shadows), iter(seeds)
         arguments = [self.shadows[p.primal] if p.role == "shadow" else next(places) if p.role == "seed" else
@@ -158,7 +174,7 @@ class Call:
 
 def subject_of(case: str) -> Subject:
     module = given(case).module
-    return Subject(module.kernel, module.ARGUMENTS, module.WRT, module.OF)
+    return Subject(given(case).kernel, given(case).arguments, module.WRT, module.OF)
 
 
 def parts(like: dict[str, Any], names: tuple[str, ...], rng: np.random.Generator) -> dict[str, Any]:
@@ -232,10 +248,10 @@ def _parts(result: Any) -> tuple[Any, ...]:
 @pytest.mark.parametrize("case", CASES)
 def test_normal_form_runs(case):
     """The kernel in normal form leaves and returns the very same."""
-    module, program = given(case).module, given(case).program
+    kernel, arguments, program = given(case).kernel, given(case).arguments, given(case).program
     function = getattr(load(golden(case, "normal.py"), "normal"), made(case).normal)
-    theirs, ours = copy.deepcopy(module.ARGUMENTS), copy.deepcopy(module.ARGUMENTS)
-    wanted, found = module.kernel(*theirs), function(*ours, *program.arrays.values())
+    theirs, ours = copy.deepcopy(arguments), copy.deepcopy(arguments)
+    wanted, found = kernel(*theirs), function(*ours, *program.arrays.values())
     for ours_k, theirs_k in zip(_parts(found), _parts(wanted)):
         np.testing.assert_allclose(np.asarray(ours_k, float), np.asarray(theirs_k, float), rtol=1e-14)
     for left, right in zip(ours, theirs):

@@ -79,15 +79,12 @@ REFUSED = [
     ("p, *q = x", "*q", "S201", f"a starred expression {NO}", "write the elements out, one by one"),
     ("other(*x)", "*x", "S201", f"a starred expression {NO}", "write the elements out, one by one"),
     ("other(**x)", "x", "S201", f"** in a call {NO}", "write the keyword arguments out"),
-    ("x.a = 1", "x.a", "S201", f"an assignment to the attribute x.a {NO}", ATTRIBUTE),
-    ("x.a += 1", "x.a", "S201", f"an assignment to the attribute x.a {NO}", ATTRIBUTE),
     ("x.shape = (2, 3)", "x.shape", "S201", f"an assignment to the attribute x.shape {NO}",
      "bind the new shape to a new name: y = x.reshape(...)"),
     ("y = 2j", "2j", "S201", f"a complex number {NO}", "keep the real and the imaginary part in two names"),
     ("y = COMPLEX", "COMPLEX", "S201", "'COMPLEX' cannot be used in a kernel: it is a complex number",
      "keep the real and the imaginary part as two numbers"),
-    ("if x is None: pass", "x is None", "S201", f"'is' {NO}",
-     "write one kernel with the argument and one without it"),
+    ("if x is G: pass", "x is G", "S201", f"'is' {NO}", "compare values: =="),
     ("if x is not G: pass", "x is not G", "S201", f"'is not' {NO}", "compare values: !="),
     ("if 1 in x: pass", "1 in x", "S201", f"'in' {NO}", "write the comparisons out: x == a or x == b"),
     ("if 1 not in x: pass", "1 not in x", "S201", f"'not in' {NO}", "write the comparisons out: x != a and x != b"),
@@ -189,7 +186,7 @@ def test_decorators(tmp_path):
 
 
 def test_all_at_once_in_order(tmp_path):
-    path = write(tmp_path, "def g(x):\n    return unknown\ndef f(x):\n    del x\n    return g(x) + {}\n")
+    path = write(tmp_path, "def g(x):\n    return unknown\ndef f(x):\n    del x\n    return g(x) + {1}\n")
     lines = [line.split(": error")[0] for line in refusal(read.load_file, path, "f").splitlines() if ": error" in line]
     assert lines == [f"{path}:4:5", f"{path}:5:19", f"{path}:2:12"]
 
@@ -502,9 +499,9 @@ def test_asserts_in_a_test_file():
 
 
 def test_live_values_that_a_kernel_cannot_use(tmp_path):
-    text = ("from dataclasses import dataclass\nimport numpy as np\nlist_ = [1]\ntext = np.array(['a'])\n"
-            "@dataclass\nclass C:\n    a: int\nobject_ = C(1)\n"
-            "def f(x):\n    return list_[0] + text[0] + C(1) + object_.a + x\n")
+    text = ("import numpy as np\nlist_ = [1]\ntext = np.array(['a'])\n"
+            "class C:\n    a = 1\nobject_ = C()\n"
+            "def f(x):\n    return list_[0] + text[0] + C() + object_.a + x\n")
     found = refusal(read.load, imported(write(tmp_path, text)).f)
     messages = [line.split(": ", 1)[1] for line in found.splitlines() if "error[" in line]
     assert messages == [f"error[S201]: {m}" for m in (

@@ -104,6 +104,10 @@ class Constant(expr):
     value: Any
     kind: str | None
 
+class Dict(expr):
+    keys: list[Any]
+    values: list[Any]
+
 class Call(expr):
     func: AST
     args: list[Any]

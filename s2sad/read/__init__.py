@@ -27,16 +27,17 @@ from s2sad.rules.given import GIVEN
 __all__ = ["load", "load_file", "load_watched", "python_function"]
 
 
-def load(function: Any) -> Program:
-    """The program of a live function: a plain one, a differentiated one or a Numba dispatcher.
+def load(function: Any, methods: tuple[Any, ...] = ()) -> Program:
+    """The program of a live function: a plain one, a differentiated one or a Numba dispatcher; `methods` are functions
+    of classes that it calls through its arguments.
 
     Raises S2sadError: S101 without source, S104 if the source has changed, S201 for what is outside the language, S202
     for unknown names, S204 for recursion.
     """
-    return load_watched(function)[0]
+    return load_watched(function, methods)[0]
 
 
-def load_watched(function: Any) -> tuple[Program, dict[str, Callable[[], Any]]]:
+def load_watched(function: Any, methods: tuple[Any, ...] = ()) -> tuple[Program, dict[str, Callable[[], Any]]]:
     """`load`, with a function for each `const.` and `array.` name that gives its value as it is now."""
     plain = python_function(function)
     if plain is None:
@@ -44,7 +45,11 @@ def load_watched(function: Any) -> tuple[Program, dict[str, Callable[[], Any]]]:
     if GIVEN.of(plain) is not None:
         raise S2sadError(Diagnostic("S101", f"'{plain.__name__}' has a derivative of its own, and is not read",
                                     help="differentiate a function that calls it"))
-    return Linker().program(Function(plain.__name__, ("live", id(plain)), "", plain))
+    return Linker().program(_live(plain), tuple(map(_live, methods)))
+
+
+def _live(function: Any) -> Function:
+    return Function(function.__name__, ("live", id(function)), "", function)
 
 
 def load_file(path: str | os.PathLike[str], function: str) -> Program:

@@ -52,7 +52,12 @@ _REFUSED = {
 
 def opaque(node: AST) -> bool:
     """Whether the fence refuses the node as a whole, whatever is inside."""
-    return type(node).__name__ in _REFUSED
+    return type(node).__name__ in _REFUSED and not is_record(node)
+
+
+def is_record(node: AST) -> bool:
+    """Whether an expression is a dict whose keys are strings that are written out."""
+    return type(node).__name__ == "Dict" and all(k is not None and _is_string(k) for k in node.keys)
 
 
 def check(function: AST, report: Report) -> None:
@@ -85,6 +90,8 @@ def _visit(node: AST, report: Report) -> None:
 # -- checks: each may report, and may say which children are left to look at (None: all) ------------------------------
 
 def _attribute(node: AST, report: Report) -> list[AST] | None:
+    if isinstance(node.ctx, tree.Store) and _may_be_a_field(node):
+        return None
     if isinstance(node.ctx, tree.Store):
         target = f"{node.value.id}.{node.attr}" if isinstance(node.value, tree.Name) else f".{node.attr}"
         if node.attr == "shape":
@@ -97,6 +104,14 @@ def _attribute(node: AST, report: Report) -> list[AST] | None:
         report.error("S201", f"a method of a string {_NOT}", node, help=_STRINGS)
         return []
     return None
+
+
+def _may_be_a_field(node: AST) -> bool:
+    """Whether an attribute that is assigned may be a field of a structure, which `normalize.fields` tells."""
+    base = node.value
+    while isinstance(base, (tree.Attribute, tree.Subscript)):
+        base = base.value
+    return node.attr != "shape" and isinstance(base, tree.Name)
 
 
 def _annotated(node: AST, report: Report) -> list[AST] | None:
@@ -123,16 +138,19 @@ def _call(node: AST, report: Report) -> list[AST] | None:
 
 def _comparison(node: AST, report: Report) -> list[AST] | None:
     for op, right in zip(node.ops, node.comparators):
-        if isinstance(op, (tree.Is, tree.IsNot)):
+        if isinstance(op, (tree.Is, tree.IsNot)) and not (len(node.ops) == 1 and _is_none(node.left, right)):
             word = "is not" if isinstance(op, tree.IsNot) else "is"
-            none = isinstance(right, tree.Constant) and right.value is None
-            report.error("S201", f"'{word}' {_NOT}", node, help="write one kernel with the argument and one without it"
-                         if none else f"compare values: {'!=' if word == 'is not' else '=='}")
-        if isinstance(op, (tree.In, tree.NotIn)):
+            report.error("S201", f"'{word}' {_NOT}", node,
+                         help=f"compare values: {'!=' if word == 'is not' else '=='}")
+        if isinstance(op, (tree.In, tree.NotIn)) and not (len(node.ops) == 1 and _is_string(node.left)):
             word = "not in" if isinstance(op, tree.NotIn) else "in"
             report.error("S201", f"'{word}' {_NOT}", node, help="write the comparisons out: x != a and x != b"
                          if word == "not in" else "write the comparisons out: x == a or x == b")
     return None
+
+
+def _is_none(*nodes: AST) -> bool:
+    return any(isinstance(n, tree.Constant) and n.value is None for n in nodes)
 
 
 def _constant(node: AST, report: Report) -> list[AST] | None:

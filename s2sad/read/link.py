@@ -11,7 +11,7 @@ from s2sad.program import Kernel, Program
 from s2sad.read import fence
 from s2sad.read.handed import definition
 from s2sad.read.capture import live_meaning
-from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number
+from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number, Record
 from s2sad.read.nested import lifted
 from s2sad.read.resolve import Resolved, resolve
 from s2sad.rules.given import GIVEN, Own
@@ -30,12 +30,17 @@ class Linker:
     """Collects what the entry reaches; `program` gives it, or raises with everything that is wrong."""
 
     def __init__(self) -> None:
-        self.outside: dict[Hashable, tuple[str, Function | Number | Array]] = {}
+        self.outside: dict[Hashable, tuple[str, Function | Number | Array | Record]] = {}
         self.found: dict[str, _Found] = {}  # callees first
         self.reports: list[Report] = []
 
-    def program(self, entry: Function) -> tuple[Program, dict[str, Callable[[], Any]]]:
-        """The program, and how to look up again each number and array that it read from outside."""
+    def program(self, entry: Function, methods: tuple[Function, ...] = ()
+                ) -> tuple[Program, dict[str, Callable[[], Any]]]:
+        """The program, with kernels for the given methods, and how to look up again each number and array that it read
+        from outside."""
+        for method in methods:
+            if self.identify(method) not in self.found:
+                self.visit(method, [])
         self.visit(entry, [])
         wrong = [d for report in self.reports for d in sorted(report.found, key=_position)]
         if wrong:
@@ -47,16 +52,21 @@ class Linker:
         values = {names[key].partition(".")[2]: m for key, m in self.outside.values() if not isinstance(m, Function)}
         constants = {n: m.value for n, m in values.items() if isinstance(m, Number)}
         arrays = {n: m.value for n, m in values.items() if isinstance(m, Array)}
+        records = {n: m.value for n, m in values.items() if isinstance(m, Record)}
         watched = {names[key]: m.current for key, m in self.outside.values()
-                   if not isinstance(m, Function) and m.current is not None}
-        return called_once(Program(names[self.identify(entry)].partition(".")[2], kernels, constants, arrays)), watched
+                   if not isinstance(m, (Function, Record)) and m.current is not None}
+        program = Program(names[self.identify(entry)].partition(".")[2], kernels, constants, arrays, records,
+                          {m.handle: names[self.identify(m)].partition(".")[2] for m in methods})
+        return called_once(program), watched
 
-    def identify(self, meaning: Function | Number | Array) -> str:
+    def identify(self, meaning: Function | Number | Array | Record) -> str:
         """A provisional dotted name, one for each function, each number by name and value, each array."""
         if isinstance(meaning, Function):
             kind, key = "user", meaning.key
         elif isinstance(meaning, Number):
             kind, key = "const", (meaning.name, type(meaning.value).__name__, repr(meaning.value))
+        elif isinstance(meaning, Record):
+            kind, key = "record", (meaning.name, id(meaning.value))
         else:
             kind, key = "array", (meaning.name, id(meaning.value))
         return self.outside.setdefault((kind, key), (f"{kind}.{len(self.outside)}", meaning))[0]

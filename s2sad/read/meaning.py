@@ -13,6 +13,7 @@ import numpy
 
 from s2sad.diagnostics import Source
 from s2sad.rules.spellings import is_scipy
+from s2sad.structure import record_fields
 from s2sad.tree import AST, FunctionDef
 
 BUILTIN_CALLS = ("abs", "bool", "enumerate", "float", "int", "len", "max", "min", "pow", "print", "range", "reversed",
@@ -39,6 +40,14 @@ class Array:
     """An array of a module or closure; `current` looks it up again."""
     name: str
     value: Any
+    current: Callable[[], Any] | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True)
+class Record:
+    """A class that only holds fields: a dataclass or a named tuple."""
+    name: str
+    value: type
     current: Callable[[], Any] | None = field(default=None, compare=False)
 
 
@@ -80,7 +89,7 @@ class Space:
     scope: Scope = field(compare=False)
 
 
-Meaning = Library | Number | Array | Text | Function | Unusable | Space
+Meaning = Library | Number | Array | Record | Text | Function | Unusable | Space
 
 
 @dataclass(frozen=True)
@@ -181,6 +190,8 @@ def value_meaning(name: str, value: Any, current: Callable[[], Any] | None = Non
         return Unusable("a complex number", "keep the real and the imaginary part as two numbers")
     if isinstance(value, numpy.ndarray):
         return Unusable(f"an array of {value.dtype}", "use an array of floats, integers or bools")
+    if isinstance(value, type) and record_fields(value) is not None:
+        return Record(name, value, current)
     if isinstance(value, type):
         return Unusable("a class", "pass its fields as arguments of the kernel, numbers and arrays")
     return Unusable(kind_of(value), "pass it as an argument, or make it a number or a NumPy array")

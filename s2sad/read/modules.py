@@ -281,9 +281,11 @@ class FileFunction:
 
 
 def dropped_decorator(path: str) -> bool:
-    """Whether a decorator, by its dotted path, leaves the function's meaning alone: Numba's jit and all of s2sad's."""
+    """Whether a decorator, by its dotted path, leaves the function's meaning alone: Numba's jit, all of s2sad's, and
+    those of a class's functions."""
     root, _, rest = path.partition(".")
-    return root == "s2sad" or (root == "numba" and rest.rpartition(".")[2] in ("jit", "njit"))
+    of_class = path in ("builtins.property", "builtins.staticmethod")
+    return root == "s2sad" or of_class or (root == "numba" and rest.rpartition(".")[2] in ("jit", "njit"))
 
 
 def _file(folder: str, module: str) -> str | None:

@@ -21,7 +21,7 @@ from s2sad.diagnostics import Report
 from s2sad.read import fence
 from s2sad.read.handed import handed
 from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Captured, Function, Library, Meaning, Number, Space, Text, Unusable, dotted,
+    AST, BUILTIN_CALLS, Array, Captured, Function, Library, Meaning, Number, Record, Space, Text, Unusable, dotted,
     library_value,
 )
 from s2sad.read.modules import dropped_decorator
@@ -40,7 +40,7 @@ class Resolved:
     references: set[str] = field(default_factory=set)
 
 
-Identify = Callable[["Function | Number | Array"], str]
+Identify = Callable[["Function | Number | Array | Record"], str]
 
 
 def resolve(captured: Captured, report: Report, identify: Identify) -> Resolved:
@@ -213,6 +213,12 @@ class _Resolver:
         path = self._given(node, dotted(meaning), text)
         if isinstance(meaning, Function):
             path = self._function(node, meaning, text, called)
+        elif isinstance(meaning, Record):
+            path = self.identify(meaning)
+            self.references.add(path)
+            if not called:
+                self._refuse(f"the class '{text}' as a value is not supported in a kernel", node,
+                             f"make one: {text}(...)")
         elif isinstance(meaning, (Number, Array)):
             path = self.identify(meaning)
             self.references.add(path)

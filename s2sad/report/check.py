@@ -10,7 +10,8 @@ import numpy as np
 
 from s2sad.binding import admitted, bind
 from s2sad.diagnostics import S2sadError
-from s2sad.prepared import ForwardCall, ReverseCall, selection_of
+from s2sad.flattened import Carrier, flattened, taken_apart
+from s2sad.prepared import ForwardCall, ReverseCall
 from s2sad.program import Request
 from s2sad.report.differences import differences
 from s2sad.report.parting import wrong_adjoint, wrong_tangent
@@ -82,30 +83,25 @@ def check(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None = N
     >>> bool(check(cube, 2.0, engine="numpy"))
     True
     """
-    state = Derivatives(derivatives_of(f).function).state()
-    carried = selection_of(f)
-    engine = chosen(carried[2] if engine is None else engine)
-    values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, bind(state.kernel, args))]
+    given = Derivatives(derivatives_of(f).function).state()
+    apart = flattened(given, args)
+    state, flat, carried = taken_apart(given, Carrier.overridden(f, names_of(wrt), names_of(of), engine), args)
+    values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, flat)]
     types, name = state.types(values), state.kernel.name
-    inputs = selected_wrt(name, state.parameters, types, names_of(wrt) if wrt is not None else carried[0])
-    outputs = selected_of(name, state.parameters, types, state.summary(types),
-                          names_of(of) if of is not None else carried[1])
-    return _Measurement(f, state, dict(zip(state.parameters, values)), inputs, outputs, engine, seed).made()
-
-
-class _Carrier:
-    """What `prepared` asks of a differentiated function: the selection that it carries."""
-
-    def __init__(self, selection: tuple[Any, Any, str]):
-        self.__s2sad_selection__ = selection
+    single = any(getattr(v, "dtype", None) == np.float32 for v in values)
+    original = state.function if single else getattr(f, "_original", f)
+    if apart is not None:
+        original = apart.calling(original, bind(given.kernel, args))
+    inputs = selected_wrt(name, state.parameters, types, carried[0])
+    outputs = selected_of(name, state.parameters, types, state.summary(types), carried[1])
+    return _Measurement(original, state, dict(zip(state.parameters, values)), inputs, outputs, chosen(carried[2]),
+                        single, seed).made()
 
 
 class _Measurement:
-    def __init__(self, f: Any, state: State, values: dict[str, Any], wrt: tuple[str, ...], of: tuple[str, ...],
-                 engine: str, seed: int):
+    def __init__(self, original: Callable[..., Any], state: State, values: dict[str, Any], wrt: tuple[str, ...],
+                 of: tuple[str, ...], engine: str, single: bool, seed: int):
         self.state, self.values, self.wrt, self.of, self.engine = state, values, wrt, of, engine
-        single = any(getattr(v, "dtype", None) == np.float32 for v in values.values())
-        original = state.function if single else getattr(f, "_original", f)
         self.subject = Subject(original, values, wrt, of)
         self.outputs = self.subject.narrowed(values)
         self.dot_tolerance, self.tolerance = (1e-4, 2e-3) if single else (1e-12, 1e-6)
@@ -174,11 +170,11 @@ class _Measurement:
             return self.forward().jvp(args, self.x_dot), self.reverse().vjp(args, self.seeds)
 
     def forward(self) -> ForwardCall:
-        carrier = _Carrier((self.wrt, self.of, self.engine))
+        carrier = Carrier((self.wrt, self.of, self.engine))
         return ForwardCall(self.state, carrier, tuple(self.values.values()), self.wrt, self.of)
 
     def reverse(self) -> ReverseCall:
-        carrier = _Carrier((self.wrt, self.of, self.engine))
+        carrier = Carrier((self.wrt, self.of, self.engine))
         made = ReverseCall(self.state, carrier, tuple(self.values.values()), self.of, None)
         made.in_vain = ()
         return made

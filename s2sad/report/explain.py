@@ -7,9 +7,9 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from s2sad import pipeline
-from s2sad.binding import admitted, bind
+from s2sad.binding import admitted
+from s2sad.flattened import Carrier, taken_apart
 from s2sad.normalize.hidden import hidden_arrays
-from s2sad.prepared import selection_of
 from s2sad.program import Program, Request
 from s2sad.report.findings import Findings, Place, findings
 from s2sad.report.page import page
@@ -69,15 +69,12 @@ def explain(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None =
         u_stack: u before `u[i] = u[i] * u[i]`, 8 * u.size bytes = 40 bytes
     ...
     """
-    state = derivatives_of(f).state()
-    carried = selection_of(f)
-    values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, bind(state.kernel, args))]
+    asked = Carrier.overridden(f, names_of(wrt), names_of(of), engine)
+    state, given, carried = taken_apart(derivatives_of(f).state(), asked, args)
+    values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, given)]
     types, name = state.types(values), state.kernel.name
-    request = Request("adjoint", types,
-                      selected_wrt(name, state.parameters, types, names_of(wrt) if wrt is not None else carried[0]),
-                      selected_of(name, state.parameters, types, state.summary(types),
-                                  names_of(of) if of is not None else carried[1]),
-                      chosen(carried[2] if engine is None else engine))
+    request = Request("adjoint", types, selected_wrt(name, state.parameters, types, carried[0]),
+                      selected_of(name, state.parameters, types, state.summary(types), carried[1]), chosen(carried[2]))
     return explained(state.program, request, dict(zip(state.parameters, values)))
 
 

@@ -18,9 +18,13 @@ _SIZE = 6
 
 
 def checked_file(path: str, function: str, arguments: str | None, found: Mapping[str, Assumed],
-                 request: Request) -> Checked:
+                 request: Request, paths: Mapping[str, str]) -> Checked:
     """Runs the file, then `check` of one of its functions; raises S2sadError where either cannot be done."""
+    if arguments is None and any(name != path for name, path in paths.items()):
+        raise S2sadError(Diagnostic("S405", f"'{function}' takes structures, and none can be made up",
+                                    help="give its arguments as Python, in --arguments, or call s2sad.check"))
     kernel = _imported(path, function)
+    wrt, of = ([paths.get(n, n) for n in names] for names in (request.wrt, request.of))
     if arguments is None:
         values: tuple[Any, ...] = tuple(made_up(a) for a in found.values())
         print(f"running {path} and {function} on made-up arguments (give yours with --arguments)", file=sys.stderr)
@@ -28,7 +32,7 @@ def checked_file(path: str, function: str, arguments: str | None, found: Mapping
         print(f"running {path} and {function}", file=sys.stderr)
         values = _evaluated(arguments)
     try:
-        return check(kernel, *values, wrt=request.wrt, of=request.of, engine=request.engine)
+        return check(kernel, *values, wrt=wrt, of=of, engine=request.engine)
     except S2sadError:
         raise
     except Exception as error:

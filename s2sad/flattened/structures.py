@@ -1,0 +1,343 @@
+"""The arguments of one call with structures as arrays and numbers, and the way back.
+
+The flat program is made once for what the arguments are made of (`normalize.fields`); everything behind it knows arrays
+and numbers only.
+"""
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from s2sad import read
+from s2sad.binding import bind, misfit
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.infer.types import FLOAT, NONE, UNKNOWN, Type, array
+from s2sad.normalize.field_values import Unread
+from s2sad.normalize.fields import Flat, fields
+from s2sad.normalize.groups import Group, nothing
+from s2sad.prepared import selection_of
+from s2sad.selection import RETURN
+from s2sad.structure import (
+    Form, Structure, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, method_of, part_of,
+    reached, step, steps, without_lengths,
+)
+from s2sad.variants import State
+from s2sad.watch import Watch
+
+_PLAIN = frozenset((np.ndarray, float, int, bool, np.float64, type(None), str))
+Holder = tuple[str, str, Any, "str | int"]
+Path = tuple[str, Form, str]            # what the caller asked for, what it is, its path in one spelling
+
+
+def flattened(state: State, args: Sequence[Any]) -> Flattened | None:
+    """How a call with structures is taken apart; None if there is none among f's arguments and it asks for none."""
+    if not state.asks and (_PLAIN.issuperset(map(type, args)) or not any(map(is_structure, args))):
+        return None
+    args = bind(state.kernel, args)
+    forms = tuple(without_lengths(form_of(v, n)) for n, v in zip(state.parameters, args))
+    key = ("flattened", forms)
+    found = state.entries.get(key)
+    if found is None or not found.current():
+        found = state.entries[key] = Flattened(state, forms)
+    if not found.methods:
+        found.state.arrays = state.arrays
+    return found
+
+
+def _taken_apart(state: State, forms: tuple[Form, ...]) -> tuple[Flat, dict[Any, tuple[type, str]]]:
+    """The flat program, and the functions of classes that it calls, which are read as they are met."""
+    program, methods = state.program, {}
+    while True:
+        try:
+            return fields(program, forms), methods
+        except Unread as unread:
+            methods[unread.function] = (unread.made, unread.name)
+            program = read.load(state.function, tuple(methods))
+
+
+def taken_apart(state: State, f: Any, args: Sequence[Any], keywords: Mapping[str, Any] | None = None
+                ) -> tuple[State, list[Any], tuple[Any, Any, str]]:
+    """The state and the values to work with, flat where there are structures, and what f carries in its names."""
+    values = bind(state.kernel, args, keywords)
+    apart = flattened(state, values)
+    if apart is None:
+        return state, values, selection_of(f)
+    return apart.state, apart.values(values), apart.carried(f)[1].__s2sad_selection__
+
+
+class Carrier:
+    """What a differentiated function carries: wrt, of and engine."""
+
+    def __init__(self, selection: tuple[Any, Any, str]):
+        self.__s2sad_selection__ = selection
+
+    @classmethod
+    def overridden(cls, f: Any, wrt: Any, of: Any, engine: str | None) -> Carrier:
+        """What f carries, where nothing else was said."""
+        carried = selection_of(f)
+        return cls((wrt if wrt is not None else carried[0], of if of is not None else carried[1],
+                    engine if engine is not None else carried[2]))
+
+
+class Flattened:
+    """The flat program for arguments of one make, and the way there and back."""
+
+    def __init__(self, state: State, forms: tuple[Form, ...]):
+        flat, self.methods = _taken_apart(state, forms)
+        self.forms = dict(zip(state.parameters, forms))
+        self.cells, self.paths = flat.cells, flat.paths
+        self.names = {path: name for name, path in flat.paths.items()}
+        self.state = State(flat.program, state.function, flat=True)
+        self.watches = [Watch(f) for f in (state.function, *self.methods)] if self.methods else []
+        self.result = None if flat.result is None else _form_of_result(flat.result)
+        self.title = state.kernel.name
+
+    def current(self) -> bool:
+        """Whether the functions of classes that are called are what they were, and what they read from outside."""
+        return all((method_of(made, name) or (None,))[0] is f for f, (made, name) in self.methods.items()) and all(
+            w.unchanged() for w in self.watches)
+
+    # -- there ---------------------------------------------------------------------------------------------------------
+
+    def values(self, args: Sequence[Any]) -> list[Any]:
+        """The flat arguments; a number that the kernel assigns is an array of one element."""
+        found: list[Any] = []
+        if self.cells:
+            self._apart(args)
+
+        def add(path: str, kind: Type, leaf: Any) -> None:
+            if is_held(kind):
+                value = float(leaf) if kind == FLOAT else leaf
+                found.append(np.array([value]) if self.names[path] in self.cells else value)
+        for (parameter, form), value in zip(self.forms.items(), args):
+            mapped(form, value, parameter, add)
+        return found
+
+    def _apart(self, args: Sequence[Any]) -> None:
+        """Refuses a field that is given twice and assigned: each name would have its own number."""
+        seen: dict[tuple[int, str | int], str] = {}
+        for name, _, holder, key in self.holders(args, True):
+            first = seen.setdefault((id(holder), key), name)
+            if name != first and {name, first} & self.cells:
+                raise S2sadError(Diagnostic("S404", f"'{self.paths[first]}' and '{self.paths[name]}' are one field of "
+                                            "one object, and it is assigned", help="pass a copy of one of them"))
+
+    def holders(self, args: Sequence[Any], every: bool = False) -> Iterator[Holder]:
+        """The cells, or every leaf, each with the structure that holds it, its kind and the key there."""
+        for (parameter, form), value in zip(self.forms.items(), args):
+            yield from self.held(form, value, parameter, every)
+
+    def write_back(self, args: Sequence[Any], flat: Mapping[str, Any]) -> None:
+        """Gives the fields that the kernel assigns what their cells hold."""
+        for name, kind, holder, key in self.holders(args):
+            assign_part(kind, holder, key, flat[name][0].item())
+
+    def held(self, form: Form, value: Any, path: str, every: bool = False) -> Iterator[Holder]:
+        """The cells in one argument."""
+        for key, item in zip(form.keys, form.items) if isinstance(form, Structure) else ():
+            assert isinstance(form, Structure)
+            inner = step(form, path, key)
+            if isinstance(item, Structure):
+                yield from self.held(item, part_of(form.kind, value, key), inner, every)
+            elif self.names.get(inner) in (self.names.values() if every else self.cells):
+                yield self.names[inner], form.kind, value, key
+
+    @contextmanager
+    def told(self) -> Iterator[None]:
+        """Errors name what the caller wrote: state.u, not state_u."""
+        try:
+            yield
+        except S2sadError as error:
+            other = {n: p for n, p in self.paths.items() if n != p}
+            if not other:
+                raise
+            pattern = re.compile(r"\b(" + "|".join(map(re.escape, sorted(other, key=len, reverse=True))) + r")\b")
+
+            def said(text: str) -> str:
+                return pattern.sub(lambda m: other[m[1]], text)
+            raise S2sadError(*(replace(d, message=said(d.message), note=said(d.note), help=said(d.help))
+                               for d in error.diagnostics)) from None
+
+    # -- names ---------------------------------------------------------------------------------------------------------
+
+    def asked(self, names: Sequence[str] | None, what: str) -> list[Path]:
+        """What names mean: a parameter, or a part of one; by default every parameter that holds a float."""
+        if names is None:
+            return [(p, f, p) for p, f in self.forms.items() if self.floats(f, p)]
+        return [self._asked(n, what) for n in names]
+
+    def _asked(self, name: str, what: str) -> Path:
+        keys = steps(name)
+        root = str(keys[0]) if keys else name
+        if keys is None or root not in self.forms:
+            raise _refused(f"{what} names '{name}', which is no parameter of '{self.title}'",
+                           f"its parameters are {', '.join(self.forms)}")
+        found = reached(self.forms[root], root, keys[1:])
+        if found is None:
+            parts = [path for path, _ in leaves(self.forms[root], root)]
+            raise _refused(f"{what} names '{name}', and '{root}' has no such part",
+                           f"its parts are {', '.join(parts[:12])}{', ...' if len(parts) > 12 else ''}")
+        return name, *found
+
+    def floats(self, form: Form, path: str) -> list[str]:
+        """The flat names of the floats in something."""
+        return [self.names[p] for p, t in leaves(form, path) if is_held(t) and (
+            t.is_float or t.is_number and self.names[p] in self.state.floats)]
+
+    def flat_names(self, paths: Sequence[Path], what: str) -> tuple[str, ...]:
+        """The flat names of what was asked for."""
+        found: list[str] = []
+        for name, form, path in paths:
+            own = self.floats(form, path)
+            if isinstance(form, Structure) and not own:
+                raise _refused(f"{what} names '{name}', which holds no float")
+            found += own or [self.names.get(path, path)]
+        return tuple(dict.fromkeys(found))
+
+    def carried(self, f: Any) -> tuple[list[Path] | None, Carrier]:
+        """What a differentiated function carries: its wrt, and all of it in flat names."""
+        wrt, of, engine = selection_of(f)
+        inputs = None if wrt is None else self.asked(wrt, "wrt")
+        return inputs, Carrier((None if inputs is None else self.flat_names(inputs, "wrt"), self.outputs(of), engine))
+
+    def outputs(self, of: Sequence[str] | None) -> tuple[str, ...] | None:
+        """The flat names of outputs: of a structure what is written."""
+        if of is None:
+            return None
+        found: list[str] = [RETURN] if RETURN in of else []
+        for path in self.asked([n for n in of if n != RETURN], "of"):
+            found += self.written(path)
+        return tuple(dict.fromkeys(found))
+
+    def written(self, path: Path) -> list[str]:
+        """The floats in something that the kernel writes; a leaf of its own is given as it is."""
+        name, form, spelling = path
+        if isinstance(form, Type):
+            return [self.names.get(spelling, spelling)]
+        found = [n for n in self.floats(form, spelling) if n in self._summary.written]
+        if not found:
+            raise _refused(f"'{name}' is no output of '{self.title}', which writes no float in it")
+        return found
+
+    # -- back ----------------------------------------------------------------------------------------------------------
+
+    def gathered(self, path: Path, args: Sequence[Any], found: Mapping[str, Any]) -> Any:
+        """A part of the arguments with what was found in place of its floats; everything else as it is."""
+        _, form, spelling = path
+        return mapped(form, self.part(path, args), spelling, lambda p, kind, leaf: self._back(p, kind, leaf, found))
+
+    def _back(self, path: str, kind: Type, leaf: Any, found: Mapping[str, Any]) -> Any:
+        name = self.names.get(path, "")
+        if name not in found or not is_held(kind):
+            return leaf
+        return found[name][0].item() if name in self.cells else found[name]
+
+    def part(self, path: Path, args: Sequence[Any]) -> Any:
+        """The value of a part of the arguments."""
+        root, *keys = steps(path[2]) or ("",)
+        form, value = self.forms[str(root)], args[list(self.forms).index(str(root))]
+        for key in keys:
+            assert isinstance(form, Structure)
+            value, form = part_of(form.kind, value, key), form.items[form.keys.index(key)]
+        return value
+
+    def spread(self, path: Path, given: Any, what: str, values: Mapping[str, Any]) -> dict[str, Any]:
+        """A shadow, seed or tangent of something, by flat names; it must be of the same make."""
+        name, form, spelling = path
+        if not fits(form, given):
+            what_form = "an array or a number" if isinstance(form, Type) else str(form)
+            raise misfit(f"the {what} of '{name}' is of type {type(given).__name__} or has other parts: '{name}' is "
+                         f"{what_form}", f"make one with s2sad.make_zero({name})")
+        floats = set(self.floats(form, spelling))
+        found: dict[str, Any] = {}
+
+        def add(path: str, kind: Type, leaf: Any) -> None:
+            flat = self.names.get(path, path)
+            if flat in floats:
+                found[flat] = _cell_seed(leaf, values[flat], name, path) if flat in self.cells else leaf
+        mapped(form, given, spelling, add)
+        return found
+
+    # -- results -------------------------------------------------------------------------------------------------------
+
+    def result_seed(self, seed: Any) -> Any:
+        """The seed of a structure that the kernel returns, as that of a tuple: None for what is no float."""
+        found = self.result_leaves(seed)
+        kinds = self._summary.results
+        return tuple(s if t.is_float else None for s, t in zip(found, kinds)) if len(kinds) > 1 else found
+
+    def result_leaves(self, seed: Any) -> Any:
+        """A structure that is like what the kernel returns, as a tuple."""
+        assert self.result is not None
+        if not fits(self.result, seed):
+            raise misfit(f"the seed of 'return' is of type {type(seed).__name__} or has other parts: the result is "
+                         f"{self.result}", "give a structure of the same make")
+        found: list[Any] = []
+        mapped(self.result, seed, RETURN, lambda path, kind, leaf: found.append(leaf) if is_held(kind) else None)
+        return found[0] if len(found) == 1 else tuple(found)
+
+    def result_of(self, returned: Any) -> Any:
+        """What the kernel returns, put together."""
+        assert self.result is not None
+        count = sum(is_held(t) for _, t in leaves(self.result, RETURN))
+        remaining = iter(returned if count > 1 else (returned,))
+        return _built(self.result, remaining)
+
+    def calling(self, function: Callable[..., Any], args: Sequence[Any]) -> Callable[..., Any]:
+        """The function, which takes structures like args, as one of flat arguments."""
+        def called(*flat: Any) -> Any:
+            by_name = dict(zip(self.paths, flat))
+            own = [self.gathered((p, form, p), args, by_name) for p, form in self.forms.items()]
+            returned = function(*own)
+            for name, kind, holder, key in self.holders(own):
+                by_name[name][0] = part_of(kind, holder, key)
+            return returned if self.result is None else self.result_leaves(returned)
+        return called
+
+    @cached_property
+    def _summary(self) -> Any:
+        """What the kernel writes."""
+        kinds = [t for p, f in self.forms.items() for _, t in leaves(f, p) if is_held(t)]
+        types = [array(t.dtype, 1) if n in self.cells else FLOAT if n in self.state.floats and t.is_number else t
+                 for n, t in zip(self.paths, kinds)]
+        return self.state.summary(tuple(types))
+
+
+def _form_of_result(group: Group) -> Form:
+    items = tuple(_form_of_result(i) if isinstance(i, Group) else NONE if nothing(i) else UNKNOWN for i in group.items)
+    return replace(group.form, items=items)
+
+
+def _built(form: Form, remaining: Iterator[Any]) -> Any:
+    """A structure whose leaves are given in order."""
+    if isinstance(form, Type):
+        found = next(remaining) if is_held(form) else None
+        return float(found) if type(found) is np.float64 else found
+    items = [_built(i, remaining) for i in form.items]
+    if form.kind == "named" and form.made is not None:
+        return form.made._make(items)  # pyright: ignore[reportAttributeAccessIssue]
+    if form.kind == "dict":
+        return dict(zip(form.keys, items))
+    if form.kind == "record" and form.made is not None:
+        new = object.__new__(form.made)
+        for key, item in zip(form.keys, items):
+            object.__setattr__(new, str(key), item)
+        return new
+    return items if form.kind == "list" else tuple(items)
+
+
+def _cell_seed(given: Any, like: np.ndarray, name: str, path: str) -> np.ndarray:
+    if isinstance(given, (bool, np.bool_)) or not isinstance(given, (int, float, np.integer, np.floating)):
+        raise misfit(f"the part '{path}' of what was given for '{name}' is of type {type(given).__name__}, not a float",
+                     "give a float")
+    return np.array([given], like.dtype)
+
+
+def _refused(message: str, remedy: str = "") -> S2sadError:
+    return S2sadError(Diagnostic("S401", message, help=remedy))

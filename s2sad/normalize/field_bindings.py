@@ -1,0 +1,314 @@
+"""How names, fields and items take values while structures are taken apart.
+
+    q = state.inner              ->   (nothing: q.u is state_inner_u from here on)
+    w, b = layers[1]             ->   w, b = layers_1_0, layers_1_1
+    o = Orbit(o.x + o.v, o.v)    ->   o_x = o_x + o_v
+    state = step(state, p)       ->   state_u, state_t = step(state_u, state_t, p_k)
+    state.t = 0.0                ->   state_t[0] = 0.0
+
+The flat names of a structure take new values only where nothing else means them and nothing can be assigned to it, so
+that nobody could tell; the values of one statement are all read before the first is stored.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from s2sad.diagnostics import Report
+from s2sad.infer.types import NONE, UNKNOWN
+from s2sad.normalize.calls import user_call
+from s2sad.normalize.field_values import NO, Maker, Values, plain_tuple
+from s2sad.normalize.groups import (
+    ORDINARY, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, flat, listed, nothing, spelled, usable,
+)
+from s2sad.program import Kernel
+from s2sad.structure import step
+from s2sad.tree import (
+    AST, Add, Assign, Attribute, BoolOp, Call, Compare, Constant, Expr, List, Mult, Name, Not, Store, Sub, Subscript,
+    Tuple, UnaryOp, assign, at, const, index, name, stored_names, tuple_of, walk,
+)
+
+Env = dict[str, "Value | Conflict | Ordinary"]
+Pair = tuple[AST, AST]
+_KEPT_LOCALLY = "return the value, or write it to an element of an array argument"
+_OTHERS = ".others"                     # no user's name: what else the statement binds
+
+
+class Bindings(Values):
+    """What statements bind; `fresh` gives names for paths, `in_loop` says whether a loop surrounds the statement."""
+
+    def __init__(self, kernel: Kernel, maker: Maker, report: Report, fresh: Callable[[str], str]):
+        super().__init__(kernel, maker, report)
+        self.fresh = fresh
+        self.in_loop = False
+        stores = [n.id for n in walk(kernel.tree.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
+        self.rebound = {n for n in stores if stores.count(n) > 1 or n in kernel.parameters}
+
+    # -- values --------------------------------------------------------------------------------------------------------
+
+    def result(self, node: AST, targets: list[AST]) -> tuple[list[AST], Value]:
+        """A value that may be what a helper returns as a structure: the call comes before."""
+        called = self.as_call(node)
+        if called is None:
+            return [], self.value(node)
+        callee, made, passed = self.call(called)
+        if callee is None or callee.result is None:
+            return [], Plain(made)
+        target = targets[0] if len(targets) == 1 else None
+        if isinstance(target, (Tuple, List)) and _straight(target, callee.result):
+            return [], Plain(made)
+        wanted = target.id if isinstance(target, Name) else user_call(called) or ""
+        return self._received(made, callee.result, passed, wanted, self.env.get(wanted) if target is not None else None)
+
+    def _received(self, made: Call, result: Group, passed: dict[int, Leaf], wanted: str,
+                  old: Value | Conflict | Ordinary | None) -> tuple[list[AST], Value]:
+        """What a helper returned, in names of its own, or in those that its name had before."""
+        kept = (isinstance(old, Group) and self._replaceable(wanted, old, result)
+                and all(isinstance(leaf, Leaf) and leaf.place < 0 for leaf in flat(result)))
+        earlier = [leaf for leaf in flat(old) if isinstance(leaf, Leaf)] if kept and isinstance(old, Group) else []
+        bound: list[str] = []
+
+        def received(value: Value, path: str) -> Value:
+            if isinstance(value, Group):
+                parts = [received(i, step(value.form, path, k)) for k, i in zip(value.form.keys, value.items)]
+                return replace(value, items=tuple(parts), path=path)
+            if not isinstance(value, Leaf) or not usable(value):
+                return value
+            if value.place >= 0:
+                return passed.get(value.place, value)
+            bound.append(earlier[len(bound)].name if earlier else self.fresh(path))
+            return Leaf(bound[-1], path, UNKNOWN)
+        group = received(result, wanted)
+        if not bound:
+            return [Expr(made)], group
+        target = name(bound[0]) if len(bound) == 1 else tuple_of(*map(name, bound))
+        return [assign(target, made)], group
+
+    # -- names ---------------------------------------------------------------------------------------------------------
+
+    def target(self, target: AST, value: AST | None) -> AST:
+        """A target of a plain value."""
+        if isinstance(target, Name):
+            self.env[target.id] = ORDINARY
+            return target
+        if isinstance(target, (Tuple, List)):
+            parts = value.elts if isinstance(value, (Tuple, List)) and len(value.elts) == len(target.elts) else None
+            return type(target)([self.target(t, parts[k] if parts else None) for k, t in enumerate(target.elts)],
+                                target.ctx)
+        if isinstance(target, (Attribute, Subscript)):
+            return self.assigned(target, value, False) or self.plain(target)
+        return target
+
+    def bound(self, target: AST, value: Value, node: AST, unrolled: frozenset[str] | None = None) -> list[AST]:
+        """The statements that give a target a structure, or None. In a loop that is written out, names that its body
+        does not bind (`unrolled` are those that it does) only mean their items."""
+        env: Env = {}
+        pairs = self._pairs(target, value, node, unrolled, env)
+        self.env |= env
+        if len(pairs) < 2:
+            return [Assign([_storing(t)], v, None) for t, v in pairs]
+        left = at(Tuple([_storing(t) for t, _ in pairs], Store()), node)
+        return [Assign([left], at(tuple_of(*[v for _, v in pairs]), node), None)]
+
+    def _pairs(self, target: AST, value: Value, node: AST, unrolled: frozenset[str] | None, env: Env) -> list[Pair]:
+        if isinstance(target, (Tuple, List)):
+            if not isinstance(value, Group):
+                return [(self.target(target, None), self.plainly(value, node))]
+            if len(value.items) != len(target.elts):
+                self.refuse(target, f"{len(target.elts)} targets for {len(value.items)} values", code="S203")
+                return []
+            found: list[Pair] = []
+            before = self.env.get(_OTHERS)
+            for k, (part, item) in enumerate(zip(target.elts, value.items)):
+                others = tuple(i for i in value.items[:k] + value.items[k + 1:]
+                               if unrolled is not None or not self._read_at_once(i))
+                self.env[_OTHERS] = listed(others if before is None else (*others, before))  # pyright: ignore
+                found += self._pairs(part, item, node, unrolled, env)
+            self.env.pop(_OTHERS)
+            if before is not None:
+                self.env[_OTHERS] = before
+            return found
+        if isinstance(target, Name):
+            return self._named(target, value, unrolled, env)
+        plain = isinstance(value, Plain) or isinstance(value, Leaf) and usable(value)
+        stored = self.assigned(target, self.plainly(value, node) if plain else None, False)
+        if stored is not None and not plain:
+            self.refuse(target, "a structure or None is assigned to a field or an item", "assign its fields one by one")
+        return [(stored if stored is not None else self.plain(target), self.plainly(value, node))]
+
+    def _read_at_once(self, value: Value) -> bool:
+        """Whether a value is copied where it is bound, so that it does not change with names that it was read from."""
+        return self.in_loop and _fixed(value) if isinstance(value, Group) else True
+
+    def _named(self, target: Name, value: Value, unrolled: frozenset[str] | None, env: Env) -> list[Pair]:
+        if isinstance(value, Group):
+            old = self.env.get(target.id)
+            copying = self.in_loop and unrolled is None and _fixed(value)
+            if isinstance(old, Group) and (copying or value.path == SPELLED) and self._replaceable(
+                    target.id, old, value):
+                env[target.id] = _unplaced(old)
+                return [(name(was.name), spelled(new, target) or const(0.0)) for was, new in zip(flat(old), flat(value))
+                        if isinstance(was, Leaf) and was != new]
+            constants = target.id in self.rebound and _fixed(value)
+            pairs, env[target.id] = self._kept(value, target, target.id, copying, constants)
+            return pairs
+        if nothing(value) or isinstance(value, Leaf) and not usable(value):
+            env[target.id] = value if isinstance(value, Leaf) else Leaf("", target.id, NONE)
+            return []
+        only_meant = unrolled is not None and target.id not in unrolled
+        constant = isinstance(value, Leaf) and (value.type.is_array or value.type.is_number and value.place >= 0)
+        if only_meant and constant:
+            env[target.id] = value
+            return []
+        plain = self.plainly(value, target)
+        written = only_meant and isinstance(plain, Constant)
+        env[target.id] = Plain(plain) if written else ORDINARY
+        return [] if written and isinstance(plain.value, str) else [(target, plain)]
+
+    def _kept(self, group: Group, origin: AST, wanted: str, copying: bool, constants: bool = False
+              ) -> tuple[list[Pair], Group]:
+        """A group whose expressions have names of their own; `copying` its names, too. Of one that is spelled out for
+        a name that is bound again (`constants`) everything has, so that it can take new values."""
+        pairs: list[Pair] = []
+        items: list[Value] = []
+        for key, item in zip(group.form.keys, group.items):
+            path = step(group.form, wanted, key)
+            if isinstance(item, Group):
+                inner, part = self._kept(item, origin, path, copying, constants)
+                pairs += inner
+                items.append(part)
+            elif isinstance(item, Plain) and (constants and not nothing(item) or not isinstance(item.node, Constant)) \
+                    or isinstance(item, Leaf) and usable(item) and (
+                        copying or (constants or item.is_cell) and group.path == SPELLED):
+                held = self.fresh(path)
+                pairs.append((name(held), spelled(item, origin) or const(0.0)))
+                items.append(Leaf(held, path, UNKNOWN))
+            else:
+                items.append(item)
+        path = wanted if group.path == SPELLED or copying else group.path
+        return pairs, replace(group, items=tuple(items), path=path)
+
+    def kept(self, group: Group, origin: AST, wanted: str) -> tuple[list[AST], Group]:
+        """A structure whose expressions have names of their own, given before."""
+        pairs, group = self._kept(group, origin, wanted, False)
+        return [assign(t, v) for t, v in pairs], group
+
+    def detached(self, body: list[AST]) -> list[AST]:
+        """Structures that a loop gives new values have names of their own before it."""
+        made: list[AST] = []
+        for identifier in stored_names(body):
+            old = self.env.get(identifier)
+            if not isinstance(old, Group) or not _fixed(old) or not self._shared(identifier, old) or any(
+                    isinstance(leaf, Plain) or leaf.is_cell for leaf in flat(old)):
+                continue
+            fresh = {leaf.name: self.fresh(leaf.path.replace(old.path, identifier, 1)) for leaf in flat(old)
+                     if isinstance(leaf, Leaf)}
+            made += [assign(new, name(was)) for was, new in fresh.items()]
+            self.env[identifier] = _unplaced(old, fresh)
+        return made
+
+    def _shared(self, identifier: str, group: Group) -> bool:
+        """Whether another name means a part of the structure."""
+        held = {leaf.name for leaf in flat(group) if isinstance(leaf, Leaf)}
+        return any(isinstance(leaf, Leaf) and leaf.name in held for n, v in self.env.items()
+                   if n != identifier and isinstance(v, (Group, Leaf)) for leaf in flat(v))
+
+    def _replaceable(self, identifier: str, old: Group, result: Group) -> bool:
+        """Whether a name's flat names can take new values: nothing else means them, and no field can be assigned."""
+        return (_shape(old) == _shape(result) and _fixed(old) and not self._shared(identifier, old)
+                and all(isinstance(leaf, Leaf) and not leaf.is_cell for leaf in flat(old)))
+
+    # -- fields that are assigned --------------------------------------------------------------------------------------
+
+    def assigned(self, node: AST, value: AST | None, augmented: bool, op: AST | None = None) -> AST | None:
+        """The target for an item of a structure; None if the target is no such item."""
+        base = self.structural(node.value)
+        if not isinstance(base, Group):
+            if isinstance(node, Attribute):
+                said = f"{node.value.id}.{node.attr}" if isinstance(node.value, Name) else f".{node.attr}"
+                self.refuse(node, f"an assignment to the attribute {said} {NO}", _KEPT_LOCALLY)
+                return at(Name("_", Store(), None, None), node)
+            return None
+        read = type(node)(*[getattr(node, f) for f in node._fields[:-1]], name("x").ctx)
+        found = self.field_of if isinstance(node, Attribute) else self.item_of
+        item = found(base, at(read, node))  # pyright: ignore[reportArgumentType]
+        dummy = at(Name("_", Store(), None, None), node)
+        if not isinstance(item, Leaf) or not self._assignable(base, item, node, augmented):
+            if isinstance(item, Group):
+                self.refuse(node, f"'{item.path}' is {item.form}, which is replaced by another value",
+                            "assign what is in it")
+            return dummy
+        if item.type.is_array:
+            return at(Name(item.name, Store(), None, None), node)
+        if not item.is_cell and item.place < 0:
+            return at(Name(item.name, Store(), None, None), node)
+        if not _keeps_dtype(item, value, augmented, op):
+            self.refuse(node, f"'{item.path}' is of type {item.type.dtype or item.type}, and what is assigned need not "
+                        "be", "give a float (0.0, not 0) if it is a real quantity", "S203")
+        if not item.is_cell:
+            self.needed.add(item.place)
+        cell = index(name(item.name), const(0))
+        return at(Subscript(cell.value, cell.slice, Store()), node)
+
+    def _assignable(self, base: Group, item: Leaf, node: AST, augmented: bool) -> bool:
+        if base.form.fixed:
+            what = "a frozen dataclass" if base.form.kind == "record" else str(base.form)
+            self.refuse(node, f"'{base.path}' is {what}, to which nothing can be assigned",
+                        f"write into an array, {item.path}[...] = ..." if item.type.is_array else
+                        "return the new value")
+        elif nothing(item) or not usable(item):
+            self._unusable(item, node)
+        elif item.type.is_array and not augmented:
+            self.refuse(node, f"the array '{item.path}' is replaced by another one",
+                        f"write into it: {item.path}[...] = ...")
+        elif item.type.kind == "text":
+            self.refuse(node, f"'{item.path}' is a str, which is replaced by another one", "use an int")
+        else:
+            return True
+        return False
+
+    def stored(self, node: AST) -> AST | None:
+        return self.assigned(node, None, False)
+
+
+def _storing(target: AST) -> AST:
+    return Name(target.id, Store(), None, None) if isinstance(target, Name) else target
+
+
+def _straight(target: AST, result: Group) -> bool:
+    """Whether the names of a target are the results of a call, one by one."""
+    return plain_tuple(result) and len(target.elts) == len(result.items) and all(
+        isinstance(t, Name) for t in target.elts)
+
+
+def _unplaced(value: Group, fresh: dict[str, str] | None = None) -> Group:
+    """The structure whose names are no parameters any more."""
+    items = [_unplaced(i, fresh) if isinstance(i, Group) else
+             replace(i, name=(fresh or {}).get(i.name, i.name), place=-1, type=UNKNOWN)
+             if isinstance(i, Leaf) and usable(i) else i for i in value.items]
+    return replace(value, items=tuple(items))
+
+
+def _shape(value: Value) -> object:
+    """The keys of a structure and of what is in it."""
+    if isinstance(value, Group):
+        return (value.form.kind, value.form.keys, tuple(map(_shape, value.items)))
+    return nothing(value)
+
+
+def _fixed(value: Value) -> bool:
+    """Whether no part of a structure can be assigned, so that nobody sees that its names take new values."""
+    return not isinstance(value, Group) or value.form.fixed and all(map(_fixed, value.items))
+
+
+def _keeps_dtype(item: Leaf, value: AST | None, augmented: bool, op: AST | None) -> bool:
+    """Whether what is assigned to a number surely has its type; an element of an array cannot change it."""
+    dtype = item.type.dtype
+    if dtype in ("", "float64"):
+        return True
+    if dtype == "bool":
+        return isinstance(value, (Compare,)) or isinstance(value, Constant) and isinstance(value.value, bool) or (
+            isinstance(value, UnaryOp) and isinstance(value.op, Not)) or isinstance(value, BoolOp) and all(
+            _keeps_dtype(item, v, False, None) for v in value.values)
+    whole = isinstance(value, Constant) and type(value.value) is int
+    return dtype.startswith(("int", "uint")) and whole and (not augmented or isinstance(op, (Add, Sub, Mult)))

@@ -1,0 +1,339 @@
+"""What tests and calls of one kernel stand for while structures are taken apart.
+
+    x if m is None else m * x  ->   m * x               (an argument that is not None)
+    limit(state, 2.0)          ->   user.limit(state_u, state_t, 2.0)
+    state.norm()               ->   user.norm(state_u)
+    Orbit(x, v=0.0)            ->   a structure of x and 0.0
+"""
+from __future__ import annotations
+
+import functools
+import operator
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, Protocol
+
+from s2sad.diagnostics import Report
+from s2sad.infer.types import UNKNOWN
+from s2sad.normalize.calls import bound_arguments, user_call
+from s2sad.normalize.field_items import Items, parts_of, spoken
+from s2sad.normalize.groups import (
+    NOTHING, SPELLED, Group, Leaf, Plain, Value, flat, listed, nothing, pattern, usable,
+)
+from s2sad.program import Kernel, Program
+from s2sad.structure import Form, Structure, is_fixed, method_of, record_fields
+from s2sad.tree import (
+    AST, And, Attribute, BoolOp, Call, Compare, Constant, Dict, Eq, Gt, GtE, IfExp, In, Is, IsNot, List, Lt, LtE, Name,
+    Not, NotEq, NotIn, Subscript, Tuple, UnaryOp, add, at, call_name, const, keyword, name,
+)
+
+NO = "is not supported in a kernel"
+_ORDER: dict[type, Callable[[Any, Any], bool]] = {
+    Eq: operator.eq, NotEq: operator.ne, Lt: operator.lt, LtE: operator.le, Gt: operator.gt, GtE: operator.ge}
+
+
+class Callee(Protocol):
+    """A kernel made for arguments of one pattern."""
+    title: str
+    flat: dict[str, list[str]]
+    taken: tuple[str, ...]
+    needed: set[int]
+    result: Group | None
+
+
+class Maker(Protocol):
+    """What one kernel asks of the pass: the program, and other kernels for patterns of arguments."""
+    program: Program
+
+    def callee(self, kernel: str, patterns: tuple[Form, ...]) -> Callee: ...
+
+
+class Unread(Exception):
+    """A function of a class that must be read before the program can be taken apart."""
+
+    def __init__(self, function: Any, made: type, name: str):
+        super().__init__(function)
+        self.function, self.made, self.name = function, made, name
+
+
+class Values(Items):
+    """What the expressions of one kernel stand for; `needed` are the places of parameters that are assigned and must be
+    cells."""
+
+    def __init__(self, kernel: Kernel, maker: Maker, report: Report):
+        super().__init__(kernel, report)
+        self.maker, self.program = maker, maker.program
+        self.needed: set[int] = set()
+
+    # -- decisions -----------------------------------------------------------------------------------------------------
+
+    def decide(self, node: AST) -> bool | None:
+        """What a test is that is known from what the arguments are made of; None if it is not."""
+        if isinstance(node, Compare):
+            return self._compared(node)
+        if isinstance(node, UnaryOp) and isinstance(node.op, Not):
+            inner = self.decide(node.operand)
+            return None if inner is None else not inner
+        if isinstance(node, BoolOp):
+            return self._joined(node)
+        if isinstance(node, (Name, Attribute, Subscript)):
+            found = self.structural(node)
+            if isinstance(found, Group):
+                return bool(found.items) or found.form.kind == "record"
+            return False if found is not None and nothing(found) else None
+        return None
+
+    def _joined(self, node: BoolOp) -> bool | None:
+        found = [self.decide(node.values[0])]
+        stop = not isinstance(node.op, And)          # what decides an `or` is a True, an `and` a False
+        for value in node.values[1:]:
+            if found[-1] is None or found[-1] is stop:
+                break
+            found.append(self.decide(value))
+        return None if None in found else stop if stop in found else not stop
+
+    def _compared(self, node: Compare) -> bool | None:
+        op, left, right = node.ops[0], node.left, node.comparators[0]
+        if len(node.ops) == 1 and type(op) in _ORDER:
+            one, other = self.key(left), self.key(right)
+            return bool(_ORDER[type(op)](one, other)) if type(one) is type(other) and one is not None else None
+        if len(node.ops) > 1 or not isinstance(op, (Is, IsNot, In, NotIn)):
+            return None
+        if isinstance(op, (In, NotIn)):
+            group, key = self.structural(right), self.key(left)
+            if isinstance(group, Group) and group.form.kind in ("dict", "either") and key is not None:
+                return (key in group.form.keys) is isinstance(op, In)
+            self.refuse(node, f"'{'in' if isinstance(op, In) else 'not in'}' {NO}",
+                        "write the comparisons out: " + ("x == a or x == b" if isinstance(op, In) else
+                                                         "x != a and x != b"))
+            return None
+        operand = left if _is_none(right) else right
+        if _is_none(operand):
+            return isinstance(op, Is)
+        return nothing(self.value(operand)) is isinstance(op, Is)
+
+    def _test(self, node: AST) -> Value | None:
+        """A comparison, a `not`, or an `and` or `or` some part of which is decided."""
+        decided = self.decide(node)
+        if decided is not None:
+            return Plain(at(const(decided), node))
+        if not isinstance(node, BoolOp):
+            return None
+        stop = not isinstance(node.op, And)
+        kept: list[Value] = []
+        for value in node.values:
+            found = self.decide(value)
+            if found is not None and found is not stop and (kept or value is not node.values[-1]):
+                continue
+            kept.append(self.value(value) if found is None else Plain(at(const(found), value)))
+            if found is not None and found is stop:
+                break
+        if len(kept) == 1:
+            return kept[0]
+        parts = [self.plainly(v, n) for v, n in zip(kept, node.values)]
+        return Plain(at(BoolOp(node.op, parts), node))
+
+    def _choice(self, node: IfExp) -> Value | None:
+        decided = self.decide(node.test)
+        if decided is not None:
+            return self.value(node.body if decided else node.orelse)
+        arms = [self.structural(node.body), self.structural(node.orelse)]
+        if any(isinstance(a, Group) or a is not None and nothing(a) for a in arms):
+            if arms[0] == arms[1]:
+                return arms[0]
+            self.refuse(node, "a structure or None is chosen by a test that is known only when the kernel runs",
+                        "write an if with the whole work in each branch")
+        return None
+
+    # -- calls ---------------------------------------------------------------------------------------------------------
+
+    def as_call(self, node: AST) -> Call | None:
+        """A call of a kernel: as it is, or what a method's call means, `user.norm(state)` for `state.norm()`."""
+        if not isinstance(node, Call) or user_call(node) is not None:
+            return node if isinstance(node, Call) else None
+        base = self.structural(node.func.value) if isinstance(node.func, Attribute) else None
+        return self._of_class(base, node.func, node) if isinstance(base, Group) else None
+
+    def _of_class(self, base: Group, place: Attribute, node: AST) -> Call | None:
+        """The call that a method or a property of a structure's class means."""
+        found = method_of(base.form.made, place.attr) if base.form.made and place.attr not in base.form.keys else None
+        if found is None or base.form.kind not in ("record", "named") or (found[1] == "property") is isinstance(
+                node, Call) or found[0].__module__ in ("collections", "builtins") or place.attr == "_replace":
+            return None
+        title = self.program.methods.get(found[0])
+        if title is None:
+            raise Unread(found[0], base.form.made or object, place.attr)
+        given = [] if found[1] == "static" else [place.value]
+        arguments, keywords = (node.args, node.keywords) if isinstance(node, Call) else ([], [])
+        return at(Call(at(name(f"user.{title}"), place), [*given, *arguments], keywords), node)
+
+    def property_of(self, base: Group, node: Attribute) -> Value | None:
+        called = self._of_class(base, node, node)
+        return None if called is None else self._call(called)
+
+    def _call(self, node: Call) -> Value | None:
+        method = self.as_call(node)
+        if method is not None:
+            callee, made, _ = self.call(method)
+            if callee is not None and callee.result is not None and not plain_tuple(callee.result):
+                self.refuse(node, f"'{user_call(method)}' returns a structure inside an expression",
+                            "give the result a name of its own first")
+            return Plain(made)
+        called = call_name(node) or ""
+        if called.startswith("record."):
+            return self._constructed(node, called.partition(".")[2])
+        if called == "builtins.len":
+            return self._length(node)
+        if called in ("builtins.max", "builtins.min", "builtins.sum") and len(node.args) == 1 and not node.keywords:
+            return self._over_items(called, node)
+        if called in ("builtins.tuple", "builtins.list") and len(node.args) == 1:
+            found = self.structural(node.args[0])
+            if isinstance(found, Group) and found.form.is_sequence:
+                kind = called.partition(".")[2]
+                form = replace(found.form, kind=kind, keys=tuple(range(len(found.items))), made=None, fixed=True)
+                return Group(form, found.items, found.path)
+        if isinstance(node.func, Attribute):
+            base = self.structural(node.func.value)
+            if isinstance(base, Group):
+                return self._method(base, node)
+        return None
+
+    def _constructed(self, node: Call, title: str) -> Value:
+        """`State(u, t=0.0)` of a class that only holds fields."""
+        made = self.program.records[title]
+        kind, defaults = record_fields(made) or ("record", {})
+        given: dict[str, Value] = {}
+        pairs = [*zip(defaults, node.args), *((k.arg or "", k.value) for k in node.keywords)]
+        fit = len(node.args) <= len(defaults) and len({k for k, _ in pairs}) == len(pairs) and all(
+            k in defaults for k, _ in pairs)
+        for key, argument in pairs:
+            given[key] = self.now(self.value(argument), argument, not is_fixed(kind, made))
+        for key, default in defaults.items():
+            if key not in given and (default is None or type(default) in (int, float, bool, str)):
+                given[key] = Plain(at(const(default), node))
+        if not fit or any(k not in given for k in defaults):
+            self.refuse(node, f"{title}({', '.join(defaults)}) is made with other arguments", code="S405")
+            return Plain(at(const(0.0), node))
+        return _group(Structure(kind, tuple(defaults), (), made, is_fixed(kind, made)),
+                      [given[k] for k in defaults])
+
+    def _over_items(self, called: str, node: Call) -> Value | None:
+        """`max(p)`, `min(p)` and `sum(p)` of a structure's items."""
+        found = self.structural(node.args[0])
+        if not isinstance(found, Group) or not found.form.is_sequence or len(found.items) < 2:
+            return None
+        items = [self.plainly(item, node.args[0]) for item in found.items]
+        if called != "builtins.sum":
+            return Plain(at(Call(node.func, items, []), node))
+        return Plain(at(functools.reduce(add, items), node))
+
+    def _dict(self, node: Dict) -> Value:
+        """A dict whose keys are written out."""
+        keys = tuple(k.value for k in node.keys)
+        if len(set(keys)) < len(keys):
+            self.refuse(node, "a dict that has one key twice", "leave one of them out")
+        return _group(Structure("dict", tuple(dict.fromkeys(keys)), (), dict),
+                      [self.now(self.value(v), v, True) for v in node.values])
+
+    def _method(self, base: Group, node: Call) -> Value:
+        """`p.get("k", 1.0)`, `p.items()`, `p.keys()`, `p.values()` of a dict."""
+        method, count, kind = node.func.attr, len(node.args), base.form.kind
+        given = node.keywords if method == "_replace" else []
+        new = {str(k.arg): self.now(self.value(k.value), k.value) for k in given}
+        if kind == "named" and new and not count and new.keys() <= set(base.form.keys):
+            items = tuple(new.get(str(k), i) for k, i in zip(base.form.keys, base.items))
+            return replace(base, items=items, path=SPELLED)
+        if kind == "dict" and not node.keywords:
+            key = self.key(node.args[0]) if method == "get" and 1 <= count <= 2 else None
+            if key is not None:
+                if key in base.form.keys:
+                    return base.item(key)
+                return self.value(node.args[1]) if count == 2 else NOTHING
+            keys = tuple(Plain(at(const(k), node)) for k in base.form.keys)
+            pairs = tuple(listed((k, v)) for k, v in zip(keys, base.items))
+            views = {"keys": keys, "values": base.items, "items": pairs}
+            if method in views and not count:
+                return listed(views[method])
+        self.refuse(node, f"the method '{method}' of {spoken(base)}, which is {base.form}, {NO}",
+                    f"write what it does with {parts_of(base)}" if base.items else "")
+        return Plain(at(const(0.0), node))
+
+    def call(self, node: Call) -> tuple[Callee | None, Call, dict[int, Leaf]]:
+        """The kernel for these arguments, the call of it on flat arguments, and the leaf given at each place."""
+        called = user_call(node) or ""
+        kernel = self.program.kernels[called]
+        before = len(self.report.found)
+        bound_arguments(node, self)  # pyright: ignore[reportArgumentType]  (says what does not fit)
+        if len(self.report.found) > before:
+            return None, node, {}
+        given = [*zip(kernel.parameters, node.args), *((k.arg or "", k.value) for k in node.keywords)]
+        values = {p: self.whole(a) for p, a in given}
+        patterns = tuple(self._pattern(values.get(p), kernel.defaults.get(p, 0)) for p in kernel.parameters)
+        callee = self.maker.callee(called, patterns)
+        positional, keywords = [], []
+        for k, (parameter, argument) in enumerate(given):
+            made = self._flat(values[parameter], patterns[kernel.parameters.index(parameter)], argument)
+            pairs = [(n, a) for n, a in zip(callee.flat[parameter], made) if n in callee.taken]
+            if k < len(node.args):
+                positional += [a for _, a in pairs]
+            else:
+                keywords += [keyword(n, a) for n, a in pairs]
+        passed = self._passed(kernel, callee, values)
+        self._cells(node, callee, passed)
+        return callee, at(Call(at(name(f"user.{callee.title}"), node), positional, keywords), node), passed
+
+    def _pattern(self, value: Value | None, default: Any) -> Form:
+        if value is None:
+            return NOTHING.type if default is None else UNKNOWN
+        found = pattern(value)
+        return found if isinstance(found, Structure) or found.kind in ("none", "other") else UNKNOWN
+
+    def _flat(self, value: Value, wanted: Form, origin: AST) -> list[AST]:
+        """The flat arguments for one parameter."""
+        if not isinstance(wanted, Structure):
+            return [] if wanted.kind in ("none", "other") else [self.plainly(value, origin)]
+        return [v.node if isinstance(v, Plain) else at(name(v.name), origin) for v in flat(value)]
+
+    def _passed(self, kernel: Kernel, callee: Callee, values: dict[str, Value]) -> dict[int, Leaf]:
+        """The leaves that stand at the places of the callee's flat parameters."""
+        found, at_ = {}, 0
+        for parameter in kernel.parameters:
+            value = values.get(parameter)
+            for k, leaf in enumerate(flat(value) if isinstance(value, Group) else ()):
+                if isinstance(leaf, Leaf):
+                    found[at_ + k] = leaf
+            at_ += len(callee.flat[parameter])
+        return found
+
+    def _cells(self, node: Call, callee: Callee, passed: dict[int, Leaf]) -> None:
+        """What the callee assigns must be cells here, too."""
+        for place in sorted(callee.needed):
+            leaf = passed.get(place)
+            if leaf is not None and leaf.place >= 0:
+                self.needed.add(leaf.place)
+            else:
+                what = f"'{leaf.path}'" if leaf is not None else "an item"
+                self.refuse(node, f"'{user_call(node)}' assigns {what}, which was made in this kernel",
+                            "return the new value, and assign it here")
+
+
+def _group(form: Structure, items: list[Value]) -> Group:
+    """A structure that a kernel makes."""
+    return Group(replace(form, items=tuple(map(pattern, items))), tuple(items), SPELLED)
+
+
+def plain_tuple(result: Group) -> bool:
+    """Whether a result is a tuple of values as any function may return one."""
+    return result.path == SPELLED and result.form.kind == "tuple" and all(
+        isinstance(i, Leaf) and usable(i) and i.place < 0 for i in result.items)
+
+
+def _is_none(node: AST) -> bool:
+    return isinstance(node, Constant) and node.value is None
+
+
+Values.seen = {
+    Name: Values._name, Attribute: Values._field, Subscript: Values._item, Call: Values._call, Compare: Values._test,
+    BoolOp: Values._test, UnaryOp: lambda v, n: v._test(n) if isinstance(n.op, Not) else None, IfExp: Values._choice,
+    Tuple: Values._display, List: Values._display, Dict: Values._dict,
+}
