@@ -93,3 +93,16 @@ def test_sizes_of_blocks_that_do_not_run(k, engine):
     """A work array leaves its block only in a size that is possible where the block does not run."""
     for x in (np.array([0.9, 1.2, 0.7]), np.array([9.9, 10.2, 9.7])):
         check_derivatives(sizes_that_do_not_hold, (x, k), ("x",), ("x",), engine)
+
+
+def products_of_integers(a, x):
+    signs = np.array([[1, 0, -2], [0, 3, 1], [1, 1, 1]])
+    b = (signs - 1).T @ x
+    a[0] = b * (signs @ np.linalg.solve(signs, x))
+    x[:] = a @ signs[1]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_products_of_integers(engine):
+    random = np.random.default_rng(3)
+    check_derivatives(products_of_integers, (random.random((3, 3)), random.random(3)), ("a", "x"), ("a", "x"), engine)

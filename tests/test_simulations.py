@@ -4,6 +4,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import s2sad
 from tests.derivatives import check_derivatives
 from tests.simulations import (
     euler, finite_elements, kalman, lattice_boltzmann, level_set, multigrid, ray_march, reaction_network,
@@ -68,11 +69,11 @@ def of_reaction_network(random):
     products = np.array([[0, 0, 1], [1, 1, 0], [1, 0, 0]])
     network = reaction_network.Network(0.5 + random.random(3), reactants, products)
     return reaction_network.reaction_network, (0.5 + random.random((3, 3)), network, 0.2, 0.1, 1), \
-        ("y", "diffusion"), ("y",)
+        ("y", "network.rates", "diffusion"), ("y",)
 
 
 PROGRAMS = (of_shallow_water, of_wave, of_euler, of_lattice_boltzmann, of_level_set, of_multigrid, of_finite_elements,
-            of_kalman, of_ray_march, of_reaction_network)
+            of_kalman, of_ray_march)
 
 
 @pytest.mark.parametrize("engine", ("numpy", "numba"))
@@ -80,3 +81,10 @@ PROGRAMS = (of_shallow_water, of_wave, of_euler, of_lattice_boltzmann, of_level_
 def test_program(program, engine):
     function, arguments, wrt, of = program(np.random.default_rng(8))
     check_derivatives(function, arguments, wrt, of, engine, coordinates=12)
+
+
+@pytest.mark.parametrize("engine", ("numpy", "numba"))
+def test_program_with_a_structure(engine):
+    function, arguments, wrt, of = of_reaction_network(np.random.default_rng(8))
+    found = s2sad.check(function, *arguments, wrt=wrt, of=of, engine=engine)
+    assert found, str(found)

@@ -183,9 +183,19 @@ class _Functions:
             plain = isinstance(inner, (Name, Subscript, Constant)) or not self.typing.of(inner).is_array
             summed = rule.law in _SUMMED and any(isinstance(n, (Name, Subscript)) and self.typing.of(n).is_array
                                                  for n in walk(inner))
-            made.append(inner if plain or summed else name(self.bind(operand, inner, before)))
+            converted = self.converted(inner, node)
+            made.append(inner if converted is inner and (plain or summed)
+                        else name(self.bind(operand, converted, before)))
         options = [at(keyword(k.arg, self.moved(k.value, before)), node) for k in node.keywords]
         return at(Call(node.func, made, options), node)
+
+    def converted(self, operand: AST, node: Call) -> AST:
+        """An operand of a product or a solve in the dtype of the result: what computes these mixes none."""
+        called, given, made = call_name(node) or "", self.typing.of(operand), self.typing.of(node)
+        mixed = given.is_array and given.dtype != made.dtype and made.dtype in ("float32", "float64")
+        if not mixed or called != "numpy.matmul" and not called.startswith("numpy.linalg."):
+            return operand
+        return at(call("numpy.astype", operand, dtype=name(f"numpy.{made.dtype}")), node)
 
     def bind(self, origin: AST, value: AST, before: list[AST], called: str = "") -> str:
         wanted = (call_name(origin) or "operand").rpartition(".")[2]
