@@ -174,7 +174,7 @@ def function(identifier: str, parameters: list[str], body: list[AST]) -> Functio
 
 def at(node: AST, origin: AST) -> AST:
     """The node, with the place of the statement that it comes from (on itself and on what has none)."""
-    for child in gast.walk(node):
+    for child in walk(node):
         if getattr(child, "lineno", None) is None and "lineno" in getattr(child, "_attributes", ()):
             gast.copy_location(child, origin)
     return node
@@ -188,12 +188,20 @@ def walk(node: AST | list[AST]) -> Iterator[AST]:
     while stack:
         current = stack.pop()
         yield current
-        stack.extend(reversed(list(gast.iter_child_nodes(current))))
+        if not isinstance(current, (Name, Constant)):
+            stack.extend(reversed(children(current)))
 
 
 def children(node: AST) -> list[AST]:
-    """The nodes directly below, in the order of the text."""
-    return list(gast.iter_child_nodes(node))
+    """The nodes directly below, in the order of the text, without contexts (Load, Store)."""
+    found: list[AST] = []
+    for field in node._fields:
+        value = getattr(node, field, None)
+        if isinstance(value, list):
+            found += [item for item in value if isinstance(item, AST)]
+        elif isinstance(value, AST) and field != "ctx":
+            found.append(value)
+    return found
 
 
 def names(node: AST | list[AST]) -> list[str]:
@@ -243,13 +251,26 @@ def _rebuild(node: Any, change: Callable[[AST], AST | None]) -> Any:
     changed = change(node)
     if changed is not None:
         return changed
-    new = type(node)(*[_rebuild(getattr(node, f), change) for f in node._fields])
-    return gast.copy_location(new, node) if "lineno" in getattr(node, "_attributes", ()) else new
+    return _replica(node, lambda item: _rebuild(item, change))
+
+
+def _replica(node: AST, below: Callable[[Any], Any]) -> AST:
+    """A node of the same kind and place with other nodes below; what has no fields, as a context, is shared."""
+    new = type(node).__new__(type(node))
+    held = new.__dict__
+    held.update(node.__dict__)
+    for field in node._fields:
+        value = held.get(field)
+        if isinstance(value, list) or isinstance(value, AST) and value._fields:
+            held[field] = below(value)
+    return new
 
 
 def copy(node: Any) -> Any:
     """A deep copy, places included."""
-    return _rebuild(node, lambda n: None)
+    if isinstance(node, list):
+        return [copy(item) for item in node]
+    return _replica(node, copy) if isinstance(node, AST) else node
 
 
 def substitute(node: Any, mapping: Mapping[str, AST]) -> Any:

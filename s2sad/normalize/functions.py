@@ -180,7 +180,8 @@ class _Functions:
         made: list[AST] = []
         for operand in node.args:
             inner = self.moved(operand, before)
-            plain = isinstance(inner, (Name, Subscript, Constant)) or not self.typing.of(inner).is_array
+            plain = isinstance(inner, (Name, Subscript, Constant)) and not self.picks(inner) or not self.typing.of(
+                inner).is_array
             summed = rule.law in _SUMMED and any(isinstance(n, (Name, Subscript)) and self.typing.of(n).is_array
                                                  for n in walk(inner))
             converted = self.converted(inner, node)
