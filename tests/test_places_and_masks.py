@@ -39,7 +39,20 @@ def allocated_by_what_an_array_holds(a, x):
         x[0] += np.sum(w) * w.size + w[w.size - 1] * a[0, k]
 
 
-KERNELS = (mask_changed_in_while, places_from_data, places_of_two_axes, allocated_by_what_an_array_holds)
+def mask_and_row_of_one_matrix(a, x):
+    high = x > 0.8
+    a[high] += 0.1 * (np.sin(a[1]) - a[high])
+    a[:, high] *= a[:, high] - a[:1, high] * a[0, 0]
+
+
+def column_by_number(a, x):
+    for k in range(2):
+        last = k
+    a *= (x[:, None] * a[:, last:last + 1]) * np.std(a, axis=0)
+
+
+KERNELS = (mask_and_row_of_one_matrix, column_by_number, mask_changed_in_while, places_from_data, places_of_two_axes,
+           allocated_by_what_an_array_holds)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

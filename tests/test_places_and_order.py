@@ -200,7 +200,7 @@ REFUSED = {
     "np.sum(np.piecewise(x, [x < 0.7], [1.0]))": "np.select", "np.sum(np.squeeze(x))": "np.squeeze",
     "np.sum(np.histogram(x))": "np.bincount", "np.sum(np.unwrap(x))": "in a loop", "np.sum(np.delete(x, 1))": "concat",
     "np.sum(np.insert(x, 1, x[0]))": "np.concatenate", "np.sum(np.digitize(x, x) * x)": "np.searchsorted",
-    "np.linalg.cond(np.diag(x))": "np.linalg.svd", "np.sum(np.compress(x > 1, x))": "write x.condition",
+    "np.sum(np.compress(x > 1, x))": "write x.condition",
     "np.sum(np.linalg.eigvals(np.diag(x)))": "eigvalsh", "np.sum(np.argwhere(x > 1))": "np.nonzero",
 }
 

@@ -191,6 +191,7 @@ def _learn_block(shapes: Shapes, block: list[AST], top: bool = False) -> None:
 def bare_shapes(function: FunctionDef, typing: Typing) -> Shapes:
     """The shapes of a function with resolved views of which nothing has been learnt but its counters."""
     made = Shapes(typing, single_values(function))
+    made.settled = True
     made.counters = counters_of(function, made.values)
     return made
 

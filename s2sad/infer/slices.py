@@ -11,11 +11,12 @@ from s2sad.infer.affine import Affine
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import ONE, Shape, whole_number
 from s2sad.infer.sizes import Sizes
-from s2sad.tree import AST, Constant, Slice, Subscript, call, const, copy, dump, indices, names
+from s2sad.tree import AST, Add, BinOp, Constant, Slice, Subscript, call, const, copy, dump, indices, names
 
 
 class Slices(Sizes):
-    """What the subscripts in one function take."""
+    """What the subscripts in one function take; `settled` where guards have been put before it."""
+    settled = False
 
     def region(self, node: Subscript) -> Shape:
         base = self.of(node.value)
@@ -88,9 +89,12 @@ class Slices(Sizes):
         if part.upper is None or part.step is not None:
             return False
         low, high = (Affine() if p is None else self.size(p) for p in (part.lower, part.upper))
-        if low is None or high is None or high.plus(low, -1) != ONE or not (
-                part.lower is None or self.is_counted(part.lower)):
+        if low is None or high is None:
+            return self.settled and _is_next(part)
+        if high.plus(low, -1) != ONE:
             return False
+        if part.lower is not None and not self.is_counted(part.lower):
+            self.required.append(low)
         self.required.append(size.plus(high, -1))
         return True
 
@@ -161,6 +165,13 @@ class Slices(Sizes):
                 self.required.append(form)
             return form
         return self.symbol(call(function, copy(node), self.expression(size)))
+
+
+def _is_next(part: Slice) -> bool:
+    """Whether a slice is spelled `i:i + 1`."""
+    end = part.upper
+    return isinstance(end, BinOp) and isinstance(end.op, Add) and whole_number(end.right) == 1 and (
+        part.lower is not None and dump(end.left) == dump(part.lower))
 
 
 def scattered(place: AST, typing: Typing) -> bool:

@@ -37,7 +37,7 @@ from s2sad.normalize.references import References
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, BinOp, Call, Expr, For, FunctionDef, If, Name, Return, Slice, Store, Subscript,
     Tuple, While, assign, at, attribute, augment, call_name, const, copy, index, indices, is_unset, name, names,
-    tuple_of, walk,
+    rebuild, tuple_of, walk,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -202,8 +202,22 @@ class _Views(Carried):
             self.shapes.values = {**self.shapes.values, held: None}
             before.append(assign(held, value))
             return name(held)
+        value = self.unmasked(value, before, origin)
         before += self.allocations.allocate(held, array(kind.dtype, kind.rank), value, origin)
         return name(held)
+
+    def unmasked(self, value: AST, before: list[AST], origin: AST) -> AST:
+        """The value with names for what masks pick: only the statement that fills what a mask picks walks the mask."""
+        def change(n: AST) -> AST | None:
+            if not isinstance(n, Subscript) or not any(
+                    self.typing.of(s).is_array and self.typing.of(s).dtype == "bool"
+                    for s in indices(n) if not isinstance(s, Slice)):
+                return None
+            kind, held = self.typing.of(n), self.free.fresh("picked")
+            self.typing.table[held] = array(kind.dtype, kind.rank)
+            before.extend(self.allocations.allocate(held, self.typing.table[held], n, origin))
+            return name(held)
+        return rebuild(value, change)
 
     def made_first(self, place: Subscript, value: AST) -> bool:
         """Whether a value must be there before the place is filled with it."""

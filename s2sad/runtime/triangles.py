@@ -28,7 +28,7 @@ def triangle_gain(s, y, trans, lower, unit):
     """What the triangle gains of a solution `y` where its right side gains `s`.
 
     >>> triangle_gain(np.array([1.0, 2.0]), np.array([3.0, 4.0]), 0, True, False)
-    array([[-3., -0.],
+    array([[-3.,  0.],
            [-6., -8.]])
     """
     n = s.shape[0]
@@ -122,7 +122,7 @@ def bands_gain(bands, s, y, lower, upper):
     """What the bands gain of a solution `y` where its right side gains `s`.
 
     >>> bands_gain(np.zeros((2, 2)), np.array([1.0, 2.0]), np.array([3.0, 4.0]), 0, 1)
-    array([[-0., -4.],
+    array([[ 0., -4.],
            [-3., -8.]])
     """
     n = bands.shape[1]
