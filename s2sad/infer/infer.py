@@ -14,6 +14,7 @@ from s2sad import rules
 from s2sad.diagnostics import Report
 from s2sad.infer.laws import LAWS, of_rank
 from s2sad.infer.piece_types import piece_type
+from s2sad.infer.promotion import CASTS, RANKS, dtype_of, join, listed, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, TEXT, UNKNOWN, Type, array, of_value
 from s2sad.infer.written import is_single, keeps
 from s2sad.rules.composed import LAW as PIECES
@@ -28,14 +29,11 @@ LISTED = "builtins.list"
 
 CallTypes = Callable[[str, tuple[Type, ...]], tuple[Type, ...]]
 
-_RANKS = ("bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64")
 _ALLOCATIONS = {"numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full"}
 _LIKES = {"numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full_like", "numpy.copy", "numpy.asarray",
           "numpy.ascontiguousarray", "numpy.array"}
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")  # without an axis
 _COMPARED = ("numpy.allclose", "numpy.array_equal")
-_CASTS = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": "bool", "numpy.float64": "float64",
-          "numpy.float32": "float32", "numpy.int64": "int64", "numpy.int32": "int32", "numpy.bool_": "bool"}
 
 
 def infer(function: FunctionDef, parameters: Mapping[str, Type], call_types: CallTypes, report: Report,
@@ -68,8 +66,8 @@ class Typing:
     def bind_item(self, identifier: str, item: Type) -> None:
         """An array in place of a list has one axis more than what is stored in it."""
         old = self.table.get(identifier, UNKNOWN)
-        if item.kind in ("number", "array") and item.dtype in _RANKS and old.rank in (0, item.rank + 1):
-            dtype = max(item.dtype, old.dtype or item.dtype, key=_RANKS.index)
+        if item.kind in ("number", "array") and item.dtype in RANKS and old.rank in (0, item.rank + 1):
+            dtype = max(item.dtype, old.dtype or item.dtype, key=RANKS.index)
             self.table[identifier] = array(dtype, item.rank + 1)
 
     def argument(self, node: AST) -> Type:
@@ -236,9 +234,9 @@ class Typing:
         rule = rules.find_array(name)
         if rule is not None and types and (rule.law == PIECES or types[0].kind != "tuple"):
             return self._array_function(rule, node, types)
-        if name in _CASTS:
+        if name in CASTS:
             rank = types[0].rank if types else 0
-            return array(_CASTS[name], rank) if rank else Type("number", _CASTS[name])
+            return array(CASTS[name], rank) if rank else Type("number", CASTS[name])
         if name == "builtins.sum" and types:
             return Type("number", "int64" if types[0].dtype == "bool" else types[0].dtype)
         if name in ("builtins.len", "numpy.size", "numpy.ndim"):
@@ -316,61 +314,11 @@ class Typing:
     def _like(self, name: str, node: Call) -> Type:
         base = self.of(node.args[0])
         if base.kind == "tuple":
-            joined = _joined(base)
+            joined = listed(base)
             return array(self._dtype(node, 1, joined.dtype), joined.rank) if joined.dtype else UNKNOWN
         if not base.is_array:
             return UNKNOWN
         return array(self._dtype(node, 2 if name == "numpy.full_like" else 1, base.dtype), base.rank)
-
-
-def _joined(items: Type) -> Type:
-    """The type of the array that nested lists of numbers spell."""
-    if not items.items:
-        return array("float64", 1)
-    joined: Type | None = None
-    for item in items.items:
-        inner = _joined(item) if item.kind == "tuple" else item
-        joined = inner if joined is None else promote(joined, inner)
-    assert joined is not None
-    return array(joined.dtype, joined.rank + 1) if joined.dtype else UNKNOWN
-
-
-def dtype_of(node: AST) -> str | None:
-    """The dtype that an expression names: `np.float32`, `float`, `"float32"`; None if it is none of these."""
-    if isinstance(node, Name):
-        if node.id in _CASTS:
-            return _CASTS[node.id]
-        room, _, last = node.id.rpartition(".")
-        return last if room == "numpy" and last in _RANKS else None
-    if isinstance(node, Constant) and node.value in _RANKS:
-        return str(node.value)
-    return None
-
-
-def promote(a: Type, b: Type) -> Type:
-    """NumPy's promotion: arrays decide over numbers of the same kind, wider ranks over narrower."""
-    if "unknown" in (a.kind, b.kind) or not a.dtype or not b.dtype:
-        return UNKNOWN
-    if a.is_array != b.is_array:
-        arr, number = (a, b) if a.is_array else (b, a)
-        kind = arr.dtype if arr.is_float or not number.is_float else "float64"
-        return array(kind, arr.rank)
-    dtype = max(a.dtype, b.dtype, key=_RANKS.index)
-    return Type(a.kind, dtype, max(a.rank, b.rank))
-
-
-def join(a: Type, b: Type) -> Type | None:
-    """The type of a name that is bound to both, or None if there is none."""
-    if a == b or b.kind == "unknown":
-        return a
-    if a.kind == "unknown":
-        return b
-    if a.is_number and b.is_number:
-        return promote(a, b)
-    if a.kind == b.kind == "tuple" and len(a.items) == len(b.items):
-        items = [join(x, y) for x, y in zip(a.items, b.items)]
-        return None if None in items else Type("tuple", items=tuple(i for i in items if i is not None))
-    return None
 
 
 def learn(block: list[AST], typing: Typing) -> None:

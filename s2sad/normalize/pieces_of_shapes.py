@@ -3,7 +3,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.infer.piece_types import astype_dtype, common, widths_of
+from s2sad.infer.options import astype_dtype, widths_of
+from s2sad.infer.promotion import common
 from s2sad.infer.types import Type
 from s2sad.normalize.asked import Asked, empty, lines, part, size, sizes, zeros
 from s2sad.tree import List, Tuple, call
