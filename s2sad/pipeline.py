@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from s2sad.analyze.unshadowed import unshadowed
-from s2sad.differentiate.adjoint import Wanted
+from s2sad.differentiate.derivative import Wanted
 from s2sad.simplify.taped import Taped, taped
 from s2sad.emit.dialect import in_dialect
 from s2sad.emit.header import documented, header

@@ -13,8 +13,9 @@ from s2sad.analyze.resized import repeated
 from s2sad.analyze.structure import structure
 from s2sad.analyze.uses import Uses, uses
 from s2sad.diagnostics import Report
-from s2sad.differentiate.adjoint import Made, Wanted, adjoint
+from s2sad.differentiate.adjoint import adjoint
 from s2sad.differentiate.calls import Callee, Pattern, call_uses, is_kernel_call, pattern
+from s2sad.differentiate.derivative import Made, Wanted
 from s2sad.differentiate.owned import owned
 from s2sad.differentiate.tangent import tangent
 from s2sad.infer.infer import Typing
