@@ -15,10 +15,11 @@ from s2sad.binding import (
     FLOATS, admitted, bind, coerced, make_zero, misfit, shadow, written_argument,
 )
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
+from s2sad.generated import Variant
 from s2sad.normalize.calls import leaves
 from s2sad.program import Request
 from s2sad.selection import RETURN, Results, array_seed, places, result_seed, selected_of, selected_wrt, structured
-from s2sad.variants import State, Variant
+from s2sad.variants import State
 
 
 class AnnotatedCall:

@@ -2,9 +2,9 @@
 
     read        a function becomes a tree with places and resolved names        (the caller has done it)
     normalize   structured -> inlined -> functions -> pieces -> views -> workspace -> scalarize -> rename -> atoms
-                                                                                     (units.Units._prepared)
+                                                                                     (units/normal_forms.py)
     infer       the types of names, before views and after rename
-    analyze     structure, activity, uses, dependence, recorded                      (units.Units._adjoint)
+    analyze     structure, activity, uses, dependence, recorded                      (units/derivatives.py)
     differentiate   adjoint or tangent
     simplify    merge, dead, coalesce, fold, algebra; for level "fast" faster, taped
     emit        origin comments, the engine's dialect, the header, the text
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from s2sad.analyze.unshadowed import unshadowed
-from s2sad.differentiate.adjoint import Wanted
+from s2sad.differentiate.derivative import Wanted
 from s2sad.simplify.taped import Taped, taped
 from s2sad.emit.dialect import in_dialect
 from s2sad.emit.header import documented, header

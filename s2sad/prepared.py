@@ -13,11 +13,12 @@ import numpy as np
 
 from s2sad.binding import admitted, bind, coerced, misfit
 from s2sad.diagnostics import Diagnostic, S2sadError, S2sadWarning
+from s2sad.generated import Variant
 from s2sad.program import Request
 from s2sad.selection import (
     RETURN, Results, array_seed, number_seed, places, result_seed, selected_of, selected_wrt, structured,
 )
-from s2sad.variants import State, Variant
+from s2sad.variants import State
 
 _ONE = {RETURN: 1.0}
 

@@ -7,9 +7,10 @@ from __future__ import annotations
 from typing import Any
 
 from s2sad.binding import coerced, shadow, written_argument
+from s2sad.generated import HIDDEN
 from s2sad.selection import RETURN, result_seed
 from s2sad.signature import arranged
-from s2sad.variants import HIDDEN, State
+from s2sad.variants import State
 
 
 class ShadowedCall:

@@ -13,10 +13,11 @@ import numpy as np
 
 from s2sad.binding import FLOATS, admitted
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.generated import HIDDEN, Variant
 from s2sad.infer.types import Type
 from s2sad.program import Request
 from s2sad.selection import RETURN, Results, selected_of, selected_wrt
-from s2sad.variants import HIDDEN, State, Variant
+from s2sad.variants import State
 
 _STRICT, _LOOSE = 4096, 32
 

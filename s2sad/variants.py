@@ -6,8 +6,7 @@ function reads, and a state one `Variant` for each (mode, types, wrt, of, engine
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping, Sequence
-from operator import itemgetter
+from collections.abc import Callable, Sequence
 from types import FunctionType
 from typing import Any
 
@@ -16,22 +15,18 @@ import numpy as np
 from s2sad import pipeline, read
 from s2sad.binding import float_parameters, same_number, types as types_of
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.differentiate.adjoint import MISFIT
+from s2sad.generated import HIDDEN, Variant
 from s2sad.infer.types import Type, of_value
 from s2sad.normalize.fields import asks
 from s2sad.read.capture import not_a_function, python_function
-from s2sad.program import Generated, Kernel, Parameter, Program, Request
-from s2sad.rules.given import GIVEN, Given
+from s2sad.program import Kernel, Program, Request
+from s2sad.rules.given import GIVEN
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
-from s2sad.run.given import given_of, held_to_numbers, uncompiled
-from s2sad.run.load import load
-from s2sad.run.own import looked_at
+from s2sad.run.given import given_of
 from s2sad.run.overlap import Check, Slot
 from s2sad.watch import Watch
 
 _LOCK = threading.RLock()
-HIDDEN = "array."
-_KINDS = {"float64": float, "float32": np.float32}
 _KEPT = 31  # states: a global that changes at every call must not fill the memory
 
 
@@ -212,146 +207,5 @@ def _same_kernel(ours: Kernel, theirs: Kernel) -> bool:
             and all(same_number(v, theirs.defaults[k]) for k, v in ours.defaults.items()))
 
 
-def _as_it_is(value: Any) -> Any:
-    return value
-
-
 def _with_trailing(function: Callable[..., Any], trailing: tuple[Any, ...]) -> Callable[..., Any]:
     return lambda *args: function(*args, *trailing)
-
-
-def _unwarned(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function without NumPy's warnings: inf and nan are results of a derivative, and compiled code says nothing of
-    them either. Who has asked NumPy to raise or to call is heard."""
-    def called(*arguments: Any) -> Any:
-        kept: dict[str, Any] = {kind: "ignore" for kind, done in np.geterr().items() if done == "warn"}
-        with np.errstate(**kept):
-            return function(*arguments)
-    return called
-
-
-class Keeping:
-    """A compiled adjoint with the stacks that it left behind at the last call of each thread, used again."""
-
-    def __init__(self, function: Callable[..., Any], first: tuple[np.ndarray, ...]):
-        self.function, self.first, self.count = function, first, len(first)
-        self._kept = threading.local()
-
-    def __call__(self, *arguments: Any) -> tuple[Any, ...]:
-        returned = self.function(*arguments, *getattr(self._kept, "stacks", self.first))
-        self._kept.stacks = returned[-self.count:]
-        return returned[:-self.count]
-
-
-class Variant:
-    """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked."""
-
-    def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
-                 given: tuple[Given, ...] = ()):
-        self.generated, self.engine, self.kernel = generated, engine, kernel
-        self.parameters: tuple[Parameter, ...] = generated.parameters
-        plain = tuple(generated.facts.get("wrappers", ()))
-        moving = bool(given) or generated.facts.get("moving", False)
-        module = (compiled(generated.text, generated.entry, plain=plain, given=moving) if engine == "numba"
-                  else held_to_numbers(load(generated.text, generated.entry, own=bool(given)), given))
-        if engine == "numpy" and "units" in generated.facts:
-            looked_at(module, generated.facts["units"])
-        stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
-        self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
-        self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)
-        self.function: Callable[..., Any] = (
-            Keeping(self.dispatcher, self._first) if stacks else
-            _unwarned(self.dispatcher) if engine == "numpy" else self.dispatcher)
-        self.shadows = {p.primal: p for p in self.parameters if p.role == "shadow"}
-        self.seeds = tuple(p for p in self.parameters if p.role == "seed")
-        self._written = frozenset(summary.written)
-        self._check: Check | None = None
-        self.array_places = tuple(k for k, p in enumerate(self.parameters) if p.type.is_array)
-        self._pick = itemgetter(*self.array_places) if len(self.array_places) > 1 else None
-        types = {p.name: p.type for p in self.parameters} | {f"return {k}": t for k, t in enumerate(summary.results)}
-        if len(summary.results) == 1:
-            types["result"] = summary.results[0]
-        self._kinds = [_KINDS.get(types[r].dtype, _as_it_is) if r in types and types[r].is_number else _as_it_is
-                       for r in generated.returns]
-
-    @property
-    def check(self) -> Check:
-        """The check of shapes and memory for the array arguments, in the order of the signature."""
-        if self._check is None:
-            slots = []
-            for k in self.array_places:
-                p = self.parameters[k]
-                slots.append(Slot(p.name, p.role, p.primal or p.name,
-                                  p.role == "shadow" or (p.primal or p.name) in self._written))
-            self._check = Check(slots, self.engine)
-        return self._check
-
-    def assemble(self, values: Mapping[str, Any], shadows: Mapping[str, Any], seeds: Sequence[Any],
-                 hidden: Mapping[str, Any]) -> list[Any]:
-        """The positional arguments of the generated function."""
-        remaining = iter(seeds)
-        arguments = []
-        for p in self.parameters:
-            if p.role == "shadow":
-                arguments.append(shadows[p.primal])
-            elif p.role == "seed":
-                arguments.append(next(remaining))
-            elif p.name.startswith(HIDDEN):
-                arguments.append(hidden[p.name])
-            else:
-                arguments.append(values[p.name])
-        return arguments
-
-    def checked(self, arguments: Sequence[Any]) -> tuple[int, ...]:
-        """Raises unless shapes fit and memory lies apart; the places of shadows that need memory of their own."""
-        if self._pick is None:
-            return ()
-        shared = self.check(self._pick(arguments))
-        return tuple(self.array_places[k] for k in shared)
-
-    def exactly(self, arguments: Sequence[Any]) -> tuple[int, ...]:
-        """`checked` without the compiled check, for a first call."""
-        if self._pick is None:
-            return ()
-        return tuple(self.array_places[k] for k in self.check.exact([arguments[k] for k in self.array_places]))
-
-    def prepare(self, arguments: Sequence[Any]) -> None:
-        """Compiles for the types of these arguments, or reads Numba's cache."""
-        if self.engine == "numba":
-            try:
-                prepare(self.dispatcher, [*arguments, *self._first], f"'{self.generated.entry}' of '{self.kernel}'")
-            except Exception:  # whatever it is: Numba raises more than its own errors on code that it does not know
-                wrong = uncompiled(self.generated.facts["units"]) if "units" in self.generated.facts else None
-                if wrong is not None:
-                    raise wrong from None
-                raise
-            if self._pick is not None:
-                self.check.prepare(self._pick(arguments))
-
-    def run(self, arguments: Sequence[Any], shared: tuple[int, ...] = ()) -> tuple[Any, ...]:
-        """Calls the generated function; always a tuple, in the order of `generated.returns`."""
-        try:
-            returned = self.apart(arguments, shared) if shared else self.function(*arguments)
-        except AssertionError as error:
-            raise self.misfit(error, arguments) from None
-        return () if returned is None else tuple([kind(v) for kind, v in zip(self._kinds, returned)])
-
-    def misfit(self, error: AssertionError, arguments: Sequence[Any]) -> Exception:
-        """The error, or what it says where the seed of an array does not fit: its shape is known when f has run."""
-        said = str(error)
-        found = next((k for k, p in enumerate(self.parameters) if p.role == "seed" and said == p.name + MISFIT), None)
-        if found is None:
-            return error
-        return S2sadError(Diagnostic("S403", f"the seed '{self.parameters[found].name}' has shape "
-                                     f"{arguments[found].shape}, what '{self.kernel}' returns there has another one",
-                                     help="give an array of its shape"))
-
-    def apart(self, arguments: Sequence[Any], shared: tuple[int, ...]) -> Any:
-        """Calls it with private shadows for arguments that are one array, and adds these to the caller's."""
-        own = list(arguments)
-        for place in shared:
-            own[place] = np.zeros_like(arguments[place])
-        returned = self.function(*own)
-        for place in shared:
-            arguments[place][...] += own[place]
-        return returned

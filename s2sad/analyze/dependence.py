@@ -12,11 +12,11 @@ from itertools import product
 from s2sad.analyze.resized import escapes, own_loops, within as within_loops
 from s2sad.analyze.structure import Structure
 from s2sad.infer.types import INT
-from s2sad.infer.affine import Affine, at_most, equals, feasible
+from s2sad.infer.affine import Affine, at_most, combined, equals, feasible
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BinOp, Break, Constant, For, Mult, Name, Sub, Subscript, Tuple, USub, UnaryOp,
-    attribute, call_name, const, dump, index, indices, name, walk,
+    AST, Assign, Attribute, BinOp, Break, Constant, For, Name, Subscript, Tuple, USub, UnaryOp, attribute, call_name,
+    const, dump, index, indices, name, walk,
 )
 
 
@@ -68,14 +68,7 @@ class Dependence:
         return None
 
     def _binary(self, node: BinOp, depth: int) -> Affine | None:
-        left, right = self.form(node.left, depth), self.form(node.right, depth)
-        if left is None or right is None:
-            return None
-        if isinstance(node.op, (Add, Sub)):
-            return left.plus(right, 1 if isinstance(node.op, Add) else -1)
-        if isinstance(node.op, Mult) and not left.terms:
-            return right.times(left.constant)
-        return left.times(right.constant) if isinstance(node.op, Mult) and not right.terms else None
+        return combined(node.op, self.form(node.left, depth), self.form(node.right, depth))
 
     def _name(self, identifier: str, depth: int) -> Affine | None:
         if identifier in self.structure.loop_of:

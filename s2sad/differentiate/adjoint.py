@@ -11,20 +11,20 @@ pruned to what the reverse sweep reads (`simplify.dead` does that).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 from s2sad.analyze.activity import Activity
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.plan import Plan
-from s2sad.analyze.resized import escapes, own_loops
 from s2sad.analyze.structure import Structure
 from s2sad.analyze.uses import owns_result
 from s2sad.differentiate.arithmetic import Term
-from s2sad.differentiate.calls import Derive, is_kernel_call, pattern
+from s2sad.differentiate.calls import Derive, is_kernel_call, pattern, with_shadows
 from s2sad.differentiate.counting import Counting
+from s2sad.differentiate.derivative import Made, Wanted
 from s2sad.differentiate.expression import Pullback
 from s2sad.differentiate.halves import Halves
 from s2sad.differentiate.resize import empty_at_first
+from s2sad.differentiate.shadows import Shadows
 from s2sad.differentiate.sweeps import Sweeps
 from s2sad.differentiate.tape import Tape
 from s2sad.infer.shapes import shapes_of
@@ -33,33 +33,13 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import (
-    AST, Add, Assert, Assign, AugAssign, Constant, Eq, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple, assign,
-    at, attribute, augment, call, comment, compare, const, copy, function, index, indices, name, tuple_of, walk,
+    AST, Add, Assert, Assign, AugAssign, Constant, Eq, Expr, Name, Return, Sub, Subscript, Tuple, assign, at, attribute,
+    augment, call, comment, compare, const, copy, function, index, indices, name, tuple_of, walk,
 )
 
 
 REVERSE = "reverse sweep"
 MISFIT = " does not have the shape of the result"
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """Which parameters and results: `wrt` and `of` by name ("return 0", ... for results)."""
-    wrt: tuple[str, ...]
-    of: tuple[str, ...]
-    with_primal: bool = False
-
-
-@dataclass
-class Made:
-    """A derivative: the function, the shadow of every name, its parameters as (name, role, primal), its returns; the
-    lists of what a user's first halves keep, each with the call."""
-    function: FunctionDef
-    shadows: dict[str, str]
-    parameters: list[tuple[str, str, str]] = field(default_factory=list)
-    returns: list[str] = field(default_factory=list)
-    tape: Tape | None = None
-    kept: list[tuple[str, AST]] = field(default_factory=list)
 
 
 def adjoint(structure: Structure, active: Activity, plan: Plan, wanted: Wanted, free: Names, derive: Derive,
@@ -68,7 +48,7 @@ def adjoint(structure: Structure, active: Activity, plan: Plan, wanted: Wanted, 
     return _Adjoint(structure, active, plan, wanted, free, derive, family).made(title)
 
 
-class _Adjoint:
+class _Adjoint(Shadows):
     def __init__(self, structure: Structure, activity: Activity, plan: Plan, wanted: Wanted, free: Names,
                  derive: Derive, family: Mapping[str, str]):
         self.structure, self.typing, self.plan = structure, structure.typing, plan
@@ -155,57 +135,6 @@ class _Adjoint:
 
     def result_type(self, number: int) -> Type:
         return self.typing.of(self.results()[number])
-
-    def own_shadows(self) -> list[tuple[str, str]]:
-        """Shadows of its own for arrays whose final content is no output, though an input is asked for."""
-        added: list[tuple[str, str]] = []
-        for parameter in self.parameters:
-            if (self.typing.table[parameter].is_array and parameter in self.wanted.wrt
-                    and parameter not in self.wanted.of and parameter in self.written and parameter in self.active):
-                public = self.shadows[parameter]
-                own = self.free.fresh(f"{parameter}_shadow")
-                self.typing.table[own] = self.typing.table[parameter]
-                self.shadows[parameter] = own
-                added.append((public, own))
-        self.own = {own for _, own in added}
-        return added
-
-    def shadow(self, primal: str) -> str:
-        if primal not in self.shadows:
-            self.shadows[primal] = self.free.fresh(f"{primal}_bar")
-            self.typing.table[self.shadows[primal]] = self.typing.table[primal]
-            self.shapes.like(self.shadows[primal], primal)
-        return self.shadows[primal]
-
-    # -- zeros -------------------------------------------------------------------------------------------------------
-
-    def find_scopes(self) -> None:
-        """For every active name the innermost block around all of its uses."""
-        outermost = (id(self.structure.function.body),)
-        chains: dict[str, list[tuple[int, ...]]] = {p: [outermost] for p in self.parameters if p in self.active}
-        for place in self.structure.places.values():
-            statement = place.statement
-            if isinstance(statement, (Assign, AugAssign, Return)) or is_kernel_call(statement):
-                for part in walk(statement):
-                    if isinstance(part, Name) and part.id in self.active:
-                        chains.setdefault(part.id, []).append(place.blocks)
-        for used, found in chains.items():
-            if escapes(self.structure, used):           # what the last array is used for lies outside
-                found.append(self.structure.place(own_loops(self.structure, used)[0]).blocks)
-            common = [b for level, b in enumerate(found[0])
-                      if all(len(c) > level and c[level] == b for c in found[1:])]
-            self.scopes.setdefault(common[-1], []).append(used)
-
-    def zeros(self, block: list[AST]) -> list[AST]:
-        made: list[AST] = []
-        for used in self.scopes.get(id(block), []):
-            kind = self.typing.table[used]
-            if kind.is_number and kind.is_float:
-                made.append(assign(self.shadow(used), const(0.0)))
-            elif kind.is_array and (used not in self.parameters or used not in (*self.wanted.wrt, *self.wanted.of)
-                                    or self.shadow(used) in self.own):
-                made.append(assign(self.shadow(used), call("numpy.zeros_like", name(used))))
-        return made
 
     # -- statements --------------------------------------------------------------------------------------------------
 
@@ -300,11 +229,7 @@ class _Adjoint:
         if not wanted.arguments and not wanted.results:
             return []
         callee = self.derive(wanted)
-        args: list[AST] = []
-        for position, argument in enumerate(statement.value.args):
-            args.append(copy(argument))
-            if position in callee.shadows:
-                args.append(self.value(argument))
+        args = with_shadows(statement.value, callee, self.value)
         bound = [base_name(t) for t in targets(statement)]
         args += [name(bound[k]) for k in callee.values]
         args += [name(self.shadow(bound[k])) for k in callee.seeds]

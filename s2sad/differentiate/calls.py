@@ -8,7 +8,7 @@ from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.uses import Uses, is_active
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import Type
-from s2sad.tree import AST, Call, call_name
+from s2sad.tree import AST, Call, call_name, copy
 
 
 # A list of what first halves kept, of any type: pushes and pops, as methods in the text.
@@ -78,3 +78,13 @@ def call_uses(statement: AST, typing: Typing, active: frozenset[str], derive: De
     bound = targets(statement)
     for position in callee.values:
         found.value(bound[position], typing)
+
+
+def with_shadows(called: Call, callee: Callee, shadow: Callable[[AST], AST]) -> list[AST]:
+    """The arguments of a call of a derivative: those of the kernel's call, those that have one each with its shadow."""
+    args: list[AST] = []
+    for position, argument in enumerate(called.args):
+        args.append(copy(argument))
+        if position in callee.shadows:
+            args.append(shadow(argument))
+    return args

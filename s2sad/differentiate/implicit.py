@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from s2sad.differentiate.adjoint import Made, Wanted
+from s2sad.differentiate.derivative import Made, Wanted
 from s2sad.differentiate.calls import Callee
 from s2sad.differentiate.own import Owner, Wrapper
 from s2sad.infer.types import Type

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Set
 from dataclasses import dataclass
 
-from s2sad.differentiate.adjoint import Made, Wanted
+from s2sad.differentiate.derivative import Made, Wanted
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.rules.given import Own

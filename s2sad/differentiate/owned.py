@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from s2sad.differentiate.adjoint import Made, Wanted
+from s2sad.differentiate.derivative import Made, Wanted
 from s2sad.differentiate.calls import Callee
 from s2sad.differentiate.implicit import Implicit, Residual
 from s2sad.differentiate.own import Owner, own_adjoint, own_forward, own_tangent

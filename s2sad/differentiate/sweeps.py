@@ -9,27 +9,25 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from s2sad.analyze.liveness import base_name, targets
-from s2sad.analyze.plan import Plan, Snapshot, Store
-from s2sad.analyze.resized import own_loops
+from s2sad.analyze.plan import Plan
 from s2sad.analyze.structure import Structure, is_simple
-from s2sad.analyze.values import Value
 from s2sad.differentiate.backwards import reversed_bounds
 from s2sad.differentiate.counting import has_break
+from s2sad.differentiate.recording import Recording, whole_place
 from s2sad.differentiate.resize import pop_sizes, push_sizes
 from s2sad.differentiate.tape import Stack, Tape
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.types import INT
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, Call, Constant, Expr, For, Gt, If, Name, Return, Slice, Subscript, While, assign, at,
-    attribute, augment, call, call_name, compare, const, copy, counted_for, forget, index, indices, name, names,
-    stored_names, sub, tuple_of, walk,
+    AST, Add, Assign, AugAssign, Call, Expr, For, Gt, If, Name, Return, Subscript, While, assign, at, augment, call,
+    call_name, compare, const, copy, counted_for, forget, index, indices, name, sub, walk,
 )
 
 Adjoint = Callable[[AST], list[AST]]
 
 
-class Sweeps:
+class Sweeps(Recording):
     """Writes both sweeps of one function from its plan.
 
     `adjoint(statement)` gives the adjoint of a simple statement, a whole-array statement or a call, `called(statement)`
@@ -97,66 +95,6 @@ class Sweeps:
         return [s for key, value in self.plan.recorded.items()
                 if value.kind != "carried" and value.home is statement
                 for s in self.tape.push(self.value_stack(key, value), name(value.name))]
-
-    # -- stacks ------------------------------------------------------------------------------------------------------
-
-    def stores_of(self, statement: AST) -> list[Store]:
-        return [s for s in self.plan.stores.values() if s.statement is statement]
-
-    def snapshot(self, store: Store) -> AST:
-        """What is recorded of a store: the place itself, or all of its array where the place's size changes."""
-        place = store.place
-        if not isinstance(place, Subscript) or not self.typing.of(place).is_array:
-            return place
-        if any(not isinstance(s, Slice) and self.typing.of(s).is_array for s in indices(place)):
-            return place.value
-        changing = {n for loop in self.structure.place(store.statement).loops for n in stored_names(loop)}
-        self.shapes.enter(store.statement)
-        fixed = self.shape_of(place)
-        resized = bool(own_loops(self.structure, base_name(place)))
-        return place.value if fixed is None or resized or changing & set(names(fixed)) else place
-
-    def shape_of(self, place: AST) -> AST | None:
-        """The shape of an array or of a part of one, as an expression."""
-        if isinstance(place, Name):
-            return attribute(copy(place), "shape")
-        assert isinstance(place, Subscript)
-        if isinstance(place.slice, Constant) and place.slice.value is Ellipsis:
-            return attribute(copy(place.value), "shape")
-        shape = self.shapes.of(place)
-        return None if None in shape else tuple_of(*(self.shapes.expression(d) for d in shape if d is not None))
-
-    def store_stack(self, store: Store) -> Stack:
-        kept = self.snapshot(store)
-        return self.tape.overwritten(store.key, kept, self.structure.place(store.statement).loops,
-                                     self.shape_of(kept) if self.typing.of(kept).is_array else None)
-
-    def popped(self, store: Store) -> list[AST]:
-        """The snapshot of a store put back."""
-        return self.tape.pop(self.store_stack(store), whole_place(self.snapshot(store)))
-
-    def content(self, store: Store) -> AST:
-        kept = self.snapshot(store)
-        whole = isinstance(kept, Subscript) and isinstance(kept.slice, Constant) and kept.slice.value is Ellipsis
-        return copy(kept.value) if whole else copy(kept)
-
-    def value_stack(self, key: str, value: Value) -> Stack:
-        loops = self.structure.place(value.home).loops
-        if value.kind == "carried":
-            loops = (*loops, value.home)
-        wanted = self.family.get(value.name, value.name)
-        return self.tape.stack(key, wanted, self.typing.table[value.name], loops, None, value.kind == "carried")
-
-    def snapshots_of(self, loop: AST) -> list[Snapshot]:
-        return [s for s in self.plan.snapshots if s.loop is loop]
-
-    def snapshot_stack(self, snapshot: Snapshot) -> Stack:
-        loops = (*self.structure.place(snapshot.loop).loops, snapshot.loop)
-        array = name(snapshot.array)
-        return self.tape.stack(snapshot.key, snapshot.array, self.typing.of(array), loops, self.shape_of(array), True)
-
-    def trip_stack(self, loop: AST) -> Stack:
-        return self.tape.stack(f"trips {id(loop)}", "trips", INT, self.structure.place(loop).loops, None)
 
     # -- reverse -----------------------------------------------------------------------------------------------------
 
@@ -304,11 +242,6 @@ class Sweeps:
         return counted_for(unread, [trips], body)
 
 
-def whole_place(place: AST) -> AST:
-    """Where a snapshot goes back: into the array, whose name stays bound to it."""
-    return index(copy(place), const(...)) if isinstance(place, Name) else copy(place)
-
-
 def _without_prints(statement: AST) -> AST:
     new = copy(statement)
     for part in walk(new):
@@ -318,5 +251,3 @@ def _without_prints(statement: AST) -> AST:
                 setattr(part, block, [s for s in kept if not (
                     isinstance(s, Expr) and call_name(s.value) == "builtins.print")])
     return new
-
-

@@ -9,8 +9,8 @@ from s2sad.analyze.activity import Activity
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.structure import Structure
 from s2sad.analyze.uses import owns_result
-from s2sad.differentiate.adjoint import Made, Wanted
-from s2sad.differentiate.calls import Derive, is_kernel_call, pattern
+from s2sad.differentiate.derivative import Made, Wanted
+from s2sad.differentiate.calls import Derive, is_kernel_call, pattern, with_shadows
 from s2sad.differentiate.expression import Pushforward
 from s2sad.infer.shapes import shapes_of
 from s2sad.naming import Names
@@ -131,11 +131,7 @@ class _Tangent:
         if not wanted.arguments and not wanted.results:
             return [copy(statement)]
         callee = self.derive(wanted)
-        args: list[AST] = []
-        for position, argument in enumerate(statement.value.args):
-            args.append(copy(argument))
-            if position in callee.shadows:
-                args.append(self.value(argument))
+        args = with_shadows(statement.value, callee, self.value)
         bound = [base_name(t) for t in targets(statement)]
         called = call(callee.name, *args)
         if not bound:

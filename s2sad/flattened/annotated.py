@@ -18,7 +18,8 @@ from s2sad.annotated import AnnotatedCall
 from s2sad.annotations import Active, Annotation, Const, Duplicated, Mode
 from s2sad.binding import FLOATS, bind, describe
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.flattened.structures import Carrier, Flattened, flattened
+from s2sad.flattened.asked import Carrier
+from s2sad.flattened.structures import Flattened, flattened
 from s2sad.infer.types import Type
 from s2sad.selection import RETURN, Results, selected_of, selected_wrt
 from s2sad.shadowed import ShadowedCall

@@ -11,7 +11,8 @@ from typing import Any
 
 from s2sad.binding import describe, make_zero
 from s2sad.diagnostics import S2sadWarning
-from s2sad.flattened.structures import Flattened, Path
+from s2sad.flattened.asked import Path
+from s2sad.flattened.structures import Flattened
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
 from s2sad.selection import RETURN
 

@@ -9,7 +9,6 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,22 +16,22 @@ import numpy as np
 from s2sad import read
 from s2sad.binding import bind, misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.infer.types import FLOAT, NONE, UNKNOWN, Type, array
+from s2sad.flattened.asked import Asked, Path
+from s2sad.infer.types import FLOAT, NONE, UNKNOWN, Type
 from s2sad.normalize.field_values import Unread
 from s2sad.normalize.fields import Flat, fields
 from s2sad.normalize.groups import Group, nothing
 from s2sad.prepared import selection_of
 from s2sad.selection import RETURN
 from s2sad.structure import (
-    Form, Structure, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, method_of, part_of,
-    reached, step, steps, without_lengths,
+    Form, Structure, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, method_of, part_of, step, steps,
+    without_lengths,
 )
 from s2sad.variants import State
 from s2sad.watch import Watch
 
 _PLAIN = frozenset((np.ndarray, float, int, bool, np.float64, type(None), str))
 Holder = tuple[str, str, Any, "str | int"]
-Path = tuple[str, Form, str]            # what the caller asked for, what it is, its path in one spelling
 
 
 def flattened(state: State, args: Sequence[Any]) -> Flattened | None:
@@ -71,21 +70,7 @@ def taken_apart(state: State, f: Any, args: Sequence[Any], keywords: Mapping[str
     return apart.state, apart.values(values), apart.carried(f)[1].__s2sad_selection__
 
 
-class Carrier:
-    """What a differentiated function carries: wrt, of and engine."""
-
-    def __init__(self, selection: tuple[Any, Any, str]):
-        self.__s2sad_selection__ = selection
-
-    @classmethod
-    def overridden(cls, f: Any, wrt: Any, of: Any, engine: str | None) -> Carrier:
-        """What f carries, where nothing else was said."""
-        carried = selection_of(f)
-        return cls((wrt if wrt is not None else carried[0], of if of is not None else carried[1],
-                    engine if engine is not None else carried[2]))
-
-
-class Flattened:
+class Flattened(Asked):
     """The flat program for arguments of one make, and the way there and back."""
 
     def __init__(self, state: State, forms: tuple[Form, ...]):
@@ -164,67 +149,6 @@ class Flattened:
             raise S2sadError(*(replace(d, message=said(d.message), note=said(d.note), help=said(d.help))
                                for d in error.diagnostics)) from None
 
-    # -- names ---------------------------------------------------------------------------------------------------------
-
-    def asked(self, names: Sequence[str] | None, what: str) -> list[Path]:
-        """What names mean: a parameter, or a part of one; by default every parameter that holds a float."""
-        if names is None:
-            return [(p, f, p) for p, f in self.forms.items() if self.floats(f, p)]
-        return [self._asked(n, what) for n in names]
-
-    def _asked(self, name: str, what: str) -> Path:
-        keys = steps(name)
-        root = str(keys[0]) if keys else name
-        if keys is None or root not in self.forms:
-            raise _refused(f"{what} names '{name}', which is no parameter of '{self.title}'",
-                           f"its parameters are {', '.join(self.forms)}")
-        found = reached(self.forms[root], root, keys[1:])
-        if found is None:
-            parts = [path for path, _ in leaves(self.forms[root], root)]
-            raise _refused(f"{what} names '{name}', and '{root}' has no such part",
-                           f"its parts are {', '.join(parts[:12])}{', ...' if len(parts) > 12 else ''}")
-        return name, *found
-
-    def floats(self, form: Form, path: str) -> list[str]:
-        """The flat names of the floats in something."""
-        return [self.names[p] for p, t in leaves(form, path) if is_held(t) and (
-            t.is_float or t.is_number and self.names[p] in self.state.floats)]
-
-    def flat_names(self, paths: Sequence[Path], what: str) -> tuple[str, ...]:
-        """The flat names of what was asked for."""
-        found: list[str] = []
-        for name, form, path in paths:
-            own = self.floats(form, path)
-            if isinstance(form, Structure) and not own:
-                raise _refused(f"{what} names '{name}', which holds no float")
-            found += own or [self.names.get(path, path)]
-        return tuple(dict.fromkeys(found))
-
-    def carried(self, f: Any) -> tuple[list[Path] | None, Carrier]:
-        """What a differentiated function carries: its wrt, and all of it in flat names."""
-        wrt, of, engine = selection_of(f)
-        inputs = None if wrt is None else self.asked(wrt, "wrt")
-        return inputs, Carrier((None if inputs is None else self.flat_names(inputs, "wrt"), self.outputs(of), engine))
-
-    def outputs(self, of: Sequence[str] | None) -> tuple[str, ...] | None:
-        """The flat names of outputs: of a structure what is written."""
-        if of is None:
-            return None
-        found: list[str] = [RETURN] if RETURN in of else []
-        for path in self.asked([n for n in of if n != RETURN], "of"):
-            found += self.written(path)
-        return tuple(dict.fromkeys(found))
-
-    def written(self, path: Path) -> list[str]:
-        """The floats in something that the kernel writes; a leaf of its own is given as it is."""
-        name, form, spelling = path
-        if isinstance(form, Type):
-            return [self.names.get(spelling, spelling)]
-        found = [n for n in self.floats(form, spelling) if n in self._summary.written]
-        if not found:
-            raise _refused(f"'{name}' is no output of '{self.title}', which writes no float in it")
-        return found
-
     # -- back ----------------------------------------------------------------------------------------------------------
 
     def gathered(self, path: Path, args: Sequence[Any], found: Mapping[str, Any]) -> Any:
@@ -300,14 +224,6 @@ class Flattened:
             return returned if self.result is None else self.result_leaves(returned)
         return called
 
-    @cached_property
-    def _summary(self) -> Any:
-        """What the kernel writes."""
-        kinds = [t for p, f in self.forms.items() for _, t in leaves(f, p) if is_held(t)]
-        types = [array(t.dtype, 1) if n in self.cells else FLOAT if n in self.state.floats and t.is_number else t
-                 for n, t in zip(self.paths, kinds)]
-        return self.state.summary(tuple(types))
-
 
 def _form_of_result(group: Group) -> Form:
     items = tuple(_form_of_result(i) if isinstance(i, Group) else NONE if nothing(i) else UNKNOWN for i in group.items)
@@ -337,7 +253,3 @@ def _cell_seed(given: Any, like: np.ndarray, name: str, path: str) -> np.ndarray
         raise misfit(f"the part '{path}' of what was given for '{name}' is of type {type(given).__name__}, not a float",
                      "give a float")
     return np.array([given], like.dtype)
-
-
-def _refused(message: str, remedy: str = "") -> S2sadError:
-    return S2sadError(Diagnostic("S401", message, help=remedy))

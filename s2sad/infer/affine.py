@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import gcd
 
+from s2sad.tree import AST, Add, Mult, Sub
+
 _LIMIT = 600
 
 
@@ -44,6 +46,17 @@ class Affine:
 
     def renamed(self, mapping: dict[str, str]) -> Affine:
         return Affine.of({mapping.get(s, s): c for s, c in self.terms}, self.constant)
+
+
+def combined(op: AST, left: Affine | None, right: Affine | None) -> Affine | None:
+    """A sum, a difference, or a product with a number; None if it is none of these."""
+    if left is None or right is None:
+        return None
+    if isinstance(op, (Add, Sub)):
+        return left.plus(right, 1 if isinstance(op, Add) else -1)
+    if isinstance(op, Mult) and not left.terms:
+        return right.times(left.constant)
+    return left.times(right.constant) if isinstance(op, Mult) and not right.terms else None
 
 
 def at_most(a: Affine, b: Affine) -> Affine:

@@ -10,32 +10,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from s2sad import rules
 from s2sad.diagnostics import Report
-from s2sad.infer.laws import LAWS, of_rank
-from s2sad.infer.piece_types import piece_type
-from s2sad.infer.types import BOOL, FLOAT, INT, NONE, TEXT, UNKNOWN, Type, array, of_value
+from s2sad.infer.laws import of_rank
+from s2sad.infer.promotion import RANKS, join, promote
+from s2sad.infer.types import BOOL, FLOAT, INT, TEXT, UNKNOWN, Type, array, of_value
+from s2sad.infer.types_of_calls import LISTED, CallTypes, TypesOfCalls
 from s2sad.infer.written import is_single, keeps
-from s2sad.rules.composed import LAW as PIECES
-from s2sad.rules.given import ROOM
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
     FunctionDef, If, IfExp, LShift, List, Mult, Name, Not, RShift, Return, Slice, Subscript, Tuple, UnaryOp, While,
     call_name, indices, is_unset,
 )
-
-LISTED = "builtins.list"
-
-CallTypes = Callable[[str, tuple[Type, ...]], tuple[Type, ...]]
-
-_RANKS = ("bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64")
-_ALLOCATIONS = {"numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full"}
-_LIKES = {"numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full_like", "numpy.copy", "numpy.asarray",
-          "numpy.ascontiguousarray", "numpy.array"}
-_REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")  # without an axis
-_COMPARED = ("numpy.allclose", "numpy.array_equal")
-_CASTS = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": "bool", "numpy.float64": "float64",
-          "numpy.float32": "float32", "numpy.int64": "int64", "numpy.int32": "int32", "numpy.bool_": "bool"}
 
 
 def infer(function: FunctionDef, parameters: Mapping[str, Type], call_types: CallTypes, report: Report,
@@ -53,7 +38,7 @@ def infer(function: FunctionDef, parameters: Mapping[str, Type], call_types: Cal
     return table
 
 
-class Typing:
+class Typing(TypesOfCalls):
     """The types of expressions, given a table of the types of names."""
 
     def __init__(self, table: dict[str, Type], call_types: CallTypes, report: Report,
@@ -68,8 +53,8 @@ class Typing:
     def bind_item(self, identifier: str, item: Type) -> None:
         """An array in place of a list has one axis more than what is stored in it."""
         old = self.table.get(identifier, UNKNOWN)
-        if item.kind in ("number", "array") and item.dtype in _RANKS and old.rank in (0, item.rank + 1):
-            dtype = max(item.dtype, old.dtype or item.dtype, key=_RANKS.index)
+        if item.kind in ("number", "array") and item.dtype in RANKS and old.rank in (0, item.rank + 1):
+            dtype = max(item.dtype, old.dtype or item.dtype, key=RANKS.index)
             self.table[identifier] = array(dtype, item.rank + 1)
 
     def argument(self, node: AST) -> Type:
@@ -102,12 +87,6 @@ class Typing:
     def of(self, node: AST) -> Type:
         method = getattr(self, "_" + type(node).__name__, None)
         return UNKNOWN if method is None else method(node)
-
-    def call_results(self, node: Call) -> tuple[Type, ...]:
-        name = call_name(node)
-        assert name is not None
-        types = tuple(map(self.argument, node.args))
-        return () if UNKNOWN in types else self.call_types(name.partition(".")[2], types)
 
     def _Name(self, node: Name) -> Type:
         room, _, rest = node.id.partition(".")
@@ -216,161 +195,6 @@ class Typing:
         added = sum(isinstance(s, Constant) and s.value is None for s in subscripts)
         kept = sum(isinstance(s, Slice) for s in subscripts) + base.rank - used + added
         return of_rank(base, kept + (1 if masked else max(a.rank for a in arrays)))
-
-    def _Call(self, node: Call) -> Type:
-        name = call_name(node)
-        if name is None:
-            return self._method(node)
-        if name.startswith("user."):
-            results = self.call_results(node)
-            return UNKNOWN if not results else results[0] if len(results) == 1 else Type("tuple", items=results)
-        if name == LISTED:
-            return UNKNOWN  # what is stored tells
-        if name in _ALLOCATIONS:
-            return self._allocation(name, node)
-        if name in _LIKES:
-            return self._like(name, node)
-        types = [self.of(a) for a in node.args]
-        if name.startswith(ROOM) and rules.constant_result(name):
-            return {"float": FLOAT, "int": INT, "bool": BOOL}[rules.constant_result(name) or ""]
-        rule = rules.find_array(name)
-        if rule is not None and types and (rule.law == PIECES or types[0].kind != "tuple"):
-            return self._array_function(rule, node, types)
-        if name in _CASTS:
-            rank = types[0].rank if types else 0
-            return array(_CASTS[name], rank) if rank else Type("number", _CASTS[name])
-        if name == "builtins.sum" and types:
-            return Type("number", "int64" if types[0].dtype == "bool" else types[0].dtype)
-        if name in ("builtins.len", "numpy.size", "numpy.ndim"):
-            return INT
-        if name in ("numpy.shape",):
-            return Type("tuple", items=(INT,) * types[0].rank) if types else UNKNOWN
-        return self._function(name, types, bool(node.keywords))
-
-    def _array_function(self, rule: rules.ArrayRule, node: Call, types: list[Type]) -> Type:
-        if rule.name.startswith("runtime."):    # a rule's own text names no options
-            types = types[:len(rule.operands)]
-        if any(t.kind == "unknown" for t in types) or len(types) != len(rule.operands):
-            return UNKNOWN
-        arguments = rule.arguments(node)
-        if not arguments.keys() <= {*rule.operands, *rule.options}:
-            return UNKNOWN
-        if rule.law == PIECES:
-            return piece_type(rule.name, [*types, *(self.of(arguments[o]) for o in rule.options)], arguments)
-        return LAWS[rule.law].type(types, arguments)
-
-    def _function(self, name: str, types: list[Type], keywords: bool) -> Type:
-        if not types:
-            return UNKNOWN
-        if name == "numpy.where" and len(types) == 3:    # the bools say nothing of the dtype, only of the rank
-            chosen = promote(types[1], types[2])
-            return Type("array", chosen.dtype, max(t.rank for t in types)) if types[0].is_array else chosen
-        result = types[0]
-        for other in types[1:]:
-            result = promote(result, other)
-        kind = rules.constant_result(name)
-        if name in _COMPARED or name in _REDUCED and len(types) == 1 and not keywords:
-            return INT if kind == "int" else BOOL
-        if name == "numpy.searchsorted" and len(types) > 1 and types[1].is_number:
-            return INT
-        if kind in ("int", "bool"):
-            return Type(result.kind, "int64" if kind == "int" else "bool", result.rank)
-        if name in ("builtins.abs", "builtins.min", "builtins.max", "numpy.abs", "numpy.absolute", "numpy.minimum",
-                    "numpy.maximum", "numpy.square") or kind == "same":
-            return result
-        if result.kind == "unknown" or result.is_float:
-            return result if not name.startswith("math.") or not result.dtype else Type(result.kind, "float64")
-        return Type(result.kind, "float64", result.rank)
-
-    def _method(self, node: Call) -> Type:
-        if not isinstance(node.func, Attribute):
-            return UNKNOWN
-        base = self.of(node.func.value)
-        if node.func.attr in ("copy",):
-            return base
-        return UNKNOWN if node.func.attr != "fill" else NONE
-
-    def _dtype(self, node: Call, position: int, default: str) -> str:
-        given = next((k.value for k in node.keywords if k.arg == "dtype"), None)
-        if given is None and len(node.args) > position:
-            given = node.args[position]
-        return default if given is None else dtype_of(given) or self._inherited(given) or default
-
-    def _inherited(self, node: AST) -> str | None:
-        if isinstance(node, Attribute) and node.attr == "dtype":
-            return self.of(node.value).dtype
-        return None
-
-    def _allocation(self, name: str, node: Call) -> Type:
-        if not node.args:
-            return UNKNOWN
-        shape = node.args[0]
-        kind = self.of(shape)
-        rank = len(shape.elts) if isinstance(shape, (Tuple, List)) else len(kind.items) if kind.kind == "tuple" else 1
-        if kind.kind == "unknown":
-            return UNKNOWN
-        if name == "numpy.full":
-            return array(self._dtype(node, 2, self.of(node.args[1]).dtype), rank)
-        return array(self._dtype(node, 1, "float64"), rank)
-
-    def _like(self, name: str, node: Call) -> Type:
-        base = self.of(node.args[0])
-        if base.kind == "tuple":
-            joined = _joined(base)
-            return array(self._dtype(node, 1, joined.dtype), joined.rank) if joined.dtype else UNKNOWN
-        if not base.is_array:
-            return UNKNOWN
-        return array(self._dtype(node, 2 if name == "numpy.full_like" else 1, base.dtype), base.rank)
-
-
-def _joined(items: Type) -> Type:
-    """The type of the array that nested lists of numbers spell."""
-    if not items.items:
-        return array("float64", 1)
-    joined: Type | None = None
-    for item in items.items:
-        inner = _joined(item) if item.kind == "tuple" else item
-        joined = inner if joined is None else promote(joined, inner)
-    assert joined is not None
-    return array(joined.dtype, joined.rank + 1) if joined.dtype else UNKNOWN
-
-
-def dtype_of(node: AST) -> str | None:
-    """The dtype that an expression names: `np.float32`, `float`, `"float32"`; None if it is none of these."""
-    if isinstance(node, Name):
-        if node.id in _CASTS:
-            return _CASTS[node.id]
-        room, _, last = node.id.rpartition(".")
-        return last if room == "numpy" and last in _RANKS else None
-    if isinstance(node, Constant) and node.value in _RANKS:
-        return str(node.value)
-    return None
-
-
-def promote(a: Type, b: Type) -> Type:
-    """NumPy's promotion: arrays decide over numbers of the same kind, wider ranks over narrower."""
-    if "unknown" in (a.kind, b.kind) or not a.dtype or not b.dtype:
-        return UNKNOWN
-    if a.is_array != b.is_array:
-        arr, number = (a, b) if a.is_array else (b, a)
-        kind = arr.dtype if arr.is_float or not number.is_float else "float64"
-        return array(kind, arr.rank)
-    dtype = max(a.dtype, b.dtype, key=_RANKS.index)
-    return Type(a.kind, dtype, max(a.rank, b.rank))
-
-
-def join(a: Type, b: Type) -> Type | None:
-    """The type of a name that is bound to both, or None if there is none."""
-    if a == b or b.kind == "unknown":
-        return a
-    if a.kind == "unknown":
-        return b
-    if a.is_number and b.is_number:
-        return promote(a, b)
-    if a.kind == b.kind == "tuple" and len(a.items) == len(b.items):
-        items = [join(x, y) for x, y in zip(a.items, b.items)]
-        return None if None in items else Type("tuple", items=tuple(i for i in items if i is not None))
-    return None
 
 
 def learn(block: list[AST], typing: Typing) -> None:

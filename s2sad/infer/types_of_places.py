@@ -2,27 +2,18 @@
 through places; UNKNOWN where its arguments are none that the pieces are written for."""
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
-from s2sad.infer.laws import axes_of, is_true, of_rank, whole_number
+from s2sad.infer.laws import is_true, of_rank, whole_number
+from s2sad.infer.options import Arguments, is_none, one_axis
+from s2sad.infer.promotion import ORDER
 from s2sad.infer.types import INT, UNKNOWN, Type, array
-from s2sad.tree import AST, Constant, List, Tuple
+from s2sad.tree import List, Tuple
 
-Arguments = Mapping[str, AST]
-_ORDER = ("bool", "int64", "float32", "float64")
-
-
-def is_none(node: AST | None) -> bool:
-    return isinstance(node, Constant) and node.value is None
 
 
 def _whole(kind: Type) -> bool:
     return kind.kind in ("number", "array") and kind.dtype.startswith(("int", "uint"))
-
-
-def _axis(node: AST, rank: int) -> int | None:
-    found = None if is_none(node) or whole_number(node) is None else axes_of(node, rank)
-    return found[0] if found else None
 
 
 def _part(options: Arguments, count: int) -> int | None:
@@ -60,7 +51,7 @@ def _sorted(args: list[Type], options: Arguments) -> Type:
         return UNKNOWN
     if is_none(options["axis"]):
         return array(x.dtype, 1)
-    return x if _axis(options["axis"], x.rank) is not None else UNKNOWN
+    return x if one_axis(options["axis"], x.rank) is not None else UNKNOWN
 
 
 def _taken(args: list[Type], options: Arguments) -> Type:
@@ -72,13 +63,13 @@ def _taken(args: list[Type], options: Arguments) -> Type:
         return UNKNOWN
     if is_none(options["axis"]):
         return of_rank(x, rank)
-    return of_rank(x, x.rank - 1 + rank) if _axis(options["axis"], x.rank) is not None else UNKNOWN
+    return of_rank(x, x.rank - 1 + rank) if one_axis(options["axis"], x.rank) is not None else UNKNOWN
 
 
 def _taken_along(args: list[Type], options: Arguments) -> Type:
     x, places = args[:2]
     fits = x.is_array and places.is_array and _whole(places) and places.rank == x.rank <= 3
-    return x if fits and _axis(options["axis"], x.rank) is not None else UNKNOWN
+    return x if fits and one_axis(options["axis"], x.rank) is not None else UNKNOWN
 
 
 def _selected(args: list[Type], options: Arguments) -> Type:
@@ -86,9 +77,9 @@ def _selected(args: list[Type], options: Arguments) -> Type:
     if not all(isinstance(o, (List, Tuple)) for o in (conditions, choices)):
         return UNKNOWN
     kinds = [*args[1].items, args[2]]
-    if len(conditions.elts) != len(choices.elts) or not kinds or any(k.dtype not in _ORDER for k in kinds):
+    if len(conditions.elts) != len(choices.elts) or not kinds or any(k.dtype not in ORDER for k in kinds):
         return UNKNOWN
-    dtype = max((k.dtype for k in kinds), key=_ORDER.index)
+    dtype = max((k.dtype for k in kinds), key=ORDER.index)
     rank = max(k.rank for k in (*kinds, *args[0].items))
     return array(dtype, rank) if rank else UNKNOWN
 
@@ -135,7 +126,7 @@ def _middle(args: list[Type], options: Arguments) -> Type:
         return UNKNOWN
     if is_none(options["axis"]):
         return of_rank(x, 0)
-    return of_rank(x, x.rank - 1) if _axis(options["axis"], x.rank) is not None else UNKNOWN
+    return of_rank(x, x.rank - 1) if one_axis(options["axis"], x.rank) is not None else UNKNOWN
 
 
 def _quantile(args: list[Type], options: Arguments) -> Type:
@@ -151,7 +142,7 @@ def _sought(args: list[Type], options: Arguments) -> Type:
 
 def _extreme_place(args: list[Type], options: Arguments) -> Type:
     x = args[0]
-    return of_rank(array("int64", 1), x.rank - 1) if x.is_array and x.rank <= 3 and _axis(
+    return of_rank(array("int64", 1), x.rank - 1) if x.is_array and x.rank <= 3 and one_axis(
         options["axis"], x.rank) is not None else UNKNOWN
 
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import axes_of, is_true, whole_number
-from s2sad.infer.piece_types import is_none, text_of
+from s2sad.infer.options import is_none, text_of
 from s2sad.infer.types import Type
 from s2sad.tree import AST, List, Tuple
 

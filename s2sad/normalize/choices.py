@@ -11,7 +11,8 @@ loop. NumPy computes both sides and takes one of them, so only the one that is t
 """
 from __future__ import annotations
 
-from s2sad.infer.infer import Typing, promote
+from s2sad.infer.infer import Typing
+from s2sad.infer.promotion import promote
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Assign, AugAssign, Expr, For, FunctionDef, If, Name, Return, While, assign, at, call_name, copy, name, rebuild,

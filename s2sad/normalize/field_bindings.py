@@ -1,10 +1,9 @@
-"""How names, fields and items take values while structures are taken apart.
+"""How names take values while structures are taken apart.
 
     q = state.inner              ->   (nothing: q.u is state_inner_u from here on)
     w, b = layers[1]             ->   w, b = layers_1_0, layers_1_1
     o = Orbit(o.x + o.v, o.v)    ->   o_x = o_x + o_v
     state = step(state, p)       ->   state_u, state_t = step(state_u, state_t, p_k)
-    state.t = 0.0                ->   state_t[0] = 0.0
 
 The flat names of a structure take new values only where nothing else means them and nothing can be assigned to it, so
 that nobody could tell; the values of one statement are all read before the first is stored.
@@ -17,24 +16,24 @@ from dataclasses import replace
 from s2sad.diagnostics import Report
 from s2sad.infer.types import NONE, UNKNOWN
 from s2sad.normalize.calls import user_call
-from s2sad.normalize.field_values import NO, Maker, Values, plain_tuple
+from s2sad.normalize.field_assignments import Assignments
+from s2sad.normalize.field_values import Maker, plain_tuple
 from s2sad.normalize.groups import (
     ORDINARY, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, flat, listed, nothing, spelled, usable,
 )
 from s2sad.program import Kernel
 from s2sad.structure import step
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BoolOp, Call, Compare, Constant, Expr, List, Mult, Name, Not, Store, Sub, Subscript,
-    Tuple, UnaryOp, assign, at, const, index, name, stored_names, tuple_of, walk,
+    AST, Assign, Attribute, Call, Constant, Expr, List, Name, Store, Subscript, Tuple, assign, at, const, name,
+    stored_names, tuple_of, walk,
 )
 
 Env = dict[str, "Value | Conflict | Ordinary"]
 Pair = tuple[AST, AST]
-_KEPT_LOCALLY = "return the value, or write it to an element of an array argument"
 _OTHERS = ".others"                     # no user's name: what else the statement binds
 
 
-class Bindings(Values):
+class Bindings(Assignments):
     """What statements bind; `fresh` gives names for paths, `in_loop` says whether a loop surrounds the statement."""
 
     def __init__(self, kernel: Kernel, maker: Maker, report: Report, fresh: Callable[[str], str]):
@@ -218,58 +217,6 @@ class Bindings(Values):
         return (_shape(old) == _shape(result) and _fixed(old) and not self._shared(identifier, old)
                 and all(isinstance(leaf, Leaf) and not leaf.is_cell for leaf in flat(old)))
 
-    # -- fields that are assigned --------------------------------------------------------------------------------------
-
-    def assigned(self, node: AST, value: AST | None, augmented: bool, op: AST | None = None) -> AST | None:
-        """The target for an item of a structure; None if the target is no such item."""
-        base = self.structural(node.value)
-        if not isinstance(base, Group):
-            if isinstance(node, Attribute):
-                said = f"{node.value.id}.{node.attr}" if isinstance(node.value, Name) else f".{node.attr}"
-                self.refuse(node, f"an assignment to the attribute {said} {NO}", _KEPT_LOCALLY)
-                return at(Name("_", Store(), None, None), node)
-            return None
-        read = type(node)(*[getattr(node, f) for f in node._fields[:-1]], name("x").ctx)
-        found = self.field_of if isinstance(node, Attribute) else self.item_of
-        item = found(base, at(read, node))  # pyright: ignore[reportArgumentType]
-        dummy = at(Name("_", Store(), None, None), node)
-        if not isinstance(item, Leaf) or not self._assignable(base, item, node, augmented):
-            if isinstance(item, Group):
-                self.refuse(node, f"'{item.path}' is {item.form}, which is replaced by another value",
-                            "assign what is in it")
-            return dummy
-        if item.type.is_array:
-            return at(Name(item.name, Store(), None, None), node)
-        if not item.is_cell and item.place < 0:
-            return at(Name(item.name, Store(), None, None), node)
-        if not _keeps_dtype(item, value, augmented, op):
-            self.refuse(node, f"'{item.path}' is of type {item.type.dtype or item.type}, and what is assigned need not "
-                        "be", "give a float (0.0, not 0) if it is a real quantity", "S203")
-        if not item.is_cell:
-            self.needed.add(item.place)
-        cell = index(name(item.name), const(0))
-        return at(Subscript(cell.value, cell.slice, Store()), node)
-
-    def _assignable(self, base: Group, item: Leaf, node: AST, augmented: bool) -> bool:
-        if base.form.fixed:
-            what = "a frozen dataclass" if base.form.kind == "record" else str(base.form)
-            self.refuse(node, f"'{base.path}' is {what}, to which nothing can be assigned",
-                        f"write into an array, {item.path}[...] = ..." if item.type.is_array else
-                        "return the new value")
-        elif nothing(item) or not usable(item):
-            self._unusable(item, node)
-        elif item.type.is_array and not augmented:
-            self.refuse(node, f"the array '{item.path}' is replaced by another one",
-                        f"write into it: {item.path}[...] = ...")
-        elif item.type.kind == "text":
-            self.refuse(node, f"'{item.path}' is a str, which is replaced by another one", "use an int")
-        else:
-            return True
-        return False
-
-    def stored(self, node: AST) -> AST | None:
-        return self.assigned(node, None, False)
-
 
 def _storing(target: AST) -> AST:
     return Name(target.id, Store(), None, None) if isinstance(target, Name) else target
@@ -299,16 +246,3 @@ def _shape(value: Value) -> object:
 def _fixed(value: Value) -> bool:
     """Whether no part of a structure can be assigned, so that nobody sees that its names take new values."""
     return not isinstance(value, Group) or value.form.fixed and all(map(_fixed, value.items))
-
-
-def _keeps_dtype(item: Leaf, value: AST | None, augmented: bool, op: AST | None) -> bool:
-    """Whether what is assigned to a number surely has its type; an element of an array cannot change it."""
-    dtype = item.type.dtype
-    if dtype in ("", "float64"):
-        return True
-    if dtype == "bool":
-        return isinstance(value, (Compare,)) or isinstance(value, Constant) and isinstance(value.value, bool) or (
-            isinstance(value, UnaryOp) and isinstance(value.op, Not)) or isinstance(value, BoolOp) and all(
-            _keeps_dtype(item, v, False, None) for v in value.values)
-    whole = isinstance(value, Constant) and type(value.value) is int
-    return dtype.startswith(("int", "uint")) and whole and (not augmented or isinstance(op, (Add, Sub, Mult)))

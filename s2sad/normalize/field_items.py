@@ -107,14 +107,17 @@ class Items:
             return Plain(at(copy(found.node), node)) if isinstance(found.node, Constant) else None
         return None if isinstance(found, Ordinary) else found
 
-    def _field(self, node: Attribute) -> Value | None:
+    def _read_part(self, node: AST) -> Value | None:
+        """The structure that a field or an item is read of, or what stands for it where there is none to read."""
         base = self.structural(node.value)
         if isinstance(base, Leaf) and not usable(base):
             self._unusable(base, node.value)
             return Plain(at(const(0.0), node))
-        if not isinstance(base, Group) or isinstance(node.ctx, Store):
-            return None
-        return self.field_of(base, node)
+        return base if isinstance(base, Group) and not isinstance(node.ctx, Store) else None
+
+    def _field(self, node: Attribute) -> Value | None:
+        base = self._read_part(node)
+        return self.field_of(base, node) if isinstance(base, Group) else base
 
     def property_of(self, base: Group, node: Attribute) -> Value | None:
         """What a property of a structure's class gives; None if it is none."""
@@ -144,12 +147,9 @@ class Items:
         self.refuse(node, message, f"did you mean '{close[0]}'? {listed}" if close else listed, "S202")
 
     def _item(self, node: Subscript) -> Value | None:
-        base = self.structural(node.value)
-        if isinstance(base, Leaf) and not usable(base):
-            self._unusable(base, node.value)
-            return Plain(at(const(0.0), node))
-        if not isinstance(base, Group) or isinstance(node.ctx, Store):
-            return None
+        base = self._read_part(node)
+        if not isinstance(base, Group):
+            return base
         if isinstance(node.slice, Slice) and base.form.is_sequence:
             return self._slice(base, node)
         found = self.item_of(base, node)

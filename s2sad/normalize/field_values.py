@@ -1,6 +1,5 @@
-"""What tests and calls of one kernel stand for while structures are taken apart.
+"""What calls of one kernel stand for while structures are taken apart.
 
-    x if m is None else m * x  ->   m * x               (an argument that is not None)
     limit(state, 2.0)          ->   user.limit(state_u, state_t, 2.0)
     state.norm()               ->   user.norm(state_u)
     Orbit(x, v=0.0)            ->   a structure of x and 0.0
@@ -8,28 +7,21 @@
 from __future__ import annotations
 
 import functools
-import operator
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Protocol
 
 from s2sad.diagnostics import Report
 from s2sad.infer.types import UNKNOWN
 from s2sad.normalize.calls import bound_arguments, user_call
-from s2sad.normalize.field_items import Items, parts_of, spoken
-from s2sad.normalize.groups import (
-    NOTHING, SPELLED, Group, Leaf, Plain, Value, flat, listed, nothing, pattern, usable,
-)
+from s2sad.normalize.field_decisions import NO, Decisions
+from s2sad.normalize.field_items import parts_of, spoken
+from s2sad.normalize.groups import NOTHING, SPELLED, Group, Leaf, Plain, Value, flat, listed, pattern, usable
 from s2sad.program import Kernel, Program
 from s2sad.structure import Form, Structure, is_fixed, method_of, record_fields
 from s2sad.tree import (
-    AST, And, Attribute, BoolOp, Call, Compare, Constant, Dict, Eq, Gt, GtE, IfExp, In, Is, IsNot, List, Lt, LtE, Name,
-    Not, NotEq, NotIn, Subscript, Tuple, UnaryOp, add, at, call_name, const, keyword, name,
+    AST, Attribute, BoolOp, Call, Compare, Dict, IfExp, List, Name, Not, Subscript, Tuple, UnaryOp, add, at, call_name,
+    const, keyword, name,
 )
-
-NO = "is not supported in a kernel"
-_ORDER: dict[type, Callable[[Any, Any], bool]] = {
-    Eq: operator.eq, NotEq: operator.ne, Lt: operator.lt, LtE: operator.le, Gt: operator.gt, GtE: operator.ge}
 
 
 class Callee(Protocol):
@@ -56,7 +48,7 @@ class Unread(Exception):
         self.function, self.made, self.name = function, made, name
 
 
-class Values(Items):
+class Values(Decisions):
     """What the expressions of one kernel stand for; `needed` are the places of parameters that are assigned and must be
     cells."""
 
@@ -64,88 +56,6 @@ class Values(Items):
         super().__init__(kernel, report)
         self.maker, self.program = maker, maker.program
         self.needed: set[int] = set()
-
-    # -- decisions -----------------------------------------------------------------------------------------------------
-
-    def decide(self, node: AST) -> bool | None:
-        """What a test is that is known from what the arguments are made of; None if it is not."""
-        if isinstance(node, Compare):
-            return self._compared(node)
-        if isinstance(node, UnaryOp) and isinstance(node.op, Not):
-            inner = self.decide(node.operand)
-            return None if inner is None else not inner
-        if isinstance(node, BoolOp):
-            return self._joined(node)
-        if isinstance(node, (Name, Attribute, Subscript)):
-            found = self.structural(node)
-            if isinstance(found, Group):
-                return bool(found.items) or found.form.kind == "record"
-            return False if found is not None and nothing(found) else None
-        return None
-
-    def _joined(self, node: BoolOp) -> bool | None:
-        found = [self.decide(node.values[0])]
-        stop = not isinstance(node.op, And)          # what decides an `or` is a True, an `and` a False
-        for value in node.values[1:]:
-            if found[-1] is None or found[-1] is stop:
-                break
-            found.append(self.decide(value))
-        return None if None in found else stop if stop in found else not stop
-
-    def _compared(self, node: Compare) -> bool | None:
-        op, left, right = node.ops[0], node.left, node.comparators[0]
-        if len(node.ops) == 1 and type(op) in _ORDER:
-            one, other = self.key(left), self.key(right)
-            return bool(_ORDER[type(op)](one, other)) if type(one) is type(other) and one is not None else None
-        if len(node.ops) > 1 or not isinstance(op, (Is, IsNot, In, NotIn)):
-            return None
-        if isinstance(op, (In, NotIn)):
-            group, key = self.structural(right), self.key(left)
-            if isinstance(group, Group) and group.form.kind in ("dict", "either") and key is not None:
-                return (key in group.form.keys) is isinstance(op, In)
-            self.refuse(node, f"'{'in' if isinstance(op, In) else 'not in'}' {NO}",
-                        "write the comparisons out: " + ("x == a or x == b" if isinstance(op, In) else
-                                                         "x != a and x != b"))
-            return None
-        operand = left if _is_none(right) else right
-        if _is_none(operand):
-            return isinstance(op, Is)
-        return nothing(self.value(operand)) is isinstance(op, Is)
-
-    def _test(self, node: AST) -> Value | None:
-        """A comparison, a `not`, or an `and` or `or` some part of which is decided."""
-        decided = self.decide(node)
-        if decided is not None:
-            return Plain(at(const(decided), node))
-        if not isinstance(node, BoolOp):
-            return None
-        stop = not isinstance(node.op, And)
-        kept: list[Value] = []
-        for value in node.values:
-            found = self.decide(value)
-            if found is not None and found is not stop and (kept or value is not node.values[-1]):
-                continue
-            kept.append(self.value(value) if found is None else Plain(at(const(found), value)))
-            if found is not None and found is stop:
-                break
-        if len(kept) == 1:
-            return kept[0]
-        parts = [self.plainly(v, n) for v, n in zip(kept, node.values)]
-        return Plain(at(BoolOp(node.op, parts), node))
-
-    def _choice(self, node: IfExp) -> Value | None:
-        decided = self.decide(node.test)
-        if decided is not None:
-            return self.value(node.body if decided else node.orelse)
-        arms = [self.structural(node.body), self.structural(node.orelse)]
-        if any(isinstance(a, Group) or a is not None and nothing(a) for a in arms):
-            if arms[0] == arms[1]:
-                return arms[0]
-            self.refuse(node, "a structure or None is chosen by a test that is known only when the kernel runs",
-                        "write an if with the whole work in each branch")
-        return None
-
-    # -- calls ---------------------------------------------------------------------------------------------------------
 
     def as_call(self, node: AST) -> Call | None:
         """A call of a kernel: as it is, or what a method's call means, `user.norm(state)` for `state.norm()`."""
@@ -326,10 +236,6 @@ def plain_tuple(result: Group) -> bool:
     """Whether a result is a tuple of values as any function may return one."""
     return result.path == SPELLED and result.form.kind == "tuple" and all(
         isinstance(i, Leaf) and usable(i) and i.place < 0 for i in result.items)
-
-
-def _is_none(node: AST) -> bool:
-    return isinstance(node, Constant) and node.value is None
 
 
 Values.seen = {

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from functools import reduce
 
-from s2sad.infer.infer import LISTED
+from s2sad.infer.types_of_calls import LISTED
 from s2sad.normalize.comprehensions import HELP, comprehensions
 from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope

@@ -17,6 +17,7 @@ from s2sad.infer.infer import Typing, learn
 from s2sad.naming import Names
 from s2sad.normalize.asked import Asked
 from s2sad.normalize.functions import functions
+from s2sad.normalize.pieces_of_joins import JOINS
 from s2sad.normalize.pieces_of_places import PLACES
 from s2sad.normalize.pieces_of_shapes import SHAPES
 from s2sad.normalize.pieces_of_sums import SUMS
@@ -27,7 +28,7 @@ from s2sad.tree import (
     While, assign, at, call_name, copy, indices, name, names, rebuild, statements, stored_names, walk,
 )
 
-_PIECES = {**SHAPES, **SUMS, **PLACES}
+_PIECES = {**JOINS, **SHAPES, **SUMS, **PLACES}
 RESULT = "result"
 _BUILTINS = ("int", "len", "max", "min", "range")
 

@@ -63,13 +63,16 @@ def _triangle_places(asked: Asked, bounds: tuple[str, str]) -> str:
                  *walk, f"        result[taken] = {value}", "        taken += 1")
 
 
-def _unravel_index(asked: Asked) -> str:
+def _sizes(asked: Asked) -> list[str]:
+    """The sizes that a shape has."""
     node = asked.arguments["shape"]
-    count = len(asked.type("shape").items)
     if isinstance(node, (Tuple, List)):
-        found = [asked.let("size", s) for s in node.elts]
-    else:
-        found = [f"shape[{k}]" for k in range(count)]
+        return [asked.let("size", s) for s in node.elts]
+    return [f"shape[{k}]" for k in range(len(asked.type("shape").items))]
+
+
+def _unravel_index(asked: Asked) -> str:
+    found = _sizes(asked)
     number = asked.number("part") or 0
     below = " * ".join(f"({s})" for s in found[number + 1:])
     left = f"place // ({below})" if below else "place"
@@ -77,12 +80,8 @@ def _unravel_index(asked: Asked) -> str:
 
 
 def _indices(asked: Asked) -> str:
-    node = asked.arguments["shape"]
-    count = len(asked.type("shape").items)
-    if isinstance(node, (Tuple, List)):
-        found = [asked.let("size", s) for s in node.elts]
-    else:
-        found = [f"shape[{k}]" for k in range(count)]
+    found = _sizes(asked)
+    count = len(found)
     counters = _counters(count)
     taken = ", ".join(counters)
     if asked.given("part"):

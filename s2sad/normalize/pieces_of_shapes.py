@@ -3,108 +3,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.infer.piece_types import astype_dtype, common, widths_of
-from s2sad.infer.types import Type
+from s2sad.infer.options import astype_dtype, widths_of
 from s2sad.normalize.asked import Asked, empty, lines, part, size, sizes, zeros
-from s2sad.tree import List, Tuple, call
-
-Piece = tuple[str, list[str], Type]     # text, sizes and type of something that is put into a larger array
+from s2sad.tree import List, Tuple
 
 
 def _diff(asked: Asked) -> str:
     axis, times = asked.axis(asked.rank("x")), asked.number("n") or 1
     steps = ["x", *(f"apart{k}" for k in range(1, times)), "result"]
     return lines(*(f"{new} = {part(old, axis, '1:')} - {part(old, axis, ':-1')}" for old, new in zip(steps, steps[1:])))
-
-
-# -- one array out of several ----------------------------------------------------------------------------------------
-
-def _given(asked: Asked, before: list[str], parameter: str = "x") -> list[Piece]:
-    found: list[Piece] = []
-    for item in asked.items(parameter):
-        kind = asked.typing.of(item)
-        text = asked.let("item", item)
-        if isinstance(item, (List, Tuple)):
-            asked.arguments[text] = call("numpy.array", item)
-            kind = asked.typing.of(asked.arguments[text])
-        if kind.is_array:
-            before.append(f"part{len(found)} = {text}")
-            text = f"part{len(found)}"
-        found.append((text, sizes(text, kind.rank), kind))
-    return found
-
-
-def _joined(parts: list[Piece], axis: int, before: list[str]) -> str:
-    """The parts one after the other along an axis; numbers are parts of size 1."""
-    stores, start = [], ""
-    for text, found, _ in parts:
-        stop = f"{start} + {found[axis]}" if start else found[axis]
-        last = len(stores) == len(parts) - 1
-        stores.append(f"{part('result', axis, f'{start}:' + ('' if last else stop))} = {text}")
-        start = stop
-    whole = [*parts[0][1]]
-    whole[axis] = start
-    return lines(*before, f"result = {empty(whole, common([kind for _, _, kind in parts]))}", *stores)
-
-
-def _rows(asked: Asked, rank: int) -> str:
-    """The rows of one array one after the other, as an array of fewer axes; a copy where it keeps them."""
-    own = asked.rank("x")
-    if own <= rank:
-        return "result = numpy.copy(x)"
-    shape = [f"{size('x', 0)} * {size('x', 1)}", *sizes("x", own)[2:]]
-    return f"result = numpy.reshape(x, ({', '.join(shape)},))"
-
-
-def _concatenate(asked: Asked) -> str:
-    if asked.rank("x"):
-        return _rows(asked, asked.rank("x") - 1)
-    before: list[str] = []
-    parts = _given(asked, before)
-    return _joined(parts, asked.axis(parts[0][2].rank), before)
-
-
-def _append(asked: Asked) -> str:
-    parts = [(p, sizes(p, 1) if asked.rank(p) else ["1"], asked.type(p)) for p in ("x", "values")]
-    return _joined(parts, 0, [])
-
-
-def _hstack(asked: Asked) -> str:
-    if asked.rank("x"):
-        return _rows(asked, 1)
-    before: list[str] = []
-    parts = [(text, found or ["1"], kind) for text, found, kind in _given(asked, before)]
-    return _joined(parts, 0 if len(parts[0][1]) == 1 else 1, before)
-
-
-def _vstack(asked: Asked) -> str:
-    if asked.rank("x"):
-        return _rows(asked, 2)
-    before: list[str] = []
-    parts = [(f"{text}[None, :]" if len(found) == 1 else text, ["1", *found][-2:], kind)
-             for text, found, kind in _given(asked, before)]
-    return _joined(parts, 0, before)
-
-
-def _column_stack(asked: Asked) -> str:
-    if asked.rank("x"):
-        return "result = numpy.copy(numpy.transpose(x))"
-    before: list[str] = []
-    parts = [(f"{text}[:, None]" if len(found) == 1 else text, [*found, "1"][:2], kind)
-             for text, found, kind in _given(asked, before)]
-    return _joined(parts, 1, before)
-
-
-def _stack(asked: Asked) -> str:
-    if asked.rank("x"):
-        return "result = numpy.copy(x)"
-    before: list[str] = []
-    parts = _given(asked, before)
-    axis = asked.axis(parts[0][2].rank + 1)
-    whole = [*parts[0][1]]
-    whole.insert(axis, str(len(parts)))
-    return lines(*before, f"result = {empty(whole, common([kind for _, _, kind in parts]))}",
-                 *(f"{part('result', axis, str(k))} = {text}" for k, (text, _, _) in enumerate(parts)))
 
 
 # -- axes ------------------------------------------------------------------------------------------------------------
@@ -123,16 +30,6 @@ def _atleast(asked: Asked, rank: int) -> str:
         dtype = asked.type("x").dtype
         return lines(f"result = {empty(['1'] * rank, dtype)}", f"result[{', '.join(['0'] * rank)}] = x")
     return f"result = x[{'None, ' * (rank - asked.rank('x'))}...]" if asked.rank("x") < rank else "result = x[...]"
-
-
-def _dstack(asked: Asked) -> str:
-    before: list[str] = []
-    parts: list[Piece] = []
-    for text, found, kind in _given(asked, before):
-        held = f"deep{len(parts)}"
-        before.append(f"{held} = {text}[{'None, :' if len(found) == 1 else ':, :'}, None]")
-        parts.append((held, sizes(held, 3), kind))
-    return _joined(parts, 2, before)
 
 
 def _rot90(asked: Asked) -> str:
@@ -304,14 +201,12 @@ def _arange(asked: Asked) -> str:
 
 
 SHAPES: dict[str, Callable[[Asked], str]] = {
-    "numpy.diff": _diff, "numpy.concatenate": _concatenate, "numpy.append": _append, "numpy.hstack": _hstack,
-    "numpy.vstack": _vstack, "numpy.column_stack": _column_stack, "numpy.stack": _stack,
-    "numpy.broadcast_to": _broadcast_to,
+    "numpy.diff": _diff, "numpy.broadcast_to": _broadcast_to,
     "numpy.expand_dims": _expand_dims, "numpy.squeeze": _squeeze, "numpy.swapaxes": _swapaxes, "numpy.tile": _tile,
     "numpy.repeat": _repeat, "numpy.pad": _pad, "numpy.diag": _diag, "numpy.diagonal": _diagonal,
     "numpy.trace": _trace, "numpy.tril": lambda asked: _triangle(asked, ":bound", " + 1"),
     "numpy.triu": lambda asked: _triangle(asked, "bound:", ""), "numpy.eye": _eye, "numpy.identity": _identity,
-    "numpy.linspace": _linspace, "numpy.arange": _arange, "numpy.tri": _tri, "numpy.dstack": _dstack,
+    "numpy.linspace": _linspace, "numpy.arange": _arange, "numpy.tri": _tri,
     "numpy.atleast_1d": lambda asked: _atleast(asked, 1), "numpy.atleast_2d": lambda asked: _atleast(asked, 2),
     "numpy.rot90": _rot90, "numpy.astype": _astype, "numpy.diagflat": _diag, "numpy.split": _split,
     "numpy.array_split": lambda asked: _split(asked, even=False), "numpy.vsplit": lambda asked: _split(asked, 0),

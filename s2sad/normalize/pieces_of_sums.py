@@ -3,7 +3,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.infer.piece_types import common, norm_order
+from s2sad.infer.options import norm_order
+from s2sad.infer.promotion import common
 from s2sad.normalize.asked import Asked, empty, lines, made, part, size, sizes, zeros
 
 

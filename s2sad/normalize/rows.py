@@ -9,7 +9,8 @@ where the list is made. A list holds arrays themselves, not copies: where one is
 from __future__ import annotations
 
 from s2sad.diagnostics import Report
-from s2sad.infer.infer import LISTED, Typing
+from s2sad.infer.infer import Typing
+from s2sad.infer.types_of_calls import LISTED
 from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.memory import Memory
 from s2sad.tree import (

@@ -7,13 +7,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from s2sad.infer.affine import Affine
+from s2sad.infer.affine import Affine, combined
 from s2sad.analyze.dependence import range_parts
 from s2sad.analyze.liveness import targets
 from s2sad.simplify.algebra import shifted, simple
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, AugAssign, BinOp, Constant, For, If, Mult, Name, Sub, Subscript, UnaryOp, USub,
-    call_name, copy, dump, is_comment, names, stored_names, walk,
+    AST, Assign, Attribute, AugAssign, BinOp, Constant, For, If, Name, Subscript, UnaryOp, USub, call_name, copy, dump,
+    is_comment, names, stored_names, walk,
 )
 
 
@@ -77,14 +77,7 @@ def affine(node: AST) -> Affine | None:
         return Affine.symbol(dump(node))
     if not isinstance(node, BinOp):
         return None
-    left, right = affine(node.left), affine(node.right)
-    if left is None or right is None:
-        return None
-    if isinstance(node.op, (Add, Sub)):
-        return left.plus(right, 1 if isinstance(node.op, Add) else -1)
-    if isinstance(node.op, Mult) and not left.terms:
-        return right.times(left.constant)
-    return left.times(right.constant) if isinstance(node.op, Mult) and not right.terms else None
+    return combined(node.op, affine(node.left), affine(node.right))
 
 
 def replaced(form: Affine, counter: str, by: Affine) -> Affine:

@@ -1,0 +1,79 @@
+"""The shadows of an adjoint: which name has which, and where each is zero at first.
+
+    for i in range(n):                   for i in range(n - 1, -1, -1):
+        t = x[i] * x[i]          ->          t_bar = 0.0
+"""
+from __future__ import annotations
+
+from s2sad.analyze.resized import escapes, own_loops
+from s2sad.analyze.structure import Structure
+from s2sad.differentiate.calls import is_kernel_call
+from s2sad.differentiate.derivative import Wanted
+from s2sad.infer.infer import Typing
+from s2sad.infer.shapes import Shapes
+from s2sad.naming import Names
+from s2sad.tree import AST, Assign, AugAssign, Name, Return, assign, call, const, name, walk
+
+
+class Shadows:
+    """The shadows of one function's active names."""
+    structure: Structure
+    typing: Typing
+    active: frozenset[str]
+    wanted: Wanted
+    free: Names
+    shapes: Shapes
+    parameters: list[str]
+    written: set[str]
+    shadows: dict[str, str]
+    scopes: dict[int, list[str]]
+    own: set[str]
+
+    def shadow(self, primal: str) -> str:
+        if primal not in self.shadows:
+            self.shadows[primal] = self.free.fresh(f"{primal}_bar")
+            self.typing.table[self.shadows[primal]] = self.typing.table[primal]
+            self.shapes.like(self.shadows[primal], primal)
+        return self.shadows[primal]
+
+    def own_shadows(self) -> list[tuple[str, str]]:
+        """Shadows of its own for arrays whose final content is no output, though an input is asked for."""
+        added: list[tuple[str, str]] = []
+        for parameter in self.parameters:
+            if (self.typing.table[parameter].is_array and parameter in self.wanted.wrt
+                    and parameter not in self.wanted.of and parameter in self.written and parameter in self.active):
+                public = self.shadows[parameter]
+                own = self.free.fresh(f"{parameter}_shadow")
+                self.typing.table[own] = self.typing.table[parameter]
+                self.shadows[parameter] = own
+                added.append((public, own))
+        self.own = {own for _, own in added}
+        return added
+
+    def find_scopes(self) -> None:
+        """For every active name the innermost block around all of its uses."""
+        outermost = (id(self.structure.function.body),)
+        chains: dict[str, list[tuple[int, ...]]] = {p: [outermost] for p in self.parameters if p in self.active}
+        for place in self.structure.places.values():
+            statement = place.statement
+            if isinstance(statement, (Assign, AugAssign, Return)) or is_kernel_call(statement):
+                for part in walk(statement):
+                    if isinstance(part, Name) and part.id in self.active:
+                        chains.setdefault(part.id, []).append(place.blocks)
+        for used, found in chains.items():
+            if escapes(self.structure, used):           # what the last array is used for lies outside
+                found.append(self.structure.place(own_loops(self.structure, used)[0]).blocks)
+            common = [b for level, b in enumerate(found[0])
+                      if all(len(c) > level and c[level] == b for c in found[1:])]
+            self.scopes.setdefault(common[-1], []).append(used)
+
+    def zeros(self, block: list[AST]) -> list[AST]:
+        made: list[AST] = []
+        for used in self.scopes.get(id(block), []):
+            kind = self.typing.table[used]
+            if kind.is_number and kind.is_float:
+                made.append(assign(self.shadow(used), const(0.0)))
+            elif kind.is_array and (used not in self.parameters or used not in (*self.wanted.wrt, *self.wanted.of)
+                                    or self.shadow(used) in self.own):
+                made.append(assign(self.shadow(used), call("numpy.zeros_like", name(used))))
+        return made

@@ -1,0 +1,71 @@
+"""The dtype and the type that values have together: by promotion, by a cast, as the bindings of one name."""
+from __future__ import annotations
+
+from s2sad.infer.types import UNKNOWN, Type, array
+from s2sad.tree import AST, Constant, Name
+
+RANKS = ("bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64")
+ORDER = ("bool", "int64", "float32", "float64")     # of arrays that pieces are written for
+CASTS = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": "bool", "numpy.float64": "float64",
+         "numpy.float32": "float32", "numpy.int64": "int64", "numpy.int32": "int32", "numpy.bool_": "bool"}
+
+
+def listed(items: Type) -> Type:
+    """The type of the array that nested lists of numbers spell."""
+    if not items.items:
+        return array("float64", 1)
+    joined: Type | None = None
+    for item in items.items:
+        inner = listed(item) if item.kind == "tuple" else item
+        joined = inner if joined is None else promote(joined, inner)
+    assert joined is not None
+    return array(joined.dtype, joined.rank + 1) if joined.dtype else UNKNOWN
+
+
+def dtype_of(node: AST) -> str | None:
+    """The dtype that an expression names: `np.float32`, `float`, `"float32"`; None if it is none of these."""
+    if isinstance(node, Name):
+        if node.id in CASTS:
+            return CASTS[node.id]
+        room, _, last = node.id.rpartition(".")
+        return last if room == "numpy" and last in RANKS else None
+    if isinstance(node, Constant) and node.value in RANKS:
+        return str(node.value)
+    return None
+
+
+def promote(a: Type, b: Type) -> Type:
+    """NumPy's promotion: arrays decide over numbers of the same kind, wider ranks over narrower."""
+    if "unknown" in (a.kind, b.kind) or not a.dtype or not b.dtype:
+        return UNKNOWN
+    if a.is_array != b.is_array:
+        arr, number = (a, b) if a.is_array else (b, a)
+        kind = arr.dtype if arr.is_float or not number.is_float else "float64"
+        return array(kind, arr.rank)
+    dtype = max(a.dtype, b.dtype, key=RANKS.index)
+    return Type(a.kind, dtype, max(a.rank, b.rank))
+
+
+def join(a: Type, b: Type) -> Type | None:
+    """The type of a name that is bound to both, or None if there is none."""
+    if a == b or b.kind == "unknown":
+        return a
+    if a.kind == "unknown":
+        return b
+    if a.is_number and b.is_number:
+        return promote(a, b)
+    if a.kind == b.kind == "tuple" and len(a.items) == len(b.items):
+        items = [join(x, y) for x, y in zip(a.items, b.items)]
+        return None if None in items else Type("tuple", items=tuple(i for i in items if i is not None))
+    return None
+
+
+def common(args: list[Type]) -> str:
+    """The dtype that arrays and numbers have together."""
+    arrays = [a for a in args if a.is_array] or args
+    return max((a.dtype for a in arrays), key=lambda d: ORDER.index(d) if d in ORDER else len(ORDER), default="")
+
+
+def known_array(args: list[Type]) -> bool:
+    """Whether the first of these is an array that pieces are written for."""
+    return bool(args) and args[0].is_array and args[0].dtype in ORDER

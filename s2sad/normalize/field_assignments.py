@@ -1,0 +1,83 @@
+"""Fields and items of structures that are assigned while structures are taken apart.
+
+    state.t = 0.0                ->   state_t[0] = 0.0
+    state.k += 1                 ->   state_k[0] += 1
+"""
+from __future__ import annotations
+
+from s2sad.normalize.field_decisions import NO
+from s2sad.normalize.field_values import Values
+from s2sad.normalize.groups import Group, Leaf, nothing, usable
+from s2sad.tree import (
+    AST, Add, Attribute, BoolOp, Compare, Constant, Mult, Name, Not, Store, Sub, Subscript, UnaryOp, at, const, index,
+    name,
+)
+
+_KEPT_LOCALLY = "return the value, or write it to an element of an array argument"
+
+
+class Assignments(Values):
+    """Targets that are items of structures: an array's name, or the cell of a number."""
+
+    def assigned(self, node: AST, value: AST | None, augmented: bool, op: AST | None = None) -> AST | None:
+        """The target for an item of a structure; None if the target is no such item."""
+        base = self.structural(node.value)
+        if not isinstance(base, Group):
+            if isinstance(node, Attribute):
+                said = f"{node.value.id}.{node.attr}" if isinstance(node.value, Name) else f".{node.attr}"
+                self.refuse(node, f"an assignment to the attribute {said} {NO}", _KEPT_LOCALLY)
+                return at(Name("_", Store(), None, None), node)
+            return None
+        read = type(node)(*[getattr(node, f) for f in node._fields[:-1]], name("x").ctx)
+        found = self.field_of if isinstance(node, Attribute) else self.item_of
+        item = found(base, at(read, node))  # pyright: ignore[reportArgumentType]
+        dummy = at(Name("_", Store(), None, None), node)
+        if not isinstance(item, Leaf) or not self._assignable(base, item, node, augmented):
+            if isinstance(item, Group):
+                self.refuse(node, f"'{item.path}' is {item.form}, which is replaced by another value",
+                            "assign what is in it")
+            return dummy
+        if item.type.is_array:
+            return at(Name(item.name, Store(), None, None), node)
+        if not item.is_cell and item.place < 0:
+            return at(Name(item.name, Store(), None, None), node)
+        if not _keeps_dtype(item, value, augmented, op):
+            self.refuse(node, f"'{item.path}' is of type {item.type.dtype or item.type}, and what is assigned need not "
+                        "be", "give a float (0.0, not 0) if it is a real quantity", "S203")
+        if not item.is_cell:
+            self.needed.add(item.place)
+        cell = index(name(item.name), const(0))
+        return at(Subscript(cell.value, cell.slice, Store()), node)
+
+    def _assignable(self, base: Group, item: Leaf, node: AST, augmented: bool) -> bool:
+        if base.form.fixed:
+            what = "a frozen dataclass" if base.form.kind == "record" else str(base.form)
+            self.refuse(node, f"'{base.path}' is {what}, to which nothing can be assigned",
+                        f"write into an array, {item.path}[...] = ..." if item.type.is_array else
+                        "return the new value")
+        elif nothing(item) or not usable(item):
+            self._unusable(item, node)
+        elif item.type.is_array and not augmented:
+            self.refuse(node, f"the array '{item.path}' is replaced by another one",
+                        f"write into it: {item.path}[...] = ...")
+        elif item.type.kind == "text":
+            self.refuse(node, f"'{item.path}' is a str, which is replaced by another one", "use an int")
+        else:
+            return True
+        return False
+
+    def stored(self, node: AST) -> AST | None:
+        return self.assigned(node, None, False)
+
+
+def _keeps_dtype(item: Leaf, value: AST | None, augmented: bool, op: AST | None) -> bool:
+    """Whether what is assigned to a number surely has its type; an element of an array cannot change it."""
+    dtype = item.type.dtype
+    if dtype in ("", "float64"):
+        return True
+    if dtype == "bool":
+        return isinstance(value, (Compare,)) or isinstance(value, Constant) and isinstance(value.value, bool) or (
+            isinstance(value, UnaryOp) and isinstance(value.op, Not)) or isinstance(value, BoolOp) and all(
+            _keeps_dtype(item, v, False, None) for v in value.values)
+    whole = isinstance(value, Constant) and type(value.value) is int
+    return dtype.startswith(("int", "uint")) and whole and (not augmented or isinstance(op, (Add, Sub, Mult)))

@@ -1,0 +1,135 @@
+"""What a name from outside a kernel becomes: a dotted name of a library, the id of a function, number, array or class.
+
+    np.exp, math.pi, G     ->   numpy.exp, math.pi, const.G
+"""
+from __future__ import annotations
+
+import builtins
+from collections.abc import Callable
+
+from s2sad import rules, tree
+from s2sad.diagnostics import Report
+from s2sad.read.meaning import (
+    AST, BUILTIN_CALLS, Array, Function, Meaning, Number, Record, Space, Text, Unusable, dotted, library_value,
+)
+from s2sad.rules.given import GIVEN, ROOM
+from s2sad.rules.spellings import is_scipy
+
+Identify = Callable[["Function | Number | Array | Record"], str]
+
+
+class References:
+    """What one kernel refers to; what cannot be used in it is shown in the report."""
+    report: Report
+    identify: Identify
+    calls: list[tuple[Function, AST]]
+    references: set[str]
+    called: set[int]
+    raised: set[int]
+    said: set[str]
+
+    def _refuse(self, message: str, node: AST, help: str) -> None:
+        self.report.error("S201", message, node, help=help)
+
+    def _reference(self, node: AST, meaning: Meaning, text: str) -> AST:
+        if isinstance(meaning, Text):
+            return tree.at(tree.Constant(meaning.value, None), node)
+        called = id(node) in self.called
+        path = self._given(node, dotted(meaning), text)
+        if isinstance(meaning, Function):
+            path = self._function(node, meaning, text, called)
+        elif isinstance(meaning, Record):
+            path = self.identify(meaning)
+            self.references.add(path)
+            if not called:
+                self._refuse(f"the class '{text}' as a value is not supported in a kernel", node,
+                             f"make one: {text}(...)")
+        elif isinstance(meaning, (Number, Array)):
+            path = self.identify(meaning)
+            self.references.add(path)
+            if called:
+                word = "a number" if isinstance(meaning, Number) else "an array"
+                self._refuse(f"'{text}' is {word}, not a function", node, "correct the name, or subscript with []")
+        elif isinstance(meaning, Unusable):
+            if text not in self.said:
+                self._refuse(f"'{text}' cannot be used in a kernel: it is {meaning.what}", node, meaning.help)
+            self.said.add(text)
+        elif path is not None and rules.result_kind(path) is None:
+            self._library(node, meaning, path, text, called)
+        elif path is not None and not called and not isinstance(library_value(path), type):
+            self._as_value(node, text)
+        return tree.copy(node) if path is None else tree.at(tree.name(path), node)
+
+    def _given(self, node: AST, path: str | None, text: str) -> str | None:
+        """The path of what a library has, `given.` before it if the user gave it a derivative."""
+        given = None if path is None else GIVEN.named(path) or GIVEN.of(library_value(path))
+        if given is not None:
+            path = ROOM + given.path
+        if path is None or not path.startswith(ROOM):
+            return path
+        lost = [g for g in GIVEN.closure([path[len(ROOM):]]) if not g.reachable()]
+        for given in lost:
+            module, _, last = given.path.rpartition(".")
+            self._refuse(f"'{text}' has a derivative of its own, but 'from {module} import {last}' does not give "
+                         f"{'it' if given.path == path[len(ROOM):] else repr(last) + ', which its derivative calls'}",
+                         node, "define it at module level, and register it again when it was defined anew")
+        return path
+
+    def _as_value(self, node: AST, text: str) -> None:
+        self._refuse(f"the function '{text}' as a value is not supported in a kernel", node,
+                     "call it where it is needed")
+
+    def _function(self, node: AST, meaning: Function, text: str, called: bool) -> str:
+        if rules.result_kind(meaning.path) is not None:
+            return meaning.path
+        path = self.identify(meaning)
+        self.references.add(path)
+        if not called:
+            self._as_value(node, text)
+        elif all(meaning.key != known.key for known, _ in self.calls):
+            self.calls.append((meaning, node))
+        return path
+
+    def _library(self, node: AST, meaning: Meaning, path: str, text: str, called: bool) -> None:
+        root, _, rest = path.partition(".")
+        if root == "builtins":
+            self._builtin(node, rest, called)
+        elif root == "scipy" and is_scipy(path):
+            if not called:
+                self._as_value(node, text)
+        elif root not in ("numpy", "math", "runtime") and (called or rest):
+            self._refuse(f"'{text}' is not a function that s2sad can read", node, "write it with numpy and math, or "
+                         f"give its derivative: s2sad.rule(\"{path}(x)\", x=...)")
+        elif isinstance(meaning, Space):
+            self._refuse(f"the module '{text}' as a value is not supported in a kernel", node, "name what is in it")
+        elif root in ("numpy", "math"):
+            value = library_value(path)
+            if called and not callable(value):
+                self._refuse(f"'{text}' is a number, not a function", node, "correct the name")
+            elif not called and callable(value) and not isinstance(value, type):
+                self._as_value(node, text)
+
+    def _builtin(self, node: AST, word: str, called: bool) -> None:
+        value = getattr(builtins, word, None)
+        if id(node) in self.raised and isinstance(value, type) and issubclass(value, Exception):
+            return
+        if word in BUILTIN_CALLS:
+            if not called and word not in ("int", "float", "bool"):
+                self._as_value(node, word)
+            return
+        self._refuse(f"the built-in '{word}' is not supported in a kernel", node, _BUILTIN_HELP.get(
+            word, f"these are: {', '.join(BUILTIN_CALLS)}"))
+
+
+_BUILTIN_HELP = {
+    "divmod": "write a // b and a % b",
+    "complex": "keep the real and the imaginary part in two names",
+    "any": "write a for loop with an if, or np.any of an array",
+    "all": "write a for loop with an if, or np.all of an array",
+    "sorted": "sort before the kernel is called, and pass the sorted array or the order",
+    "list": "allocate an array with np.empty or np.zeros",
+    "tuple": "write the elements out: (a, b)",
+    "isinstance": "write one kernel for each type",
+    "map": "write a for loop",
+    "filter": "write a for loop with an if",
+}

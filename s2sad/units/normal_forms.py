@@ -1,0 +1,225 @@
+"""Kernels become units: the passes of `normalize` and `infer`, for each set of argument types once.
+
+    a kernel, types -> structured -> functions -> pieces -> views -> workspace -> scalarize -> rename -> atoms: Unit
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from s2sad.analyze.activity import activity, reach
+from s2sad.analyze.liveness import base_name
+from s2sad.analyze.structure import structure
+from s2sad.diagnostics import Report
+from s2sad.differentiate.arithmetic import scalar_choices
+from s2sad.differentiate.own import own_edges
+from s2sad.infer.infer import Typing, infer
+from s2sad.infer.types import FLOAT, Type
+from s2sad.naming import Names
+from s2sad.normalize import structured
+from s2sad.normalize.atoms import atoms
+from s2sad.normalize.choices import choices
+from s2sad.normalize.contracted import batched, contracted
+from s2sad.normalize.factored import factored
+from s2sad.normalize.form import verify
+from s2sad.normalize.functions import functions
+from s2sad.normalize.inlined import Helpers, inlined, returned
+from s2sad.normalize.parts import parts
+from s2sad.normalize.pieces import pieces
+from s2sad.normalize.rename import rename
+from s2sad.normalize.memory import Memory
+from s2sad.normalize.rows import rows
+from s2sad.normalize.ruled import ruled
+from s2sad.normalize.scalarize import scalarize, scatter
+from s2sad.normalize.sharing import shared, specialised
+from s2sad.normalize.solvers import solvers
+from s2sad.normalize.sought import sought
+from s2sad.normalize.spelled import spelled
+from s2sad.normalize.viewing import viewing
+from s2sad.normalize.views import views
+from s2sad.normalize.workspace import workspace
+from s2sad.program import Kernel, Program
+from s2sad.simplify import Effect, Effects, Watch, unwatched
+from s2sad.tree import Assert, Call, FunctionDef, Name, Raise, call_name, copy, name, stored_names, walk
+from s2sad.units.calls import Calls, written_arrays
+from s2sad.units.unit import Summary, Unit
+
+
+@dataclass
+class NormalForms(Calls):
+    """The units of one program for one engine, each made once."""
+    program: Program
+    engine: str
+    made: dict[tuple[str, tuple[Type, ...], tuple[tuple[int, int], ...]], Unit] = field(default_factory=dict)
+    titled: dict[str, Unit] = field(default_factory=dict)
+    effects: Effects = field(default_factory=Effects)
+    titles: Names = field(default_factory=Names)
+    watch: Watch = unwatched
+
+    def __post_init__(self) -> None:
+        self.titles.taken |= set(self.program.kernels)
+        self.helpers = Helpers(self.program, plain_form)
+
+    def unit(self, kernel: str, types: tuple[Type, ...], pairs: tuple[tuple[int, int], ...] = ()) -> Unit:
+        """The unit of a kernel, or of a unit's title, for these types; `pairs` of its arguments are one array."""
+        if kernel in self.titled and not pairs:
+            if self.titled[kernel].types == types:
+                return self.titled[kernel]
+            pairs = self.titled[kernel].pairs
+        kernel = self.titled[kernel].kernel.name if kernel in self.titled else kernel
+        key = (kernel, types, pairs)
+        if key not in self.made:
+            others = sum(k == kernel for k, _, _ in self.made)
+            title = self.titles.fresh(f"{kernel}_{others + 1}") if others else kernel
+            source = self.program.kernels[kernel]
+            unit = self._prepared(specialised(source, pairs) if pairs else source, types, title)
+            unit.pairs = pairs
+            self.made[key] = self.titled[title] = unit
+            self.effects.table[title] = Effect(
+                frozenset(k for k, p in enumerate(unit.function.args.args) if unit.first_use(p.id)),
+                frozenset(unit.summary.written), unit.summary.pure,
+                frozenset(k for k, t in enumerate(types) if t.is_array))
+        return self.made[key]
+
+    def _prepared(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
+        """The passes of `normalize` and `infer`, in order."""
+        if kernel.own is not None and "primal" in kernel.own.functions:
+            return self._unread(kernel, types, title)
+        names = Names()
+        values = {**self.program.constants, **self.program.arrays}
+        tree = verify(plain_form(kernel, names, self.program), "structured", "spelled")
+        given = dict(zip((p.id for p in tree.args.args), types))
+        tree, source = inlined(tree, given, names, kernel.source, self.helpers)
+        kernel, report = replace(kernel, source=source), Report(source)
+        self.watch("structured", tree)
+        table = infer(tree, given, self.call_types, report, values)
+        report.finish()
+        typing = Typing({**table, **given}, self.call_types, report, values)
+        typing.final = True
+        tree = rows(tree, typing, Memory(tree, self.program), report)
+        report.finish()
+        tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")
+        ruled(tree, typing, report)
+        report.finish()
+        tree = functions(tree, typing, names)
+
+        def written(called: Call) -> tuple[int, ...]:
+            return self.of_call(called, typing).summary.written
+        viewing(tree, typing, lambda called: [base_name(called.args[k]) for k in written(called)], report)
+        plain = tree = pieces(tree, typing, names, report)
+        report.finish()
+        tree = views(tree, typing.table, typing, names, written, report, self.engine == "numba")
+        report.finish()
+        guarded = count(tree, Assert) > count(plain, Assert)
+        self.watch("views", tree)
+        tree = workspace(tree)
+        tree = verify(self.with_titles(tree, typing, report), "views", "workspace")
+        report.finish()
+        self.watch("workspace", tree)
+        lowered = tree
+        if self.engine == "numba":
+            lowered = with_choices(scalarize(tree, self.apart(typing), Names(names.taken), final=True))
+            tree = verify(scalarize(factored(tree, typing, names), typing, names), "views", "scalarize")
+        else:
+            tree = lowered = verify(scatter(tree, typing, names), "views", "scatter")
+        self.watch("scalarize", tree)
+        renamed = rename(tree, typing.table, names, self.call_writes)
+        self.watch("rename", verify(renamed.function, "rename", "rename"))
+        table = infer(renamed.function, given, self.call_types, report, values)
+        report.finish()
+        typing = Typing({**table, **given}, self.call_types, report, values)
+        tree = self.with_titles(renamed.function, typing, report)
+        tree = verify(atoms(tree, typing, names, written_arrays(tree, self)), "atoms", "atoms")
+        self.watch("atoms", tree)
+        typing.runs_once = self.runs_once
+        once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
+        return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
+                    self._summary(tree, typing, kernel), guarded, once=once)
+
+    def _unread(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
+        """The unit of a function that is called as it is, of which is known what the user says."""
+        own, tree = kernel.own, kernel.tree
+        assert own is not None
+        parameters = [p.id for p in tree.args.args]
+        given = dict(zip(parameters, types))
+        results = (FLOAT,) * own.returns
+        table = {**given, **dict.fromkeys(stored_names(tree.body), FLOAT)}
+        typing = Typing(table, self.call_types, Report(kernel.source), {})
+        edges = own_edges(given, results, set(own.writes), [], self.solved_by(kernel))
+        written = tuple(k for k, p in enumerate(parameters) if p in own.writes)
+        summary = Summary(written, results, {}, tuple(edges), True)
+        return Unit(kernel, title, types, tree, typing, {}, Names(table), tree, structure(tree, typing), summary,
+                    once=True)
+
+    def apart(self, typing: Typing) -> Typing:
+        """A table of types of its own."""
+        made = Typing(dict(typing.table), self.call_types, typing.report, typing.constants)
+        made.ones = dict(typing.ones)
+        made.runs_once = typing.runs_once
+        return made
+
+    def _summary(self, tree: FunctionDef, typing: Typing, kernel: Kernel) -> Summary:
+        parameters = [p.id for p in tree.args.args]
+        written = written_arrays(tree, self)
+        arrows: dict[str, list[str]] = {}
+        for a, b in activity(tree, typing, set(), set(), self.call_edges).edges:
+            arrows.setdefault(a, []).append(b)
+        edges: list[tuple[int, int | str]] = []
+        for position, parameter in enumerate(parameters):
+            found = reach(arrows, {parameter})
+            edges += [(position, k) for k, p in enumerate(parameters) if p in found and p in written]
+            edges += [(position, f) for f in sorted(found) if f.startswith("return ")]
+        parts = returned(tree)
+        guards = any(isinstance(n, (Assert, Raise)) or call_name(n) == "builtins.print" for n in walk(tree.body))
+        calls = [n for n in walk(tree.body) if isinstance(n, Call) and (call_name(n) or "").startswith("user.")]
+        results = tuple(map(typing.of, parts))
+        if kernel.own is not None:
+            edges = own_edges({p: typing.table[p] for p in parameters}, results, written, edges,
+                              self.solved_by(kernel))
+        return Summary(tuple(k for k, p in enumerate(parameters) if p in written), tuple(map(typing.of, parts)),
+                       {k: p.id for k, p in enumerate(parts) if isinstance(p, Name) and p.id in parameters
+                        and typing.of(p).is_array},
+                       tuple(edges), not guards and all(self.of_call(c, typing).summary.pure for c in calls))
+
+    def solved_by(self, kernel: Kernel) -> tuple[str, ...] | None:
+        """The parameters of the residual of an implicit function; None for any other function."""
+        return self.program.kernels[kernel.residual].parameters if kernel.residual else None
+
+    def of_call(self, called: Call, typing: Typing) -> Unit:
+        return self.unit((call_name(called) or "").partition(".")[2], tuple(map(typing.argument, called.args)))
+
+    def call_types(self, kernel: str, types: tuple[Type, ...]) -> tuple[Type, ...]:
+        return self.unit(kernel, types).summary.results
+
+    def with_titles(self, tree: FunctionDef, typing: Typing, report: Report) -> FunctionDef:
+        """The tree with every kernel's call naming the unit for its arguments: their types, and which are one array."""
+        new = copy(tree)
+        for node in walk(new.body):
+            if not isinstance(node, Call) or not (call_name(node) or "").startswith("user."):
+                continue
+            unit = self.of_call(node, typing)
+            pairs = shared(node, unit.summary.written, typing, report)
+            if pairs:
+                node.args = [a for k, a in enumerate(node.args) if all(k != gone for gone, _ in pairs)]
+                unit = self.unit(unit.kernel.name, tuple(map(typing.argument, node.args)), pairs)
+            node.func = name(f"user.{unit.title}")
+        return new
+
+
+def plain_form(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
+    """A kernel in structured form, before types are known."""
+    report = Report(kernel.source)
+    tree = solvers(structured(kernel, names, program), report)
+    report.finish()
+    return spelled(contracted(parts(tree, names)))
+
+
+def with_choices(function: FunctionDef) -> FunctionDef:
+    """A function of numbers and elements with every `np.where` as a choice."""
+    new = copy(function)
+    new.body = [scalar_choices(s) for s in new.body]
+    return new
+
+
+def count(function: FunctionDef, kind: type) -> int:
+    """How many statements of a kind a function has."""
+    return sum(isinstance(n, kind) for n in walk(function.body))

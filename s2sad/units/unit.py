@@ -1,0 +1,54 @@
+"""A kernel for given types, and the summary of what a call of it does."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from s2sad.analyze.liveness import Liveness
+from s2sad.analyze.structure import Structure
+from s2sad.differentiate.own import Owner
+from s2sad.infer.infer import Typing
+from s2sad.infer.types import Type
+from s2sad.naming import Names
+from s2sad.program import Kernel
+from s2sad.tree import FunctionDef
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a call of a unit does: positions written, pairs (argument, argument or "return k") of dependence."""
+    written: tuple[int, ...]
+    results: tuple[Type, ...]
+    returned: dict[int, str]
+    edges: tuple[tuple[int, int | str], ...]
+    pure: bool
+
+
+@dataclass
+class Unit:
+    """A kernel for given types, in normal form."""
+    kernel: Kernel
+    title: str
+    types: tuple[Type, ...]
+    function: FunctionDef
+    typing: Typing
+    family: dict[str, str]
+    names: Names
+    lowered: FunctionDef
+    structure: Structure
+    summary: Summary
+    guarded: bool = False
+    pairs: tuple[tuple[int, int], ...] = ()
+    once: bool = False
+
+    @property
+    def owner(self) -> Owner:
+        """What stands of it where its derivative is the user's own."""
+        assert self.kernel.own is not None
+        parameters = [p.id for p in self.function.args.args]
+        return Owner(self.title, self.kernel.own, dict(zip(parameters, self.types)), self.summary.results,
+                     frozenset(parameters[k] for k in self.summary.written))
+
+    def first_use(self, parameter: str) -> bool:
+        """Whether the kernel may read what an array held at its start."""
+        live = Liveness(self.function, set(), lambda call: [], lambda call: False, strong=False)
+        return parameter in live.start
