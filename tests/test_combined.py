@@ -1,4 +1,4 @@
-"""Features together: structures with arrays that are bound anew, functions that return arrays, derivatives of one's own."""
+"""Features together: structures, arrays that are bound anew, functions that return arrays, derivatives of one's own."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -48,3 +48,26 @@ def test_tuples_inside_structures():
     holds(nested, state())
     first, second, _ = s2sad.differentiate(nested, engine="numpy")(state())
     assert type(first.u) is list and type(first.v) is tuple and type(second["y"][1]) is list
+
+
+# -- arrays that are bound anew and then written --------------------------------------------------------------------
+
+def bounded(u, value):
+    u[0] = value
+    inner = u[1:-1]
+    inner *= value
+    return u
+
+
+def bound_and_written(s, n):
+    u = s.u
+    for _ in range(n):
+        u = u + s.v * s.t
+        u[-1] = s.t
+        u = bounded(u, 0.3 * s.t)
+    return u
+
+
+def test_arrays_bound_anew_are_written():
+    holds(bound_and_written, state(), 3)
+    holds(bound_and_written, state(), 0)
