@@ -6,6 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+import pytest
+
 import s2sad
 
 RNG = np.random.default_rng(5)
@@ -71,3 +73,23 @@ def bound_and_written(s, n):
 def test_arrays_bound_anew_are_written():
     holds(bound_and_written, state(), 3)
     holds(bound_and_written, state(), 0)
+
+
+# -- items of what is spelled out -----------------------------------------------------------------------------------
+
+def spelled_out(u, v, c):
+    x = [u, v][1]
+    x[0] = c
+    y = {"a": u, "b": v}["a"] * (c, 2.0)[0]
+    return y * [c, u[1] * (c, (v, c))[1][0][2]][-1]
+
+
+def picked(u, c, n):
+    t = (u, u * c)
+    return t[n] * (c, 2.0)[0]
+
+
+def test_items_of_what_is_spelled_out():
+    holds(spelled_out, U, V, 0.3)
+    with pytest.raises(s2sad.S2sadError, match="an item of a tuple that is spelled out is picked by a variable"):
+        s2sad.vjp(picked, (U, 0.3, 1), {"return": U})
