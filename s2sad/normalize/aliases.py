@@ -38,6 +38,10 @@ class Aliases:
             self._flows.add((base, buffer))
             self._pairs |= {(base, buffer), (buffer, base)} if lasts else set()
 
+    def is_shared(self, buffer: str) -> bool:
+        """Whether a buffer may, so far, be the same array as another one."""
+        return any(a == buffer for a, _ in self._pairs)
+
     def begin(self, buffers: Iterable[str], known: Iterable[str], bound: Iterable[str]) -> None:
         self._loops.append(_Loop(frozenset(buffers), frozenset(known), frozenset(bound)))
 

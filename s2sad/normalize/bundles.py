@@ -3,8 +3,10 @@
     r = f(x)             ->  r_0, r_1 = f(x)
     y = r[0]                 y = r_0
     return r                 return (r_0, r_1)
+    z = (a, b)[1]            z = b
 
-Requires resolved names. Establishes that no single name is bound to a function's several results. A name is
+Requires resolved names. Establishes that no single name is bound to a function's several results, and that no item of
+what is spelled out is picked by a constant. A name is
 taken apart when every binding is a tuple of one length and every reading an index, an unpacking or a return;
 a tuple that is spelled out and used otherwise (`shape = (n, n)`) stays; one that comes from a call is refused.
 """
@@ -21,8 +23,20 @@ from s2sad.tree import (
 
 
 def bundles(function: FunctionDef, scope: Scope) -> FunctionDef:
+    function = rebuild(function, _picked)
     parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in _bundled(function, scope).items()}
     return rebuild(function, lambda node: _taken_apart(node, parts)) if parts else function
+
+
+def _picked(node: AST) -> AST | None:
+    """The item of a spelled-out tuple or list that a constant picks, where nothing is lost with the other ones."""
+    if not isinstance(node, Subscript) or not isinstance(node.value, (Tuple, List)):
+        return None
+    items, position = node.value.elts, constant_index(node)
+    if position is None or not -len(items) <= position < len(items) or any(
+            isinstance(n, Starred) or user_call(n) is not None for item in items for n in walk(item)):
+        return None
+    return rebuild(items[position], _picked)
 
 
 def _bundled(function: FunctionDef, scope: Scope) -> dict[str, int]:

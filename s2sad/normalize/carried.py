@@ -16,6 +16,8 @@ is not used any more. NumPy binds names and copies nothing: where a store would 
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 from s2sad.infer.affine import Affine
 from s2sad.infer.laws import ONE, Shape
 from s2sad.infer.shapes import least_of, shape_expression
@@ -26,8 +28,8 @@ from s2sad.normalize.guards import inside
 from s2sad.normalize.places import AMBIGUOUS, View
 from s2sad.normalize.rename import breaks
 from s2sad.tree import (
-    AST, Assert, Assign, Break, For, If, Name, While, assign, at, call, call_name, const, copy, dump, index, name,
-    names, stored_names, walk,
+    AST, Assert, Assign, AugAssign, BinOp, Break, Call, For, If, Name, Subscript, While, assign, at, call, call_name,
+    const, copy, dump, index, name, names, stored_names, walk,
 )
 
 Tail = dict[str, str]                   # the buffers of a loop, by the names that stand for them
@@ -39,6 +41,8 @@ class Carried(Branches):
     unset: set[str]                     # names of arrays that are bound before they are read, as the flags tell
     late: dict[str, Shape | None]       # buffers of such names in the loops here, and their shapes
     bound_at: dict[str, AST]            # the statement that has last bound a name of an array
+    writes: Callable[[Call], Sequence[int]]
+    altered: set[str]                   # names whose arrays the loop here writes in place
 
     def buffer(self, identifier: str, place: AST, origin: AST, near: set[str]) -> tuple[str, list[AST]]:
         """The array that a name stands for from here on, and the statements that make it; `near` are the names that are
@@ -57,9 +61,12 @@ class Carried(Branches):
 
     def fills_buffer(self, identifier: str, value: AST, statement: AST) -> bool:
         """Whether what a name is bound to may go straight into the buffer that it stands for: nothing that is used
-        later stands for what was there, and the size is known to be the same."""
+        later stands for what was there, the size is known to be the same, and no store could take the new array for
+        one that the buffer may have been before."""
         buffer = self.buffers.get(identifier)
         if buffer is None or self.seen.get(identifier) != (buffer, ()) or call_name(value) in ALLOCATING:
+            return False
+        if identifier in self.altered and self.aliases.is_shared(buffer):
             return False
         near = self.references.after[id(statement)] - {identifier}
         shapes = self.shapes.of(name(buffer)), self.shapes.of(value)
@@ -83,19 +90,35 @@ class Carried(Branches):
         self.seen = {n: AMBIGUOUS if n in inside else v for n, v in self.seen.items()}
         self.seen |= {n: (b, ()) for n, b in buffers.items()}
         outer_buffers, self.buffers = self.buffers, buffers
+        outer_altered, self.altered = self.altered, self.stored_into(statement)
         late = {n: self.version(n) for n in dict.fromkeys(inside) if n in self.unset & after}
         outer, self.late = self.late, dict.fromkeys(late.values())
         self.depth += 1
         new = self.turn(statement, bounds, buffers | late)
         self.depth -= 1
         start += self.started(late, statement)
-        self.late, self.buffers = outer, outer_buffers
+        self.late, self.buffers, self.altered = outer, outer_buffers, outer_altered
         self.aliases.end()
         lost = set(buffers.values())    # filled again since another name came to stand for them
         self.seen = {n: v if n not in inside or n not in before and v[0] not in lost else AMBIGUOUS
                      for n, v in self.seen.items()}
         self.seen |= {n: (b, ()) for n, b in [*buffers.items(), *late.items()]}
         return [*start, new]
+
+    def stored_into(self, loop: AST) -> set[str]:
+        """The names whose arrays a loop writes, as far as its text shows it: in stores, in calls, through views."""
+        found: set[str] = set()
+        for node in walk(loop):
+            if isinstance(node, AugAssign) or isinstance(node, Assign) and isinstance(node.targets[0], Subscript):
+                found |= set(names(node.target if isinstance(node, AugAssign) else node.targets[0].value))
+            elif isinstance(node, Call) and (call_name(node) or "").startswith("user."):
+                found |= {n for k in self.writes(node) for n in names(node.args[k])}
+        while True:
+            grown = {n for node in walk(loop) if isinstance(node, Assign) and found & set(names(node.targets[0]))
+                     and not isinstance(node.value, (BinOp, Call)) for n in names(node.value)} - found
+            if not grown:
+                return found
+            found |= grown
 
     def started(self, late: Tail, origin: AST) -> list[AST]:
         """The allocations of arrays that a loop may bind, and that are used after it, in the sizes that they have."""

@@ -49,7 +49,11 @@ class Items:
     def whole(self, node: AST) -> Value:
         """The value of an expression, a tuple that is written out as a structure."""
         spelled_out = isinstance(node, (Tuple, List)) and self.structural(node) is None
-        return listed(tuple(self.now(self.whole(i), i) for i in node.elts)) if spelled_out else self.value(node)
+        return self._spelled_out(node) if spelled_out else self.value(node)
+
+    def _spelled_out(self, node: Tuple | List) -> Group:
+        kind = "tuple" if isinstance(node, Tuple) else "list"
+        return listed(tuple(self.now(self.whole(item), item) for item in node.elts), kind)
 
     def now(self, value: Value, origin: AST, own: bool = False) -> Value:
         """A value as it is when a structure is made of it: of a field that is assigned, the number that it holds. A
@@ -218,7 +222,7 @@ class Items:
         found = [self.structural(item) for item in node.elts]
         if not any(isinstance(f, (Group, Leaf)) and not (isinstance(f, Leaf) and usable(f)) for f in found):
             return None
-        return listed(tuple(self.now(self.value(item), item) for item in node.elts))
+        return self._spelled_out(node)
 
     def _length(self, node: Call) -> Value | None:
         found = self.structural(node.args[0]) if len(node.args) == 1 else None

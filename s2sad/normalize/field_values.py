@@ -117,7 +117,7 @@ class Values(Decisions):
         fit = len(node.args) <= len(defaults) and len({k for k, _ in pairs}) == len(pairs) and all(
             k in defaults for k, _ in pairs)
         for key, argument in pairs:
-            given[key] = self.now(self.value(argument), argument, not is_fixed(kind, made))
+            given[key] = self.now(self.whole(argument), argument, not is_fixed(kind, made))
         for key, default in defaults.items():
             if key not in given and (default is None or type(default) in (int, float, bool, str)):
                 given[key] = Plain(at(const(default), node))
@@ -143,13 +143,13 @@ class Values(Decisions):
         if len(set(keys)) < len(keys):
             self.refuse(node, "a dict that has one key twice", "leave one of them out")
         return _group(Structure("dict", tuple(dict.fromkeys(keys)), (), dict),
-                      [self.now(self.value(v), v, True) for v in node.values])
+                      [self.now(self.whole(v), v, True) for v in node.values])
 
     def _method(self, base: Group, node: Call) -> Value:
         """`p.get("k", 1.0)`, `p.items()`, `p.keys()`, `p.values()` of a dict."""
         method, count, kind = node.func.attr, len(node.args), base.form.kind
         given = node.keywords if method == "_replace" else []
-        new = {str(k.arg): self.now(self.value(k.value), k.value) for k in given}
+        new = {str(k.arg): self.now(self.whole(k.value), k.value) for k in given}
         if kind == "named" and new and not count and new.keys() <= set(base.form.keys):
             items = tuple(new.get(str(k), i) for k, i in zip(base.form.keys, base.items))
             return replace(base, items=items, path=SPELLED)

@@ -112,9 +112,9 @@ def pattern(value: Value) -> Form:
     return value.type if isinstance(value, Leaf) else UNKNOWN
 
 
-def listed(items: tuple[Value, ...]) -> Group:
-    """Values as a tuple."""
-    return Group(Structure("tuple", tuple(range(len(items))), (UNKNOWN,) * len(items), None, True), items, SPELLED)
+def listed(items: tuple[Value, ...], kind: str = "tuple") -> Group:
+    """Values as a tuple, or as a list."""
+    return Group(Structure(kind, tuple(range(len(items))), (UNKNOWN,) * len(items), None, True), items, SPELLED)
 
 
 def grouped(form: Form, path: str, leaf) -> Value:

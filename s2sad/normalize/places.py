@@ -16,9 +16,10 @@ from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
 from s2sad.normalize.allocations import Allocations
 from s2sad.normalize.functions import is_function
+from s2sad.normalize.hoist import constant_index
 from s2sad.normalize.regions import composed, is_new
 from s2sad.tree import (
-    AST, Attribute, BinOp, Call, Constant, Name, Slice, Subscript, Tuple, assign, at, attribute, call, call_name,
+    AST, Attribute, BinOp, Call, Constant, List, Name, Slice, Subscript, Tuple, assign, at, attribute, call, call_name,
     const, copy, dump, index, indices, mult, name, names, rebuild, substitute, tuple_of, walk,
 )
 
@@ -185,7 +186,9 @@ class Places:
             if isinstance(n, Name) and n.id in self.tuples:
                 return copy(self.tuples[n.id])
             if isinstance(n, Subscript) and isinstance(n.value, Name) and n.value.id in self.tuples:
-                return _item(self.tuples[n.value.id], self.resolve(n.slice))
+                return self.item(self.tuples[n.value.id], n)
+            if isinstance(n, Subscript) and isinstance(n.value, (Tuple, List)):
+                return self.item(self.resolve(n.value), n)
             if isinstance(n, Subscript) and isinstance(n.value, Attribute) and self.typing.of(n.value.value).is_array:
                 return _item(self.attribute(n.value) or n.value, self.resolve(n.slice))
             if isinstance(n, Attribute) and self.typing.of(n.value).is_array:
@@ -202,6 +205,19 @@ class Places:
         made = rebuild(node, change)
         self.before += self.operands_fit(made)
         return made
+
+    def item(self, value: AST, node: Subscript) -> AST:
+        """An item of what is spelled out; what a variable picks there has no derivative."""
+        position = constant_index(node)
+        items = getattr(value, "elts", [])
+        if position is not None and -len(items) <= position < len(items):
+            return copy(items[position])
+        if isinstance(value, List) or any(self.typing.of(i).is_float or self.typing.of(i).is_array for i in items):
+            what = "list" if isinstance(value, List) else "tuple"
+            self.report.error("S201", f"an item of a {what} that is spelled out is picked by a variable", node,
+                              help="make it an array: np.array([...])[k]")
+            return const(0.0)
+        return _item(value, self.resolve(node.slice))
 
     def operands_fit(self, node: AST) -> list[AST]:
         """Guards that the arrays in an operand of a function of whole arrays fit each other."""
