@@ -119,3 +119,23 @@ def products_of_integers(a, x):
 def test_products_of_integers(engine):
     random = np.random.default_rng(3)
     check_derivatives(products_of_integers, (random.random((3, 3)), random.random(3)), ("a", "x"), ("a", "x"), engine)
+
+
+def functions_into_picked_elements(a, x, y):
+    where = np.array([2, 0])
+    high = y > 0.8
+    x[where] = np.mean(a[:, :2], axis=0)
+    y[where] += np.max(a[:2], axis=1)
+    x[where] *= np.cumsum(y[:2])
+    y[where] -= a[:2] @ x
+    a[where] = np.roll(a[:2], 1, axis=1) * x
+    a[where, 1] = np.sum(a * a, axis=0)[1:]
+    x[high] += np.sum(a, axis=1)[high]
+    a[where[0]] = np.prod(a, axis=0)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_functions_into_picked_elements(engine):
+    random = np.random.default_rng(3)
+    given = 0.5 + random.random((3, 3)), random.random(3), np.array([0.9, 0.5, 1.2])
+    check_derivatives(functions_into_picked_elements, given, ("a", "x", "y"), ("a", "x", "y"), engine)

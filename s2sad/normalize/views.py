@@ -230,7 +230,7 @@ class _Views(Carried):
             return False
         filled, made = self.shapes.of(self.load(place)), self.shapes.of(value)
         spread = len(filled) != len(made) or any(m == ONE != f for f, m in zip(filled, made))
-        part = self.loops and is_reduction(value) and not is_whole_place(place)
+        part = looped and is_reduction(value) and not is_whole_place(place)
         return spread or part or base_name(place) in names(value)
 
     def effect(self, statement: Expr) -> list[AST]:
