@@ -115,3 +115,21 @@ def test_items_of_what_is_spelled_out():
                                        (scaled, (U, 0.3), "an array meets a tuple or list that is spelled out")):
         with pytest.raises(s2sad.S2sadError, match=message):
             s2sad.gradient(kernel)(*arguments)
+
+
+# -- a list's name that becomes its array ---------------------------------------------------------------------------
+
+def energies(u, c, n):
+    e = [np.sum(u ** 2)]
+    for _ in range(n):
+        u = u * c
+        e.append(np.sum(u ** 2))
+    e = np.array(e)
+    parts = [u * k * c for k in range(n)]
+    parts = np.stack(parts)
+    e = e[1:] - e[:-1]
+    return e * parts[:, 0]
+
+
+def test_the_name_of_a_list_becomes_its_array():
+    holds(energies, U, 0.3, 3)
