@@ -84,12 +84,52 @@ def spelled_out(u, v, c):
     return y * [c, u[1] * (c, (v, c))[1][0][2]][-1]
 
 
+def kept(u, v, c, n):
+    t = (c, u[0], n * c)
+    w = [0.5, c, 2.0]
+    shape = (n, n + 1)
+    s = np.max(t)
+    for k in range(3):
+        c = c * v[k]
+        n += 1
+        u[k] = c
+        s += np.sum(np.array(t) * v[:3]) * w[k] + np.dot(v[:3], t) + np.sum(w)
+        u[:3] += t
+        w = (s, c, w[0])
+    return s * np.zeros(shape).size + np.sum(np.multiply(v[:2], (c, t[1])))
+
+
 def picked(u, c, n):
     t = (u, u * c)
     return t[n] * (c, 2.0)[0]
 
 
+def scaled(u, c):
+    return u[:2] * (c, 2.0)
+
+
 def test_items_of_what_is_spelled_out():
     holds(spelled_out, U, V, 0.3)
-    with pytest.raises(s2sad.S2sadError, match="an item of a tuple that is spelled out is picked by a variable"):
-        s2sad.vjp(picked, (U, 0.3, 1), {"return": U})
+    holds(kept, U, V, 0.3, 1)
+    for kernel, arguments, message in ((picked, (U, 0.3, 1), "an item of a tuple that is spelled out is picked by a"),
+                                       (scaled, (U, 0.3), "an array meets a tuple or list that is spelled out")):
+        with pytest.raises(s2sad.S2sadError, match=message):
+            s2sad.gradient(kernel)(*arguments)
+
+
+# -- a list's name that becomes its array ---------------------------------------------------------------------------
+
+def energies(u, c, n):
+    e = [np.sum(u ** 2)]
+    for _ in range(n):
+        u = u * c
+        e.append(np.sum(u ** 2))
+    e = np.array(e)
+    parts = [u * k * c for k in range(n)]
+    parts = np.stack(parts)
+    e = e[1:] - e[:-1]
+    return e * parts[:, 0]
+
+
+def test_the_name_of_a_list_becomes_its_array():
+    holds(energies, U, 0.3, 3)

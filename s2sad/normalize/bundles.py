@@ -8,7 +8,8 @@
 Requires resolved names. Establishes that no single name is bound to a function's several results, and that no item of
 what is spelled out is picked by a constant. A name is
 taken apart when every binding is a tuple of one length and every reading an index, an unpacking or a return;
-a tuple that is spelled out and used otherwise (`shape = (n, n)`) stays; one that comes from a call is refused.
+one that is spelled out and used otherwise (`shape = (n, n)`) is spelled out where it is read; one that comes from a
+call is refused.
 """
 from __future__ import annotations
 
@@ -17,8 +18,8 @@ from s2sad.normalize.hoist import constant_index
 from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
-    AST, Assign, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign, at, name, rebuild, tuple_of,
-    walk,
+    AST, Assign, Call, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign,
+    at, call_name, const, name, rebuild, tuple_of, walk,
 )
 
 
@@ -29,7 +30,10 @@ def bundles(function: FunctionDef, scope: Scope) -> FunctionDef:
 
 
 def _picked(node: AST) -> AST | None:
-    """The item of a spelled-out tuple or list that a constant picks, where nothing is lost with the other ones."""
+    """The item of a spelled-out tuple or list that a constant picks, or its length, where nothing is lost with it."""
+    counted = node.args[0] if call_name(node) == "builtins.len" and len(node.args) == 1 else None
+    if isinstance(counted, (Tuple, List)) and not any(isinstance(n, (Starred, Call)) for n in walk(counted)):
+        return at(const(len(counted.elts)), node)
     if not isinstance(node, Subscript) or not isinstance(node.value, (Tuple, List)):
         return None
     items, position = node.value.elts, constant_index(node)
@@ -57,7 +61,7 @@ def _bundled(function: FunctionDef, scope: Scope) -> dict[str, int]:
             continue
         bad = _odd_use(function, n, lengths[0])
         regular = len(set(lengths)) == 1 and stores[n] == len(lengths) and n not in parameters(function)
-        if regular and bad is None:
+        if regular and (bad is None or n not in called):
             found[n] = lengths[0]
         elif n in called:
             place = bad if bad is not None else function
@@ -67,7 +71,7 @@ def _bundled(function: FunctionDef, scope: Scope) -> dict[str, int]:
 
 def _length(value: AST, scope: Scope) -> int:
     """The number of items of a tuple that is spelled out or returned by a call, else 0."""
-    if isinstance(value, Tuple):
+    if isinstance(value, (Tuple, List)):
         return 0 if any(isinstance(v, Starred) for v in value.elts) else len(value.elts)
     kernel = user_call(value)
     structure = result_structure(kernel, scope.program) if kernel is not None else None
@@ -98,9 +102,8 @@ def _read(node: AST, identifier: str, count: int) -> AST | None:
 
 def _taken_apart(node: AST, parts: dict[str, list[str]]) -> AST | None:
     if isinstance(node, Subscript) and isinstance(node.value, Name) and node.value.id in parts:
-        position = constant_index(node)
-        assert position is not None  # what `_read` takes for a reading of the bundle has a constant index
-        return at(name(parts[node.value.id][position]), node)
+        position, own = constant_index(node), parts[node.value.id]
+        return at(name(own[position]), node) if position is not None and -len(own) <= position < len(own) else None
     if isinstance(node, Assign) and isinstance(node.targets[0], Name) and node.targets[0].id in parts:
         value = rebuild(node.value, lambda n: _taken_apart(n, parts))
         return at(assign(tuple_of(*map(name, parts[node.targets[0].id])), value), node)

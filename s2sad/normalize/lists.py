@@ -22,7 +22,7 @@ from s2sad.normalize.scope import Scope
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If,
     List, ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, add, assign, at, augment,
-    call, call_name, const, copy, index, indices, name, names, rebuild, stored_names, sub, substitute, walk,
+    call, call_name, const, copy, index, indices, name, names, rebuild, rename, stored_names, sub, substitute, walk,
 )
 
 _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
@@ -33,9 +33,29 @@ def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
     nodes = list(walk(function.body))
     if not any(isinstance(n, (ListComp, GeneratorExp)) or _appended(n) for n in nodes):
         return function
-    new = comprehensions(function, scope)
+    new = comprehensions(_bound_once(function, scope), scope)
     scope.report.finish()
     return _Lists(new, scope).function()
+
+
+def _bound_once(function: FunctionDef, scope: Scope) -> FunctionDef:
+    """The function in which a list's name that stands for something else from some statement on, as after
+    `us = np.array(us)`, is another name from there on."""
+    new = copy(function)
+    grown = {n for s in walk(function.body) if (n := _appended(s)) is not None}
+    made: set[str] = set()
+    for k in range(len(function.body)):
+        statement = new.body[k]
+        target = statement.targets[0] if isinstance(statement, Assign) and len(statement.targets) == 1 else None
+        if not isinstance(target, Name):
+            continue
+        if target.id in made and not any(_appended(n) == target.id for s in new.body[k:] for n in walk(s)):
+            other = scope.fresh(target.id)
+            new.body = [*new.body[:k], at(assign(other, statement.value), statement),
+                        *(rename(s, {target.id: other}) for s in new.body[k + 1:])]
+        elif isinstance(statement.value, ListComp) or isinstance(statement.value, List) and target.id in grown:
+            made.add(target.id)
+    return new
 
 
 def _appended(node: AST) -> str | None:

@@ -203,15 +203,25 @@ class Places:
                     if hasattr(n, "lineno") else index(name(base), *subscripts) if subscripts else name(base)
             return None
         made = rebuild(node, change)
+        if any(isinstance(side, (Tuple, List)) for n in walk(made) if isinstance(n, BinOp) for side in (n.left, n.right)
+               if self.typing.of(n.left).is_array or self.typing.of(n.right).is_array):
+            self.report.error("S201", "an array meets a tuple or list that is spelled out", node,
+                              help="make it an array: np.array([...])")
         self.before += self.operands_fit(made)
         return made
 
     def item(self, value: AST, node: Subscript) -> AST:
-        """An item of what is spelled out; what a variable picks there has no derivative."""
+        """An item of what is spelled out; a variable picks a number from an array of them."""
         position = constant_index(node)
         items = getattr(value, "elts", [])
         if position is not None and -len(items) <= position < len(items):
             return copy(items[position])
+        if items and not self.testing and all(self.typing.of(i).is_number for i in items):
+            whole = call("numpy.array", List(list(map(copy, items))))
+            held, kind = self.free.fresh("items"), self.typing.of(whole)
+            self.before += self.allocations.allocate(held, kind, whole, node)
+            self.typing.table[held] = kind
+            return index(name(held), self.resolve(node.slice))
         if isinstance(value, List) or any(self.typing.of(i).is_float or self.typing.of(i).is_array for i in items):
             what = "list" if isinstance(value, List) else "tuple"
             self.report.error("S201", f"an item of a {what} that is spelled out is picked by a variable", node,

@@ -13,6 +13,7 @@
     np.roll(x, 1, 0)    np.roll(x, 1, axis=0)
     np.roll(x, (1, 2), axis=(0, 1))     np.roll(np.roll(x, 1, axis=0), 2, axis=1)
     math.prod((a, b))   a * b
+    np.sum([a, b])      np.sum(np.array([a, b]))
 """
 from __future__ import annotations
 
@@ -21,8 +22,9 @@ from functools import reduce
 from s2sad import rules
 from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Starred,
-    Subscript, Tuple, at, call, call_name, compare, const, copy, index, indices, mult, name, rebuild, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Pow,
+    Starred, Sub, Subscript, Tuple, at, call, call_name, compare, const, copy, index, indices, mult, name, rebuild,
+    tuple_of,
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
@@ -30,6 +32,8 @@ _METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot",
             "cumprod", "squeeze", "swapaxes", "repeat", "diagonal", "trace", "copy",
             "flatten", "take", "ptp", "astype", "argsort", "clip", "round", "searchsorted"}
 _QUESTIONS = {"any", "all", "argmax", "argmin"}
+_REDUCING = {"linalg.norm", "median", "sort", "diff", "count_nonzero"}
+_PRODUCTS = {"dot", "outer", "inner", "vdot", "matmul", "where"}
 _SHAPED = {"reshape", "transpose"}
 
 
@@ -45,6 +49,10 @@ def _plain(node: AST) -> AST | None:
         return at(const(None), node)
     if isinstance(node, BinOp) and isinstance(node.op, MatMult):
         return at(call("numpy.matmul", rebuild(node.left, _plain), rebuild(node.right, _plain)), node)
+    if isinstance(node, BinOp) and isinstance(node.op, (Sub, Div, Pow)) and any(
+            isinstance(side, (Tuple, List)) for side in (node.left, node.right)):
+        left, right = (call("numpy.array", s) if isinstance(s, (Tuple, List)) else s for s in (node.left, node.right))
+        return rebuild(at(BinOp(left, node.op, right), node), _plain)
     if isinstance(node, BinOp) and (listed := _list(node)) is not None:
         return at(List([rebuild(item, _plain) for item in listed], name("_").ctx), node)
     if isinstance(node, Subscript) and any(isinstance(s, List) for s in indices(node)):
@@ -54,6 +62,10 @@ def _plain(node: AST) -> AST | None:
         return at(call("numpy.transpose", rebuild(node.value, _plain)), node)
     if not isinstance(node, Call):
         return None
+    whole = _whole_operands(node)
+    if any(isinstance(a, (Tuple, List)) for a in whole):
+        made = [call("numpy.array", a) if isinstance(a, (Tuple, List)) else a for a in whole]
+        return rebuild(at(Call(node.func, [*made, *node.args[len(made):]], node.keywords), node), _plain)
     if isinstance(node.func, Attribute) and node.func.attr in _METHODS:
         called = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], node.keywords), node)
         return rebuild(called, _plain)
@@ -64,6 +76,17 @@ def _plain(node: AST) -> AST | None:
     if other is not None:
         return rebuild(at(other, node), _plain)
     return _question(node) or _array_call(node) or _scalar_call(node)
+
+
+def _whole_operands(node: Call) -> list[AST]:
+    """The first arguments of a function that are arrays or numbers, and no sequences of these."""
+    called = call_name(node) or ""
+    function = called.removeprefix("numpy.")
+    if function == called:
+        return []
+    if function in _PRODUCTS or rules.find(called) is not None:
+        return node.args
+    return node.args[:1] if function in _METHODS | _QUESTIONS | _REDUCING else []
 
 
 def _question(node: Call) -> AST | None:

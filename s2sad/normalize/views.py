@@ -96,11 +96,21 @@ class _Views(Carried):
             return [] if kind.is_array else [assign(target, const(value.value))]
         if kind.kind == "tuple" and call_name(value) is None:
             self.tuples[target.id] = self.resolve(value)
+            self.stays(self.tuples[target.id], statement)
             return []
         if not kind.is_array:
             return [assign(target, self.number(target.id, self.called(value, statement)))]
         self.bound_at[target.id] = statement
         return self.bind_array(target.id, value, statement)
+
+    def stays(self, value: AST, statement: Assign) -> None:
+        """Refuses a tuple that is read later, when what it is made of may be something else."""
+        parts = [n for n in walk(value) if isinstance(n, Subscript) and not isinstance(n.value, Attribute)]
+        numbers = {n.id for n in walk(value) if isinstance(n, Name) and not self.typing.of(n).is_array}
+        changed = any(self.bound.count(n) > 1 for n in {*numbers, statement.targets[0].id})
+        if changed or any(not self.typing.of(p).is_array for p in parts):
+            self.report.error("S201", f"'{statement.targets[0].id}' holds numbers that change before it is read",
+                              statement, help="give each of them a name, or make it an array: np.array([...])")
 
     def number(self, identifier: str, value: AST) -> AST:
         """What a number is bound to; in a size it stands for what is resolved, as names of arrays change."""
