@@ -11,7 +11,7 @@ from s2sad.infer.affine import Affine
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import ONE, Shape, whole_number
 from s2sad.infer.sizes import Sizes
-from s2sad.tree import AST, Add, BinOp, Constant, Slice, Subscript, call, const, copy, dump, indices, names
+from s2sad.tree import AST, Add, BinOp, Constant, Name, Slice, Subscript, call, const, copy, dump, indices, names
 
 
 class Slices(Sizes):
@@ -94,6 +94,8 @@ class Slices(Sizes):
         if high.plus(low, -1) != ONE:
             return False
         if part.lower is not None and not self.is_counted(part.lower):
+            if not isinstance(part.lower, Name):
+                return False
             self.required.append(low)
         self.required.append(size.plus(high, -1))
         return True
