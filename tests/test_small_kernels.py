@@ -265,7 +265,18 @@ def arrays_computed_in_a_call(x, y):
     return squares_added(y, np.exp(-x[:] + y)) * x[1]
 
 
+def sums_into_one_place_recorded(x, y):
+    m = x * y
+    for k in range(4):
+        y[k // 2] += m[k]
+    y *= x
+    places = np.array([0, 0, 2])
+    np.add.at(x, places, m[:3] * x[:3])
+    x *= y
+
+
 CASES = [
+    (sums_into_one_place_recorded, ("x", "y"), ("x", "y")),
     (arrays_computed_in_a_call, ("x", "y"), ("x", "y", "return")),
     (size_of_a_row, ("x", "m"), ("x", "return")),
     (index_from_a_written_array, ("x", "y"), ("x",)), (one_array_for_two_parameters, ("x", "a"), ("x",)),

@@ -1,27 +1,29 @@
 """order: the loops whose iterations may run in any order, so that the reverse sweep need not run them backwards.
 
-Requires the structure table; a loop is free if no number and no element flows between its iterations, except sums.
+Requires the structure table and the plan; a loop is free if no number and no element flows between its iterations,
+except sums. What a sum overwrites may be recorded: it is restored last first, so that such a sum counts as a store.
 Forwards is the order that compilers vectorise and memory prefetches.
 """
 from __future__ import annotations
 
 from s2sad.analyze.dependence import Dependence, Reference
 from s2sad.analyze.liveness import base_name
-from s2sad.analyze.plan import Question, reads
+from s2sad.analyze.plan import Plan, Question, reads
 from s2sad.analyze.structure import Place
 from s2sad.analyze.values import Values
 from s2sad.tree import AST, AugAssign, Break, For
 
 
-def order_free(question: Question) -> frozenset[int]:
-    """The ids of the loops whose iterations may run in any order."""
+def order_free(question: Question, plan: Plan) -> frozenset[int]:
+    """The ids of the loops whose iterations the reverse sweep may run in any order."""
     structure, values = question.structure, Values(question.structure)
+    recorded = {id(store.statement) for store in plan.stores.values()}
     found: set[int] = set()
     for place in structure.places.values():
         loop = place.statement
         if isinstance(loop, For) and not _carries(loop, values) and not _breaks(loop, question):
             inner = [p for p in structure.places.values() if any(x is loop for x in p.loops)]
-            if _independent(loop, inner, question):
+            if _independent(loop, inner, question, recorded):
                 found.add(id(loop))
     return frozenset(found)
 
@@ -36,12 +38,14 @@ def _breaks(loop: For, question: Question) -> bool:
                for p in question.structure.places.values())
 
 
-def _independent(loop: For, inner: list[Place], question: Question) -> bool:
+def _independent(loop: For, inner: list[Place], question: Question, recorded: set[int]) -> bool:
     typing, dependence = question.structure.typing, question.dependence
-    sums = [Reference.to(t, p.statement) for p in inner for t in question.writes(p.statement)
-            if isinstance(p.statement, AugAssign)]
-    stores = [Reference.to(t, p.statement) for p in inner for t in question.writes(p.statement)
-              if not isinstance(p.statement, AugAssign)]
+
+    def is_sum(place: Place) -> bool:
+        return isinstance(place.statement, AugAssign) and id(place.statement) not in recorded
+
+    sums = [Reference.to(t, p.statement) for p in inner if is_sum(p) for t in question.writes(p.statement)]
+    stores = [Reference.to(t, p.statement) for p in inner if not is_sum(p) for t in question.writes(p.statement)]
     loads = [Reference.to(x, p.statement) for p in inner for x in reads(p.statement, typing) if base_name(x)]
     pairs = [(s, x) for s in stores for x in [*stores, *loads, *sums]] + [(s, x) for s in sums for x in loads]
     return not any(_meet(a, b, loop, dependence) for a, b in pairs)

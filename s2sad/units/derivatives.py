@@ -101,7 +101,7 @@ class Units(NormalForms):
         question = Question(table, Dependence(table), lambda s: is_active_statement(s, typing, found), reads_of, writes,
                             self.seen_after, quick=self.engine == "numba")
         plan = recorded(question)
-        plan.forwards = order_free(question) if self.engine == "numba" else frozenset()
+        plan.forwards = order_free(question, plan) if self.engine == "numba" else frozenset()
         made = adjoint(table, found, plan, wanted, names, deriving, unit.family, title)
         return self._finished(unit, wanted, made, found, typing, names, plan)
 
