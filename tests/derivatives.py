@@ -100,6 +100,14 @@ class Subject:
         wide = {n: _wide(copy.deepcopy(v)) for n, v in self.given.items()}
         return _vector(self.run({**wide, **_split(wide, self.wrt, x)}), self.of)
 
+    def is_single(self) -> bool:
+        """Whether an argument is of float32: what is computed is precise to that."""
+        return any(isinstance(v, np.ndarray) and v.dtype == np.float32 for v in self.given.values())
+
+    def smallest(self) -> float:
+        """The smallest normal number of what is computed."""
+        return float(np.finfo(np.float32 if self.is_single() else np.float64).tiny)
+
     def scales(self) -> np.ndarray:
         """A natural step for every input: its own size, or its argument's where it is small."""
         parts = [np.zeros(0)]
@@ -193,7 +201,7 @@ def check_derivatives(function: Callable, arguments: tuple, wrt: tuple[str, ...]
     arguments relax the tolerances to what float32 can hold.
     """
     subject = Subject(function, arguments, wrt, of)
-    if any(isinstance(v, np.ndarray) and v.dtype == np.float32 for v in subject.given.values()):
+    if subject.is_single():
         rtol, dot_tol = max(rtol, 2e-3), max(dot_tol, 1e-4)
     if not np.all(np.isfinite(_vector(subject.outputs, subject.of))):
         raise UnreliableDifferences("the outputs are not finite")
@@ -217,7 +225,7 @@ def check_derivatives(function: Callable, arguments: tuple, wrt: tuple[str, ...]
         tangents = s2sad.jvp(differentiated, args, _split(subject.given, subject.wrt, direction), of=subject.of)
         _unchanged(before, args, "jvp")
         y_dot = _vector(tangents, subject.of)
-        dot = max(dot, _dot_product(bars, y_dot, x_bar, direction, dot_tol))
+        dot = max(dot, _dot_product(bars, y_dot, x_bar, direction, dot_tol, subject.smallest()))
         along = max(along, _along(subject, direction, bars, y_dot, x_bar, rtol))
     single = _single_inputs(subject, bars, x_bar, rtol, coordinates, rng)
     return Measured(dot, along, single)
@@ -228,10 +236,12 @@ def _rounded(subject: Subject, direction: np.ndarray) -> np.ndarray:
     return _vector(_split(subject.given, subject.wrt, direction), subject.wrt)
 
 
-def _dot_product(bars: np.ndarray, y_dot: np.ndarray, x_bar: np.ndarray, x_dot: np.ndarray, tolerance: float) -> float:
+def _dot_product(bars: np.ndarray, y_dot: np.ndarray, x_bar: np.ndarray, x_dot: np.ndarray, tolerance: float,
+                 smallest: float) -> float:
+    """How far they are apart; numbers under the smallest normal one have lost their digits and do not count."""
     magnitude = float(np.abs(bars * y_dot).sum() + np.abs(x_bar * x_dot).sum())
     distance = abs(math.fsum(bars * y_dot) - math.fsum(x_bar * x_dot))
-    assert distance <= tolerance * magnitude, (
+    assert distance <= max(tolerance * magnitude, smallest), (
         f"dot product: tangent {math.fsum(bars * y_dot)!r}, adjoint {math.fsum(x_bar * x_dot)!r}, apart by "
         f"{distance / magnitude:.1e} of {magnitude:.3g}")
     return distance / (magnitude or 1.0)

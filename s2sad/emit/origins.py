@@ -8,7 +8,7 @@ from tokenize import COMMENT, DEDENT, ENDMARKER, INDENT, NEWLINE, NL, TokenError
 from s2sad.diagnostics import Source, Span
 from s2sad.differentiate.adjoint import REVERSE
 from s2sad.emit.layout import text
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.tree import AST, Assign, AugAssign, Expr, FunctionDef, Name, Return, comment, copy, is_comment
 
 _WIDTH = 98  # a line, less "# "

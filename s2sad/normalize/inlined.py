@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from s2sad.blocks import with_blocks
 from s2sad.diagnostics import Report, Source
 from s2sad.infer.infer import Typing, infer
 from s2sad.infer.types import FLOAT, Type
@@ -102,12 +103,8 @@ class _Inlined:
         return [made for statement in block for made in self.statement(statement)]
 
     def statement(self, statement: AST) -> list[AST]:
-        if isinstance(statement, If):
-            return [at(If(statement.test, self.block(statement.body), self.block(statement.orelse)), statement)]
-        if isinstance(statement, For):
-            return [at(For(statement.target, statement.iter, self.block(statement.body), [], None), statement)]
-        if isinstance(statement, While):
-            return [at(While(statement.test, self.block(statement.body), []), statement)]
+        if isinstance(statement, (For, If, While)):
+            return [with_blocks(statement, self.block)]
         value = statement.value if isinstance(statement, (Assign, Expr)) else None
         if value is None or not _called(value) or not any(t.is_array for t in self.typing.call_results(value)):
             return [statement]

@@ -12,6 +12,7 @@ What each is made of stands in `normalize/pieces_of_shapes`, `pieces_of_sums` an
 from __future__ import annotations
 
 from s2sad import rules
+from s2sad.blocks import with_blocks
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing, learn
 from s2sad.naming import Names
@@ -62,12 +63,8 @@ class _Pieces:
         return [at(made, s) for s in block for made in self.statement(s)]
 
     def statement(self, statement: AST) -> list[AST]:
-        if isinstance(statement, For):
-            return [For(statement.target, statement.iter, self.block(statement.body), [], None)]
-        if isinstance(statement, While):
-            return [While(statement.test, self.block(statement.body), [])]
-        if isinstance(statement, If):
-            return [If(statement.test, self.block(statement.body), self.block(statement.orelse))]
+        if isinstance(statement, (For, If, While)):
+            return [with_blocks(statement, self.block)]
         if isinstance(statement, Assign) and _is_made(statement):
             return self.written(statement)
         return [statement]

@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from s2sad.blocks import with_blocks
 from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
 from s2sad.infer.shapes import Shapes, bare_shapes, shape_expression
@@ -105,12 +106,8 @@ class Scalarize:
         return new
 
     def statement(self, statement: AST) -> list[AST]:
-        if isinstance(statement, For):
-            return [For(statement.target, statement.iter, self.block(statement.body), [], None)]
-        if isinstance(statement, While):
-            return [While(statement.test, self.block(statement.body), [])]
-        if isinstance(statement, If):
-            return [If(statement.test, self.block(statement.body), self.block(statement.orelse))]
+        if isinstance(statement, (For, If, While)):
+            return [with_blocks(statement, self.block)]
         if isinstance(statement, (Assign, AugAssign)):
             return self.store(statement)
         if isinstance(statement, Return) and statement.value is not None and not (self.final or self.only):

@@ -22,7 +22,7 @@ from s2sad.normalize.calls import result_structure
 from s2sad.program import Generated, Program, Request
 from s2sad.report.differences import differences
 from s2sad.selection import RETURN, in_a_row
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Expr, FunctionDef, Name, Return, Subscript, call, call_name, const, copy, index,
     indices, is_comment, name, rename, walk,

@@ -9,7 +9,7 @@ from s2sad import pipeline
 from s2sad.emit.module import module_text
 from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.program import Program, Request
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.tree import AST, FunctionDef, Pass, copy, forgotten
 from s2sad.units import Units
 

@@ -20,7 +20,7 @@ from s2sad.simplify.dead import dead
 from s2sad.simplify.fold import fold
 from s2sad.simplify.gains import gains
 from s2sad.simplify.merge import merge
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.simplify.select import select
 from s2sad.simplify.undone import undone
 from s2sad.tree import (

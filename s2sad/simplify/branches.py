@@ -12,7 +12,7 @@ Requires a structured function; a question is asked once only where the first an
 from __future__ import annotations
 
 from s2sad.analyze.liveness import base_name, targets
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.tree import AST, FunctionDef, If, Subscript, at, call_name, copy, equal, names, walk
 
 

@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 from s2sad.analyze.liveness import Liveness, targets
 from s2sad.infer.infer import Typing
 from s2sad.naming import Names
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, For, FunctionDef, Name, copy, is_comment, rename, stored_names, walk,
 )

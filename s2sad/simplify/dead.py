@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.analyze.liveness import Liveness, Writes, targets
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, Break, Call, Expr, For, FunctionDef, If, Name, Not, Raise, Return, UnaryOp,
     While, at, copy, forgotten, is_comment, walk,

@@ -16,7 +16,7 @@ from s2sad.naming import Names
 from s2sad.analyze.liveness import base_name
 from s2sad.simplify.bounds import Counted, changed, counted, is_straight, shifted_by, stores
 from s2sad.simplify.peel import peeled
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.simplify.restored import restored
 from s2sad.simplify.rotate import rotated
 from s2sad.simplify.distribute import distributed

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Set
 
 from s2sad.analyze.liveness import base_name, targets
-from s2sad.simplify.rebuild import heads, with_blocks
+from s2sad.blocks import heads, with_blocks
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Constant, For, FunctionDef, If, Name, Store, Subscript, UnaryOp, While, call_name,
     copy, names, substitute, walk,

@@ -10,7 +10,7 @@ Compilers cannot do it: for all they know a store to a shadow changes what the o
 from __future__ import annotations
 
 from s2sad.analyze.liveness import base_name, targets
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, FunctionDef, IfExp, Sub, Subscript, at, augment, call_name, copy, dump,
     is_comment, names, negate, walk,

@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 from s2sad.analyze.liveness import base_name, targets
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, Break, Constant, FunctionDef, If, Name, Return, Store, Sub, Subscript, assign, at,
     call_name, copy, dump, names, negate, stored_names,

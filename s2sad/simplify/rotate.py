@@ -26,7 +26,7 @@ from s2sad.analyze.liveness import base_name
 from s2sad.simplify.bounds import (
     Counted, affine, changed, counted, is_straight, never_negative, shifted_by, stores,
 )
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.tree import (

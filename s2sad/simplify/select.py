@@ -10,7 +10,7 @@ moved out from under a test.
 """
 from __future__ import annotations
 
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, If, IfExp, Mult, Name,
     Sub, UnaryOp, USub, assign, at, augment, call_name, const, copy, dump, equal, is_comment, name, names, stored_names,

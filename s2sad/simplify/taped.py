@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from s2sad.differentiate.tape import Stack
 from s2sad.infer.types import Type
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Add, Assign, BinOp, Expr, FunctionDef, Name, Return, Tuple, assign, at, attribute, call, call_name,
     const, copy, function, index, name, tuple_of,

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.analyze.liveness import base_name, targets
-from s2sad.simplify.rebuild import with_blocks
+from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Constant, Expr, FunctionDef, Name, Subscript, call_name, copy, dump, name, names,
     stored_names, walk,
