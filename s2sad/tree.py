@@ -175,12 +175,25 @@ def function(identifier: str, parameters: list[str], body: list[AST]) -> Functio
 def at(node: AST, origin: AST) -> AST:
     """The node, with the place of the statement that it comes from (on itself and on what has none)."""
     for child in walk(node):
-        if getattr(child, "lineno", None) is None and "lineno" in getattr(child, "_attributes", ()):
+        if child.__dict__.get("lineno") is None and "lineno" in child._attributes:
             gast.copy_location(child, origin)
     return node
 
 
 # -- reading --------------------------------------------------------------------------------------------------------
+
+class _Below(dict[type, tuple[str, ...]]):
+    """The fields of a kind of node that can hold nodes: not its context (Load, Store), texts and numbers."""
+
+    def __missing__(self, kind: type) -> tuple[str, ...]:
+        bare = {"ctx", "id", "attr", "name", "arg", "kind", "type_comment"}
+        fields = () if kind in (Name, Constant) else tuple(f for f in getattr(kind, "_fields") if f not in bare)
+        self[kind] = fields
+        return fields
+
+
+_below = _Below()
+
 
 def walk(node: AST | list[AST]) -> Iterator[AST]:
     """Every node below, the given one first, in the order of the text."""
@@ -188,18 +201,19 @@ def walk(node: AST | list[AST]) -> Iterator[AST]:
     while stack:
         current = stack.pop()
         yield current
-        if not isinstance(current, (Name, Constant)):
+        if _below[type(current)]:
             stack.extend(reversed(children(current)))
 
 
 def children(node: AST) -> list[AST]:
     """The nodes directly below, in the order of the text, without contexts (Load, Store)."""
     found: list[AST] = []
-    for field in node._fields:
-        value = getattr(node, field, None)
+    held = node.__dict__
+    for field in _below[type(node)]:
+        value = held.get(field)
         if isinstance(value, list):
             found += [item for item in value if isinstance(item, AST)]
-        elif isinstance(value, AST) and field != "ctx":
+        elif isinstance(value, AST):
             found.append(value)
     return found
 
@@ -256,10 +270,11 @@ def _rebuild(node: Any, change: Callable[[AST], AST | None]) -> Any:
 
 def _replica(node: AST, below: Callable[[Any], Any]) -> AST:
     """A node of the same kind and place with other nodes below; what has no fields, as a context, is shared."""
-    new = type(node).__new__(type(node))
+    kind = type(node)
+    new = kind.__new__(kind)
     held = new.__dict__
     held.update(node.__dict__)
-    for field in node._fields:
+    for field in _below[kind]:
         value = held.get(field)
         if isinstance(value, list) or isinstance(value, AST) and value._fields:
             held[field] = below(value)
