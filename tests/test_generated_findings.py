@@ -80,6 +80,17 @@ def one_element_at_counters_of_several_loops(x, y, m):
         y[0] += np.sum(x[k:k + 1]) * x[k + 1]
 
 
+def elements_of_parts_from_their_end(x, y, m):
+    turned, inner, even = y[::-1], x[1:-1], m[:, ::2]
+    for i in range(x.size):
+        x[i] += turned[i] * turned[i - 1]
+    for i in range(inner.size):
+        y[i] += inner[i - 1] * inner[i - 2] * inner[-i - 1]
+        inner[i - 1] *= 0.5 * y[i]
+    for k in range(-1, 2):
+        even[k, k] *= even[k, -k - 1] + turned[k]
+
+
 def copies_within_expressions(x, y, m):
     x[np.array([0, 2, 2, 1, 4])] = y.copy()
     x[1:] += y[1:].copy() * x[0]
@@ -114,7 +125,7 @@ def parts_of_length_one_to_a_helper(x, y, m):
 KERNELS = (copies_within_expressions, parts_of_length_one_to_a_helper, joined_masks, numbers_spread_and_summed,
            sizes_of_picked_elements, parts_of_picked_elements, picked_from_parts,
            parts_that_run_backwards,
-           one_element_at_counters_of_several_loops)
+           one_element_at_counters_of_several_loops, elements_of_parts_from_their_end)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

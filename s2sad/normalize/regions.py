@@ -11,7 +11,7 @@ from s2sad.infer.affine import Affine
 from s2sad.infer.laws import ONE, whole_number
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.slices import is_whole
-from s2sad.tree import AST, Add, BinOp, Constant, Mult, Name, Slice, const, copy
+from s2sad.tree import AST, Add, BinOp, Constant, Mult, Name, Slice, call, const, copy
 
 Refuse = Callable[[str], None]
 
@@ -60,7 +60,7 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
         refuse("a part of a part of an array whose bounds change")
         return inner
     if not isinstance(inner, Slice):
-        return _cell(shapes, start, step, inner, length, refuse)
+        return _cell(shapes, start, step, inner, length)
     within = shapes.span(inner, length)
     if within is None or size is None:
         refuse("a part of a part of an array whose bounds change")
@@ -80,13 +80,13 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
     return Slice(_bound(shapes, first), _bound(shapes, last, size), const(both) if both != 1 else None)
 
 
-def _cell(shapes: Shapes, start: Affine, step: int, inner: AST, length: Affine, refuse: Refuse) -> AST:
+def _cell(shapes: Shapes, start: Affine, step: int, inner: AST, length: Affine) -> AST:
     """The position of one element of a slice."""
     number = whole_number(inner)
     if number is not None:
         return shapes.expression(start.plus(Affine((), number) if number >= 0 else length.shift(number), step))
     if not shapes.is_counted(inner):
-        refuse("an element of a part of an array by an index that may be negative")
+        inner = call("runtime.element", copy(inner), shapes.expression(length))
     scaled = inner if step == 1 else BinOp(copy(inner), Mult(), const(step))
     return add_to(scaled, shapes, start)
 

@@ -20,7 +20,7 @@ from s2sad.runtime.matrices import (
 )
 from s2sad.runtime.places import places, sought
 from s2sad.runtime.scalars import comb, factorial, heaviside, isclose, isqrt, lcm, perm, product, remainder
-from s2sad.runtime.spans import position, position_down
+from s2sad.runtime.spans import element, position, position_down
 from s2sad.runtime.special import digamma
 from s2sad.runtime.spread import extreme_mask, scattered, spread
 from s2sad.runtime.stacks import grow, sized
@@ -34,7 +34,7 @@ from s2sad.runtime.triangles import (
 __all__ = [
     "added", "apart", "bands_gain", "bands_times", "bands_transposed", "blocked_sum", "both_parts_gain", "cg",
     "cholesky_change", "cholesky_gain", "cofactors", "comb", "dense", "det_sign", "digamma", "eigenvalues_change",
-    "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain", "exponential",
+    "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain", "element", "exponential",
     "exponential_change", "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain", "from_lower",
     "gmres", "grow", "half_lower", "heaviside", "isclose", "isqrt", "lcm", "least_squares", "least_squares_change",
     "left_vectors", "left_vectors_change", "left_vectors_gain", "log_det", "of_matrix", "orthogonal_part",

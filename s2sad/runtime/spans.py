@@ -2,6 +2,15 @@
 from __future__ import annotations
 
 
+def element(place, size):
+    """Where an element lies on an axis of this size: from the end if the place is negative.
+
+    >>> element(2, 5), element(-1, 5)
+    (2, 4)
+    """
+    return place + size if place < 0 else place
+
+
 def position(bound, size):
     """Where a slice's bound lies on an axis of this size: from the end if negative, never beyond an end.
 
