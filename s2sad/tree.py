@@ -182,12 +182,12 @@ def at(node: AST, origin: AST) -> AST:
 
 # -- reading --------------------------------------------------------------------------------------------------------
 
-class _Below(dict[type, tuple[str, ...]]):
+class _Below(dict[type[AST], tuple[str, ...]]):
     """The fields of a kind of node that can hold nodes: not its context (Load, Store), texts and numbers."""
 
-    def __missing__(self, kind: type) -> tuple[str, ...]:
+    def __missing__(self, kind: type[AST]) -> tuple[str, ...]:
         bare = {"ctx", "id", "attr", "name", "arg", "kind", "type_comment"}
-        fields = () if kind in (Name, Constant) else tuple(f for f in getattr(kind, "_fields") if f not in bare)
+        fields = () if kind in (Name, Constant) else tuple(f for f in kind._fields if f not in bare)
         self[kind] = fields
         return fields
 

@@ -4,13 +4,14 @@ Numba freezes globals, and so does a generated file; a constant that was changed
 """
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 
 from s2sad.binding import same_number
+from s2sad.read import holders
 from s2sad.read.capture import python_function
 
 _ABSENT = object()
@@ -28,7 +29,7 @@ class Watch:
 
     def __init__(self, function: FunctionType):
         self.functions: list[tuple[FunctionType, CodeType, Any]] = []
-        self.places: list[tuple[dict[str, Any], str, Any]] = []
+        self.places: list[tuple[Mapping[str, Any], str, Any]] = []
         self.cells: list[tuple[Any, Any]] = []
         self._seen: set[Any] = set()
         self._add(function)
@@ -79,9 +80,25 @@ class Watch:
                     self.places.append((space, name, space[name]))
                     self._follow(space[name], names)
             return
+        spaces = None if isinstance(value, FunctionType) else holders.places(value)
+        if spaces is not None:
+            self._hold(value, spaces, names)
+            return
         inner = python_function(value)
         if inner is not None and (inner.__module__ or "").partition(".")[0] not in _LIBRARIES:
             self._add(inner)
+
+
+    def _hold(self, value: Any, spaces: list[Mapping[str, Any]], names: tuple[str, ...]) -> None:
+        """What a holder has under the names of a function, or all items of a dictionary; what an object has not may be
+        given to it, and then hides what its class has."""
+        if (id(value), names) in self._seen:
+            return
+        self._seen.add((id(value), names))
+        for name in value if isinstance(value, dict) else names:
+            if any(name in space for space in spaces):
+                self.places += [(space, name, space.get(name, _ABSENT)) for space in spaces]
+                self._follow(next(space[name] for space in spaces if name in space), names)
 
 
 def _names(code: CodeType) -> tuple[str, ...]:

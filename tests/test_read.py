@@ -499,9 +499,9 @@ def test_asserts_in_a_test_file():
 
 
 def test_live_values_that_a_kernel_cannot_use(tmp_path):
-    text = ("import numpy as np\nlist_ = [1]\ntext = np.array(['a'])\n"
+    text = ("import numpy as np\nlist_ = [1, 'a']\ntext = np.array(['a'])\n"
             "class C:\n    a = 1\nobject_ = C()\n"
-            "def f(x):\n    return list_[0] + text[0] + C() + object_.a + x\n")
+            "def f(x):\n    return list_[0] + text[0] + C() + object_ + object_.a + x\n")
     found = refusal(read.load, imported(write(tmp_path, text)).f)
     messages = [line.split(": ", 1)[1] for line in found.splitlines() if "error[" in line]
     assert messages == [f"error[S201]: {m}" for m in (

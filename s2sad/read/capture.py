@@ -17,9 +17,10 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
+from s2sad.read import holders
 from s2sad.read.meaning import (
-    AST, Captured, Function, Library, LibraryScope, Meaning, NotConstant, Number, Space, Text, Unusable,
-    library_path, value_meaning,
+    AST, Captured, Function, Holder, Library, LibraryScope, Meaning, NotConstant, Number, Space, Text, Unusable,
+    kind_of, library_path, value_meaning,
 )
 from s2sad.rules.given import GIVEN, ROOM
 
@@ -253,6 +254,9 @@ def live_meaning(name: str, value: Any, current: Any = None) -> Meaning:
     if function is not None:
         path = f"{function.__module__}.{function.__qualname__}"
         return Function(function.__name__, ("live", id(function)), path, function)
+    if holders.places(value) is not None:
+        what = "a class" if isinstance(value, type) else kind_of(value)
+        return Holder(name, holders.HolderScope(name, value, live_meaning), what)
     return value_meaning(name, value, current)
 
 

@@ -89,6 +89,12 @@ class Space:
     scope: Scope = field(compare=False)
 
 
+@dataclass(frozen=True)
+class Holder(Space):
+    """A dictionary, an object or a class: what it holds is reached as items or attributes."""
+    what: str = ""
+
+
 Meaning = Library | Number | Array | Record | Text | Function | Unusable | Space
 
 
@@ -165,7 +171,9 @@ def library_path(name: str, value: Any) -> str | None:
 
 def dotted(meaning: Meaning | None) -> str | None:
     """The path of something of a library; None for anything else."""
-    return meaning.path if isinstance(meaning, Library) else meaning.name if isinstance(meaning, Space) else None
+    if isinstance(meaning, Library):
+        return meaning.path
+    return meaning.name if isinstance(meaning, Space) and not isinstance(meaning, Holder) else None
 
 
 def is_number(value: Any) -> bool:

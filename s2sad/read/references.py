@@ -10,7 +10,7 @@ from collections.abc import Callable
 from s2sad import rules, tree
 from s2sad.diagnostics import Report
 from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Function, Meaning, Number, Record, Space, Text, Unusable, dotted, library_value,
+    AST, BUILTIN_CALLS, Array, Function, Holder, Meaning, Number, Record, Space, Text, Unusable, dotted, library_value,
 )
 from s2sad.rules.given import GIVEN, ROOM
 from s2sad.rules.spellings import is_scipy
@@ -35,6 +35,8 @@ class References:
         if isinstance(meaning, Text):
             return tree.at(tree.Constant(meaning.value, None), node)
         called = id(node) in self.called
+        if isinstance(meaning, Holder):
+            meaning = Unusable(meaning.what, "name the number or array that is in it, or pass it as an argument")
         path = self._given(node, dotted(meaning), text)
         if isinstance(meaning, Function):
             path = self._function(node, meaning, text, called)

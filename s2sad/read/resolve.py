@@ -77,11 +77,19 @@ def _decorator(decorator: AST, captured: Captured, report: Report) -> None:
 
 
 def _path(node: AST) -> list[str]:
-    """`a.b.c` as a list; empty for anything else."""
+    """`a.b["c"]` as a list, items in brackets; empty for anything else."""
     if isinstance(node, tree.Name):
         return [node.id]
-    base = _path(node.value) if isinstance(node, tree.Attribute) else []
-    return [*base, node.attr] if base else []
+    if isinstance(node, tree.Subscript) and isinstance(node.slice, tree.Constant) and isinstance(node.slice.value, str):
+        base, last = _path(node.value), f"[{node.slice.value}]"
+    else:
+        base, last = (_path(node.value), node.attr) if isinstance(node, tree.Attribute) else ([], "")
+    return [*base, last] if base else []
+
+
+def _spelled(parts: list[str]) -> str:
+    """A path as one writes it: a.b['c']."""
+    return "".join(f"[{p[1:-1]!r}]" if p.startswith("[") else f".{p}" if k else p for k, p in enumerate(parts))
 
 
 class _Resolver(References):
@@ -105,7 +113,7 @@ class _Resolver(References):
             return self._call(node)
         if isinstance(node, tree.Raise) and node.exc is not None:
             self.raised.add(id(node.exc.func if isinstance(node.exc, tree.Call) else node.exc))
-        if isinstance(node, (tree.Name, tree.Attribute)) and not isinstance(node.ctx, tree.Store):
+        if isinstance(node, (tree.Name, tree.Attribute, tree.Subscript)) and not isinstance(node.ctx, tree.Store):
             return self._path(node)
         return None
 
@@ -169,27 +177,27 @@ class _Resolver(References):
                 return self._unknown(node, parts, taken, known)
             meaning, taken = inner, taken + 1
         if taken == len(parts):
-            return self._reference(node, meaning, ".".join(parts))
+            return self._reference(node, meaning, _spelled(parts))
         if isinstance(meaning, (Number, Array)):
             return None  # `table.shape`: the name below is resolved on its own
         if isinstance(meaning, Text):
             self._refuse("a method of a string is not supported in a kernel", node, "write the string out")
         elif isinstance(meaning, Unusable):
-            return self._reference(node, meaning, ".".join(parts[:taken]))
+            return self._reference(node, meaning, _spelled(parts[:taken]))
         else:
-            self._refuse(f"an attribute of the function '{'.'.join(parts[:taken])}' is not supported in a kernel", node,
+            self._refuse(f"an attribute of the function '{_spelled(parts[:taken])}' is not supported in a kernel", node,
                          "call the function itself")
         return tree.copy(node)
 
     def _unknown(self, node: AST, parts: list[str], at: int, known: list[str]) -> AST:
-        text, owner = ".".join(parts[:at + 1]), ".".join(parts[:at])
+        text, owner = _spelled(parts[:at + 1]), _spelled(parts[:at])
         if text not in self.said:
             self.said.add(text)
             close = difflib.get_close_matches(parts[at], known, 1, 0.7)
-            help = f"did you mean '{owner + '.' if owner else ''}{close[0]}'?" if close else (
+            help = f"did you mean '{_spelled([*parts[:at], close[0]])}'?" if close else (
                 "give it a value in the kernel, define it at module level, or pass it as an argument" if not owner else
                 f"define it in '{owner}', or correct the name")
-            message = f"'{owner}' has no '{parts[at]}'" if owner else f"the name '{text}' is not known"
+            message = f"'{owner}' has no '{parts[at].strip('[]')}'" if owner else f"the name '{text}' is not known"
             place = node
             while isinstance(place, tree.Attribute) and not owner:
                 place = place.value

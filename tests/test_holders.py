@@ -1,0 +1,127 @@
+"""Constants of dictionaries, objects and classes that a kernel's module holds."""
+from __future__ import annotations
+
+from collections import namedtuple
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+
+ENGINES = ("numpy", "numba")
+Grid = namedtuple("Grid", "n spacing")
+
+
+@dataclass
+class Physics:
+    gravity: float
+    weights: np.ndarray
+
+    def drag(self, u):
+        return u * self.gravity
+
+
+class Constants:
+    scale = 1.5
+    table = np.array([0.5, 2.0, 1.0, 3.0])
+
+
+class Settings(Constants):
+    cutoff = 0.3
+
+    def __init__(self, order):
+        self.order = order
+
+
+CONFIG = {"dt": 0.1, "steps": 2, "solver": {"relaxation": 0.7, "method": "sor"}, "time scale": 3.0, "w": np.ones(4)}
+PHYSICS = Physics(9.81, np.array([1.0, 2.0, 3.0, 4.0]))
+SPACE = SimpleNamespace(damping=0.25, inner=PHYSICS)
+GRID = Grid(3, (0.5, 0.25))
+SETTINGS = Settings(3)
+
+
+def step(u, v):
+    for _ in range(CONFIG["steps"]):
+        for i in range(GRID.n):
+            u[i] += CONFIG["dt"] * v[i] * PHYSICS.weights[i] - CONFIG["solver"]["relaxation"] * u[i] * SPACE.damping
+            if CONFIG["solver"]["method"] == "sor" and abs(v[i]) > SETTINGS.cutoff:
+                v[i] *= Constants.table[i] * Constants.scale ** SETTINGS.order
+    return np.sum(u * CONFIG["w"]) * SPACE.inner.gravity / CONFIG["time scale"] + Settings.scale * SETTINGS.scale * v[0]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_constants_that_are_held(engine):
+    u, v = np.array([0.3, 0.6, 0.9, 1.2]), np.array([0.2, 0.7, 0.4, 0.5])
+    check_derivatives(step, (u, v), ("u", "v"), ("u", "v", "return"), engine)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_was_changed_is_seen(engine, monkeypatch):
+    u, v = np.array([0.3, 0.6, 0.9, 1.2]), np.array([0.2, 0.7, 0.4, 0.5])
+    gradient = s2sad.gradient(s2sad.differentiate(step, engine=engine), wrt="u")
+
+    def expected():
+        left = (1.0 - CONFIG["solver"]["relaxation"] * SPACE.damping) ** CONFIG["steps"]
+        return np.array([left, left, left, 1.0]) * CONFIG["w"] * SPACE.inner.gravity / CONFIG["time scale"]
+
+    np.testing.assert_allclose(gradient(u, v), expected(), rtol=1e-12)
+    for holder, name, value in ((CONFIG["solver"], "relaxation", 0.4), (CONFIG, "steps", 3), (CONFIG, "w", 2.0 * u),
+                                (CONFIG, "time scale", 2.0)):
+        monkeypatch.setitem(holder, name, value)
+        np.testing.assert_allclose(gradient(u, v), expected(), rtol=1e-12)
+    for holder, name, value in ((SPACE, "damping", 0.5), (PHYSICS, "gravity", 1.62),
+                                (SPACE, "inner", Physics(3.7, PHYSICS.weights))):
+        monkeypatch.setattr(holder, name, value)
+        np.testing.assert_allclose(gradient(u, v), expected(), rtol=1e-12)
+    hides = s2sad.gradient(s2sad.differentiate(step, engine=engine), wrt="v")
+    before = hides(u, v)
+    monkeypatch.setattr(SETTINGS, "scale", 5.0, raising=False)   # the object's own hides its class's
+    np.testing.assert_allclose(hides(u, v)[3], before[3])
+    assert hides(u, v)[0] > 2.0 * before[0]
+
+
+def unknown_item(x):
+    return np.sum(x) * CONFIG["stepz"]
+
+
+def unknown_field(x):
+    return np.sum(x) * PHYSICS.gravitas
+
+
+def method_of_an_object(x):
+    return PHYSICS.drag(x[0])
+
+
+def handed_on(x):
+    return np.sum(x) * len(CONFIG)
+
+
+def written(x):
+    CONFIG["dt"] = 0.3
+    x[0] *= CONFIG["dt"]
+
+
+@pytest.mark.parametrize("kernel, message", [
+    (unknown_item, "error[S202]: 'CONFIG' has no 'stepz'\n    return np.sum(x) * CONFIG[\"stepz\"]\n"
+                   "                       ^^^^^^^^^^^^^^^\n  help: did you mean 'CONFIG['steps']'?"),
+    (unknown_field, "error[S202]: 'PHYSICS' has no 'gravitas'\n    return np.sum(x) * PHYSICS.gravitas\n"
+                    "                       ^^^^^^^^^^^^^^^^\n  help: did you mean 'PHYSICS.gravity'?"),
+    (method_of_an_object, "error[S201]: 'PHYSICS.drag' cannot be used in a kernel: it is a method or property\n"
+                          "    return PHYSICS.drag(x[0])\n           ^^^^^^^^^^^^\n"
+                          "  help: write it as a function of the module, and pass it what it reads"),
+    (handed_on, "error[S201]: 'CONFIG' cannot be used in a kernel: it is a dict\n"
+                "    return np.sum(x) * len(CONFIG)\n                           ^^^^^^\n"
+                "  help: name the number or array that is in it, or pass it as an argument"),
+    (written, "error[S201]: 'CONFIG' cannot be used in a kernel: it is a dict\n"
+              "    CONFIG[\"dt\"] = 0.3\n    ^^^^^^\n"
+              "  help: name the number or array that is in it, or pass it as an argument"),
+])
+def test_what_is_refused(kernel, message):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.differentiate(kernel).adjoint_source(np.ones(3))
+    lines = [line.split(" | ")[-1] if " | " in line else line.partition("error[")[1] + line.partition("error[")[2]
+             or line for line in str(caught.value).splitlines()]
+    assert [line.strip() for line in lines] == [line.strip() for line in message.splitlines()]
