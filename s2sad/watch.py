@@ -15,7 +15,6 @@ from s2sad.read import holders
 from s2sad.read.capture import python_function
 
 _ABSENT = object()
-_FOLLOWED = (int, float, np.generic, np.ndarray, ModuleType)
 _LIBRARIES = ("numpy", "math", "builtins", "numba", "scipy")
 
 
@@ -76,9 +75,12 @@ class Watch:
             self._seen.add((id(value), names))
             space = vars(value)
             for name in names:  # `module.G` names both; a name too many costs a look-up, no more
-                if isinstance(space.get(name), _FOLLOWED) or python_function(space.get(name)) is not None:
+                if name in space:
                     self.places.append((space, name, space[name]))
                     self._follow(space[name], names)
+            return
+        if isinstance(value, list):
+            self.places.append((_Content(value), "", frozen(value)))
             return
         spaces = None if isinstance(value, FunctionType) else holders.places(value)
         if spaces is not None:
@@ -99,6 +101,21 @@ class Watch:
             if any(name in space for space in spaces):
                 self.places += [(space, name, space.get(name, _ABSENT)) for space in spaces]
                 self._follow(next(space[name] for space in spaces if name in space), names)
+
+
+class _Content(dict):
+    """Has the items of a list, as they are when it is asked."""
+
+    def __init__(self, items: list[Any]):
+        self.items_now = items
+
+    def get(self, key: str, default: Any = None) -> Any:
+        return frozen(self.items_now)
+
+
+def frozen(value: Any) -> Any:
+    """The items of nested lists, as tuples."""
+    return tuple(map(frozen, value)) if isinstance(value, (list, tuple)) else value
 
 
 def _names(code: CodeType) -> tuple[str, ...]:

@@ -125,3 +125,52 @@ def test_what_is_refused(kernel, message):
     lines = [line.split(" | ")[-1] if " | " in line else line.partition("error[")[1] + line.partition("error[")[2]
              or line for line in str(caught.value).splitlines()]
     assert [line.strip() for line in lines] == [line.strip() for line in message.splitlines()]
+
+
+WEIGHTS = (1.0, -2.0, 1.0)
+STAGES = [[0.0, 0.0], [0.5, 0], [0.25, 0.75]]
+OFFSETS = [-1, 0, 1]
+PAIRS = ((0.5, 2), (1.5, 1))
+
+
+def numbers_of_sequences(u, v):
+    for i in range(1, u.size - 1):
+        for w, k in zip(WEIGHTS, OFFSETS):
+            v[i] += w * u[i + k] ** 2
+    for i, w in enumerate(WEIGHTS):
+        for j in range(len(STAGES[0])):
+            u[i] *= 1.0 + STAGES[i][j] * v[j] * w
+    for a, k in PAIRS:
+        u[int(k)] += a * v[0]
+    return np.dot(WEIGHTS, u[1:]) * CONFIG["sequence"][-1]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_numbers_of_tuples_and_lists(engine, monkeypatch):
+    monkeypatch.setitem(CONFIG, "sequence", [2.0, 3.0])
+    u, v = np.array([0.3, 0.6, 0.9, 1.2]), np.array([0.2, 0.7, 0.4, 0.5])
+    check_derivatives(numbers_of_sequences, (u, v), ("u", "v"), ("u", "v", "return"), engine)
+    gradient = s2sad.gradient(s2sad.differentiate(numbers_of_sequences, engine=engine), wrt="u")
+    before = gradient(u, v)
+    CONFIG["sequence"][1] = 6.0
+    np.testing.assert_allclose(gradient(u, v), 2.0 * before, rtol=1e-12)
+    STAGES[1][0] = 0.75
+    changed = gradient(u, v)
+    STAGES[1][0] = 0.5
+    assert not np.allclose(changed, 2.0 * before)
+
+
+def repeated(x):
+    return np.sum(x) * len(WEIGHTS * 2)
+
+
+def row_of(x):
+    row = STAGES[1]
+    return x[0] * row[0]
+
+
+@pytest.mark.parametrize("kernel, word", [(repeated, "WEIGHTS"), (row_of, "STAGES")])
+def test_sequences_are_no_arrays(kernel, word):
+    with pytest.raises(s2sad.S2sadError, match=f"'{word}' cannot be used in a kernel: it is a (list|tuple)") as caught:
+        s2sad.differentiate(kernel).adjoint_source(np.ones(3))
+    assert "help: pick its numbers one by one, or make it a NumPy array" in str(caught.value)

@@ -44,6 +44,12 @@ class Array:
 
 
 @dataclass(frozen=True)
+class Items(Array):
+    """A tuple or list of numbers, nested or not, as an array: that is what it is where its numbers are picked."""
+    what: str = ""
+
+
+@dataclass(frozen=True)
 class Record:
     """A class that only holds fields: a dataclass or a named tuple."""
     name: str
@@ -202,4 +208,17 @@ def value_meaning(name: str, value: Any, current: Callable[[], Any] | None = Non
         return Record(name, value, current)
     if isinstance(value, type):
         return Unusable("a class", "pass its fields as arguments of the kernel, numbers and arrays")
+    if isinstance(value, (tuple, list)):
+        numbers = _as_array(value)
+        if numbers is not None:
+            return Items(name, numbers, current, kind_of(value))
     return Unusable(kind_of(value), "pass it as an argument, or make it a number or a NumPy array")
+
+
+def _as_array(value: tuple | list) -> numpy.ndarray | None:
+    """Numbers that a tuple or list holds, in a shape; None where there are none, or anything else among them."""
+    try:
+        found = numpy.array(value)
+    except (ValueError, OverflowError):  # rows of different lengths
+        return None
+    return found if found.size and found.dtype.kind in "if" else None

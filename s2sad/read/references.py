@@ -10,12 +10,17 @@ from collections.abc import Callable
 from s2sad import rules, tree
 from s2sad.diagnostics import Report
 from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Function, Holder, Meaning, Number, Record, Space, Text, Unusable, dotted, library_value,
+    AST, BUILTIN_CALLS, Array, Function, Holder, Items, Meaning, Number, Record, Space, Text, Unusable, dotted,
+    library_value,
 )
 from s2sad.rules.given import GIVEN, ROOM
 from s2sad.rules.spellings import is_scipy
 
 Identify = Callable[["Function | Number | Array | Record"], str]
+
+
+ALL = -1                                # of a tuple or list: NumPy or a loop goes through it as through an array
+ITERATORS = ("enumerate", "zip", "reversed")
 
 
 class References:
@@ -27,6 +32,27 @@ class References:
     called: set[int]
     raised: set[int]
     said: set[str]
+    picked: dict[int, int]
+
+    def _pick(self, node: AST) -> None:
+        """Takes down what is picked of the values in a subscript, a loop or a call: by how many subscripts, or ALL."""
+        if isinstance(node, tree.For):
+            self.picked[id(node.iter)] = 2 if isinstance(node.target, tree.Tuple) else 1
+        elif isinstance(node, tree.Call):
+            word = node.func.id if isinstance(node.func, tree.Name) else ""
+            count = 1 if word in ITERATORS else ALL
+            for argument in node.args:
+                given = argument
+                while word == "len" and isinstance(given, tree.Subscript):
+                    self.picked[id(given)] = 0
+                    given = given.value
+                self.picked[id(given)] = count
+        elif isinstance(node, tree.Subscript) and id(node) not in self.picked:
+            count = 0
+            while isinstance(node, tree.Subscript) and not isinstance(node.slice, (tree.Slice, tree.Tuple)):
+                self.picked[id(node)] = count
+                count, node = count + 1, node.value
+            self.picked[id(node)] = count
 
     def _refuse(self, message: str, node: AST, help: str) -> None:
         self.report.error("S201", message, node, help=help)
@@ -35,6 +61,8 @@ class References:
         if isinstance(meaning, Text):
             return tree.at(tree.Constant(meaning.value, None), node)
         called = id(node) in self.called
+        if isinstance(meaning, Items) and self.picked.get(id(node)) not in (meaning.value.ndim, ALL):
+            meaning = Unusable(meaning.what, "pick its numbers one by one, or make it a NumPy array")
         if isinstance(meaning, Holder):
             meaning = Unusable(meaning.what, "name the number or array that is in it, or pass it as an argument")
         path = self._given(node, dotted(meaning), text)

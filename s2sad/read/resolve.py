@@ -24,7 +24,7 @@ from s2sad.read.meaning import (
     library_value,
 )
 from s2sad.read.modules import dropped_decorator
-from s2sad.read.references import Identify, References
+from s2sad.read.references import ITERATORS, Identify, References
 from s2sad.tree import FunctionDef
 
 
@@ -102,6 +102,7 @@ class _Resolver(References):
         self.called: set[int] = set()
         self.raised: set[int] = set()
         self.said: set[str] = set()
+        self.picked: dict[int, int] = {}
 
     def change(self, node: AST) -> AST | None:
         if fence.opaque(node):
@@ -109,6 +110,8 @@ class _Resolver(References):
         if isinstance(node, tree.AnnAssign):
             plain = tree.Pass() if node.value is None else tree.Assign([node.target], node.value, None)
             return tree.rebuild(tree.at(plain, node), self.change)
+        if isinstance(node, (tree.For, tree.Subscript)):
+            self._pick(node)
         if isinstance(node, tree.Call):
             return self._call(node)
         if isinstance(node, tree.Raise) and node.exc is not None:
@@ -119,6 +122,9 @@ class _Resolver(References):
 
     def _call(self, node: tree.Call) -> AST | None:
         self.called.add(id(node.func))
+        if isinstance(self._function_meant(node.func), Library) or isinstance(
+                node.func, tree.Name) and node.func.id in ("len", *ITERATORS):
+            self._pick(node)
         if isinstance(node.func, tree.Name) and node.func.id in self.local:
             self._refuse(f"a call through the variable '{node.func.id}' is not supported in a kernel", node,
                          help="call a function of the module by its name")
