@@ -174,3 +174,21 @@ def test_sequences_are_no_arrays(kernel, word):
     with pytest.raises(s2sad.S2sadError, match=f"'{word}' cannot be used in a kernel: it is a (list|tuple)") as caught:
         s2sad.differentiate(kernel).adjoint_source(np.ones(3))
     assert "help: pick its numbers one by one, or make it a NumPy array" in str(caught.value)
+
+
+square = lambda x: x * x  # noqa: E731
+
+
+def misfit(u, observed, weight=2.0):
+    total = 0.0
+    for i in range(u.size):
+        total += weight * square(u[i] - observed[i])
+    return total
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_lambdas(engine):
+    u, observed = np.zeros(3), np.array([1.0, 2.0, 3.0])
+    for factor in (1.0, 3.0):
+        gradient = s2sad.gradient(s2sad.differentiate(lambda u: factor * misfit(u, observed), engine=engine))
+        np.testing.assert_allclose(gradient(u), -4.0 * factor * observed, rtol=1e-14)

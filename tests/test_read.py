@@ -266,13 +266,13 @@ def test_no_source(tmp_path):
         "error[S101]: a function is needed, not an int\n  help: give a function defined with def in a .py file")
     assert refusal(read.load, dict) == (
         "error[S101]: 'dict' is a class, not a function\n  help: give a function defined with def")
-    module = imported(write(tmp_path, "class C:\n    def m(self): return 1\nf = lambda x: x\n"))
+    module = imported(write(tmp_path, "class C:\n    def m(self): return 1\nf = [lambda x: x, lambda x: 2 * x]\n"))
     assert refusal(read.load, module.C().m) == (
         "error[S101]: 'm' is a method\n  help: write it as a function at module level; pass what it reads of self as "
         "arguments")
-    assert refusal(read.load, module.f) == printed(
-        module.__file__, 3, "f = lambda x: x", "lambda", "S101", "a lambda cannot be read",
-        "write it as a function at module level, with def")
+    assert refusal(read.load, module.f[0]) == printed(
+        module.__file__, 3, "f = [lambda x: x, lambda x: 2 * x]", "lambda x: x", "S101",
+        "two lambdas with the same parameters begin in this line", "write it in a line of its own, or with def")
 
 
 @pytest.mark.parametrize("text", ["", "x = 1\n", "def made(x):\n    return 2 * x\n", "not Python"])

@@ -18,7 +18,7 @@ from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.program import Program
-from s2sad.read.capture import not_a_function, python_function
+from s2sad.read.capture import name_of, not_a_function, python_function
 from s2sad.read.link import Linker
 from s2sad.read.meaning import Function
 from s2sad.read.modules import FileModule
@@ -49,7 +49,7 @@ def load_watched(function: Any, methods: tuple[Any, ...] = ()) -> tuple[Program,
 
 
 def _live(function: Any) -> Function:
-    return Function(function.__name__, ("live", id(function)), "", function)
+    return Function(name_of(function), ("live", id(function)), "", function)
 
 
 def load_file(path: str | os.PathLike[str], function: str) -> Program:

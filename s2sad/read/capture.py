@@ -12,7 +12,7 @@ import functools
 import linecache
 import types
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from s2sad import tree
@@ -55,13 +55,14 @@ def capture(value: Any) -> Captured:
                                     help=f"give the function inside: {function.__name__}.__wrapped__"))
     code = function.__code__
     text = _text(function)
-    if code.co_name == "<lambda>":
-        raise S2sadError(_lambda(code, text))
     try:
         module, compiled = _compiled(text, code.co_filename, code.co_flags & _FUTURE)
     except (SyntaxError, ValueError):
         raise S2sadError(_stale(code, None)) from None
     source = source_of(code.co_filename, text)
+    if code.co_name == "<lambda>":
+        made = _of_lambda(code, module, compiled, source)
+        return Captured(name_of(function), made, source, LiveScope(function), _defaults(function))
     definitions = {_first_line(n): n for n in tree.walk(module) if type(n).__name__.endswith("FunctionDef")}
     namesakes = [c for c in compiled if c.co_name == code.co_name and c.co_firstlineno in definitions]
     namesakes.sort(key=lambda c: c.co_firstlineno != code.co_firstlineno)
@@ -111,12 +112,26 @@ def _article(word: str) -> str:
     return f"{'an' if word[0].lower() in 'aeiou' else 'a'} {word}"
 
 
-def _lambda(code: types.CodeType, text: str) -> Diagnostic:
-    source = source_of(code.co_filename, text)
-    line = source.line(code.co_firstlineno)
-    column = max(0, line.find("lambda"))
-    span = Span(source, code.co_firstlineno, column, code.co_firstlineno, column + 6)
-    return Diagnostic("S101", "a lambda cannot be read", span, help="write it as a function at module level, with def")
+def name_of(function: types.FunctionType) -> str:
+    """A function's name, by which its derivative is named; a lambda has none."""
+    return "function" if function.__name__ == "<lambda>" else function.__name__
+
+
+def _named(parameters: AST) -> list[str]:
+    return [a.id for a in (*parameters.posonlyargs, *parameters.args, *parameters.kwonlyargs)]
+
+
+def _of_lambda(code: types.CodeType, module: AST, compiled: Iterable[types.CodeType], source: Source) -> tree.FunctionDef:
+    """The lambda as a definition; raises S2sadError (S101) where its line has another that it may be, and S104."""
+    found = [n for n in tree.walk(module) if type(n).__name__ == "Lambda" and n.lineno == code.co_firstlineno
+             and _named(n.args) == list(code.co_varnames[:code.co_argcount + code.co_kwonlyargcount])]
+    if not found or not any(_same(code, c) for c in compiled if c.co_name == "<lambda>"):
+        raise S2sadError(_stale(code, None))
+    if len(found) > 1:
+        raise S2sadError(Diagnostic("S101", "two lambdas with the same parameters begin in this line", Span.of(
+            source, found[0]), help="write it in a line of its own, or with def"))
+    body = [tree.at(tree.Return(found[0].body), found[0].body)]
+    return tree.at(tree.FunctionDef("function", found[0].args, body, [], None, None, []), found[0])
 
 
 def _stale(code: types.CodeType, place: Span | None) -> Diagnostic:
@@ -253,7 +268,8 @@ def live_meaning(name: str, value: Any, current: Any = None) -> Meaning:
     function = python_function(value)
     if function is not None:
         path = f"{function.__module__}.{function.__qualname__}"
-        return Function(function.__name__, ("live", id(function)), path, function)
+        word = name if function.__name__ == "<lambda>" else function.__name__
+        return Function(word, ("live", id(function)), path, function)
     if holders.places(value) is not None:
         what = "a class" if isinstance(value, type) else kind_of(value)
         return Holder(name, holders.HolderScope(name, value, live_meaning), what)
