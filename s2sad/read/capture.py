@@ -121,7 +121,8 @@ def _named(parameters: AST) -> list[str]:
     return [a.id for a in (*parameters.posonlyargs, *parameters.args, *parameters.kwonlyargs)]
 
 
-def _of_lambda(code: types.CodeType, module: AST, compiled: Iterable[types.CodeType], source: Source) -> tree.FunctionDef:
+def _of_lambda(code: types.CodeType, module: AST, compiled: Iterable[types.CodeType],
+               source: Source) -> tree.FunctionDef:
     """The lambda as a definition; raises S2sadError (S101) where its line has another that it may be, and S104."""
     found = [n for n in tree.walk(module) if type(n).__name__ == "Lambda" and n.lineno == code.co_firstlineno
              and _named(n.args) == list(code.co_varnames[:code.co_argcount + code.co_kwonlyargcount])]
