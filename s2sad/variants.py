@@ -18,7 +18,8 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.generated import HIDDEN, Variant
 from s2sad.infer.types import Type, of_value
 from s2sad.normalize.fields import asks
-from s2sad.read.capture import not_a_function, python_function
+from s2sad.read.capture import not_a_function
+from s2sad.read.plain import by_position, python_function
 from s2sad.program import Kernel, Program, Request
 from s2sad.rules.given import GIVEN
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
@@ -150,7 +151,7 @@ class State:
     def primal(self, types: tuple[Type, ...], engine: str) -> Callable[..., Any]:
         """The primal for positional values: the function itself under NumPy, compiled under Numba."""
         if chosen(engine) == "numpy" and not self.flat:
-            return self.function
+            return by_position(self.function)
         variant = self.variant(Request("primal", types, (), ()), engine)
         hidden = tuple(p.name for p in variant.generated.parameters if p.name.startswith(HIDDEN))
         values = dict(zip((HIDDEN + x for x in self.program.arrays), self.arrays))

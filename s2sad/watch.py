@@ -12,7 +12,7 @@ import numpy as np
 
 from s2sad.binding import same_number
 from s2sad.read import holders
-from s2sad.read.capture import python_function
+from s2sad.read.plain import given, python_function
 
 _ABSENT = object()
 _LIBRARIES = ("numpy", "math", "builtins", "numba", "scipy")
@@ -57,8 +57,11 @@ class Watch:
         if id(function) in self._seen:
             return
         self._seen.add(id(function))
+        function, bound = given(function)
         self.functions.append((function, function.__code__, function.__defaults__))
         names = _names(function.__code__)
+        for value in bound.values():
+            self._follow(value, names)
         for cell in function.__closure__ or ():
             self.cells.append((cell, _content(cell)))
             self._follow(_content(cell), names)

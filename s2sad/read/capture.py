@@ -7,22 +7,19 @@ from __future__ import annotations
 
 import __future__
 
-import builtins
+import copy
 import functools
 import linecache
 import types
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
-from s2sad.read import holders
-from s2sad.read.meaning import (
-    AST, Captured, Function, Holder, Library, LibraryScope, Meaning, NotConstant, Number, Space, Text, Unusable,
-    kind_of, library_path, value_meaning,
-)
-from s2sad.rules.given import GIVEN, ROOM
+from s2sad.read.live import LiveScope, defaults_of
+from s2sad.read.meaning import AST, Captured, kind_of
+from s2sad.read.plain import given, python_function
 
 _FUTURE = functools.reduce(int.__or__, (getattr(__future__, n).compiler_flag for n in __future__.all_feature_names))
 # line ends to str.splitlines, but not to Python: replaced by blanks as wide in UTF-8
@@ -34,22 +31,12 @@ def source_of(path: str, text: str) -> Source:
     return Source(path, text.translate(_ODD_LINE_ENDS))
 
 
-def python_function(value: Any) -> types.FunctionType | None:
-    """The plain function behind a differentiated one or a Numba dispatcher; None for anything else."""
-    for _ in range(8):
-        if isinstance(value, types.FunctionType):
-            inner = getattr(value, "__wrapped_kernel__", None)
-            return value if inner is None else python_function(inner)
-        names = ("__wrapped_kernel__", "py_func")
-        value = next((getattr(value, n) for n in names if not isinstance(value, type) and hasattr(value, n)), None)
-    return None
-
-
 def capture(value: Any) -> Captured:
     """The definition of a live function; raises S2sadError (S101, S104)."""
     function = python_function(value)
     if function is None:
         raise S2sadError(not_a_function(value))
+    function, bound = given(function)
     if hasattr(function, "__wrapped__"):
         raise S2sadError(Diagnostic("S101", f"'{function.__name__}' is wrapped by a decorator that s2sad does not know",
                                     help=f"give the function inside: {function.__name__}.__wrapped__"))
@@ -61,8 +48,8 @@ def capture(value: Any) -> Captured:
         raise S2sadError(_stale(code, None)) from None
     source = source_of(code.co_filename, text)
     if code.co_name == "<lambda>":
-        made = _of_lambda(code, module, compiled, source)
-        return Captured(name_of(function), made, source, LiveScope(function), _defaults(function))
+        made = _without(_of_lambda(code, module, compiled, source), bound, source)
+        return Captured(name_of(function), made, source, LiveScope(function, bound), defaults_of(function))
     definitions = {_first_line(n): n for n in tree.walk(module) if type(n).__name__.endswith("FunctionDef")}
     namesakes = [c for c in compiled if c.co_name == code.co_name and c.co_firstlineno in definitions]
     namesakes.sort(key=lambda c: c.co_firstlineno != code.co_firstlineno)
@@ -70,8 +57,28 @@ def capture(value: Any) -> Captured:
     if found is None:
         place = Span.of(source, _header(definitions[namesakes[0].co_firstlineno])) if namesakes else None
         raise S2sadError(_stale(code, place))
-    definition = definitions[found.co_firstlineno]
-    return Captured(function.__name__, definition, source, LiveScope(function), _defaults(function))
+    definition = _without(definitions[found.co_firstlineno], bound, source)
+    return Captured(function.__name__, definition, source, LiveScope(function, bound), defaults_of(function))
+
+
+def _without(definition: Any, bound: Mapping[str, Any], source: Source) -> Any:
+    """The definition without the parameters that were given already; raises S2sadError (S101) where it assigns one."""
+    if not bound:
+        return definition
+    place = next((n for n in tree.walk(definition.body) if isinstance(n, tree.Name) and n.id in bound
+                  and isinstance(n.ctx, tree.Store)), None)
+    if place is not None:
+        raise S2sadError(Diagnostic("S101", f"'{place.id}' was given already, and is assigned", Span.of(source, place),
+                                    help="assign to another name, or give the argument with each call"))
+    new, args = copy.copy(definition), copy.copy(definition.args)
+    plain = [*args.posonlyargs, *args.args]
+    fallback = dict(zip((a.id for a in reversed(plain)), reversed(args.defaults)))
+    args.posonlyargs, args.args = ([a for a in part if a.id not in bound] for part in (args.posonlyargs, args.args))
+    args.defaults = [fallback[a.id] for a in (*args.posonlyargs, *args.args) if a.id in fallback]
+    named = [(a, d) for a, d in zip(args.kwonlyargs, args.kw_defaults) if a.id not in bound]
+    args.kwonlyargs, args.kw_defaults = [a for a, _ in named], [d for _, d in named]
+    new.args = args
+    return new
 
 
 # -- the text -------------------------------------------------------------------------------------------------------
@@ -97,19 +104,15 @@ def _fileless(code: types.CodeType) -> Diagnostic:
 def not_a_function(value: Any) -> Diagnostic:
     name = getattr(value, "__name__", None) or repr(value)
     if isinstance(value, types.MethodType):
-        return Diagnostic("S101", f"'{name}' is a method", help="write it as a function at module level; pass what it "
-                          "reads of self as arguments")
+        return Diagnostic("S101", f"'{name}' is a method of a class, or of what has no Python source",
+                          help="write it as a function at module level; pass what it reads as arguments")
     if isinstance(value, type):
         return Diagnostic("S101", f"'{name}' is a class, not a function", help="give a function defined with def")
     if callable(value):
-        return Diagnostic("S101", f"'{name}' has no Python source: it is {_article(type(value).__name__)}",
+        return Diagnostic("S101", f"'{name}' has no Python source: it is {kind_of(value)}",
                           help="give a function defined with def in a .py file, which may call it")
-    return Diagnostic("S101", f"a function is needed, not {_article(type(value).__name__)}",
+    return Diagnostic("S101", f"a function is needed, not {kind_of(value)}",
                       help="give a function defined with def in a .py file")
-
-
-def _article(word: str) -> str:
-    return f"{'an' if word[0].lower() in 'aeiou' else 'a'} {word}"
 
 
 def name_of(function: types.FunctionType) -> str:
@@ -195,102 +198,3 @@ def _fingerprint(value: Any) -> Any:
     if isinstance(value, frozenset):
         return ("frozenset", *sorted(map(repr, value)))
     return type(value).__name__, repr(value)
-
-
-# -- the names around it --------------------------------------------------------------------------------------------
-
-class LiveScope:
-    """A function's closure, module and builtins, in this order."""
-
-    def __init__(self, function: types.FunctionType):
-        self.function = function
-        self.cells = dict(zip(function.__code__.co_freevars, function.__closure__ or ()))
-
-    def value(self, name: str) -> Any:
-        """The value now; raises KeyError if there is none."""
-        if name in self.cells:
-            try:
-                return self.cells[name].cell_contents
-            except ValueError:
-                raise KeyError(name) from None
-        if name in self.function.__globals__:
-            return self.function.__globals__[name]
-        return vars(builtins)[name]
-
-    def lookup(self, name: str) -> Meaning | None:
-        try:
-            return live_meaning(name, self.value(name), lambda: self.value(name))
-        except KeyError:
-            return None
-
-    def known(self) -> list[str]:
-        return [*self.cells, *self.function.__globals__]
-
-
-class ModuleScope:
-    """The names of a user's module that is loaded."""
-
-    def __init__(self, module: types.ModuleType):
-        self.module = module
-
-    def lookup(self, name: str) -> Meaning | None:
-        if not hasattr(self.module, name):
-            return None
-        value = getattr(self.module, name)
-        meaning = live_meaning(name, value, lambda: getattr(self.module, name))
-        if isinstance(meaning, Unusable) and callable(value):
-            return Library(f"{self.module.__name__}.{name}")
-        return meaning
-
-    def known(self) -> list[str]:
-        return [n for n in dir(self.module) if not n.startswith("_")]
-
-
-def live_meaning(name: str, value: Any, current: Any = None) -> Meaning:
-    """What a live value means to a kernel that names it."""
-    given = GIVEN.of(value) or GIVEN.of(python_function(value))
-    if given is not None:
-        return Library(ROOM + given.path)
-    if isinstance(value, types.ModuleType):
-        library = value.__name__.partition(".")[0] in ("numpy", "math", "numba", "s2sad")
-        return Space(value.__name__, LibraryScope(value.__name__) if library else ModuleScope(value))
-    path = library_path(name, value)
-    if path is not None:
-        return Library(path)
-    if isinstance(value, functools.partial) and _home(value.func) in ("numba", "s2sad"):
-        value = value.func
-    if _home(value) in ("numba", "s2sad") and python_function(value) in (None, value):
-        word = getattr(value, "__name__", name)
-        if value.__module__.startswith("s2sad.runtime"):
-            return Library(f"runtime.{word}")
-        if getattr(value, "__module__", "") == "numba.core.decorators":
-            word = "jit"  # also what `njit(...)` gives back, called `wrapper`
-        return Library("builtins.range") if word == "prange" else Library(f"{_home(value)}.{word}")
-    function = python_function(value)
-    if function is not None:
-        path = f"{function.__module__}.{function.__qualname__}"
-        word = name if function.__name__ == "<lambda>" else function.__name__
-        return Function(word, ("live", id(function)), path, function)
-    if holders.places(value) is not None:
-        what = "a class" if isinstance(value, type) else kind_of(value)
-        return Holder(name, holders.HolderScope(name, value, live_meaning), what)
-    return value_meaning(name, value, current)
-
-
-def _home(value: Any) -> str:
-    module = getattr(value, "__module__", None) if callable(value) else None
-    return module.partition(".")[0] if isinstance(module, str) else ""
-
-
-def _defaults(function: types.FunctionType) -> Any:
-    """Looks up a parameter's default value as the live function has it."""
-    code = function.__code__
-    positional = code.co_varnames[:code.co_argcount]
-    values = dict(zip(reversed(positional), reversed(function.__defaults__ or ()))) | (function.__kwdefaults__ or {})
-
-    def default(parameter: str, node: AST) -> Any:
-        value = values.get(parameter)
-        if value is None or isinstance(live_meaning(parameter, value), (Number, Text)) or isinstance(value, float):
-            return value
-        raise NotConstant
-    return default

@@ -55,11 +55,16 @@ class HolderScope:
         found = next((space for space in spaces if key in space), None)
         if found is None:
             return None
-        value, own = found[key], found is spaces[0] and not isinstance(self.value, type)
+        own_class = isinstance(self.value, type)
+        value, own = found[key], found is spaces[0] and not own_class
         if isinstance(value, staticmethod):
             value = value.__func__
-        elif not own and hasattr(type(value), "__get__"):
-            return Unusable("a method or property", "write it as a function of the module, and pass it what it reads")
+        elif isinstance(value, classmethod):
+            value = types.MethodType(value.__func__, self.value if own_class else type(self.value))
+        elif isinstance(value, types.FunctionType) and not (own or own_class):
+            value = types.MethodType(value, self.value)
+        elif not own and not isinstance(value, types.FunctionType) and hasattr(type(value), "__get__"):
+            return Unusable("a property", "write it as a method or a function")
         return self.mean(f"{self.name}_" + re.sub(r"\W", "_", key), value)
 
     def known(self) -> list[str]:

@@ -10,7 +10,7 @@ from s2sad.diagnostics import Report, S2sadError, Span
 from s2sad.program import Kernel, Program
 from s2sad.read import fence
 from s2sad.read.handed import definition
-from s2sad.read.capture import live_meaning
+from s2sad.read.live import live_meaning
 from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number, Record
 from s2sad.read.nested import lifted
 from s2sad.read.resolve import Resolved, resolve

@@ -241,7 +241,7 @@ def dropped_decorator(path: str) -> bool:
     """Whether a decorator, by its dotted path, leaves the function's meaning alone: Numba's jit, all of s2sad's, and
     those of a class's functions."""
     root, _, rest = path.partition(".")
-    of_class = path in ("builtins.property", "builtins.staticmethod")
+    of_class = path in ("builtins.classmethod", "builtins.property", "builtins.staticmethod")
     return root == "s2sad" or of_class or (root == "numba" and rest.rpartition(".")[2] in ("jit", "njit"))
 
 

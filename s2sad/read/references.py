@@ -63,6 +63,8 @@ class References:
         called = id(node) in self.called
         if isinstance(meaning, Items) and self.picked.get(id(node)) not in (meaning.value.ndim, ALL):
             meaning = Unusable(meaning.what, "pick its numbers one by one, or make it a NumPy array")
+        if isinstance(meaning, Holder) and called:
+            meaning = meaning.scope.lookup("__call__") or meaning
         if isinstance(meaning, Holder):
             meaning = Unusable(meaning.what, "name the number or array that is in it, or pass it as an argument")
         path = self._given(node, dotted(meaning), text)

@@ -20,7 +20,7 @@ from s2sad.diagnostics import Report
 from s2sad.read import fence
 from s2sad.read.handed import handed
 from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Captured, Function, Library, Meaning, Number, Space, Text, Unusable, dotted,
+    AST, BUILTIN_CALLS, Array, Captured, Function, Holder, Library, Meaning, Number, Space, Text, Unusable, dotted,
     library_value,
 )
 from s2sad.read.modules import dropped_decorator
@@ -164,6 +164,8 @@ class _Resolver(References):
         if isinstance(meaning, Library) and meaning.path.startswith(("numpy.", "math.")):
             value = library_value(meaning.path)
             return meaning if callable(value) and not isinstance(value, type) else None
+        if isinstance(meaning, Holder):
+            meaning = meaning.scope.lookup("__call__")
         return meaning if isinstance(meaning, Function) else None
 
     # -- paths --------------------------------------------------------------------------------------------------------

@@ -18,6 +18,7 @@ from s2sad.report.parting import wrong_adjoint, wrong_tangent
 from s2sad.report.subject import Subject, flat, split, vector_of
 from s2sad.rules import constant_result
 from s2sad.rules.given import ROOM
+from s2sad.read.plain import by_position
 from s2sad.run.compiled import bounds_checked, chosen
 from s2sad.selection import names_of, selected_of, selected_wrt
 from s2sad.variants import Derivatives, State, derivatives_of
@@ -89,7 +90,7 @@ def check(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None = N
     values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, flat)]
     types, name = state.types(values), state.kernel.name
     single = any(getattr(v, "dtype", None) == np.float32 for v in values)
-    original = state.function if single else getattr(f, "_original", f)
+    original = by_position(state.function if single else getattr(f, "_original", f))
     if apart is not None:
         original = apart.calling(original, bind(given.kernel, args))
     inputs = selected_wrt(name, state.parameters, types, carried[0])

@@ -1,0 +1,115 @@
+"""What a name means around a live function: its closure, its module, the modules and objects that these hold."""
+from __future__ import annotations
+
+import builtins
+import functools
+import types
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from s2sad.read import holders
+from s2sad.read.meaning import (
+    AST, Function, Holder, Library, LibraryScope, Meaning, NotConstant, Number, Space, Text, Unusable, kind_of,
+    library_path, value_meaning,
+)
+from s2sad.read.plain import named_function
+from s2sad.rules.given import GIVEN, ROOM
+
+
+class LiveScope:
+    """What a function was given already, its closure, module and builtins, in this order."""
+
+    def __init__(self, function: types.FunctionType, given: Mapping[str, Any]):
+        self.function, self.given = function, given
+        self.cells = dict(zip(function.__code__.co_freevars, function.__closure__ or ()))
+
+    def value(self, name: str) -> Any:
+        """The value now; raises KeyError if there is none."""
+        if name in self.given:
+            return self.given[name]
+        if name in self.cells:
+            try:
+                return self.cells[name].cell_contents
+            except ValueError:
+                raise KeyError(name) from None
+        if name in self.function.__globals__:
+            return self.function.__globals__[name]
+        return vars(builtins)[name]
+
+    def lookup(self, name: str) -> Meaning | None:
+        try:
+            return live_meaning(name, self.value(name), lambda: self.value(name))
+        except KeyError:
+            return None
+
+    def known(self) -> list[str]:
+        return [*self.given, *self.cells, *self.function.__globals__]
+
+
+class ModuleScope:
+    """The names of a user's module that is loaded."""
+
+    def __init__(self, module: types.ModuleType):
+        self.module = module
+
+    def lookup(self, name: str) -> Meaning | None:
+        if not hasattr(self.module, name):
+            return None
+        value = getattr(self.module, name)
+        meaning = live_meaning(name, value, lambda: getattr(self.module, name))
+        if isinstance(meaning, Unusable) and callable(value):
+            return Library(f"{self.module.__name__}.{name}")
+        return meaning
+
+    def known(self) -> list[str]:
+        return [n for n in dir(self.module) if not n.startswith("_")]
+
+
+def live_meaning(name: str, value: Any, current: Any = None) -> Meaning:
+    """What a live value means to a kernel that names it."""
+    given = GIVEN.of(value) or GIVEN.of(named_function(value))
+    if given is not None:
+        return Library(ROOM + given.path)
+    if isinstance(value, types.ModuleType):
+        library = value.__name__.partition(".")[0] in ("numpy", "math", "numba", "s2sad")
+        return Space(value.__name__, LibraryScope(value.__name__) if library else ModuleScope(value))
+    path = library_path(name, value)
+    if path is not None:
+        return Library(path)
+    if isinstance(value, functools.partial) and _home(value.func) in ("numba", "s2sad"):
+        value = value.func
+    if _home(value) in ("numba", "s2sad") and named_function(value) in (None, value):
+        word = getattr(value, "__name__", name)
+        if value.__module__.startswith("s2sad.runtime"):
+            return Library(f"runtime.{word}")
+        if getattr(value, "__module__", "") == "numba.core.decorators":
+            word = "jit"  # also what `njit(...)` gives back, called `wrapper`
+        return Library("builtins.range") if word == "prange" else Library(f"{_home(value)}.{word}")
+    function = named_function(value)
+    if function is not None:
+        path = f"{function.__module__}.{function.__qualname__}"
+        word = name if function.__name__ == "<lambda>" else function.__name__
+        return Function(word, ("live", id(function)), path, function)
+    if holders.places(value) is not None:
+        what = "a class" if isinstance(value, type) else kind_of(value)
+        return Holder(name, holders.HolderScope(name, value, live_meaning), what)
+    return value_meaning(name, value, current)
+
+
+def _home(value: Any) -> str:
+    module = getattr(value, "__module__", None) if callable(value) else None
+    return module.partition(".")[0] if isinstance(module, str) else ""
+
+
+def defaults_of(function: types.FunctionType) -> Callable[[str, AST], Any]:
+    """Looks up a parameter's default value as the live function has it."""
+    code = function.__code__
+    positional = code.co_varnames[:code.co_argcount]
+    values = dict(zip(reversed(positional), reversed(function.__defaults__ or ()))) | (function.__kwdefaults__ or {})
+
+    def default(parameter: str, node: AST) -> Any:
+        value = values.get(parameter)
+        if value is None or isinstance(live_meaning(parameter, value), (Number, Text)) or isinstance(value, float):
+            return value
+        raise NotConstant
+    return default
