@@ -118,7 +118,7 @@ class _Functions:
                 inner = name(self.bind(n.value, self.root(n.value, before), before))
                 return at(Subscript(inner, self.moved(n.slice, before), n.ctx), n)
             if call_name(n) in _MADE:
-                return name(self.bind(n, copy(n), before))
+                return name(self.bind(n, self.filled(n, before), before))
             if isinstance(n, Call) and (call_name(n) or "").startswith("user."):
                 return at(Call(n.func, [self.given(a, before) for a in n.args], n.keywords), n)
             if rules.find_array(call_name(n)) is None:
@@ -128,6 +128,13 @@ class _Functions:
             self.kept = kept
             return name(self.bind(n, made, before)) if is_function(n) else made
         return rebuild(node, change)
+
+    def filled(self, node: AST, before: list[AST]) -> AST:
+        """An allocation; what it is filled with is a number in it."""
+        made = copy(node)
+        if call_name(node) in ("numpy.full", "numpy.full_like"):
+            made.args[1] = self.moved(made.args[1], before)
+        return made
 
     def given(self, argument: AST, before: list[AST]) -> AST:
         """An argument of a kernel's call: an array that is computed has a name."""
@@ -168,7 +175,7 @@ class _Functions:
     def root(self, node: AST, before: list[AST]) -> AST:
         """The right side of a statement that binds a name."""
         if call_name(node) in _MADE:
-            return node
+            return self.filled(node, before)
         if isinstance(node, Subscript) and self.arrays(node):
             return self.named(node, before)
         return self.operands(node, before) if is_function(node) else self.moved(node, before)

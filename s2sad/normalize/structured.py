@@ -1,9 +1,9 @@
 """A kernel in structured form: the first half of normalize.
 
-Requires a fenced tree with resolved names. Establishes, in this order: slices have no names (sliced),
-lists that grow are arrays (lists), no name holds several results (bundles),
-one target per assignment and pure expressions (desugar), control flow with one return and breaks in tail
-position (jumps), loops that count (loops).
+Requires a fenced tree with resolved names. Establishes, in this order: NumPy's functions are given by place what
+they must be given (signatures), slices have no names (sliced), lists that grow are arrays (lists), no name holds
+several results (bundles), one target per assignment and pure expressions (desugar), control flow with one return
+and breaks in tail position (jumps), loops that count (loops).
 """
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from s2sad.normalize.lists import lists
 from s2sad.normalize.loops import loops
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.scope import Scope
+from s2sad.normalize.signatures import signatures
 from s2sad.normalize.sliced import sliced
 from s2sad.program import Kernel, Program
 from s2sad.tree import AST, FunctionDef, Name, Return, Tuple, at, const, copy, dump, rebuild, tuple_of, walk
@@ -26,7 +27,7 @@ def structured(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
     names.taken |= {node.id for node in walk(tree) if isinstance(node, Name)}
     scope = Scope(kernel, names, program, Memory(tree, program))
     flat(tree, scope)
-    for step in (sliced, lists, bundles, desugar, jumps, loops):
+    for step in (signatures, sliced, lists, bundles, desugar, jumps, loops):
         tree = step(tree, scope)
         scope.report.finish()
     return tree

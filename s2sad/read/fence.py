@@ -177,7 +177,13 @@ def _parts(item: AST) -> list[AST]:
     return [] if isinstance(item, tree.Constant) and item.value in (None, Ellipsis) else [item]
 
 
+def _tuple(node: AST, report: Report) -> list[AST] | None:
+    """A tuple may take in others: (*x.shape, 2)."""
+    return [i.value if isinstance(i, tree.Starred) and isinstance(node.ctx, tree.Load) else i for i in node.elts]
+
+
 _CHECKS: dict[str, Callable[[AST, Report], list[AST] | None]] = {
     "AnnAssign": _annotated, "Attribute": _attribute, "BinOp": _binary, "Call": _call, "Compare": _comparison,
     "Constant": _constant, "Subscript": _subscript,
+    "Tuple": _tuple,
 }

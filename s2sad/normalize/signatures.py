@@ -1,0 +1,74 @@
+"""signatures: what NumPy takes by place and by name alike is given by place; a tuple that takes in others is a sum.
+
+    np.full(shape=n, fill_value=c)      np.full(n, c)
+    np.sum(a=x, axis=0)                 np.sum(x, axis=0)
+    (*x.shape, 2)                       x.shape + (2,)
+
+Requires resolved names. Establishes: of NumPy's functions the parameters that must be given are given by place.
+"""
+from __future__ import annotations
+
+import inspect
+from functools import lru_cache, reduce
+
+from s2sad.normalize.scope import Scope
+from s2sad.read.meaning import library_value
+from s2sad.tree import (
+    AST, Add, BinOp, Call, FunctionDef, Load, Starred, Tuple, at, call_name, copy, rebuild, tuple_of,
+)
+
+# functions whose own signature is not there, or says less than how they are called
+_LEADING = {
+    "array": ("object",), "asarray": ("a",), "ascontiguousarray": ("a",), "clip": ("a", "a_min", "a_max"),
+    "dot": ("a", "b"), "empty": ("shape",), "empty_like": ("prototype",), "inner": ("a", "b"), "vdot": ("a", "b"),
+    "zeros": ("shape",),
+}
+
+
+def signatures(function: FunctionDef, scope: Scope) -> FunctionDef:
+    new = copy(function)
+    new.body = [rebuild(statement, _changed) for statement in new.body]
+    return new
+
+
+def _changed(node: AST) -> AST | None:
+    if isinstance(node, Tuple) and isinstance(node.ctx, Load) and any(isinstance(i, Starred) for i in node.elts):
+        return rebuild(at(_summed(node.elts), node), _changed)
+    if not isinstance(node, Call) or not node.keywords or not (call_name(node) or "").startswith("numpy."):
+        return None
+    given = {k.arg: k.value for k in node.keywords}
+    args = list(node.args)
+    for parameter in leading(call_name(node) or "")[len(args):]:
+        if parameter not in given:
+            break
+        args.append(given.pop(parameter))
+    if len(args) == len(node.args):
+        return None
+    return rebuild(at(Call(node.func, args, [k for k in node.keywords if k.arg in given]), node), _changed)
+
+
+def _summed(items: list[AST]) -> AST:
+    """A tuple's items as a sum of the tuples it takes in and of those between."""
+    parts: list[AST] = []
+    plain: list[AST] = []
+    for item in items:
+        if isinstance(item, Starred):
+            parts += [*([tuple_of(*plain)] if plain else []), item.value]
+            plain = []
+        else:
+            plain.append(item)
+    return reduce(lambda a, b: BinOp(a, Add(), b), [*parts, *([tuple_of(*plain)] if plain else [])])
+
+
+@lru_cache(maxsize=None)
+def leading(path: str) -> tuple[str, ...]:
+    """The parameters that a function of NumPy must be given, in order, as far as they have names."""
+    word = path.partition(".")[2]
+    if word in _LEADING:
+        return _LEADING[word]
+    try:
+        found = inspect.signature(library_value(path)).parameters.values()
+    except (TypeError, ValueError):
+        return ()
+    return tuple(p.name for p in found if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
+                 and p.default is p.empty)
