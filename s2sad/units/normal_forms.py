@@ -34,6 +34,7 @@ from s2sad.normalize.sharing import shared, specialised
 from s2sad.normalize.solvers import solvers
 from s2sad.normalize.sought import sought
 from s2sad.normalize.spelled import spelled
+from s2sad.normalize.stacked import stacked
 from s2sad.normalize.viewing import viewing
 from s2sad.normalize.views import views
 from s2sad.normalize.workspace import workspace
@@ -95,6 +96,7 @@ class NormalForms(Calls):
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
+        tree = stacked(tree, typing)
         tree = rows(tree, typing, Memory(tree, self.program), report)
         report.finish()
         tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")
