@@ -19,7 +19,7 @@ from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.read.meaning import (
     AST, Captured, Function, Library, LibraryScope, Meaning, NotConstant, Number, Space, Text, Unusable,
-    library_path, value_meaning,
+    is_numbers, library_path, value_meaning,
 )
 from s2sad.rules.given import GIVEN, ROOM
 
@@ -270,6 +270,8 @@ def _defaults(function: types.FunctionType) -> Any:
     def default(parameter: str, node: AST) -> Any:
         value = values.get(parameter)
         if value is None or isinstance(live_meaning(parameter, value), (Number, Text)) or isinstance(value, float):
+            return value
+        if is_numbers(value, tuple):
             return value
         raise NotConstant
     return default

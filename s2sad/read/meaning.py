@@ -74,6 +74,9 @@ class Unusable:
     help: str
 
 
+_WRITTEN_OUT = 64   # items of a sequence from outside: more are an array's
+
+
 class Scope(Protocol):
     """The names around a kernel, or those of a module."""
 
@@ -89,7 +92,13 @@ class Space:
     scope: Scope = field(compare=False)
 
 
-Meaning = Library | Number | Array | Record | Text | Function | Unusable | Space
+@dataclass(frozen=True)
+class Numbers:
+    """A tuple or list of numbers, or of such tuples, that the kernel reads from outside."""
+    items: tuple[Number | Numbers, ...]
+
+
+Meaning = Library | Number | Numbers | Array | Record | Text | Function | Unusable | Space
 
 
 @dataclass(frozen=True)
@@ -172,6 +181,26 @@ def is_number(value: Any) -> bool:
     return isinstance(value, (bool, int, float, numpy.bool_, numpy.integer, numpy.floating))
 
 
+def is_numbers(value: Any, kinds: type | tuple[type, ...] = (tuple, list)) -> bool:
+    """Whether a value is a tuple (or a list) of numbers, or of such."""
+    return isinstance(value, kinds) and len(value) > 0 and all(is_number(v) or is_numbers(v, kinds) for v in value)
+
+
+def _count(value: Any) -> int:
+    return sum(map(_count, value)) if isinstance(value, (tuple, list)) else 1
+
+
+def _numbers(name: str, value: Any, current: Callable[[], Any] | None) -> Numbers:
+    """The items of a sequence, each a number of its own; where the sequence has another length now, they are none."""
+    def item(k: int) -> Callable[[], Any] | None:
+        def now() -> Any:
+            whole = current() if current is not None else None
+            return whole[k] if isinstance(whole, (tuple, list)) and len(whole) == len(value) else None
+        return None if current is None else now
+    return Numbers(tuple(_numbers(f"{name}_{k}", v, item(k)) if isinstance(v, (tuple, list)) else
+                         Number(f"{name}_{k}", v, item(k)) for k, v in enumerate(value)))
+
+
 def kind_of(value: Any) -> str:
     """A value's type as one says it: `a list`, `an object`."""
     word = type(value).__name__
@@ -186,6 +215,8 @@ def value_meaning(name: str, value: Any, current: Callable[[], Any] | None = Non
         return Array(name, value, current)
     if isinstance(value, str):
         return Text(value)
+    if is_numbers(value) and _count(value) <= _WRITTEN_OUT:
+        return _numbers(name, value, current)
     if isinstance(value, (complex, numpy.complexfloating)):
         return Unusable("a complex number", "keep the real and the imaginary part as two numbers")
     if isinstance(value, numpy.ndarray):

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from s2sad import rules, tree
 from s2sad.diagnostics import Report
 from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Function, Meaning, Number, Record, Space, Text, Unusable, dotted, library_value,
+    AST, BUILTIN_CALLS, Array, Function, Meaning, Number, Numbers, Record, Space, Text, Unusable, dotted, library_value,
 )
 from s2sad.rules.given import GIVEN, ROOM
 from s2sad.rules.spellings import is_scipy
@@ -35,6 +35,8 @@ class References:
         if isinstance(meaning, Text):
             return tree.at(tree.Constant(meaning.value, None), node)
         called = id(node) in self.called
+        if isinstance(meaning, Numbers) and not called:
+            return tree.at(tree.tuple_of(*(self._reference(node, item, text) for item in meaning.items)), node)
         path = self._given(node, dotted(meaning), text)
         if isinstance(meaning, Function):
             path = self._function(node, meaning, text, called)
@@ -50,6 +52,8 @@ class References:
             if called:
                 word = "a number" if isinstance(meaning, Number) else "an array"
                 self._refuse(f"'{text}' is {word}, not a function", node, "correct the name, or subscript with []")
+        elif isinstance(meaning, Numbers):
+            self._refuse(f"'{text}' holds numbers, and is no function", node, "correct the name, or subscript with []")
         elif isinstance(meaning, Unusable):
             if text not in self.said:
                 self._refuse(f"'{text}' cannot be used in a kernel: it is {meaning.what}", node, meaning.help)

@@ -1,0 +1,160 @@
+"""plain: spellings that mean no more than plainer ones take these, before the fence is asked.
+
+    while (r := f(x)) > tol:        while True:
+        ...                             r = f(x)
+                                        if not r > tol:
+                                            break
+                                        ...
+    raise ValueError(f"at {t:.3f}") raise ValueError("at {t:.3f}")
+    print(f"{k}: {r:.2e}")          print(k, ":", r)
+    del work                        pass
+
+The text of an error is none that a derivative computes: it shows what stands between the braces. An assignment inside
+an expression moves before its statement where nothing is evaluated before it but names and numbers; any other is left
+for the fence to refuse, as are strings in any other place.
+"""
+from __future__ import annotations
+
+from s2sad.tree import (
+    AST, Assert, Assign, Attribute, BoolOp, Break, Call, Constant, Expr, For, FunctionDef, If, IfExp, Name, Not, Pass,
+    Raise, Return, Subscript, UnaryOp, While, at, children, const, copy, name, rebuild, walk, written,
+)
+
+_EXPRESSIONS = {Assign: "value", Expr: "value", Return: "value", If: "test", While: "test", For: "iter", Assert: "test"}
+_BLOCKS = ("body", "orelse", "finalbody")
+_LAZY = ("Lambda", "ListComp", "GeneratorExp", "SetComp", "DictComp")   # run later or not at all: nothing moves out
+
+
+def plain(function: FunctionDef) -> FunctionDef:
+    """The function with such spellings in their plain form."""
+    new = copy(function)
+    _blocks(new)
+    return new
+
+
+def _blocks(node: AST) -> None:
+    for field in _BLOCKS:
+        block = getattr(node, field, None)
+        if isinstance(block, list):
+            setattr(node, field, [at(made, s) for s in block for made in _statement(s)])
+
+
+def _statement(statement: AST) -> list[AST]:
+    _blocks(statement)
+    if type(statement).__name__ == "Delete" and all(isinstance(t, Name) for t in statement.targets):
+        return [Pass()]
+    if isinstance(statement, (Raise, Assert)):
+        statement = _said(statement)
+    if isinstance(statement, Expr) and _is_print(statement.value):
+        statement.value.args = [part for a in statement.value.args for part in _printed(a)]
+    field = _EXPRESSIONS.get(type(statement))
+    value = getattr(statement, field, None) if field else None
+    if field is None or value is None or not any(map(_is_walrus, walk(value))):
+        return [statement]
+    return _moved(statement, field, value)
+
+
+def _is_walrus(node: AST) -> bool:
+    return type(node).__name__ == "NamedExpr"
+
+
+def _is_print(node: AST) -> bool:
+    return isinstance(node, Call) and isinstance(node.func, Name) and node.func.id == "print"
+
+
+# -- assignments inside expressions ----------------------------------------------------------------------------------
+
+def _moved(statement: AST, field: str, value: AST) -> list[AST]:
+    """The statement with its inner assignments before it, as far as they can be moved."""
+    before: list[AST] = []
+    setattr(statement, field, _without(value, before))
+    if not before:
+        return [statement]
+    if not isinstance(statement, While):
+        return [*before, statement]
+    if statement.orelse:
+        setattr(statement, field, value)
+        return [statement]
+    test = at(If(UnaryOp(Not(), statement.test), [Break()], []), statement)
+    return [While(const(True), [*(at(s, statement) for s in before), test, *statement.body], [])]
+
+
+def _without(node: AST, before: list[AST]) -> AST:
+    """The expression without the assignments that are evaluated before all else in it."""
+    return rebuild(node, _First(before).change)
+
+
+class _First:
+    """Goes through an expression as Python evaluates it, until something stands in the way of a move."""
+
+    def __init__(self, before: list[AST]):
+        self.before = before
+        self.read: set[str] = set()     # the names that were evaluated
+        self.loads = self.stopped = False
+
+    def change(self, node: AST) -> AST | None:
+        inner = any(map(_is_walrus, walk(node)))
+        if self.stopped or type(node).__name__ in _LAZY:
+            self.stopped = self.stopped or inner
+            return node
+        if _is_walrus(node):
+            return self.assigned(node)
+        if isinstance(node, (BoolOp, IfExp)) and inner:     # what comes after the first part may not run
+            made = copy(node)
+            if isinstance(made, BoolOp):
+                made.values[0] = rebuild(made.values[0], self.change)
+            else:
+                made.test = rebuild(made.test, self.change)
+            self.stopped = True
+            return made
+        if isinstance(node, Call) and not inner:
+            self.stopped = True     # it may write what a later assignment reads
+            return node
+        self.loads = self.loads or isinstance(node, (Subscript, Attribute)) and not inner
+        self.read |= {node.id} if isinstance(node, Name) else set()
+        return None
+
+    def assigned(self, node: AST) -> AST:
+        calls = any(isinstance(n, Call) for n in walk(node.value))
+        if node.target.id in self.read or self.loads and calls:
+            self.stopped = True
+            return node
+        value = rebuild(node.value, self.change)
+        if any(map(_is_walrus, walk(value))):
+            return node
+        self.stopped = False
+        self.before.append(at(Assign([node.target], value, None), node))
+        return at(name(node.target.id), node)
+
+
+# -- texts -----------------------------------------------------------------------------------------------------------
+
+def _said(statement: AST) -> AST:
+    """The statement with the texts of its message as plain strings."""
+    parts = [statement.msg] if isinstance(statement, Assert) else [statement.exc, statement.cause]
+
+    def change(n: AST) -> AST | None:
+        if any(n is p for p in children(statement)) and not any(n is p for p in parts):
+            return n
+        return at(const(_template(n)), n) if type(n).__name__ == "JoinedStr" else None
+    return rebuild(statement, change)
+
+
+def _template(node: AST) -> str:
+    """An f-string's text with its expressions between braces, as they are written."""
+    found = ""
+    for part in node.values:
+        if isinstance(part, Constant):
+            found += part.value
+        else:
+            form = ":" + _template(part.format_spec) if part.format_spec is not None else ""
+            found += "{" + written(part.value) + form + "}"
+    return found
+
+
+def _printed(node: AST) -> list[AST]:
+    """What print is given, an f-string in its parts."""
+    if type(node).__name__ != "JoinedStr":
+        return [node]
+    parts = [at(const(p.value.strip()), p) if isinstance(p, Constant) else p.value for p in node.values]
+    return [p for p in parts if not (isinstance(p, Constant) and p.value == "")]
