@@ -13,6 +13,7 @@ Emission prints them as `np.exp`, `limit`, `G`, `grow`.
 from __future__ import annotations
 
 import ast as _ast
+import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -34,9 +35,9 @@ __all__ = [
     "RShift", "Slice", "Starred", "Store", "Sub", "Subscript", "Tuple", "UAdd", "UnaryOp", "USub", "While",
     "arguments", "keyword", "add", "assign", "at", "attribute", "augment", "binary", "call", "call_name",
     "children", "comment", "compare", "const", "copy", "counted_for", "dump", "equal", "expr", "expression",
-    "forget", "forgotten", "function", "index", "indices", "is_comment", "is_unset", "mult", "name", "names", "negate",
-    "parse",
-    "rebuild", "rename", "statements", "stored_names", "sub", "substitute", "tuple_of", "unset", "walk",
+    "forget", "forgotten", "function", "index", "indices", "is_comment", "is_unset", "literal", "mult", "name",
+    "names", "negate", "parse", "rebuild", "rename", "statements", "stored_names", "sub", "substitute", "tuple_of",
+    "unset", "walk", "written",
 ]
 
 _LOAD, _STORE = Load(), Store()
@@ -136,6 +137,21 @@ def mult(left: AST, right: AST) -> BinOp:
     return BinOp(left, Mult(), right)
 
 
+def literal(value: Any) -> AST | None:
+    """A number, a string, None or a tuple of these as an expression; None if it has no spelling."""
+    value = value.item() if hasattr(value, "dtype") and not value.shape else value
+    if isinstance(value, float) and not math.isfinite(value):
+        spelled = name("numpy.nan" if math.isnan(value) else "numpy.inf")
+        return negate(spelled) if value < 0 else spelled
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return const(value)
+    if isinstance(value, tuple):
+        items = [literal(item) for item in value]
+        known = [item for item in items if item is not None]
+        return tuple_of(*known) if len(known) == len(items) else None
+    return None
+
+
 def negate(operand: AST) -> UnaryOp:
     return UnaryOp(USub(), operand)
 
@@ -216,6 +232,11 @@ def children(node: AST) -> list[AST]:
         elif isinstance(value, AST):
             found.append(value)
     return found
+
+
+def written(node: AST) -> str:
+    """An expression's text as Python itself would write it, for messages."""
+    return _ast.unparse(gast.gast_to_ast(copy(node)))
 
 
 def names(node: AST | list[AST]) -> list[str]:

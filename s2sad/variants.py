@@ -19,7 +19,7 @@ from s2sad.generated import HIDDEN, Variant
 from s2sad.infer.types import Type, of_value
 from s2sad.normalize.fields import asks
 from s2sad.read.capture import not_a_function
-from s2sad.read.plain import by_position, python_function
+from s2sad.read.underlying import by_position, python_function
 from s2sad.program import Kernel, Program, Request
 from s2sad.rules.given import GIVEN
 from s2sad.run.compiled import chosen, compiled, prepare, quiet

@@ -12,7 +12,7 @@ import numpy as np
 
 from s2sad.binding import same_number
 from s2sad.read import holders
-from s2sad.read.plain import given, python_function
+from s2sad.read.underlying import given, python_function
 
 _ABSENT = object()
 _LIBRARIES = ("numpy", "math", "builtins", "numba", "scipy")

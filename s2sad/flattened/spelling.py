@@ -13,7 +13,7 @@ from s2sad.infer.assumed import spelled
 from s2sad.infer.types import NONE, UNKNOWN, Type, array
 from s2sad.normalize.fields import asks, fields
 from s2sad.program import Kernel, Program
-from s2sad.structure import Form, Structure, is_held, leaves
+from s2sad.structure import Form, Structure, form_of, is_held, leaves
 from s2sad.tree import AST, Attribute, Constant, Name, Subscript, walk
 
 _OF_ARRAYS = ("shape", "size", "ndim", "dtype", "T", "copy", "fill", "sum", "mean", "min", "max", "dot", "reshape",
@@ -59,8 +59,9 @@ def spelled_out(program: Program, given: Mapping[str, Form]) -> tuple[Program, d
     """The program without structures, the types that were given by flat names, and the flat names' paths; raises
     S2sadError where a parameter has parts and nothing says which."""
     kernel = program.kernels[program.entry]
-    forms = {p: given.get(p, NONE if p in kernel.defaults and kernel.defaults[p] is None else UNKNOWN)
-             for p in kernel.parameters}
+    defaults = {p: NONE if d is None else form_of(d, p) for p, d in kernel.defaults.items()
+                if d is None or isinstance(d, tuple)}
+    forms = {p: given.get(p, defaults.get(p, UNKNOWN)) for p in kernel.parameters}
     _known(kernel, forms)
     if not asks(program) and not any(isinstance(f, Structure) for f in forms.values()):
         return program, {p: f for p, f in given.items() if isinstance(f, Type)}, {}

@@ -36,6 +36,8 @@ Holder = tuple[str, str, Any, "str | int"]
 
 def flattened(state: State, args: Sequence[Any]) -> Flattened | None:
     """How a call with structures is taken apart; None if there is none among f's arguments and it asks for none."""
+    if any(isinstance(d, tuple) for d in state.kernel.defaults.values()):
+        args = bind(state.kernel, args)
     if not state.asks and (_PLAIN.issuperset(map(type, args)) or not any(map(is_structure, args))):
         return None
     args = bind(state.kernel, args)

@@ -24,8 +24,8 @@ from s2sad.tree import (
 
 
 def infer(function: FunctionDef, parameters: Mapping[str, Type], call_types: CallTypes, report: Report,
-          constants: Mapping[str, object] | None = None) -> dict[str, Type]:
-    """The type of every name; what contradicts itself goes into the report."""
+          constants: Mapping[str, object] | None = None, confused: set[str] | None = None) -> dict[str, Type]:
+    """The type of every name; what contradicts itself goes into the report, its name into `confused`."""
     table = dict(parameters)
     typing = Typing(table, call_types, report, constants or {})
     for _ in range(20):
@@ -35,6 +35,8 @@ def infer(function: FunctionDef, parameters: Mapping[str, Type], call_types: Cal
             break
     typing.final = True
     _block(function.body, typing)
+    if confused is not None:
+        confused |= typing.confused
     return table
 
 
@@ -49,6 +51,7 @@ class Typing(TypesOfCalls):
         self.final = False
         self.runs_once: Callable[[Call], bool] = lambda call: False  # whether a kernel's call is not to be run again
         self.listed: set[str] = set()   # the arrays in place of lists
+        self.confused: set[str] = set()     # the names bound to what has no type in common
 
     def bind_item(self, identifier: str, item: Type) -> None:
         """An array in place of a list has one axis more than what is stored in it."""
@@ -79,8 +82,9 @@ class Typing(TypesOfCalls):
         joined = new if old is None else join(old, new)
         if joined is None:
             if self.final:
+                self.confused.add(identifier)
                 self.report.error("S203", f"'{identifier}' is bound to {old} and to {new}", place,
-                                  help="give the second one another name")
+                                  help=_apart(old, new))
             return
         self.table[identifier] = joined
 
@@ -195,6 +199,12 @@ class Typing(TypesOfCalls):
         added = sum(isinstance(s, Constant) and s.value is None for s in subscripts)
         kept = sum(isinstance(s, Slice) for s in subscripts) + base.rank - used + added
         return of_rank(base, kept + (1 if masked else max(a.rank for a in arrays)))
+
+
+def _apart(old: Type | None, new: Type) -> str:
+    sums = old is not None and old.is_number and new.is_array
+    return "start with an array: np.zeros_like(...); or give the second one another name" if sums else (
+        "give the second one another name")
 
 
 def learn(block: list[AST], typing: Typing) -> None:

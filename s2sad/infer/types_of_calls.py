@@ -98,8 +98,8 @@ class TypesOfCalls(ABC):
             return INT
         if kind in ("int", "bool"):
             return Type(result.kind, "int64" if kind == "int" else "bool", result.rank)
-        if name in ("builtins.abs", "builtins.min", "builtins.max", "numpy.abs", "numpy.absolute", "numpy.minimum",
-                    "numpy.maximum", "numpy.square") or kind == "same":
+        rule = rules.find(name)
+        if kind == "same" or rule is not None and rule.result == "same":
             return result
         if result.kind == "unknown" or result.is_float:
             return result if not name.startswith("math.") or not result.dtype else Type(result.kind, "float64")

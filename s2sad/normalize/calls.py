@@ -1,16 +1,13 @@
 """Calls of the user's functions: arguments bound to positions, and how many results a function returns."""
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from typing import Any
-
-import numpy as np
 
 from s2sad.normalize.memory import bindings
 from s2sad.normalize.scope import Scope
 from s2sad.program import Kernel, Program
-from s2sad.tree import AST, Call, Constant, IfExp, Name, Return, Tuple, call_name, const, name, negate, walk
+from s2sad.tree import AST, Call, Constant, IfExp, Name, Return, Tuple, call_name, literal, walk
 
 Structure = tuple[Any, ...] | None
 
@@ -44,27 +41,12 @@ def bound_arguments(node: Call, scope: Scope) -> list[AST]:
 
 
 def _default(kernel: Kernel, parameter: str, node: Call, scope: Scope) -> AST:
-    written = _literal(kernel.defaults.get(parameter))
+    written = literal(kernel.defaults.get(parameter))
     if written is None:
         scope.refuse(node, f"the default of {parameter!r} of {kernel.name} is no number",
                      help=f"give {parameter!r} at the call", code="S405")
         return Constant(None, None)
     return written
-
-
-def _literal(value: Any) -> AST | None:
-    """A Python value as an expression, or None if it has no spelling."""
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, float) and not math.isfinite(value):
-        spelled = name("numpy.nan" if math.isnan(value) else "numpy.inf")
-        return negate(spelled) if value < 0 else spelled
-    if value is None or isinstance(value, (bool, int, float, str)):
-        return const(value)
-    if isinstance(value, tuple):
-        items = [_literal(item) for item in value]
-        return None if any(item is None for item in items) else Tuple(items, name("x").ctx)
-    return None
 
 
 def result_structure(kernel: str, program: Program, seen: tuple[str, ...] = ()) -> Structure:

@@ -18,7 +18,7 @@ from s2sad.normalize.groups import (
 from s2sad.program import Kernel
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, List, Mod, Mult, Name, Slice, Store, Sub, Subscript, Tuple,
-    UnaryOp, USub, at, call_name, const, copy, rebuild,
+    UnaryOp, USub, at, call_name, const, copy, rebuild, walk,
 )
 
 _ARITHMETIC: dict[type, Callable[[int, int], int]] = {
@@ -156,6 +156,9 @@ class Items:
             return base
         if isinstance(node.slice, Slice) and base.form.is_sequence:
             return self._slice(base, node)
+        if base.form.is_sequence and _is_numbers(base) and self.key(node.slice) is None and not any(
+                isinstance(n, (Slice, Tuple)) for n in walk(node.slice)):
+            return Plain(at(Subscript(spelled(base, node), self.plain(node.slice), node.ctx), node))
         found = self.item_of(base, node)
         return Plain(at(const(0.0), node)) if found is None else found
 
@@ -227,6 +230,12 @@ class Items:
     def _length(self, node: Call) -> Value | None:
         found = self.structural(node.args[0]) if len(node.args) == 1 else None
         return Plain(at(const(len(found.items)), node)) if isinstance(found, Group) else None
+
+
+def _is_numbers(base: Group) -> bool:
+    """Whether the items are numbers that no one assigns: a variable may pick one."""
+    return bool(base.items) and all(isinstance(i, Leaf) and i.type.kind == "number" and not i.is_cell
+                                    for i in base.items)
 
 
 def spoken(group: Group) -> str:

@@ -18,9 +18,10 @@ from collections.abc import Callable, Mapping
 
 from s2sad.blocks import with_blocks
 from s2sad.diagnostics import Report, Source
-from s2sad.infer.infer import Typing, infer
+from s2sad.infer.infer import Typing
 from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
+from s2sad.normalize.lives import lives
 from s2sad.program import Kernel, Program
 from s2sad.tree import (
     AST, Assign, Call, Constant, Expr, For, FunctionDef, If, Name, Return, Tuple, While, assign, at, call_name, copy,
@@ -43,11 +44,13 @@ class Helpers:
             self._trees[kernel] = self._structured(self.program.kernels[kernel], Names(), self.program)
         return self._trees[kernel]
 
-    def typing(self, tree: FunctionDef, types: Mapping[str, Type], source: Source) -> Typing:
-        """The types of a function's names, as far as they are known; what is wrong is said when it is prepared."""
+    def typing(self, tree: FunctionDef, types: Mapping[str, Type], source: Source,
+               free: Names) -> tuple[FunctionDef, Typing]:
+        """The function with a name for each life of one, and the types of its names, as far as they are known; what is
+        wrong is said when it is prepared."""
         values = {**self.program.constants, **self.program.arrays}
-        table = infer(tree, types, self.results, Report(source), values)
-        return Typing({**table, **types}, self.results, Report(source), values)
+        tree, table = lives(tree, types, self.results, Report(source), values, free)
+        return tree, Typing({**table, **types}, self.results, Report(source), values)
 
     def results(self, kernel: str, types: tuple[Type, ...]) -> tuple[Type, ...]:
         """The types of what a function returns for arguments of these types."""
@@ -58,7 +61,8 @@ class Helpers:
         if key not in self._results:
             tree = self.tree(kernel)
             given = dict(zip((p.id for p in tree.args.args), types))
-            typing = self.typing(tree, given, self.program.kernels[kernel].source)
+            tree, typing = self.typing(tree, given, self.program.kernels[kernel].source, Names(
+                n.id for n in walk(tree) if isinstance(n, Name)))
             self._results[key] = tuple(map(typing.of, returned(tree)))
         return self._results[key]
 
@@ -68,7 +72,7 @@ def inlined(tree: FunctionDef, types: Mapping[str, Type], free: Names, source: S
     """The function without calls that return arrays, and its source with those of what was written into it."""
     pass_ = _Inlined(free, source, helpers)
     while any(map(_called, walk(tree.body))):
-        pass_.typing = helpers.typing(tree, types, source)
+        tree, pass_.typing = helpers.typing(tree, types, source, free)
         pass_.changed = False
         new = copy(tree)
         new.body = pass_.block(tree.body)

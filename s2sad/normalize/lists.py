@@ -135,7 +135,7 @@ class _Lists:
 
     def start(self, bound: str, statement: Assign) -> list[AST]:
         """The array in place of the list, as large as the list can become, with what it starts with."""
-        items = statement.value.elts
+        items = [call("numpy.array", i) if isinstance(i, (List, Tuple)) else i for i in statement.value.elts]
         made: list[AST] = [assign(bound, call(LISTED, self.most(bound, statement)))]
         made += [assign(index(name(bound), const(k)), self.read(item)) for k, item in enumerate(items)]
         return [*made, assign(self.counts[bound], const(len(items)))]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
+from s2sad.infer.laws import whole_number
 from s2sad.infer.types_of_calls import LISTED
 from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.memory import Memory
@@ -69,6 +70,10 @@ class _Rows:
                 self.made[value.id].value, place) else None
         if call_name(value) == "numpy.array" and isinstance(value.args[0], (List, Tuple)):
             return _written(value.args[0])
+        if call_name(value) == "numpy.stack" and isinstance(value.args[0], (List, Tuple)) and value.args[0].elts and [
+                whole_number(k.value) for k in value.keywords] == [0]:
+            inner = self.sizes(value.args[0].elts[0], rank - 1, place, depth + 1)
+            return None if inner is None else [const(len(value.args[0].elts)), *inner]
         if isinstance(value, (Name, Subscript)):
             return self.of_part(value, rank, place, depth)
         for child in children(value):

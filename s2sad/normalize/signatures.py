@@ -9,7 +9,7 @@ Requires resolved names. Establishes: of NumPy's functions the parameters that m
 from __future__ import annotations
 
 import inspect
-from functools import lru_cache, reduce
+from functools import reduce, cache
 
 from s2sad.normalize.scope import Scope
 from s2sad.read.meaning import library_value
@@ -60,7 +60,7 @@ def _summed(items: list[AST]) -> AST:
     return reduce(lambda a, b: BinOp(a, Add(), b), [*parts, *([tuple_of(*plain)] if plain else [])])
 
 
-@lru_cache(maxsize=None)
+@cache
 def leading(path: str) -> tuple[str, ...]:
     """The parameters that a function of NumPy must be given, in order, as far as they have names."""
     word = path.partition(".")[2]

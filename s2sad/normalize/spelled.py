@@ -14,6 +14,8 @@
     np.roll(x, (1, 2), axis=(0, 1))     np.roll(np.roll(x, 1, axis=0), 2, axis=1)
     math.prod((a, b))   a * b
     np.sum([a, b])      np.sum(np.array([a, b]))
+    np.r_[a, 1:3]       np.hstack((a, np.arange(1, 3)))
+    K[np.ix_(i, j)]     K[i[:, None], j]
 """
 from __future__ import annotations
 
@@ -23,8 +25,8 @@ from s2sad import rules
 from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Pow,
-    Starred, Sub, Subscript, Tuple, at, call, call_name, compare, const, copy, index, indices, mult, name, rebuild,
-    tuple_of,
+    Slice, Starred, Sub, Subscript, Tuple, at, call, call_name, compare, const, copy, index, indices, mult, name,
+    rebuild, tuple_of, walk,
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
@@ -55,6 +57,8 @@ def _plain(node: AST) -> AST | None:
         return rebuild(at(BinOp(left, node.op, right), node), _plain)
     if isinstance(node, BinOp) and (listed := _list(node)) is not None:
         return at(List([rebuild(item, _plain) for item in listed], name("_").ctx), node)
+    if isinstance(node, Subscript) and (joined := _joined(node) or _crossed(node)) is not None:
+        return rebuild(at(joined, node), _plain)
     if isinstance(node, Subscript) and any(isinstance(s, List) for s in indices(node)):
         parts = [call("numpy.array", s) if isinstance(s, List) else s for s in indices(node)]
         return rebuild(at(Subscript(node.value, index(node.value, *parts).slice, node.ctx), node), _plain)
@@ -76,6 +80,35 @@ def _plain(node: AST) -> AST | None:
     if other is not None:
         return rebuild(at(other, node), _plain)
     return _question(node) or _array_call(node) or _scalar_call(node)
+
+
+def _joined(node: Subscript) -> AST | None:
+    """`np.r_` and `np.c_` of arrays, numbers and ranges, as a call that joins them."""
+    joins = {"numpy.r_": "numpy.hstack", "numpy.c_": "numpy.column_stack"}
+    if not isinstance(node.value, Name) or node.value.id not in joins:
+        return None
+    parts: list[AST] = []
+    for part in indices(node):
+        if isinstance(part, Slice):
+            if part.upper is None or any(isinstance(n, Constant) and isinstance(n.value, complex) for n in walk(part)):
+                return None
+            parts.append(call("numpy.arange", part.lower or const(0), part.upper, part.step or const(1)))
+            continue
+        if isinstance(part, Constant) and isinstance(part.value, str):
+            return None
+        parts.append(part)
+    return call(joins[node.value.id], tuple_of(*parts))
+
+
+def _crossed(node: Subscript) -> AST | None:
+    """What every row of some crosses with every column of others."""
+    if call_name(node.slice) != "numpy.ix_" or node.slice.keywords or not node.slice.args:
+        return None
+    lists = [call("numpy.array", a) if isinstance(a, (List, Tuple)) else a for a in node.slice.args]
+    last = len(lists) - 1
+    spread = [index(a, Slice(None, None, None), *[const(None)] * (last - k)) if k < last else a
+              for k, a in enumerate(lists)]
+    return Subscript(node.value, index(node.value, *spread).slice, node.ctx)
 
 
 def _whole_operands(node: Call) -> list[AST]:

@@ -19,7 +19,7 @@ from typing import Any
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.program import Program
 from s2sad.read.capture import name_of, not_a_function
-from s2sad.read.plain import python_function
+from s2sad.read.underlying import python_function
 from s2sad.read.link import Linker
 from s2sad.read.meaning import Function
 from s2sad.read.modules import FileModule

@@ -19,7 +19,7 @@ from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.read.live import LiveScope, defaults_of
 from s2sad.read.meaning import AST, Captured, kind_of
-from s2sad.read.plain import given, python_function
+from s2sad.read.underlying import given, python_function
 
 _FUTURE = functools.reduce(int.__or__, (getattr(__future__, n).compiler_flag for n in __future__.all_feature_names))
 # line ends to str.splitlines, but not to Python: replaced by blanks as wide in UTF-8

@@ -13,6 +13,7 @@ from s2sad.read.handed import definition
 from s2sad.read.live import live_meaning
 from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number, Record
 from s2sad.read.nested import lifted
+from s2sad.read.plain import plain
 from s2sad.read.resolve import Resolved, resolve
 from s2sad.rules.given import GIVEN, Own
 
@@ -49,6 +50,7 @@ class Linker:
         kernels = {}
         for key, found in self.found.items():
             kernels[names[key].partition(".")[2]] = _kernel(names[key].partition(".")[2], found, names, self.identify)
+        kernels = {n: replace(k, tree=_with_tuples(k.tree, kernels)) for n, k in kernels.items()}
         values = {names[key].partition(".")[2]: m for key, m in self.outside.values() if not isinstance(m, Function)}
         constants = {n: m.value for n, m in values.items() if isinstance(m, Number)}
         arrays = {n: m.value for n, m in values.items() if isinstance(m, Array)}
@@ -72,7 +74,8 @@ class Linker:
         return self.outside.setdefault((kind, key), (f"{kind}.{len(self.outside)}", meaning))[0]
 
     def visit(self, function: Function, callers: list[Function]) -> None:
-        captured = lifted(definition(function), function.key)
+        captured = definition(function)
+        captured = lifted(replace(captured, tree=plain(captured.tree)), function.key)
         report = Report(captured.source)
         self.reports.append(report)
         own = None if hasattr(function.handle, "captured") else GIVEN.own(function.handle)
@@ -127,6 +130,26 @@ class Linker:
             taken.add(name)
             final[key] = f"{key.partition('.')[0]}.{name}"
         return final
+
+
+def _with_tuples(definition: AST, kernels: dict[str, Kernel]) -> AST:
+    """The definition with the tuples that calls leave to defaults written out: `f(x)` is `f(x, w=(1.0, 2.0))`."""
+    def change(node: AST) -> AST | None:
+        if not isinstance(node, tree.Call):
+            return None
+        callee = kernels.get((tree.call_name(node) or "").removeprefix("user."))
+        if callee is None:
+            return None
+        given = {*callee.parameters[:len(node.args)], *(k.arg for k in node.keywords)}
+        added = [tree.keyword(p, tree.literal(d)) for p, d in callee.defaults.items()
+                 if isinstance(d, tuple) and p not in given]
+        if not added:
+            return None
+        args = [tree.rebuild(a, change) for a in node.args]
+        return tree.at(tree.Call(node.func, args, [*(tree.rebuild(k, change) for k in node.keywords), *added]), node)
+    if not any(isinstance(d, tuple) for k in kernels.values() for d in k.defaults.values()):
+        return definition
+    return tree.rebuild(definition, change)
 
 
 def _position(diagnostic: Any) -> tuple[int, int]:

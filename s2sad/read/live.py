@@ -9,10 +9,10 @@ from typing import Any
 
 from s2sad.read import holders
 from s2sad.read.meaning import (
-    AST, Function, Holder, Library, LibraryScope, Meaning, NotConstant, Number, Space, Text, Unusable, kind_of,
-    library_path, value_meaning,
+    AST, Function, Holder, Library, LibraryScope, Meaning, NotConstant, Number, Space, Text, Unusable,
+    is_numbers, kind_of, library_path, value_meaning,
 )
-from s2sad.read.plain import named_function
+from s2sad.read.underlying import named_function
 from s2sad.rules.given import GIVEN, ROOM
 
 
@@ -110,6 +110,8 @@ def defaults_of(function: types.FunctionType) -> Callable[[str, AST], Any]:
     def default(parameter: str, node: AST) -> Any:
         value = values.get(parameter)
         if value is None or isinstance(live_meaning(parameter, value), (Number, Text)) or isinstance(value, float):
+            return value
+        if is_numbers(value, tuple):
             return value
         raise NotConstant
     return default

@@ -45,8 +45,10 @@ class Array:
 
 @dataclass(frozen=True)
 class Items(Array):
-    """A tuple or list of numbers, nested or not, as an array: that is what it is where its numbers are picked."""
+    """A tuple or list of numbers, nested or not, as an array: that is what it is where a variable picks its numbers;
+    `numbers` are these, written out, where they are few."""
     what: str = ""
+    numbers: Numbers | None = None
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,9 @@ class Unusable:
     help: str
 
 
+_WRITTEN_OUT = 64   # items of a sequence from outside: more are an array's
+
+
 class Scope(Protocol):
     """The names around a kernel, or those of a module."""
 
@@ -101,7 +106,13 @@ class Holder(Space):
     what: str = ""
 
 
-Meaning = Library | Number | Array | Record | Text | Function | Unusable | Space
+@dataclass(frozen=True)
+class Numbers:
+    """A tuple or list of numbers, or of such tuples, that the kernel reads from outside: written out."""
+    items: tuple[Number | Numbers, ...]
+
+
+Meaning = Library | Number | Numbers | Array | Record | Text | Function | Unusable | Space
 
 
 @dataclass(frozen=True)
@@ -186,6 +197,26 @@ def is_number(value: Any) -> bool:
     return isinstance(value, (bool, int, float, numpy.bool_, numpy.integer, numpy.floating))
 
 
+def is_numbers(value: Any, kinds: type | tuple[type, ...] = (tuple, list)) -> bool:
+    """Whether a value is a tuple (or a list) of numbers, or of such."""
+    return isinstance(value, kinds) and len(value) > 0 and all(is_number(v) or is_numbers(v, kinds) for v in value)
+
+
+def _count(value: Any) -> int:
+    return sum(map(_count, value)) if isinstance(value, (tuple, list)) else 1
+
+
+def _numbers(name: str, value: Any, current: Callable[[], Any] | None) -> Numbers:
+    """The items of a sequence, each a number of its own; where the sequence has another length now, they are none."""
+    def item(k: int) -> Callable[[], Any] | None:
+        def now() -> Any:
+            whole = current() if current is not None else None
+            return whole[k] if isinstance(whole, (tuple, list)) and len(whole) == len(value) else None
+        return None if current is None else now
+    return Numbers(tuple(_numbers(f"{name}_{k}", v, item(k)) if isinstance(v, (tuple, list)) else
+                         Number(f"{name}_{k}", v, item(k)) for k, v in enumerate(value)))
+
+
 def kind_of(value: Any) -> str:
     """A value's type as one says it: `a list`, `an object`."""
     word = type(value).__name__
@@ -208,10 +239,11 @@ def value_meaning(name: str, value: Any, current: Callable[[], Any] | None = Non
         return Record(name, value, current)
     if isinstance(value, type):
         return Unusable("a class", "pass its fields as arguments of the kernel, numbers and arrays")
-    if isinstance(value, (tuple, list)):
-        numbers = _as_array(value)
-        if numbers is not None:
-            return Items(name, numbers, current, kind_of(value))
+    if is_numbers(value):
+        written = _numbers(name, value, current) if _count(value) <= _WRITTEN_OUT else None
+        array = _as_array(value)
+        found = written if array is None else Items(name, array, current, kind_of(value), written)
+        return found or Unusable(kind_of(value), "make it a NumPy array")
     return Unusable(kind_of(value), "pass it as an argument, or make it a number or a NumPy array")
 
 

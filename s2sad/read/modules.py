@@ -15,7 +15,7 @@ from s2sad.read.fold import folded
 from s2sad.read.text import parsed, read_text
 from s2sad.read.meaning import (
     AST, Captured, Function, Library, LibraryScope, Meaning, NotConstant, Number, Space, Unusable, dotted, is_number,
-    value_meaning,
+    is_numbers, value_meaning,
 )
 
 LIBRARIES = ("numpy", "math", "scipy", "numba", "s2sad", "builtins")
@@ -129,9 +129,18 @@ class FileModule:
                 inner = self.path_meaning(value.args[0]) if len(value.args) == 1 else None
                 return inner if isinstance(inner, Function) else maker
         try:
-            return value_meaning(name, folded(value, self.path_meaning))
+            return value_meaning(name, self.folded(value))
         except NotConstant:
             return Unusable("not constant arithmetic, and the file is read without being run", _PASS_IT)
+
+    def folded(self, node: AST) -> Any:
+        """The value of a constant expression, or of a tuple or list of such; raises NotConstant for any other."""
+        if isinstance(node, (tree.Tuple, tree.List)):
+            found = tuple(map(self.folded, node.elts))
+            if not is_numbers(found):
+                raise NotConstant
+            return found
+        return folded(node, self.path_meaning)
 
     def path_meaning(self, node: AST) -> Meaning | None:
         """The meaning of a name or dotted path, None for anything else."""
@@ -230,8 +239,8 @@ class FileFunction:
 
     def captured(self) -> Captured:
         def default(parameter: str, node: AST) -> Any:
-            value = folded(node, self.module.path_meaning)
-            if value is None or isinstance(value, str) or is_number(value):
+            value = folded(node, self.module.path_meaning) if isinstance(node, tree.List) else self.module.folded(node)
+            if value is None or isinstance(value, str) or is_number(value) or is_numbers(value, tuple):
                 return value
             raise NotConstant
         return Captured(self.definition.name, self.definition, self.module.source, self.module, default)

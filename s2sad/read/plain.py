@@ -1,106 +1,160 @@
-"""The plain Python function behind what a user gives, and the arguments that it was given already.
+"""plain: spellings that mean no more than plainer ones take these, before the fence is asked.
 
-    differentiate(f), njit(f)        f
-    model.loss                       Model.loss, given self
-    model, whose class has __call__  Model.__call__, given self
-    functools.partial(f, k=2.0)      f, given k
+    while (r := f(x)) > tol:        while True:
+        ...                             r = f(x)
+                                        if not r > tol:
+                                            break
+                                        ...
+    raise ValueError(f"at {t:.3f}") raise ValueError("at {t:.3f}")
+    print(f"{k}: {r:.2e}")          print(k, ":", r)
+    del work                        pass
 
-A function that was given arguments is called by a function of those left; these are what it is differentiated for.
-The names of the others mean, in its text, what was given.
+The text of an error is none that a derivative computes: it shows what stands between the braces. An assignment inside
+an expression moves before its statement where nothing is evaluated before it but names and numbers; any other is left
+for the fence to refuse, as are strings in any other place.
 """
 from __future__ import annotations
 
-import functools
-import inspect
-from collections.abc import Callable, Collection, Mapping
-from types import FunctionType, MethodType
-from typing import Any
+from s2sad.tree import (
+    AST, Assert, Assign, Attribute, BoolOp, Break, Call, Constant, Expr, For, FunctionDef, If, IfExp, Name, Not, Pass,
+    Raise, Return, Subscript, UnaryOp, While, at, children, const, copy, name, rebuild, walk, written,
+)
 
-_KEPT = 16                              # how many methods and partials of one function are remembered
-_GIVEN = "__s2sad_given__"
-_LIBRARIES = ("builtins", "functools", "numpy", "numba", "scipy", "s2sad")
-
-
-def python_function(value: Any) -> FunctionType | None:
-    """The plain function behind a differentiated one, a Numba dispatcher, a method, a partial or an object that is
-    called; None for anything else."""
-    return named_function(value) or (None if _method(value) is None else named_function(_method(value)))
+_EXPRESSIONS = {Assign: "value", Expr: "value", Return: "value", If: "test", While: "test", For: "iter", Assert: "test"}
+_BLOCKS = ("body", "orelse", "finalbody")
+_LAZY = ("Lambda", "ListComp", "GeneratorExp", "SetComp", "DictComp")   # run later or not at all: nothing moves out
 
 
-def named_function(value: Any) -> FunctionType | None:
-    """The same, but for objects that are called."""
-    for _ in range(8):
-        if isinstance(value, FunctionType):
-            inner = getattr(value, "__wrapped_kernel__", None)
-            return value if inner is None else named_function(inner)
-        if isinstance(value, (MethodType, functools.partial)):
-            return _given(value)
-        names = ("__wrapped_kernel__", "py_func")
-        value = next((getattr(value, n) for n in names if not isinstance(value, type) and hasattr(value, n)), None)
-    return None
+def plain(function: FunctionDef) -> FunctionDef:
+    """The function with such spellings in their plain form."""
+    new = copy(function)
+    _blocks(new)
+    return new
 
 
-def given(function: FunctionType) -> tuple[FunctionType, Mapping[str, Any]]:
-    """The function whose text is read, and what it was given, by parameter."""
-    return vars(function).get(_GIVEN, (function, {}))
+def _blocks(node: AST) -> None:
+    for field in _BLOCKS:
+        block = getattr(node, field, None)
+        if isinstance(block, list):
+            setattr(node, field, [at(made, s) for s in block for made in _statement(s)])
 
 
-def by_position(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function, to be called with all of its arguments by position, those that it takes by keyword only, too."""
-    plain = python_function(function)
-    if plain is None or not plain.__code__.co_kwonlyargcount and not isinstance(function, functools.partial):
-        return function
-    return _called(plain, {})
+def _statement(statement: AST) -> list[AST]:
+    _blocks(statement)
+    if type(statement).__name__ == "Delete" and all(isinstance(t, Name) for t in statement.targets):
+        return [Pass()]
+    if isinstance(statement, (Raise, Assert)):
+        statement = _said(statement)
+    if isinstance(statement, Expr) and _is_print(statement.value):
+        statement.value.args = [part for a in statement.value.args for part in _printed(a)]
+    field = _EXPRESSIONS.get(type(statement))
+    value = getattr(statement, field, None) if field else None
+    if field is None or value is None or not any(map(_is_walrus, walk(value))):
+        return [statement]
+    return _moved(statement, field, value)
 
 
-def _method(value: Any) -> MethodType | None:
-    """What is called where an object of a user's class is called."""
-    called = inspect.getattr_static(type(value), "__call__", None)
-    home = str(getattr(type(value), "__module__", "")).partition(".")[0]
-    if not isinstance(called, FunctionType) or isinstance(value, type) or home in _LIBRARIES:
-        return None
-    return MethodType(called, value)
+def _is_walrus(node: AST) -> bool:
+    return type(node).__name__ == "NamedExpr"
 
 
-def _given(value: MethodType | functools.partial) -> FunctionType | None:
-    """A function of the arguments that a method or partial leaves; the same one for the same method or partial."""
-    inner = value.__func__ if isinstance(value, MethodType) else value.func
-    args = (value.__self__,) if isinstance(value, MethodType) else value.args
-    keywords = {} if isinstance(value, MethodType) else value.keywords
-    function = named_function(inner)
-    if function is None:
-        return None
-    kept: list[tuple[tuple[Any, ...], dict[str, Any], FunctionType]] = vars(function).setdefault("__s2sad_bound__", [])
-    for known, others, made in kept:
-        if _same(known, args) and list(others) == list(keywords) and _same(others.values(), keywords.values()):
+def _is_print(node: AST) -> bool:
+    return isinstance(node, Call) and isinstance(node.func, Name) and node.func.id == "print"
+
+
+# -- assignments inside expressions ----------------------------------------------------------------------------------
+
+def _moved(statement: AST, field: str, value: AST) -> list[AST]:
+    """The statement with its inner assignments before it, as far as they can be moved."""
+    before: list[AST] = []
+    setattr(statement, field, _without(value, before))
+    if not before:
+        return [statement]
+    if not isinstance(statement, While):
+        return [*before, statement]
+    if statement.orelse:
+        setattr(statement, field, value)
+        return [statement]
+    test = at(If(UnaryOp(Not(), statement.test), [Break()], []), statement)
+    return [While(const(True), [*(at(s, statement) for s in before), test, *statement.body], [])]
+
+
+def _without(node: AST, before: list[AST]) -> AST:
+    """The expression without the assignments that are evaluated before all else in it."""
+    return rebuild(node, _First(before).change)
+
+
+class _First:
+    """Goes through an expression as Python evaluates it, until something stands in the way of a move."""
+
+    def __init__(self, before: list[AST]):
+        self.before = before
+        self.read: set[str] = set()     # the names that were evaluated
+        self.loads = self.stopped = False
+
+    def change(self, node: AST) -> AST | None:
+        inner = any(map(_is_walrus, walk(node)))
+        if self.stopped or type(node).__name__ in _LAZY:
+            self.stopped = self.stopped or inner
+            return node
+        if _is_walrus(node):
+            return self.assigned(node)
+        if isinstance(node, (BoolOp, IfExp)) and inner:     # what comes after the first part may not run
+            made = copy(node)
+            if isinstance(made, BoolOp):
+                made.values[0] = rebuild(made.values[0], self.change)
+            else:
+                made.test = rebuild(made.test, self.change)
+            self.stopped = True
             return made
-    try:
-        names = inspect.signature(function).bind_partial(*args, **keywords).arguments
-    except TypeError:
+        if isinstance(node, Call) and not inner:
+            self.stopped = True     # it may write what a later assignment reads
+            return node
+        self.loads = self.loads or isinstance(node, (Subscript, Attribute)) and not inner
+        self.read |= {node.id} if isinstance(node, Name) else set()
         return None
-    kernel, before = given(function)
-    made = _called(function, names)
-    vars(made)[_GIVEN] = kernel, {**before, **names}
-    kept[:] = [*kept[-_KEPT + 1:], (args, dict(keywords), made)]
-    return made
+
+    def assigned(self, node: AST) -> AST:
+        calls = any(isinstance(n, Call) for n in walk(node.value))
+        if node.target.id in self.read or self.loads and calls:
+            self.stopped = True
+            return node
+        value = rebuild(node.value, self.change)
+        if any(map(_is_walrus, walk(value))):
+            return node
+        self.stopped = False
+        self.before.append(at(Assign([node.target], value, None), node))
+        return at(name(node.target.id), node)
 
 
-def _same(ours: Collection[Any], theirs: Collection[Any]) -> bool:
-    return len(ours) == len(theirs) and all(a is b for a, b in zip(ours, theirs))
+# -- texts -----------------------------------------------------------------------------------------------------------
+
+def _said(statement: AST) -> AST:
+    """The statement with the texts of its message as plain strings."""
+    parts = [statement.msg] if isinstance(statement, Assert) else [statement.exc, statement.cause]
+
+    def change(n: AST) -> AST | None:
+        if any(n is p for p in children(statement)) and not any(n is p for p in parts):
+            return n
+        return at(const(_template(n)), n) if type(n).__name__ == "JoinedStr" else None
+    return rebuild(statement, change)
 
 
-def _called(function: FunctionType, named: Mapping[str, Any]) -> FunctionType:
-    """A function of the parameters that are left, all of which it takes by position or by name."""
-    whole = inspect.signature(function)
-    left = [p for p in whole.parameters.values() if p.name not in named]
+def _template(node: AST) -> str:
+    """An f-string's text with its expressions between braces, as they are written."""
+    found = ""
+    for part in node.values:
+        if isinstance(part, Constant):
+            found += part.value
+        else:
+            form = ":" + _template(part.format_spec) if part.format_spec is not None else ""
+            found += "{" + written(part.value) + form + "}"
+    return found
 
-    def call(*rest: Any, **others: Any) -> Any:
-        if len(rest) > len(left):
-            raise TypeError(f"{function.__name__}() takes {len(left)} more arguments but {len(rest)} were given")
-        values = {**named, **{p.name: value for p, value in zip(left, rest)}, **others}
-        bound = inspect.BoundArguments(whole, values)  # pyright: ignore[reportArgumentType]
-        return function(*bound.args, **bound.kwargs)
 
-    call.__name__, call.__qualname__, call.__module__ = function.__name__, function.__qualname__, function.__module__
-    vars(call)["__signature__"] = inspect.Signature(left)
-    return call
+def _printed(node: AST) -> list[AST]:
+    """What print is given, an f-string in its parts."""
+    if type(node).__name__ != "JoinedStr":
+        return [node]
+    parts = [at(const(p.value.strip()), p) if isinstance(p, Constant) else p.value for p in node.values]
+    return [p for p in parts if not (isinstance(p, Constant) and p.value == "")]

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from s2sad import rules, tree
 from s2sad.diagnostics import Report
 from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Function, Holder, Items, Meaning, Number, Record, Space, Text, Unusable, dotted,
-    library_value,
+    AST, BUILTIN_CALLS, Array, Function, Holder, Items, Meaning, Number, Numbers, Record, Space, Text, Unusable,
+    dotted, library_value,
 )
 from s2sad.rules.given import GIVEN, ROOM
 from s2sad.rules.spellings import is_scipy
@@ -33,11 +33,13 @@ class References:
     raised: set[int]
     said: set[str]
     picked: dict[int, int]
+    looped: set[int]
 
     def _pick(self, node: AST) -> None:
         """Takes down what is picked of the values in a subscript, a loop or a call: by how many subscripts, or ALL."""
         if isinstance(node, tree.For):
             self.picked[id(node.iter)] = 2 if isinstance(node.target, tree.Tuple) else 1
+            self.looped.add(id(node.iter))
         elif isinstance(node, tree.Call):
             word = node.func.id if isinstance(node.func, tree.Name) else ""
             count = 1 if word in ITERATORS else ALL
@@ -47,12 +49,19 @@ class References:
                     self.picked[id(given)] = 0
                     given = given.value
                 self.picked[id(given)] = count
+                self.looped |= {id(given)} if count == 1 else set()
         elif isinstance(node, tree.Subscript) and id(node) not in self.picked:
-            count = 0
+            count, varies = 0, False
             while isinstance(node, tree.Subscript) and not isinstance(node.slice, (tree.Slice, tree.Tuple)):
-                self.picked[id(node)] = count
-                count, node = count + 1, node.value
-            self.picked[id(node)] = count
+                self.picked[id(node)] = 0
+                count, varies, node = count + 1, varies or bool(tree.names(node.slice)), node.value
+            self.picked[id(node)] = count if varies else 0
+
+    def _as_array(self, node: AST, meaning: Items) -> bool:
+        """Whether what is picked of a tuple or list is picked as of an array; a loop goes through a short one as it is
+        written."""
+        picked, looped = self.picked.get(id(node), 0), id(node) in self.looped
+        return picked in (meaning.value.ndim, ALL) and not (looped and meaning.numbers)
 
     def _refuse(self, message: str, node: AST, help: str) -> None:
         self.report.error("S201", message, node, help=help)
@@ -61,8 +70,10 @@ class References:
         if isinstance(meaning, Text):
             return tree.at(tree.Constant(meaning.value, None), node)
         called = id(node) in self.called
-        if isinstance(meaning, Items) and self.picked.get(id(node)) not in (meaning.value.ndim, ALL):
-            meaning = Unusable(meaning.what, "pick its numbers one by one, or make it a NumPy array")
+        if isinstance(meaning, Items) and not self._as_array(node, meaning):
+            meaning = meaning.numbers or Unusable(meaning.what, "pick its numbers one by one, or make it a NumPy array")
+        if isinstance(meaning, Numbers) and not called:
+            return tree.at(tree.tuple_of(*(self._reference(node, item, text) for item in meaning.items)), node)
         if isinstance(meaning, Holder) and called:
             meaning = meaning.scope.lookup("__call__") or meaning
         if isinstance(meaning, Holder):
@@ -82,6 +93,8 @@ class References:
             if called:
                 word = "a number" if isinstance(meaning, Number) else "an array"
                 self._refuse(f"'{text}' is {word}, not a function", node, "correct the name, or subscript with []")
+        elif isinstance(meaning, Numbers):
+            self._refuse(f"'{text}' holds numbers, and is no function", node, "correct the name, or subscript with []")
         elif isinstance(meaning, Unusable):
             if text not in self.said:
                 self._refuse(f"'{text}' cannot be used in a kernel: it is {meaning.what}", node, meaning.help)

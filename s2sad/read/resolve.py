@@ -103,6 +103,7 @@ class _Resolver(References):
         self.raised: set[int] = set()
         self.said: set[str] = set()
         self.picked: dict[int, int] = {}
+        self.looped: set[int] = set()
 
     def change(self, node: AST) -> AST | None:
         if fence.opaque(node):

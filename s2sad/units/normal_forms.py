@@ -26,6 +26,7 @@ from s2sad.normalize.inlined import Helpers, inlined, returned
 from s2sad.normalize.parts import parts
 from s2sad.normalize.pieces import pieces
 from s2sad.normalize.rename import rename
+from s2sad.normalize.lives import lives
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.rows import rows
 from s2sad.normalize.ruled import ruled
@@ -34,6 +35,7 @@ from s2sad.normalize.sharing import shared, specialised
 from s2sad.normalize.solvers import solvers
 from s2sad.normalize.sought import sought
 from s2sad.normalize.spelled import spelled
+from s2sad.normalize.stacked import stacked
 from s2sad.normalize.viewing import viewing
 from s2sad.normalize.views import views
 from s2sad.normalize.workspace import workspace
@@ -90,11 +92,12 @@ class NormalForms(Calls):
         given = dict(zip((p.id for p in tree.args.args), types))
         tree, source = inlined(tree, given, names, kernel.source, self.helpers)
         kernel, report = replace(kernel, source=source), Report(source)
+        tree, table = lives(tree, given, self.call_types, report, values, names)
         self.watch("structured", tree)
-        table = infer(tree, given, self.call_types, report, values)
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
+        tree = stacked(tree, typing)
         tree = rows(tree, typing, Memory(tree, self.program), report)
         report.finish()
         tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")

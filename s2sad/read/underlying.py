@@ -1,0 +1,106 @@
+"""The plain Python function behind what a user gives, and the arguments that it was given already.
+
+    differentiate(f), njit(f)        f
+    model.loss                       Model.loss, given self
+    model, whose class has __call__  Model.__call__, given self
+    functools.partial(f, k=2.0)      f, given k
+
+A function that was given arguments is called by a function of those left; these are what it is differentiated for.
+The names of the others mean, in its text, what was given.
+"""
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Collection, Mapping
+from types import FunctionType, MethodType
+from typing import Any
+
+_KEPT = 16                              # how many methods and partials of one function are remembered
+_GIVEN = "__s2sad_given__"
+_LIBRARIES = ("builtins", "functools", "numpy", "numba", "scipy", "s2sad")
+
+
+def python_function(value: Any) -> FunctionType | None:
+    """The plain function behind a differentiated one, a Numba dispatcher, a method, a partial or an object that is
+    called; None for anything else."""
+    return named_function(value) or (None if _method(value) is None else named_function(_method(value)))
+
+
+def named_function(value: Any) -> FunctionType | None:
+    """The same, but for objects that are called."""
+    for _ in range(8):
+        if isinstance(value, FunctionType):
+            inner = getattr(value, "__wrapped_kernel__", None)
+            return value if inner is None else named_function(inner)
+        if isinstance(value, (MethodType, functools.partial)):
+            return _given(value)
+        names = ("__wrapped_kernel__", "py_func")
+        value = next((getattr(value, n) for n in names if not isinstance(value, type) and hasattr(value, n)), None)
+    return None
+
+
+def given(function: FunctionType) -> tuple[FunctionType, Mapping[str, Any]]:
+    """The function whose text is read, and what it was given, by parameter."""
+    return vars(function).get(_GIVEN, (function, {}))
+
+
+def by_position(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function, to be called with all of its arguments by position, those that it takes by keyword only, too."""
+    plain = python_function(function)
+    if plain is None or not plain.__code__.co_kwonlyargcount and not isinstance(function, functools.partial):
+        return function
+    return _called(plain, {})
+
+
+def _method(value: Any) -> MethodType | None:
+    """What is called where an object of a user's class is called."""
+    called = inspect.getattr_static(type(value), "__call__", None)
+    home = str(getattr(type(value), "__module__", "")).partition(".")[0]
+    if not isinstance(called, FunctionType) or isinstance(value, type) or home in _LIBRARIES:
+        return None
+    return MethodType(called, value)
+
+
+def _given(value: MethodType | functools.partial) -> FunctionType | None:
+    """A function of the arguments that a method or partial leaves; the same one for the same method or partial."""
+    inner = value.__func__ if isinstance(value, MethodType) else value.func
+    args = (value.__self__,) if isinstance(value, MethodType) else value.args
+    keywords = {} if isinstance(value, MethodType) else value.keywords
+    function = named_function(inner)
+    if function is None:
+        return None
+    kept: list[tuple[tuple[Any, ...], dict[str, Any], FunctionType]] = vars(function).setdefault("__s2sad_bound__", [])
+    for known, others, made in kept:
+        if _same(known, args) and list(others) == list(keywords) and _same(others.values(), keywords.values()):
+            return made
+    try:
+        names = inspect.signature(function).bind_partial(*args, **keywords).arguments
+    except TypeError:
+        return None
+    kernel, before = given(function)
+    made = _called(function, names)
+    vars(made)[_GIVEN] = kernel, {**before, **names}
+    kept[:] = [*kept[-_KEPT + 1:], (args, dict(keywords), made)]
+    return made
+
+
+def _same(ours: Collection[Any], theirs: Collection[Any]) -> bool:
+    return len(ours) == len(theirs) and all(a is b for a, b in zip(ours, theirs))
+
+
+def _called(function: FunctionType, named: Mapping[str, Any]) -> FunctionType:
+    """A function of the parameters that are left, all of which it takes by position or by name."""
+    whole = inspect.signature(function)
+    left = [p for p in whole.parameters.values() if p.name not in named]
+
+    def call(*rest: Any, **others: Any) -> Any:
+        if len(rest) > len(left):
+            raise TypeError(f"{function.__name__}() takes {len(left)} more arguments but {len(rest)} were given")
+        values = {**named, **{p.name: value for p, value in zip(left, rest)}, **others}
+        bound = inspect.BoundArguments(whole, values)  # pyright: ignore[reportArgumentType]
+        return function(*bound.args, **bound.kwargs)
+
+    call.__name__, call.__qualname__, call.__module__ = function.__name__, function.__qualname__, function.__module__
+    vars(call)["__signature__"] = inspect.Signature(left)
+    return call

@@ -1,0 +1,92 @@
+"""Kernels as people bring them: each holds several things that were once refused, or differentiated wrongly."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.bulk import interpreted
+from tests.derivatives import check_derivatives
+
+NODES, WEIGHTS = (-0.6, 0.6), [1.0, 0.5]
+STAGES = ((0.5, 0.25), (0.1, 0.2))
+
+
+def values(*shape, seed=1):
+    return np.random.default_rng(seed).uniform(0.5, 1.5, shape)
+
+
+def flux(q, gamma=1.4, speeds=(1.0, 2.0)):
+    """A function that stacks rows, with a tuple for a default."""
+    rho, m = q
+    return np.array([m * speeds[0], m * m / rho + gamma * rho]), speeds[1] * m
+
+
+def stacks(q, r):
+    f, c = flux(q)
+    left, right = f[:, :-1], f[:, 1:]
+    q[:, 1:-1] -= 0.1 * (right - left)[:, :-1]
+    q[:] = [q[0] + c, 2.0 * q[1]]
+    found = []
+    for k in range(2):
+        found.append(np.array([r, k * r * r]))
+    found = np.array(found)
+    return np.sum(np.array([[r, r * r], [r, r]]) ** 2) + np.sum(found[1])
+
+
+def renamed(x, y):
+    """Names that hold one thing after another, which no path confuses."""
+    r = x - y
+    r = np.sum(r * r)
+    for _ in range(2):
+        m = x * y
+        m = m.mean()
+        x = x * m
+    m = x[None, :] * y[:, None]
+    if r > 0.5:
+        t = y * 2.0
+        r = r + t[0]
+    else:
+        t = 2
+        r = r * t
+    y = y.sum()
+    return np.sum(m) * r * y
+
+
+def spelled(x, tol, weights=(1.0, 2.0)):
+    """Assignments inside expressions, texts of errors, constants that are tuples and lists."""
+    if (n := len(x)) > 2 and n < 100:
+        x[0] = 2.0 * x[1]
+    it = 0
+    while (r := np.sqrt(np.sum(x * x))) > tol:
+        x *= 0.7
+        if (k := it % 3) == 0:
+            it += 2
+            continue
+        if (m := k + 1) > 50:
+            raise ValueError(f"too many at {it}: {r:.3e} and {x[0]!r}, {m}")
+        it += 1
+    assert it < 1000, f"at {it}"
+    total = 0.0
+    for node, weight, (a, b) in zip(NODES, WEIGHTS, STAGES):
+        total += weight * x[0] ** 2 * (node + a * b)
+    for k in range(len(NODES)):
+        total += NODES[k] * weights[k] * x[k]
+    del it
+    return total * r
+
+
+CASES = [(stacks, (values(2, 5), values(3, seed=2)), ("q", "return")),
+         (renamed, (values(3), values(3, seed=2)), ("return",)),
+         (spelled, (values(4), 0.3), ("x", "return"))]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize(("kernel", "arguments", "outputs"), CASES, ids=lambda c: getattr(c, "__name__", ""))
+def test_kernel(kernel, arguments, outputs, engine):
+    code = kernel.__code__
+    inputs = tuple(n for n, a in zip(code.co_varnames, arguments) if not isinstance(a, int))
+    if engine == "numpy":
+        check_derivatives(kernel, arguments, inputs, outputs)
+    else:
+        with interpreted():
+            check_derivatives(kernel, arguments, inputs, outputs, "numba")
