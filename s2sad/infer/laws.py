@@ -90,11 +90,11 @@ def _reduced_shape(args: list[Shape], options: Options) -> Shape | None:
 
 def _averaged_type(args: list[Type], options: Options) -> Type:
     made = _reduced_type(args, options)
-    return made if made.is_float or made.kind == "unknown" else replace(made, dtype="float64")
+    return made if made.is_inexact or made.kind == "unknown" else replace(made, dtype="float64")
 
 
 def _common(args: list[Type]) -> str:
-    order = ("bool", "int64", "float32", "float64")
+    order = ("bool", "int64", "float32", "float64", "complex64", "complex128")
     return max((a.dtype for a in args), key=lambda d: order.index(d) if d in order else 1)
 
 
@@ -134,7 +134,8 @@ def _outer_type(args: list[Type], options: Options) -> Type:
 
 
 def _solved_type(args: list[Type], options: Options) -> Type:
-    return array("float64" if _common(args) != "float32" else "float32", args[1].rank)
+    dtype = _common(args)
+    return array(dtype if dtype == "float32" or dtype.startswith("complex") else "float64", args[1].rank)
 
 
 def _of_matrix(rank: int) -> Callable[[list[Type], Options], Type]:

@@ -6,6 +6,8 @@
     x.reshape(n, m)     np.reshape(x, (n, m))
     x.T                 np.transpose(x)
     x.copy()            np.copy(x)
+    z.real, z.conj()    np.real(z), np.conj(z)
+    complex(a, b)       a + 1j * b
     x.transpose(2, 0, 1)    np.moveaxis(x, (2, 0, 1), (0, 1, 2))
     np.any(x > 1, axis=0)   np.sum((x > 1) != 0, axis=0) > 0
     [a] * 2 + [b]       [a, a, b]
@@ -23,18 +25,19 @@ from s2sad import rules
 from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Pow,
-    Starred, Sub, Subscript, Tuple, at, call, call_name, compare, const, copy, index, indices, mult, name, rebuild,
-    tuple_of,
+    Starred, Store, Sub, Subscript, Tuple, at, call, call_name, compare, const, copy, index, indices, mult, name,
+    rebuild, tuple_of,
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
 _METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot", "var", "std", "prod", "cumsum",
             "cumprod", "squeeze", "swapaxes", "repeat", "diagonal", "trace", "copy",
-            "flatten", "take", "ptp", "astype", "argsort", "clip", "round", "searchsorted"}
+            "conj", "conjugate", "flatten", "take", "ptp", "astype", "argsort", "clip", "round", "searchsorted"}
 _QUESTIONS = {"any", "all", "argmax", "argmin"}
 _REDUCING = {"linalg.norm", "median", "sort", "diff", "count_nonzero"}
 _PRODUCTS = {"dot", "outer", "inner", "vdot", "matmul", "where"}
 _SHAPED = {"reshape", "transpose"}
+_PARTS = {"real", "imag"}  # attributes
 
 
 def spelled(function: FunctionDef) -> FunctionDef:
@@ -60,6 +63,8 @@ def _plain(node: AST) -> AST | None:
         return rebuild(at(Subscript(node.value, index(node.value, *parts).slice, node.ctx), node), _plain)
     if isinstance(node, Attribute) and node.attr == "T":
         return at(call("numpy.transpose", rebuild(node.value, _plain)), node)
+    if isinstance(node, Attribute) and node.attr in _PARTS and not isinstance(node.ctx, Store):
+        return at(call(f"numpy.{node.attr}", rebuild(node.value, _plain)), node)
     if not isinstance(node, Call):
         return None
     whole = _whole_operands(node)
@@ -72,7 +77,7 @@ def _plain(node: AST) -> AST | None:
     if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
         return rebuild(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node),
                        _plain)
-    other = other_spelling(node) or _multiplied(node) or _in_blocks(node) or _extreme_place(node)
+    other = other_spelling(node) or _complex(node) or _multiplied(node) or _in_blocks(node) or _extreme_place(node)
     if other is not None:
         return rebuild(at(other, node), _plain)
     return _question(node) or _array_call(node) or _scalar_call(node)
@@ -87,6 +92,14 @@ def _whole_operands(node: Call) -> list[AST]:
     if function in _PRODUCTS or rules.find(called) is not None:
         return node.args
     return node.args[:1] if function in _METHODS | _QUESTIONS | _REDUCING else []
+
+
+def _complex(node: Call) -> AST | None:
+    """A complex number made of its parts."""
+    if call_name(node) not in ("builtins.complex", "numpy.complex128") or node.keywords or not 1 <= len(node.args) <= 2:
+        return None
+    real, *imaginary = node.args
+    return BinOp(real, Add(), mult(const(1j), imaginary[0]) if imaginary else const(0j))
 
 
 def _question(node: Call) -> AST | None:

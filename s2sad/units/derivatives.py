@@ -230,4 +230,4 @@ def is_active_statement(statement: AST, typing: Typing, found: Activity) -> bool
     if not isinstance(statement, (Assign, AugAssign)) or is_allocation(statement):
         return False
     target = targets(statement)[0]
-    return base_name(target) in found.active and typing.of(target).is_float
+    return base_name(target) in found.active and typing.of(target).is_inexact

@@ -18,6 +18,7 @@ from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
+from s2sad.normalize.complexes import complexes, of_its_own
 from s2sad.normalize.contracted import batched, contracted
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
@@ -92,6 +93,10 @@ class NormalForms(Calls):
         kernel, report = replace(kernel, source=source), Report(source)
         self.watch("structured", tree)
         table = infer(tree, given, self.call_types, report, values)
+        typing = Typing({**table, **given}, self.call_types, first := Report(source), values)
+        complexes(tree, typing, first)      # says more than that a type cannot be inferred
+        of_its_own(kernel, types, first)
+        first.finish()
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
@@ -139,6 +144,8 @@ class NormalForms(Calls):
         """The unit of a function that is called as it is, of which is known what the user says."""
         own, tree = kernel.own, kernel.tree
         assert own is not None
+        of_its_own(kernel, types, report := Report(kernel.source))
+        report.finish()
         parameters = [p.id for p in tree.args.args]
         given = dict(zip(parameters, types))
         results = (FLOAT,) * own.returns
