@@ -30,7 +30,7 @@ def elements(z, c, x):
     total = 0j
     for i in range(z.size):
         v = 0.1 * z[i]
-        for k in range(3):
+        for _ in range(3):
             v = v * v + c
         if abs(v) > 0.2 and v.real > -5.0:
             v = v / abs(v) + complex(x[i], 2.0)

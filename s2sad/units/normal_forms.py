@@ -122,7 +122,8 @@ class NormalForms(Calls):
         self.watch("workspace", tree)
         lowered = tree
         if self.engine == "numba":
-            lowered = with_choices(scalarize(tree, self.apart(typing), Names(names.taken), final=True))
+            apart = self.apart(typing)
+            lowered = with_choices(scalarize(tree, apart, Names(names.taken), final=True), apart)
             tree = verify(scalarize(factored(tree, typing, names), typing, names), "views", "scalarize")
         else:
             tree = lowered = verify(scatter(tree, typing, names), "views", "scatter")
@@ -220,10 +221,11 @@ def plain_form(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
     return spelled(contracted(parts(tree, names)))
 
 
-def with_choices(function: FunctionDef) -> FunctionDef:
-    """A function of numbers and elements with every `np.where` as a choice."""
+def with_choices(function: FunctionDef, typing: Typing) -> FunctionDef:
+    """A function with every `np.where` of numbers and elements as a choice; one of arrays may be left in what is
+    returned."""
     new = copy(function)
-    new.body = [scalar_choices(s) for s in new.body]
+    new.body = [scalar_choices(s, lambda n: not typing.of(n).is_array) for s in new.body]
     return new
 
 
