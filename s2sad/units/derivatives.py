@@ -29,6 +29,7 @@ from s2sad.normalize.scalarize import scalarize
 from s2sad.normalize.workspace import is_allocation
 from s2sad.simplify import Effect, simplify
 from s2sad.simplify.dead import dead
+from s2sad.simplify.quotients import quotients
 from s2sad.tree import AST, Assign, AugAssign, Expr, FunctionDef, Return, const, index, walk
 from s2sad.units.normal_forms import NormalForms, with_choices
 from s2sad.units.unit import Unit
@@ -185,6 +186,7 @@ class Units(NormalForms):
         shadows = {s: p for p, s in made.shadows.items()}
         function = simplify(function, typing, family, arrays, self.effects, names, kept, shadows, self.watch,
                             self.engine == "numba")
+        function = quotients(function, typing) if self.engine == "numba" else function
         self.effects.add(verify(function, "derivative", "simplify"), typing)
         parameters = made.parameters
         shadows = [k for k, (_, role, primal) in enumerate(parameters) if role == "shadow"]

@@ -40,6 +40,7 @@ from s2sad.normalize.views import views
 from s2sad.normalize.workspace import workspace
 from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects, Watch, unwatched
+from s2sad.simplify.quotients import quotients
 from s2sad.tree import Assert, Call, FunctionDef, Name, Raise, call_name, copy, name, stored_names, walk
 from s2sad.units.calls import Calls, written_arrays
 from s2sad.units.unit import Summary, Unit
@@ -123,7 +124,8 @@ class NormalForms(Calls):
         lowered = tree
         if self.engine == "numba":
             apart = self.apart(typing)
-            lowered = with_choices(scalarize(tree, apart, Names(names.taken), final=True), apart)
+            lowered = scalarize(tree, apart, Names(names.taken), final=True)
+            lowered = quotients(with_choices(lowered, apart), apart)
             tree = verify(scalarize(factored(tree, typing, names), typing, names), "views", "scalarize")
         else:
             tree = lowered = verify(scatter(tree, typing, names), "views", "scatter")
