@@ -119,7 +119,8 @@ class Pullback:
             names(rule.adjoint(p, ranks)).count(SEED) != 1 for p in flowing))
         filled = {**arguments, RESULT: copy(node) if result is None else result}
         if rule.name in HOLOMORPHIC:
-            filled = {p: conjugated(value, self.typing) for p, value in filled.items()}
+            read = {n for p in flowing for n in rule.uses(p, ranks)}
+            filled = {p: conjugated(value, self.typing) if p in read else value for p, value in filled.items()}
         filled[SEED] = seed.tree
         for wanted in dict.fromkeys(s for p in flowing for s in rule.needs(p, ranks)):
             value = substitute(rule.shared[wanted], filled)

@@ -196,6 +196,18 @@ def _moved_type(args: list[Type], options: Options) -> Type:
     return args[0] if args[0].is_array and moved_axes(options, args[0].rank) is not None else UNKNOWN
 
 
+def _transformed_type(dtype: str) -> Callable[[list[Type], Options], Type]:
+    """The type of a transform along one axis."""
+    def made(args: list[Type], options: Options) -> Type:
+        axis, norm = whole_number(options["axis"]), options["norm"]
+        fits = args[0].is_array and axis is not None and -args[0].rank <= axis < args[0].rank
+        known = isinstance(norm, Constant) and norm.value in (None, "backward", "ortho", "forward")
+        if not fits or not known:
+            return UNKNOWN
+        return array("complex64" if args[0].dtype in ("float32", "complex64") else dtype, args[0].rank)
+    return made
+
+
 def _moved_shape(args: list[Shape], options: Options) -> Shape | None:
     order = moved_axes(options, len(args[0]))
     return None if order is None else tuple(args[0][k] for k in order)
@@ -231,5 +243,9 @@ LAWS: dict[str, Law] = {
     "unfactored": Law(_of_matrix(2), lambda args, options: (args[0][1], args[0][1])),
     "gained": Law(lambda args, options: array(args[0].dtype, 2),
                   lambda args, options: (_one_more(args[0][0]), args[0][0])),
+    **{law: Law(_transformed_type(dtype), lambda args, options: None)   # `Shapes.transformed` has their shapes
+       for law, dtype in (("transformed", "complex128"), ("half", "complex128"), ("signal", "float64"))},
+    "spectrum": Law(lambda args, options: array("complex128", args[0].rank), lambda args, options: None),
+    "real": Law(lambda args, options: array("float64", args[0].rank), lambda args, options: None),
     "solved": Law(_solved_type, lambda args, options: args[1]),
 }

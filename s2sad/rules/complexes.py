@@ -11,11 +11,15 @@ HOLOMORPHIC = frozenset({
     "numpy.roll", "numpy.flip", "numpy.transpose", "numpy.moveaxis", "numpy.reshape", "numpy.ravel",
     "numpy.broadcast_to", "numpy.tensordot"})
 
+# transforms, whose rules are written for the inner product
+TRANSFORMS = frozenset(f"numpy.fft.{f}" for f in ("fft", "ifft", "irfft"))
+
 # functions that `normalize/pieces` writes out in such
 PIECES = frozenset({
     "numpy.diff", "numpy.concatenate", "numpy.stack", "numpy.hstack", "numpy.vstack", "numpy.expand_dims",
     "numpy.swapaxes", "numpy.diag", "numpy.diagonal", "numpy.trace", "numpy.astype", "numpy.vdot", "numpy.inner",
-    "numpy.cumsum"})
+    "numpy.cumsum", "numpy.fft.fft2", "numpy.fft.ifft2", "numpy.fft.fftn", "numpy.fft.ifftn", "numpy.fft.irfft2",
+    "numpy.fft.irfftn", "numpy.fft.fftshift", "numpy.fft.ifftshift"})
 
 # what makes arrays, copies them or asks for their shape
 OTHER = frozenset({
@@ -23,4 +27,4 @@ OTHER = frozenset({
     "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array", "numpy.shape", "numpy.size", "numpy.ndim",
     "builtins.len", "builtins.list", "numpy.isnan", "numpy.isinf", "numpy.isfinite"})
 
-KNOWN = HOLOMORPHIC | PIECES | OTHER
+KNOWN = HOLOMORPHIC | TRANSFORMS | PIECES | OTHER
