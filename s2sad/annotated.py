@@ -12,7 +12,7 @@ import numpy as np
 
 from s2sad.annotations import Active, Annotation, BatchDuplicated, Duplicated, DuplicatedNoNeed, Mode
 from s2sad.binding import (
-    FLOATS, admitted, bind, coerced, make_zero, misfit, shadow, written_argument,
+    INEXACT, admitted, bind, coerced, make_zero, misfit, shadow, written_argument,
 )
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.generated import Variant
@@ -181,9 +181,9 @@ def _admissible(name: str, given: Any, mode: Mode) -> None:
     """Refuses an annotation that does not fit its argument or the mode."""
     value = given.value if isinstance(given, Annotation) else given
     is_array = isinstance(value, np.ndarray)
-    number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    number = isinstance(value, (int, float, complex, np.integer, np.floating)) and not isinstance(value, bool)
     if not isinstance(given, Annotation):
-        if is_array or isinstance(value, (float, np.floating)):
+        if is_array or isinstance(value, (float, complex, np.floating)):
             raise _refused(f"the argument '{name}' has no annotation",
                            f"say {_choices(name, is_array, mode)}")
     elif isinstance(given, BatchDuplicated):
@@ -198,7 +198,7 @@ def _admissible(name: str, given: Any, mode: Mode) -> None:
         if number and mode.reverse:
             raise _refused(f"the argument '{name}' is a float, which cannot be Duplicated in reverse",
                            f"use Active({name})")
-        if not number and not (is_array and value.dtype.name in FLOATS):
+        if not number and not (is_array and value.dtype.name in INEXACT):
             raise _refused(f"the argument '{name}' is Duplicated, but holds no floats", f"use Const({name})")
 
 

@@ -15,8 +15,10 @@ from s2sad.run.overlap import folded, self_overlap, shape_mismatch
 from s2sad.structure import Structure, form_of, mapped
 
 FLOATS = ("float64", "float32")
-_DTYPES = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", *FLOATS))
+INEXACT = (*FLOATS, "complex128")   # the dtypes of what has shadows
+_DTYPES = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", *INEXACT))
 _SINGLE: type[np.floating] = np.float32  # to pyright np.float32 itself is an alias, which isinstance does not take
+_NUMBERS = (int, float, complex, np.integer, np.floating)
 _FLOAT_ANNOTATIONS = ("float", "np.float64", "numpy.float64", "float64", "np.float32", "numpy.float32", "float32")
 
 
@@ -46,7 +48,7 @@ def bind(kernel: Kernel, args: Sequence[Any], keywords: Mapping[str, Any] | None
 
 
 def admitted(name: str, value: Any, is_float: bool = False) -> Any:
-    """The value as generated code takes it: an ndarray, float, int, bool, str or None; else S2sadError.
+    """The value as generated code takes it: an ndarray, float, complex number, int, bool, str or None; else S2sadError.
 
     >>> admitted("x", 3, is_float=True), admitted("n", 3)
     (3.0, 3)
@@ -66,6 +68,8 @@ def admitted(name: str, value: Any, is_float: bool = False) -> Any:
         return value
     if isinstance(value, (np.float64, float)):
         return float(value)
+    if isinstance(value, complex):
+        return np.complex128(value)     # NumPy's, which divides by zero without an error
     raise _unfit(name, *_odd(name, value))
 
 
@@ -99,6 +103,8 @@ def shadow(name: str, value: Any, primal: str, of: Any) -> Any:
     """The shadow or tangent of an argument, checked for type, dtype, shape and writability: S403 if it does not fit."""
     if isinstance(of, np.ndarray):
         return _shadow_array(name, value, primal, of)
+    if isinstance(of, complex) and not isinstance(value, (bool, np.bool_)) and isinstance(value, _NUMBERS):
+        return np.complex128(value)
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise misfit(f"'{name}' is {_a(value)}, its primal '{primal}' is a float", "give a float")
     return np.float32(value) if isinstance(of, _SINGLE) else float(value)
@@ -129,7 +135,7 @@ def _array(name: str, value: np.ndarray) -> np.ndarray:
     if value.ndim == 0:
         raise _unfit(name, "is an array of rank 0", f"pass the number, {name}[()], or an array of shape (1,)")
     if value.dtype.name not in _DTYPES:
-        raise _unfit(name, f"has dtype {value.dtype}", "use float64, float32, an integer type or bool")
+        raise _unfit(name, f"has dtype {value.dtype}", "use float64, float32, complex128, an integer type or bool")
     if not value.dtype.isnative:
         raise _unfit(name, "has the other byte order", f'pass {name}.astype("{value.dtype.name}")')
     return value if type(value) is np.ndarray else np.asarray(value)
@@ -138,9 +144,8 @@ def _array(name: str, value: np.ndarray) -> np.ndarray:
 def _odd(name: str, value: Any) -> tuple[str, str]:
     if isinstance(value, (list, tuple)):
         return f"is {_a(value)}", f"pass numpy.array({name}, dtype=float)"
-    if isinstance(value, (complex, np.generic)):
-        dtype = np.dtype(type(value))
-        return f"is a number of type {dtype}", "give a float"
+    if isinstance(value, np.generic):
+        return f"is a number of type {value.dtype}", "give a float"
     return f"is {_a(value)}", "give an array, a float, an int, a bool, a str or None"
 
 
@@ -169,8 +174,8 @@ def make_zero(x: Any) -> Any:
         return mapped(form, x, "x", lambda path, kind, leaf: leaf if kind.kind == "other" else make_zero(leaf))
     value = admitted("x", x)
     if isinstance(value, np.ndarray):
-        return np.zeros_like(value) if value.dtype.name in FLOATS else value
-    if isinstance(value, (float, _SINGLE)):
+        return np.zeros_like(value) if value.dtype.name in INEXACT else value
+    if isinstance(value, (float, _SINGLE, complex)):
         return type(value)(0.0)
     return x
 

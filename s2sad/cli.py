@@ -150,8 +150,9 @@ def _given(parser: argparse.ArgumentParser, text: str) -> dict[str, Form]:
             parser.error(f"--types: '{part.strip()}' is not NAME: TYPE, as u: float64[:, :]")
         kind = form_spelled(spelling)
         if kind is None:
-            parser.error(f"--types: '{spelling.strip()}' is no type for '{name.strip()}'; use float64, float32, int64 "
-                         "or bool, an array of these, as float64[:, :], or a structure, as {u: float64[:], t: float}")
+            parser.error(f"--types: '{spelling.strip()}' is no type for '{name.strip()}'; use float64, float32, "
+                         "complex128, int64 or bool, an array of these, as float64[:, :], or a structure, as "
+                         "{u: float64[:], t: float}")
         found[name.strip()] = kind
     return found
 

@@ -19,7 +19,7 @@ from s2sad.run.own import looked_at
 from s2sad.run.overlap import Check, Slot
 
 HIDDEN = "array."
-_KINDS = {"float64": float, "float32": np.float32}
+_KINDS = {"float64": float, "float32": np.float32, "complex128": complex}
 
 
 def _as_it_is(value: Any) -> Any:

@@ -142,7 +142,7 @@ def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:
     parameters = [p.id for p in unit.function.args.args]
     written = {parameters[k] for k in unit.summary.written}
     results = tuple(f"return {k}" for k, t in enumerate(unit.summary.results)
-                    if t.is_float and unit.summary.returned.get(k) not in written)
+                    if t.is_inexact and unit.summary.returned.get(k) not in written)
     return tuple(o for name in of for o in (results if name == "return" else (name,)))
 
 

@@ -156,7 +156,7 @@ class ForwardCall(PreparedCall):
             if isinstance(value, np.ndarray):
                 shadows[name] = np.zeros(value.shape, value.dtype) if given is None else array_seed(name, given, value)
             else:
-                shadows[name] = number_seed(given, name)
+                shadows[name] = number_seed(given, name, isinstance(value, complex))
         returned = self.called(self.fv, values, shadows)
         found: dict[int, Any] = dict(zip(places(self.fv.generated.returns), returned))
         for place, name in self.results.aliases.items():

@@ -30,7 +30,7 @@ class Results:
     @classmethod
     def of(cls, summary: Any) -> Results:
         types = tuple(summary.results)
-        floats = tuple(k for k, t in enumerate(types) if t.is_float)
+        floats = tuple(k for k, t in enumerate(types) if t.is_inexact)
         aliases = {k: name for k, name in summary.returned.items() if k in floats and name in summary.written}
         return cls(types, floats, tuple(k for k in floats if k not in aliases), aliases, dict(summary.returned),
                    summary.structure)
@@ -78,8 +78,10 @@ def in_a_row(seed: Any, structure: Structure) -> list[Any]:
     return [part for item, inner in zip(parts, structure) for part in in_a_row(item, inner)]
 
 
-def number_seed(seed: Any, name: str = RETURN) -> float:
-    """The seed of a float result, or the tangent of a float argument."""
+def number_seed(seed: Any, name: str = RETURN, is_complex: bool = False) -> float | complex:
+    """The seed of a float or complex result, or the tangent of such an argument."""
+    if is_complex and isinstance(seed, (int, float, complex, np.number)) and not isinstance(seed, bool):
+        return np.complex128(seed)
     if isinstance(seed, (bool, np.bool_)) or not isinstance(seed, (int, float, np.integer, np.floating)):
         raise misfit(f"the seed of '{name}' is of type {type(seed).__name__}, not a float", "give a float")
     return float(seed)
@@ -89,7 +91,7 @@ def result_seed(seed: Any, kind: Type) -> Any:
     """The seed of a result: a float, or a private copy of an array of the result's dtype and rank; whether it has the
     result's shape shows when that is there."""
     if kind.is_number:
-        return number_seed(seed)
+        return number_seed(seed, is_complex=kind.is_complex)
     remedy = f"give an array of {kind.dtype} with {kind.rank} {'axis' if kind.rank == 1 else 'axes'}"
     if not isinstance(seed, np.ndarray):
         raise misfit(f"the seed of '{RETURN}' is of type {type(seed).__name__}, the result is an array", remedy)
@@ -120,7 +122,7 @@ def selected_wrt(function: str, parameters: Sequence[str], types: Sequence[Type]
     """The independents in the order of the signature; default: every float array and float scalar."""
     kinds = dict(zip(parameters, types))
     if wrt is None:
-        found = tuple(p for p in parameters if kinds[p].is_float)
+        found = tuple(p for p in parameters if kinds[p].is_inexact)
         if not found:
             raise _refused(f"'{function}' was given no float to differentiate with respect to", *_unreal(kinds))
         return found
@@ -128,7 +130,7 @@ def selected_wrt(function: str, parameters: Sequence[str], types: Sequence[Type]
         if name not in kinds:
             raise _refused(f"wrt names '{name}', which is no parameter of '{function}'",
                            f"its parameters are {', '.join(parameters)}")
-        if not kinds[name].is_float:
+        if not kinds[name].is_inexact:
             raise _refused(f"wrt names '{name}', which is {_described(kinds[name])}", _remedy(name, kinds[name]))
     return tuple(p for p in parameters if p in wrt)
 
@@ -138,7 +140,7 @@ def selected_of(function: str, parameters: Sequence[str], types: Sequence[Type],
     """The dependents: names of written float arrays, in order, then "return" for results of their own; a returned
     argument goes by its name."""
     results = Results.of(summary)
-    written = [p for p, t in zip(parameters, types) if p in summary.written and t.is_float and t.is_array]
+    written = [p for p, t in zip(parameters, types) if p in summary.written and t.is_inexact and t.is_array]
     if of is None:
         found = (*written, *((RETURN,) if results.own else ()))
         if not found:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.binding import FLOATS, admitted
+from s2sad.binding import INEXACT, admitted
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.generated import HIDDEN, Variant
 from s2sad.infer.types import Type
@@ -58,7 +58,7 @@ def _implied(state: State, request: Request) -> tuple[Layout, int]:
     for name, kind in zip(state.parameters, request.types):
         layout.append(("primal", name))
         wanted = name in request.wrt or name in request.of
-        if wanted and kind.is_float and (kind.is_array or request.mode == "tangent"):
+        if wanted and kind.is_inexact and (kind.is_array or request.mode == "tangent"):
             layout.append(("shadow", name))
     seeded = request.mode == "adjoint" and RETURN in request.of
     return layout, len(Results.of(state.summary(request.types)).own) if seeded else 0
@@ -90,9 +90,9 @@ def _shadowed(name: str, value: Any, mode: str, selection: Selection, is_float: 
     wrt, of, _ = selection
     varied = wrt is None or name in wrt
     if isinstance(value, np.ndarray):
-        floats = value.dtype.name in FLOATS
+        floats = value.dtype.name in INEXACT
         return floats and (varied or of is None or name in of), floats and (varied or name in (of or ()))
-    number = isinstance(value, (float, np.floating)) or is_float
+    number = isinstance(value, (float, np.floating, complex)) or is_float
     shadowed = mode == "tangent" and number and varied
     return shadowed, shadowed
 
@@ -100,7 +100,7 @@ def _shadowed(name: str, value: Any, mode: str, selection: Selection, is_float: 
 def _alike(value: Any, following: Any) -> bool:
     if isinstance(value, np.ndarray):
         return isinstance(following, np.ndarray) and (following.dtype, following.ndim) == (value.dtype, value.ndim)
-    return isinstance(following, (int, float, np.number))
+    return isinstance(following, (int, float, complex, np.number))
 
 
 def _misread(state: State, mode: str, args: Sequence[Any], variant: Variant | None) -> S2sadError:

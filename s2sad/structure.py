@@ -28,7 +28,7 @@ from s2sad.infer.types import FLOAT, INT, Type, of_value
 LARGEST = 512                           # leaves: longer lists of numbers are arrays
 _DEEPEST = 16
 _USED = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "float64",
-                   "float32"))
+                   "float32", "complex128"))
 _HEAP = 1 << 9                          # the flag of a class that is written in Python (or was made at run time)
 _LIBRARIES = ("builtins", "numpy", "scipy", "pandas", "numba", "torch", "jax", "s2sad", "threading", "types")
 _FLOATS = ("float", "np.float64", "numpy.float64", "float64")

@@ -36,11 +36,16 @@ class Measured:
 
 # -- values as flat vectors -----------------------------------------------------------------------------------------
 def _flat(value: Any) -> np.ndarray:
-    """Every float in a value, in order, as float64; integers, bools and None do not count."""
+    """Every float in a value, in order, as float64, complex numbers as two of them; integers, bools and None do not
+    count. The sum over products of two such vectors is Re(conj(a) b)."""
     if isinstance(value, (tuple, list)):
         return np.concatenate([np.zeros(0), *map(_flat, value)])
     if isinstance(value, np.ndarray):
+        if value.dtype.kind == "c":
+            return value.astype("complex128").ravel().view("float64")
         return value.astype("float64").ravel() if value.dtype.kind == "f" else np.zeros(0)
+    if isinstance(value, complex):
+        return np.array([value.real, value.imag])
     return np.array([float(value)]) if isinstance(value, (float, np.floating)) else np.zeros(0)
 
 
@@ -54,8 +59,9 @@ def _shaped(like: Any, flat: np.ndarray) -> Any:
             at += size
         return tuple(parts)
     if isinstance(like, np.ndarray):
+        flat = flat.view("complex128") if like.dtype.kind == "c" else flat
         return flat.reshape(like.shape).astype(like.dtype)
-    return float(flat[0])
+    return complex(flat[0], flat[1]) if isinstance(like, complex) else float(flat[0])
 
 
 def _vector(values: Mapping[str, Any], names: tuple[str, ...]) -> np.ndarray:

@@ -136,10 +136,11 @@ def test_read_only_arguments_that_are_one_array_share_their_shadow(made):
 
 @pytest.mark.parametrize(("value", "text"), [
     (np.array(1.0), "is an array of rank 0\n  help: pass the number, u[()], or an array of shape (1,)"),
-    (np.zeros(2, np.float16), "has dtype float16\n  help: use float64, float32, an integer type or bool"),
-    (np.zeros(2, complex), "has dtype complex128\n  help: use float64, float32, an integer type or bool"),
+    (np.zeros(2, np.float16), "has dtype float16\n  help: use float64, float32, complex128, an integer type or bool"),
+    (np.zeros(2, np.complex64),
+     "has dtype complex64\n  help: use float64, float32, complex128, an integer type or bool"),
     (np.zeros(2, ">f8"), 'has the other byte order\n  help: pass u.astype("float64")'),
-    (1j, "is a number of type complex128\n  help: give a float"),
+    (np.complex64(1j), "is a number of type complex64\n  help: give a float"),
     (np.ma.zeros(2), "is a MaskedArray\n  help: pass numpy.asarray(u)"),
     ({(1, 2): 3.0}, "is a dict\n  help: give an array, a float, an int, a bool, a str or None"),
 ])

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from s2sad import rules
 from s2sad.analyze.liveness import base_name, targets
+from s2sad.analyze.uses import operated
 from s2sad.infer.infer import Typing
-from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Assign, AugAssign, BoolOp, Call, Compare, Constant, Expr, FunctionDef, Name, Return, Subscript, Tuple,
     call_name, walk,
@@ -66,14 +66,14 @@ def sources(node: AST, typing: Typing) -> Iterator[str]:
     if isinstance(node, (Compare, BoolOp, Constant)):
         return
     if isinstance(node, Name):
-        if typing.of(node).is_float and not node.id.startswith(("const.", "numpy.", "math.")):
+        if typing.of(node).is_inexact and not node.id.startswith(("const.", "numpy.", "math.")):
             yield node.id
         return
     if isinstance(node, Subscript):
-        if typing.of(node).is_float and base_name(node):
+        if typing.of(node).is_inexact and base_name(node):
             yield base_name(node)
         return
-    found = operation(node)
+    found = operated(node, typing)
     if found:
         rule, operands = found
         for parameter, operand in operands.items():
@@ -91,7 +91,7 @@ def _edges(function: FunctionDef, typing: Typing, call_edges: CallEdges) -> Iter
             yield from _call(statement, typing, call_edges)
         elif isinstance(statement, (Assign, AugAssign)):
             for target in targets(statement):
-                if typing.of(target).is_float:
+                if typing.of(target).is_inexact:
                     for source in sources(statement.value, typing):
                         yield source, base_name(target)
         elif isinstance(statement, Return) and statement.value is not None:

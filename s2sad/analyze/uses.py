@@ -12,7 +12,7 @@ from s2sad import rules
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.infer.infer import Typing
 from s2sad.rules.operation import operation
-from s2sad.rules.rule import RESULT
+from s2sad.rules.rule import RESULT, Rule
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Constant, Name, Subscript, call_name, indices, walk,
 )
@@ -62,16 +62,24 @@ def loads_of(node: AST, typing: Typing) -> list[AST]:
 def is_active(node: AST, typing: Typing, active: frozenset[str] | set[str]) -> bool:
     """Whether a derivative flows through an expression."""
     if isinstance(node, Name):
-        return node.id in active and typing.of(node).is_float
+        return node.id in active and typing.of(node).is_inexact
     if isinstance(node, Subscript):
-        return base_name(node) in active and typing.of(node).is_float
-    found = operation(node)
+        return base_name(node) in active and typing.of(node).is_inexact
+    found = operated(node, typing)
     if found:
         rule, operands = found
         return any(is_active(o, typing, active) for p, o in operands.items() if p not in rule.zero)
     rule = rules.find_array(call_name(node))
     return rule is not None and any(is_active(o, typing, active) for p, o in zip(rule.operands, node.args)
                                     if p in rule.adjoints)
+
+
+def operated(node: AST, typing: Typing) -> tuple[Rule, dict[str, AST]] | None:
+    """The rule and the operands of an operation, for complex operands the rule that holds for them."""
+    found = operation(node)
+    if found is None or found[0].plane is None or not any(typing.of(o).is_complex for o in found[1].values()):
+        return found
+    return found[0].plane, found[1]
 
 
 def owns_result(statement: AST) -> bool:
@@ -89,7 +97,7 @@ def uses(statement: AST, typing: Typing, active: frozenset[str],
             call_uses(statement, found)
         return found
     target = targets(statement)[0]
-    if base_name(target) not in active or not typing.of(target).is_float:
+    if base_name(target) not in active or not typing.of(target).is_inexact:
         return found
     found.place(target, typing)
     _pull(statement.value, target if isinstance(target, Name) or owns_result(statement) else None, typing, active,
@@ -106,9 +114,9 @@ def _pull(node: AST, result: AST | None, typing: Typing, active: frozenset[str],
     if rules.find_array(call_name(node)) is not None:
         _pull_function(node, result, typing, active, found)
         return
-    operated = operation(node)
-    assert operated is not None
-    rule, operands = operated
+    found_rule = operated(node, typing)
+    assert found_rule is not None
+    rule, operands = found_rule
     for parameter, operand in operands.items():
         if parameter in rule.zero or not is_active(operand, typing, active):
             continue

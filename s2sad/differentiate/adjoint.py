@@ -105,7 +105,7 @@ class _Adjoint(Shadows):
         for parameter in self.parameters:
             signature.append((parameter, "primal", parameter))
             kind = self.typing.table[parameter]
-            if kind.is_array and kind.is_float and {parameter} & {*self.wanted.wrt, *self.wanted.of}:
+            if kind.is_array and kind.is_inexact and {parameter} & {*self.wanted.wrt, *self.wanted.of}:
                 signature.append((self.shadow(parameter), "shadow", parameter))
         results = [o for o in self.wanted.of if o.startswith("return ")]
         single = self.results_count() == 1
@@ -131,7 +131,7 @@ class _Adjoint(Shadows):
         return list(last.value.elts) if isinstance(last.value, Tuple) else [last.value]
 
     def results_count(self) -> int:
-        return sum(self.typing.of(r).is_float for r in self.results())
+        return sum(self.typing.of(r).is_inexact for r in self.results())
 
     def result_type(self, number: int) -> Type:
         return self.typing.of(self.results()[number])
@@ -178,7 +178,7 @@ class _Adjoint(Shadows):
         if not isinstance(statement, (Assign, AugAssign)):
             return []
         target = targets(statement)[0]
-        if base_name(target) not in self.active or not self.typing.of(target).is_float:
+        if base_name(target) not in self.active or not self.typing.of(target).is_inexact:
             return []
         if isinstance(target, Name):
             return self.number(target, statement)

@@ -1,6 +1,7 @@
 """Products and sums of trees, written as one would by hand: no factors 1, no terms 0, signs in front."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from s2sad.tree import (
@@ -74,11 +75,11 @@ def guarded(seed: AST, term: Term, whole: bool) -> Term:
     return Term(made, term.negative)
 
 
-def scalar_choices(node: AST) -> AST:
-    """`numpy.where(c, a, b)` on numbers as `a if c else b`."""
+def scalar_choices(node: AST, chosen: Callable[[AST], bool] = lambda n: True) -> AST:
+    """`numpy.where(c, a, b)` on numbers as `a if c else b`, where it is `chosen`."""
     def change(n: AST) -> AST | None:
-        if call_name(n) == "numpy.where":
-            return IfExp(*(scalar_choices(n.args[k]) for k in (0, 1, 2)))
+        if call_name(n) == "numpy.where" and chosen(n):
+            return IfExp(*(scalar_choices(n.args[k], chosen) for k in (0, 1, 2)))
         return None
     return rebuild(node, change)
 

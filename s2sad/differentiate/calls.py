@@ -59,7 +59,7 @@ def pattern(statement: AST, typing: Typing, active: frozenset[str]) -> Pattern:
     bound = [base_name(t) for t in targets(statement)]
     return Pattern((call_name(called) or "").partition(".")[2], tuple(map(typing.argument, called.args)),
                    tuple(k for k, a in enumerate(called.args) if is_active(a, typing, active)),
-                   tuple(k for k, b in enumerate(bound) if b in active and typing.table[b].is_float))
+                   tuple(k for k, b in enumerate(bound) if b in active and typing.table[b].is_inexact))
 
 
 def call_uses(statement: AST, typing: Typing, active: frozenset[str], derive: Derive, found: Uses) -> None:

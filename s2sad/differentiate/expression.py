@@ -11,17 +11,18 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from s2sad import rules
-from s2sad.analyze.uses import is_active
+from s2sad.analyze.uses import is_active, operated
 from s2sad.differentiate.arithmetic import Term, guarded, is_plain, scalar_choices, total, unsigned
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import ONE
 from s2sad.infer.shapes import Shapes, shape_expression
 from s2sad.naming import Names
 from s2sad.rules.array import RESULT, SEED
-from s2sad.rules.operation import operation
+from s2sad.rules.complexes import HOLOMORPHIC
+from s2sad.rules.rule import Rule
 from s2sad.tree import (
-    AST, BinOp, Call, Mult, Name, Subscript, assign, attribute, call, call_name, const, copy, dump, name, names,
-    substitute, tuple_of,
+    AST, BinOp, Call, Constant, Div, Mult, Name, Subscript, UnaryOp, USub, assign, attribute, call, call_name, const,
+    copy, dump, name, names, substitute, tuple_of,
 )
 
 
@@ -67,28 +68,42 @@ class Pullback:
     def pull(self, node: AST, seed: Term, result: AST | None, region: AST | None, found: Gains) -> None:
         if not is_active(node, self.typing, self.active):
             return
+        seed = self.real(node, seed)
         if isinstance(node, (Name, Subscript)):
             found.add(node, self.narrowed(node, seed, region))
             return
         if rules.find_array(call_name(node)) is not None:
             self.pull_function(node, self.narrowed(node, seed, region), result, found)
             return
-        operated = operation(node)
-        assert operated is not None
-        rule, operands = operated
+        operation = operated(node, self.typing)
+        assert operation is not None
+        rule, operands = operation
         flowing = [p for p, o in operands.items() if p not in rule.zero and is_active(o, self.typing, self.active)]
         if len(flowing) > 1 or any(rule.is_singular(p, operands) for p in flowing):
             seed = self.shared(node, seed, found, len(flowing) > 1)
         for parameter in flowing:
             partial = rule.partial(parameter, operands, copy(node) if result is None else result)
             whole = self.typing.of(partial).is_array or self.typing.of(seed.tree).is_array
-            term = seed.times(partial if whole else scalar_choices(partial))
+            term = self.term(rule, seed, partial if whole else scalar_choices(partial))
             if rule.is_singular(parameter, operands):
                 term = guarded(seed.tree, term, whole)
             operand = operands[parameter]
             if self.leaves(operand) > 1:
                 term = self.shared(operand, term, found)
             self.pull(operand, term, None, region, found)
+
+    def term(self, rule: Rule, seed: Term, partial: AST) -> Term:
+        """What an operand gains: the product of the seed with the conjugate of the partial."""
+        if rule.kind == "conjugate":
+            return Term(conjugated(seed.tree, self.typing), seed.negative)
+        return seed.times(partial if rule.kind == "gradient" else conjugated(partial, self.typing))
+
+    def real(self, node: AST, seed: Term) -> Term:
+        """The one place where the imaginary part of a seed is dropped: what meets complex numbers but is real itself
+        gains the real part."""
+        if self.typing.of(node).is_complex or not self.typing.of(seed.tree).is_complex:
+            return seed
+        return Term(call("numpy.real", seed.tree), seed.negative)
 
     def pull_function(self, node: AST, seed: Term, result: AST | None, found: Gains) -> None:
         """The gains of the operands of a function of whole arrays."""
@@ -102,7 +117,11 @@ class Pullback:
         flowing = [p for p in rule.adjoints if is_active(arguments[p], self.typing, self.active)]
         seed = self.shared(node, seed, found, len(flowing) > 1 or any(
             names(rule.adjoint(p, ranks)).count(SEED) != 1 for p in flowing))
-        filled = {**arguments, SEED: seed.tree, RESULT: copy(node) if result is None else result}
+        filled = {**arguments, RESULT: copy(node) if result is None else result}
+        if rule.name in HOLOMORPHIC:
+            read = {n for p in flowing for n in rule.uses(p, ranks)}
+            filled = {p: conjugated(value, self.typing) if p in read else value for p, value in filled.items()}
+        filled[SEED] = seed.tree
         for wanted in dict.fromkeys(s for p in flowing for s in rule.needs(p, ranks)):
             value = substitute(rule.shared[wanted], filled)
             held = self.bind(wanted, value)
@@ -120,10 +139,10 @@ class Pullback:
         """How often a derivative leaves an expression, up to two."""
         if not is_active(node, self.typing, self.active):
             return 0
-        operated = operation(node)
-        if operated is None or isinstance(node, (Name, Subscript)):
+        operation = operated(node, self.typing)
+        if operation is None or isinstance(node, (Name, Subscript)):
             return 1
-        return min(2, sum(self.leaves(o) for p, o in operated[1].items() if p not in operated[0].zero))
+        return min(2, sum(self.leaves(o) for p, o in operation[1].items() if p not in operation[0].zero))
 
     def shared(self, node: AST, seed: Term, found: Gains, several: bool = True) -> Term:
         """The seed as something that can be written more than once."""
@@ -154,6 +173,20 @@ class Pullback:
         if ones:
             gain = call("numpy.sum", gain, axis=axes(k - extra for k in ones), keepdims=const(True))
         return Term(gain, seed.negative)
+
+
+def conjugated(node: AST, typing: Typing) -> AST:
+    """The conjugate of an expression; what is real stays as it is."""
+    if not typing.of(node).is_complex:
+        return node
+    if isinstance(node, Constant):
+        return UnaryOp(USub(), node)    # a literal is imaginary
+    if isinstance(node, UnaryOp):
+        return UnaryOp(node.op, conjugated(node.operand, typing))
+    if isinstance(node, BinOp) and isinstance(node.op, (Mult, Div)) and not all(
+            typing.of(n).is_complex and not isinstance(n, Constant) for n in (node.left, node.right)):
+        return BinOp(conjugated(node.left, typing), node.op, conjugated(node.right, typing))
+    return node.args[0] if call_name(node) in ("numpy.conj", "numpy.conjugate") else call("numpy.conj", node)
 
 
 def axes(numbers: Iterable[int]) -> AST:
@@ -187,9 +220,9 @@ class Pushforward:
             return Term(self.dot(node))
         if rules.find_array(call_name(node)) is not None:
             return self.function(node, result)
-        operated = operation(node)
-        assert operated is not None
-        rule, operands = operated
+        operation = operated(node, self.typing)
+        assert operation is not None
+        rule, operands = operation
         terms = []
         for parameter, operand in operands.items():
             inner = None if parameter in rule.zero else self.tangent(operand)
@@ -197,11 +230,20 @@ class Pushforward:
                 continue
             partial = rule.partial(parameter, operands, copy(node) if result is None else result)
             whole = self.typing.of(node).is_array
-            term = inner.times(partial if whole else scalar_choices(partial))
+            term = self.term(rule, inner, partial if whole else scalar_choices(partial))
             if rule.is_singular(parameter, operands):
                 term = guarded(inner.tree, term, whole)
             terms.append(term)
         return total(terms) if terms else None
+
+    def term(self, rule: Rule, inner: Term, partial: AST) -> Term:
+        """The tangent of an operation in one operand."""
+        if rule.kind == "conjugate":
+            return Term(conjugated(inner.tree, self.typing), inner.negative)
+        if rule.kind == "gradient":
+            made = inner.times(conjugated(partial, self.typing))
+            return Term(call("numpy.real", made.tree), made.negative)
+        return inner.times(partial)
 
     def function(self, node: AST, result: AST | None) -> Term | None:
         """The tangent of a function of whole arrays."""

@@ -71,7 +71,7 @@ class Shadows:
         made: list[AST] = []
         for used in self.scopes.get(id(block), []):
             kind = self.typing.table[used]
-            if kind.is_number and kind.is_float:
+            if kind.is_number and kind.is_inexact:
                 made.append(assign(self.shadow(used), const(0.0)))
             elif kind.is_array and (used not in self.parameters or used not in (*self.wanted.wrt, *self.wanted.of)
                                     or self.shadow(used) in self.own):

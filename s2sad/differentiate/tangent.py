@@ -42,7 +42,7 @@ class _Tangent:
         for parameter in self.parameters:
             signature.append((parameter, "primal", parameter))
             kind = self.typing.table[parameter]
-            if kind.is_float and (parameter in self.wanted.wrt or kind.is_array and parameter in self.wanted.of):
+            if kind.is_inexact and (parameter in self.wanted.wrt or kind.is_array and parameter in self.wanted.of):
                 signature.append((self.shadow(parameter), "shadow", parameter))
         before = [assign(self.shadow(p), call("numpy.zeros_like", name(p))) for p in self.parameters
                   if p in self.active and self.typing.table[p].is_array and p not in (*self.wanted.wrt,
@@ -90,7 +90,7 @@ class _Tangent:
 
     def assignment(self, statement: AST) -> list[AST]:
         target = targets(statement)[0]
-        if base_name(target) not in self.active or not self.typing.of(target).is_float:
+        if base_name(target) not in self.active or not self.typing.of(target).is_inexact:
             return [copy(statement)]
         if is_allocation(statement):
             return [copy(statement), assign(self.shadow(target.id), call("numpy.zeros_like", name(target.id)))]

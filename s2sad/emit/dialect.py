@@ -7,7 +7,7 @@ Functions of any form go in, and come out in the same.
 """
 from __future__ import annotations
 
-from s2sad import tree
+from s2sad import rules, tree
 from s2sad.emit.unraised import unraised
 from s2sad.tree import AST, BinOp, Call, Div, FunctionDef, call, call_name, const, rebuild
 from s2sad.units import Units
@@ -16,6 +16,8 @@ _LACKING = {
     "math.fmod": "numpy.fmod", "math.cbrt": "numpy.cbrt", "numpy.fix": "numpy.trunc",
     "numpy.heaviside": "runtime.heaviside",
     **{f"math.{n}": f"runtime.{n}" for n in ("remainder", "isqrt", "lcm", "comb", "perm", "factorial")}}
+
+_TRANSFORMS = {f"numpy.fft.{f}": f"runtime.{f}" for f in ("fft", "ifft", "rfft", "irfft")}
 
 
 def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:
@@ -52,6 +54,10 @@ def _change(node: AST) -> AST | None:
         if name == "math.perm" and len(args) == 1:
             return _at(call("runtime.factorial", *args), node)
         return _at(call(_LACKING[name], *args), node)
+    if name in _TRANSFORMS and (rule := rules.find_array(name)) is not None:
+        given = rule.arguments(node)
+        return _at(call(_TRANSFORMS[name], *(rebuild(given[o], _change) for o in (*rule.operands, *rule.options))),
+                   node)
     if name == "math.log" and len(node.args) == 2:
         x, base = _arguments(node)
         return _at(BinOp(call(name, x), Div(), call(name, base)), node)

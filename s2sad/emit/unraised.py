@@ -5,6 +5,7 @@
         x_bar = y_bar / x                       x_bar = y_bar / x
         h = 1.0 / n                             h = 1.0 / np.float64(n)
         return math.sqrt(h)                     return np.sqrt(h)
+        1j / x                                  np.divide(1j, x)
 
 `math` gives way to NumPy. A quotient, remainder or power raises only if both operands are Python's: one that is a
 float parameter, or is made of such, becomes NumPy's where it is bound; else an operand is converted where it stands.
@@ -64,7 +65,8 @@ class _Unraised:
         while count != len(self.whose.converted):
             count = len(self.whose.converted)
             for node in filter(self.whose.raises, risky):
-                self.demand(node)
+                if not self.whose.is_complex(node):
+                    self.demand(node)
 
     def made(self) -> FunctionDef:
         body = [self.statement(s) for s in self.tree.body]
@@ -158,6 +160,9 @@ class _Unraised:
         left, right = (rebuild(n, self.expression) for n in (node.left, node.right))
         if self.was_bool(node.left) and self.was_bool(node.right):
             left = call("builtins.int", left)
+        if self.whose.raises(node) and self.whose.is_complex(node):
+            made = call("numpy.divide" if isinstance(node.op, Div) else "numpy.power", left, right)
+            return at(made, node) if getattr(node, "lineno", None) else made
         if self.whose.raises(node):
             if isinstance(node.op, Div):
                 right = call(CONVERT, right)

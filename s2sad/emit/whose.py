@@ -9,6 +9,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from s2sad.diagnostics import Report, Source
+from s2sad.infer.infer import Typing
 from s2sad.infer.types import Type
 from s2sad.rules import constant_result
 from s2sad.tree import (
@@ -48,6 +50,9 @@ class Whose:
     def __init__(self, tree: FunctionDef, types: Mapping[str, Type], constants: Mapping[str, object],
                  known: list[int], results: Mapping[str, list[int]], as_it_is: bool = False):
         self.tree, self.types, self.constants, self.as_it_is = tree, types, constants, as_it_is
+        self.typing = Typing(dict(types), lambda kernel, given: (), Report(Source("", "")), constants)
+        self.complex = any(t.is_complex for t in types.values()) or any(
+            isinstance(n, Constant) and isinstance(n.value, complex) for n in walk(tree.body))
         self.results = {} if as_it_is else results
         self.parameters = [p.id for p in tree.args.args]
         self.known = dict(zip(self.parameters, known))
@@ -103,6 +108,8 @@ class Whose:
         kind = self.types.get(parameter)
         if kind is None or not kind.is_number:
             return NUMPY
+        if kind.is_complex:     # one that is given is NumPy's (`binding`)
+            return self.known.get(parameter, NUMPY)
         if kind.dtype != "float64":
             return NARROW if kind.is_float else INT
         return NUMPY if parameter in self.converted else self.known.get(parameter, FLOAT)
@@ -121,7 +128,8 @@ class Whose:
     def kind(self, node: AST) -> int:
         """Whose number an expression gives; of names without a binding so far the least."""
         if isinstance(node, Constant):
-            return NARROW if isinstance(node.value, np.generic) else FLOAT if isinstance(node.value, float) else INT
+            return NARROW if isinstance(node.value, np.generic) else (
+                FLOAT if isinstance(node.value, (float, complex)) else INT)
         if isinstance(node, Name):
             return self.of_name(node.id)
         if isinstance(node, Subscript):
@@ -133,6 +141,8 @@ class Whose:
             left, right = self.kind(node.left), self.kind(node.right)
             if not self.as_it_is and self._raises(node, left, right):
                 return NUMPY  # for an operand is converted
+            if self.is_complex(node):
+                return self.of_complex(node, left, right)
             return self.of_operands(left, right, isinstance(node.op, Div))
         if isinstance(node, UnaryOp):
             return INT if type(node.op).__name__ == "Not" else self.kind(node.operand)
@@ -142,6 +152,13 @@ class Whose:
         if isinstance(node, IfExp):
             return max(self.kind(node.body), self.kind(node.orelse))
         return self.of_call(node) if isinstance(node, Call) else INT
+
+    def is_complex(self, node: AST) -> bool:
+        return self.complex and self.typing.of(node).is_complex
+
+    def of_complex(self, node: BinOp, left: int, right: int) -> int:
+        """Whose number an operation gives: Python's complex numbers take floats of NumPy's for Python's."""
+        return NUMPY if left <= NARROW or right <= NARROW and self.is_complex(node.right) else FLOAT
 
     def of_name(self, identifier: str) -> int:
         if identifier.startswith("const."):
@@ -161,7 +178,7 @@ class Whose:
         called = call_name(node) or ""
         if called in _LENGTHS:
             return INT
-        if called in CHOICES and node.args:
+        if called in (*CHOICES, "numpy.real", "numpy.imag") and node.args:
             return max(map(self.kind, node.args))
         if called in OF_MATH:
             return FLOAT if self.as_it_is else NUMPY
@@ -181,6 +198,10 @@ class Whose:
         return isinstance(node, BinOp) and self._raises(node, self.kind(node.left), self.kind(node.right))
 
     def _raises(self, node: BinOp, left: int, right: int) -> bool:
+        if self.is_complex(node):
+            value = self.number(node.right)
+            safe = value is not None and (value >= 0 if isinstance(node.op, Pow) else value != 0)
+            return isinstance(node.op, (Div, Pow)) and not safe and self.of_complex(node, left, right) == FLOAT
         if min(left, right) <= NARROW or not isinstance(node.op, (Div, Mod, FloorDiv, Pow)) or (
                 isinstance(node.left, Constant) and isinstance(node.right, Constant)):
             return False

@@ -16,7 +16,7 @@ import numpy as np
 
 from s2sad.annotated import AnnotatedCall
 from s2sad.annotations import Active, Annotation, Const, Duplicated, Mode
-from s2sad.binding import FLOATS, bind, describe
+from s2sad.binding import INEXACT, bind, describe
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.flattened.asked import Carrier
 from s2sad.flattened.structures import Flattened, flattened
@@ -120,7 +120,7 @@ class _Annotated:
         found = entry(values, shadows, seed)
         derivative, primal = found if self.mode.with_primal else (found, None)
         for cell, kind, holder, key in self.shadowed:
-            assign_part(kind, holder, key, float(cell[0]))
+            assign_part(kind, holder, key, cell[0].item())
         if entry.keeps:
             apart.write_back(self.args, self.flat)
         if self.mode.reverse:
@@ -186,7 +186,7 @@ def _alike(mode: str, value: Any, following: Any) -> bool:
     if is_structure(value):
         return type(value) is type(following)
     if isinstance(value, np.ndarray):
-        return value.dtype.name in FLOATS and isinstance(following, np.ndarray) and following.ndim == value.ndim
+        return value.dtype.name in INEXACT and isinstance(following, np.ndarray) and following.ndim == value.ndim
     return mode == "tangent" and isinstance(value, (float, int)) and isinstance(following, (float, int))
 
 
@@ -198,7 +198,7 @@ def _implied(apart: Flattened, mode: str, values: list[Any], carrier: Carrier) -
     wrt = selected_wrt(apart.title, state.parameters, types, wrt)
     of = selected_of(apart.title, state.parameters, types, state.summary(types), of)
     return {apart.paths[n] for n, t in zip(state.parameters, types)
-            if (n in wrt or n in of) and t.is_float and (t.is_array or mode == "tangent")}
+            if (n in wrt or n in of) and t.is_inexact and (t.is_array or mode == "tangent")}
 
 
 def _seeds(apart: Flattened, mode: str, values: list[Any], carrier: Carrier) -> int:
@@ -233,7 +233,7 @@ def _called(apart: Flattened, mode: str, layout: Layout, args: Sequence[Any], sh
         entry = apart.state.entries[key] = ShadowedCall(apart.state, mode, tuple(flat), carrier.__s2sad_selection__)
     returned = entry(tuple(flat))
     for cell, kind, holder, item in cells:
-        assign_part(kind, holder, item, float(cell[0]))
+        assign_part(kind, holder, item, cell[0].item())
     return returned
 
 

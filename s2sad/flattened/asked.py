@@ -64,7 +64,7 @@ class Asked:
     def floats(self, form: Form, path: str) -> list[str]:
         """The flat names of the floats in something."""
         return [self.names[p] for p, t in leaves(form, path) if is_held(t) and (
-            t.is_float or t.is_number and self.names[p] in self.state.floats)]
+            t.is_inexact or t.is_number and self.names[p] in self.state.floats)]
 
     def flat_names(self, paths: Sequence[Path], what: str) -> tuple[str, ...]:
         """The flat names of what was asked for."""

@@ -30,7 +30,8 @@ from s2sad.structure import (
 from s2sad.variants import State
 from s2sad.watch import Watch
 
-_PLAIN = frozenset((np.ndarray, float, int, bool, np.float64, type(None), str))
+_NUMBERS = (int, float, np.integer, np.floating, complex)
+_PLAIN = frozenset((np.ndarray, float, complex, int, bool, np.float64, type(None), str))
 Holder = tuple[str, str, Any, "str | int"]
 
 
@@ -196,7 +197,7 @@ class Flattened(Asked):
         """The seed of a structure that the kernel returns, as that of a tuple: None for what is no float."""
         found = self.result_leaves(seed)
         kinds = self._summary.results
-        return tuple(s if t.is_float else None for s, t in zip(found, kinds)) if len(kinds) > 1 else found
+        return tuple(s if t.is_inexact else None for s, t in zip(found, kinds)) if len(kinds) > 1 else found
 
     def result_leaves(self, seed: Any) -> Any:
         """A structure that is like what the kernel returns, as a tuple."""
@@ -251,7 +252,7 @@ def _built(form: Form, remaining: Iterator[Any]) -> Any:
 
 
 def _cell_seed(given: Any, like: np.ndarray, name: str, path: str) -> np.ndarray:
-    if isinstance(given, (bool, np.bool_)) or not isinstance(given, (int, float, np.integer, np.floating)):
+    if isinstance(given, (bool, np.bool_)) or not isinstance(given, _NUMBERS[:4 + np.iscomplexobj(like)]):
         raise misfit(f"the part '{path}' of what was given for '{name}' is of type {type(given).__name__}, not a float",
                      "give a float")
     return np.array([given], like.dtype)

@@ -23,8 +23,9 @@ from s2sad.tree import (
     Subscript, Tuple, UnaryOp, call_name, indices, walk,
 )
 
-_DTYPES = ("float64", "float32", "int64", "int32", "int16", "int8", "uint64", "uint32", "uint16", "uint8", "bool")
-_WORDS = {"float": "float64", "int": "int64", "bool_": "bool"}
+_DTYPES = ("float64", "float32", "complex128", "int64", "int32", "int16", "int8", "uint64", "uint32", "uint16", "uint8",
+           "bool")
+_WORDS = {"float": "float64", "int": "int64", "bool_": "bool", "complex": "complex128"}
 _SPELLED = re.compile(r"^(?:np\.|numpy\.|nb\.|numba\.)?(\w+)\s*(?:\[\s*(:{1,2}1?(?:\s*,\s*:{1,2}1?)*)\s*\])?$")
 _SHAPED = ("numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full", "numpy.ndindex")
 _WHOLE = ("builtins.len", "numpy.sum", "numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full_like",
@@ -54,7 +55,7 @@ class Uses:
 def spelled(text: str) -> Type | None:
     """The type that a text spells, or None.
 
-    >>> str(spelled("float64[:, ::1]")), str(spelled("int")), spelled("complex")
+    >>> str(spelled("float64[:, ::1]")), str(spelled("int")), spelled("quaternion")
     ('float64[:, :]', 'int64', None)
     """
     found = _SPELLED.match(text.strip().strip("\"'"))

@@ -140,7 +140,7 @@ class Typing(TypesOfCalls):
             if isinstance(node.op, (BitAnd, BitOr, BitXor)) or result.is_array and isinstance(node.op, (Add, Mult)):
                 return result
             result = Type(result.kind, "int64", result.rank)
-        if isinstance(node.op, Div) and not result.is_float and result.dtype:
+        if isinstance(node.op, Div) and not result.is_inexact and result.dtype:
             return Type(result.kind, "float64", result.rank)
         if isinstance(node.op, (LShift, RShift)):
             return left

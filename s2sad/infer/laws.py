@@ -90,11 +90,11 @@ def _reduced_shape(args: list[Shape], options: Options) -> Shape | None:
 
 def _averaged_type(args: list[Type], options: Options) -> Type:
     made = _reduced_type(args, options)
-    return made if made.is_float or made.kind == "unknown" else replace(made, dtype="float64")
+    return made if made.is_inexact or made.kind == "unknown" else replace(made, dtype="float64")
 
 
 def _common(args: list[Type]) -> str:
-    order = ("bool", "int64", "float32", "float64")
+    order = ("bool", "int64", "float32", "float64", "complex64", "complex128")
     return max((a.dtype for a in args), key=lambda d: order.index(d) if d in order else 1)
 
 
@@ -134,7 +134,8 @@ def _outer_type(args: list[Type], options: Options) -> Type:
 
 
 def _solved_type(args: list[Type], options: Options) -> Type:
-    return array("float64" if _common(args) != "float32" else "float32", args[1].rank)
+    dtype = _common(args)
+    return array(dtype if dtype == "float32" or dtype.startswith("complex") else "float64", args[1].rank)
 
 
 def _of_matrix(rank: int) -> Callable[[list[Type], Options], Type]:
@@ -195,6 +196,18 @@ def _moved_type(args: list[Type], options: Options) -> Type:
     return args[0] if args[0].is_array and moved_axes(options, args[0].rank) is not None else UNKNOWN
 
 
+def _transformed_type(dtype: str) -> Callable[[list[Type], Options], Type]:
+    """The type of a transform along one axis."""
+    def made(args: list[Type], options: Options) -> Type:
+        axis, norm = whole_number(options["axis"]), options["norm"]
+        fits = args[0].is_array and axis is not None and -args[0].rank <= axis < args[0].rank
+        known = isinstance(norm, Constant) and norm.value in (None, "backward", "ortho", "forward")
+        if not fits or not known:
+            return UNKNOWN
+        return array("complex64" if args[0].dtype in ("float32", "complex64") else dtype, args[0].rank)
+    return made
+
+
 def _moved_shape(args: list[Shape], options: Options) -> Shape | None:
     order = moved_axes(options, len(args[0]))
     return None if order is None else tuple(args[0][k] for k in order)
@@ -230,5 +243,9 @@ LAWS: dict[str, Law] = {
     "unfactored": Law(_of_matrix(2), lambda args, options: (args[0][1], args[0][1])),
     "gained": Law(lambda args, options: array(args[0].dtype, 2),
                   lambda args, options: (_one_more(args[0][0]), args[0][0])),
+    **{law: Law(_transformed_type(dtype), lambda args, options: None)   # `Shapes.transformed` has their shapes
+       for law, dtype in (("transformed", "complex128"), ("half", "complex128"), ("signal", "float64"))},
+    "spectrum": Law(lambda args, options: array("complex128", args[0].rank), lambda args, options: None),
+    "real": Law(lambda args, options: array("float64", args[0].rank), lambda args, options: None),
     "solved": Law(_solved_type, lambda args, options: args[1]),
 }

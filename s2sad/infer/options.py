@@ -54,5 +54,6 @@ def astype_dtype(options: Arguments) -> str:
     node = options["dtype"]
     named = node.id if isinstance(node, Name) else text_of(node)
     found = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": "bool", "numpy.bool_": "bool",
+             "builtins.complex": "complex128",
              "numpy.bool": "bool"}.get(named, named.removeprefix("numpy."))
     return found if found in ORDER else ""

@@ -8,8 +8,9 @@ from s2sad.infer.types import UNKNOWN, Type
 from s2sad.infer.types_of_places import PLACES
 from s2sad.infer.types_of_shapes import SHAPES
 from s2sad.infer.types_of_sums import SUMS
+from s2sad.infer.types_of_transforms import TRANSFORMS
 
-_TYPES = {**SHAPES, **SUMS, **PLACES}
+_TYPES = {**SHAPES, **SUMS, **PLACES, **TRANSFORMS}
 
 
 def piece_type(function: str, args: list[Type], options: Arguments) -> Type:

@@ -4,10 +4,12 @@ from __future__ import annotations
 from s2sad.infer.types import UNKNOWN, Type, array
 from s2sad.tree import AST, Constant, Name
 
-RANKS = ("bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64")
-ORDER = ("bool", "int64", "float32", "float64")     # of arrays that pieces are written for
+RANKS = ("bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64",
+         "complex64", "complex128")
+ORDER = ("bool", "int64", "float32", "float64", "complex128")     # of arrays that pieces are written for
 CASTS = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": "bool", "numpy.float64": "float64",
-         "numpy.float32": "float32", "numpy.int64": "int64", "numpy.int32": "int32", "numpy.bool_": "bool"}
+         "numpy.float32": "float32", "numpy.int64": "int64", "numpy.int32": "int32", "numpy.bool_": "bool",
+         "builtins.complex": "complex128", "numpy.complex128": "complex128"}
 
 
 def listed(items: Type) -> Type:
@@ -40,7 +42,9 @@ def promote(a: Type, b: Type) -> Type:
         return UNKNOWN
     if a.is_array != b.is_array:
         arr, number = (a, b) if a.is_array else (b, a)
-        kind = arr.dtype if arr.is_float or not number.is_float else "float64"
+        kind = arr.dtype if arr.is_inexact or not number.is_inexact else "float64"
+        if number.is_complex and not arr.is_complex:
+            kind = "complex64" if arr.dtype == "float32" else "complex128"
         return array(kind, arr.rank)
     dtype = max(a.dtype, b.dtype, key=RANKS.index)
     return Type(a.kind, dtype, max(a.rank, b.rank))

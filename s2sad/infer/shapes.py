@@ -13,7 +13,7 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.laws import LAWS, LEAST, ONE, Shape, whole_number
 from s2sad.infer.slices import Slices
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Eq, FloorDiv, For, FunctionDef, If, Mult, Name, Store,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Mult, Name, Store,
     Subscript, Tuple, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of, walk,
 )
 
@@ -40,6 +40,8 @@ class Shapes(Slices):
             made = LAWS[rule.law].shape([self.of(arguments[o]) for o in rule.operands], arguments)
             if "shape" in rule.operands:
                 made = self.asked_for(arguments["shape"], self.of(arguments["x"]))
+            elif "norm" in arguments:
+                made = self.transformed(rule.law, arguments)
             elif rule.law == "raveled":
                 made = self.asked_for(const(-1), self.of(arguments["x"]))
             elif made is not None and LEAST in made:
@@ -47,6 +49,18 @@ class Shapes(Slices):
                 made = tuple(least if d == LEAST else d for d in made)
             return made if made is not None else (None,) * self.typing.of(node).rank
         return self.broadcast(self.of(part) for part in children(node) if self.typing.of(part).is_array)
+
+    def transformed(self, law: str, arguments: Mapping[str, AST]) -> Shape:
+        """The shape of a transform along an axis, or of the adjoint of one: as many elements there as are asked for."""
+        old = self.of(arguments["x" if "x" in arguments else "g"])
+        axis, asked = (whole_number(arguments["axis"]) or 0) % len(old), arguments.get("size", arguments.get("n"))
+        if asked is None or isinstance(asked, Constant) and asked.value is None:
+            found = old[axis] if law != "signal" else old[axis] and old[axis].times(2).shift(-2)
+        else:
+            found = self.size(asked)
+        if law == "half" and found is not None:
+            found = self.symbol(BinOp(self.expression(found), FloorDiv(), const(2))).shift(1)
+        return (*old[:axis], found, *old[axis + 1:])
 
     def enter(self, statement: AST) -> None:
         """Goes to a statement: what the guards before it say holds from here on."""

@@ -11,7 +11,7 @@ class Type:
     """A number (`rank` 0), an array, a tuple of types, or one of the odd ones.
 
     kind is "number", "array", "tuple", "none", "text" or "unknown"; dtype is NumPy's name
-    ("float64", "float32", "int64", "bool", ...) for numbers and arrays. `ones` are the axes of an argument that
+    ("float64", "complex128", "int64", "bool", ...) for numbers and arrays. `ones` are the axes of an argument that
     have length 1, where that matters: NumPy broadcasts them.
     """
     kind: str
@@ -23,6 +23,20 @@ class Type:
     @property
     def is_float(self) -> bool:
         return self.kind in ("number", "array") and self.dtype.startswith("float")
+
+    @property
+    def is_complex(self) -> bool:
+        return self.kind in ("number", "array") and self.dtype.startswith("complex")
+
+    @property
+    def is_inexact(self) -> bool:
+        """Whether values of this type have derivatives: floats and complex numbers."""
+        return self.is_float or self.is_complex
+
+    @property
+    def real(self) -> Type:
+        """The type of the real part."""
+        return replace(self, dtype=self.dtype.replace("complex128", "float64").replace("complex64", "float32"))
 
     @property
     def is_array(self) -> bool:
@@ -69,6 +83,8 @@ def of_value(value: object) -> Type:
         return FLOAT
     if isinstance(value, np.generic):
         return Type("number", value.dtype.name)
+    if isinstance(value, complex):
+        return Type("number", "complex128")
     if isinstance(value, np.ndarray):
         ones = tuple(k for k, size in enumerate(value.shape) if size == 1) if 1 in value.shape else ()
         return Type("array", value.dtype.name, value.ndim, ones=ones)

@@ -21,6 +21,8 @@ _ALLOCATIONS = {"numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full"}
 _LIKES = {"numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full_like", "numpy.copy", "numpy.asarray",
           "numpy.ascontiguousarray", "numpy.array"}
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")  # without an axis
+_OF_ARGUMENTS = {"builtins.abs", "builtins.min", "builtins.max", "numpy.abs", "numpy.absolute", "numpy.minimum",
+                 "numpy.maximum", "numpy.square", "numpy.conj", "numpy.conjugate", "numpy.real", "numpy.imag"}
 _COMPARED = ("numpy.allclose", "numpy.array_equal")
 
 
@@ -92,6 +94,8 @@ class TypesOfCalls(ABC):
         for other in types[1:]:
             result = promote(result, other)
         kind = rules.constant_result(name)
+        if result.is_complex and (rule := rules.find(name)) is not None and rule.plane is not None:
+            return result.real if rule.plane.kind == "gradient" else result
         if name in _COMPARED or name in _REDUCED and len(types) == 1 and not keywords:
             return INT if kind == "int" else BOOL
         if name == "numpy.searchsorted" and len(types) > 1 and types[1].is_number:
@@ -99,9 +103,9 @@ class TypesOfCalls(ABC):
         if kind in ("int", "bool"):
             return Type(result.kind, "int64" if kind == "int" else "bool", result.rank)
         rule = rules.find(name)
-        if kind == "same" or rule is not None and rule.result == "same":
+        if name in _OF_ARGUMENTS or kind == "same" or rule is not None and rule.result == "same":
             return result
-        if result.kind == "unknown" or result.is_float:
+        if result.kind == "unknown" or result.is_inexact:
             return result if not name.startswith("math.") or not result.dtype else Type(result.kind, "float64")
         return Type(result.kind, "float64", result.rank)
 

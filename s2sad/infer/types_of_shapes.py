@@ -131,7 +131,7 @@ def _triangle(args: list[Type], options: Arguments) -> Type:
 
 
 def _trace(args: list[Type], options: Arguments) -> Type:
-    return of_rank(args[0], 0) if known_array(args) and args[0].rank == 2 and args[0].is_float else UNKNOWN
+    return of_rank(args[0], 0) if known_array(args) and args[0].rank == 2 and args[0].is_inexact else UNKNOWN
 
 
 def _eye(args: list[Type], options: Arguments) -> Type:

@@ -13,7 +13,7 @@ from s2sad.tree import Constant, List, Tuple
 
 
 def _float(kind: Type) -> Type:
-    return kind if kind.is_float or kind.kind == "unknown" else replace(kind, dtype="float64")
+    return kind if kind.is_inexact or kind.kind == "unknown" else replace(kind, dtype="float64")
 
 
 def _averaged(args: list[Type], options: Arguments) -> Type:
@@ -40,7 +40,7 @@ def _product(args: list[Type], options: Arguments) -> Type:
 
 
 def _running(args: list[Type], options: Arguments) -> Type:
-    if not known_array(args) or not args[0].is_float:
+    if not known_array(args) or not args[0].is_inexact:
         return UNKNOWN
     if is_none(options["axis"]):
         return array(args[0].dtype, 1)
@@ -61,7 +61,7 @@ def _norm(args: list[Type], options: Arguments) -> Type:
 
 def _vdot(args: list[Type], options: Arguments) -> Type:
     a, b = args
-    return Type("number", common(args)) if a.is_array and b.is_array and a.rank == b.rank and a.is_float else UNKNOWN
+    return Type("number", common(args)) if a.is_array and b.is_array and a.rank == b.rank and a.is_inexact else UNKNOWN
 
 
 def _inner(args: list[Type], options: Arguments) -> Type:

@@ -131,7 +131,7 @@ class _Atoms:
     def inner(self, node: AST, before: list[AST]) -> AST:
         """The expression with everything that wants a name replaced by one, left to right."""
         kind = self.typing.of(node)
-        if isinstance(node, (Compare, BoolOp)) or not (kind.is_float or kind.dtype):
+        if isinstance(node, (Compare, BoolOp)) or not (kind.is_inexact or kind.dtype):
             return node
         if isinstance(node, Subscript):
             node = self.indexed(node, before)
@@ -142,7 +142,7 @@ class _Atoms:
         if call_name(node) == "numpy.sum":
             return name(self.bind("total", node, before))
         new = self.children(node, before)
-        if reads_result(node) and kind.is_float and not kind.is_array:
+        if reads_result(node) and kind.is_inexact and not kind.is_array:
             return name(self.bind(_wanted(node), new, before))
         return new
 
@@ -183,7 +183,7 @@ class _Atoms:
 
     def is_float(self, node: AST) -> bool:
         kind = self.typing.of(node)
-        return kind.is_float or kind.kind == "tuple" and any(i.is_float for i in kind.items) or (
+        return kind.is_inexact or kind.kind == "tuple" and any(i.is_inexact for i in kind.items) or (
             call_name(node) or "").startswith("user.")
 
 

@@ -200,8 +200,8 @@ class _Functions:
     def converted(self, operand: AST, node: Call) -> AST:
         """An operand of a product or a solve in the dtype of the result: what computes these mixes none."""
         called, given, made = call_name(node) or "", self.typing.of(operand), self.typing.of(node)
-        mixed = given.is_array and given.dtype != made.dtype and made.dtype in ("float32", "float64")
-        if not mixed or called != "numpy.matmul" and not called.startswith("numpy.linalg."):
+        mixed = given.is_array and given.dtype != made.dtype and made.is_inexact
+        if not mixed or called not in ("numpy.matmul", "numpy.dot") and not called.startswith("numpy.linalg."):
             return operand
         return at(call("numpy.astype", operand, dtype=name(f"numpy.{made.dtype}")), node)
 

@@ -2,7 +2,7 @@
 
 Requires functions that stand alone on operands with names; establishes that none of those in `rules/composed` is left,
 and no `np.broadcast_to` of the kernel's.
-What each is made of stands in `normalize/pieces_of_shapes`, `pieces_of_sums` and `pieces_of_places`.
+What each is made of stands in `normalize/pieces_of_shapes`, `pieces_of_sums`, `pieces_of_places` and `pieces_of_transforms`.
 
     d = np.diff(x)                  d = x[1:] - x[:-1]
     y = np.concatenate((u, v))      y = np.empty(u.shape[0] + v.shape[0])
@@ -22,6 +22,7 @@ from s2sad.normalize.pieces_of_joins import JOINS
 from s2sad.normalize.pieces_of_places import PLACES
 from s2sad.normalize.pieces_of_shapes import SHAPES
 from s2sad.normalize.pieces_of_sums import SUMS
+from s2sad.normalize.pieces_of_transforms import TRANSFORMS
 from s2sad.rules.composed import WRITING
 from s2sad.rules.rule import resolved
 from s2sad.tree import (
@@ -29,7 +30,7 @@ from s2sad.tree import (
     While, assign, at, call_name, copy, indices, name, names, rebuild, statements, stored_names, walk,
 )
 
-_PIECES = {**JOINS, **SHAPES, **SUMS, **PLACES}
+_PIECES = {**JOINS, **SHAPES, **SUMS, **PLACES, **TRANSFORMS}
 RESULT = "result"
 _BUILTINS = ("int", "len", "max", "min", "range")
 

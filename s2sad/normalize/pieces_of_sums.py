@@ -139,7 +139,8 @@ def _nansum(asked: Asked) -> str:
 # -- products of arrays ----------------------------------------------------------------------------------------------
 
 def _vdot(asked: Asked) -> str:
-    return "result = numpy.dot(a, b)" if asked.rank("a") == 1 else "result = numpy.sum(a * b)"
+    a = "numpy.conj(a)" if asked.type("a").is_complex else "a"
+    return f"result = numpy.dot({a}, b)" if asked.rank("a") == 1 else f"result = numpy.sum({a} * b)"
 
 
 def _inner(asked: Asked) -> str:

@@ -56,7 +56,7 @@ class Reduced:
 
     def total(self, target: str, operand: AST, kind: Type) -> list[AST]:
         """The sum of all elements of an expression."""
-        number = kind if kind.is_float else INT
+        number = kind if kind.is_inexact else INT
         start = assign(target, _zero(number))
         sizes = self.bounds(operand)
         if len(sizes) == 1 and isinstance(operand, Name):
@@ -107,7 +107,7 @@ class Reduced:
             counters: list[str], mean: bool) -> list[AST]:
         element = self.elements.element(operand, list(map(name, counters)))
         number = Type("number", self.typing.of(operand).dtype)
-        number = number if number.is_float else INT
+        number = number if number.is_inexact else INT
         divided = self._count([sizes[k] for k in axes]) if mean else None
         if kept and max(kept) > min(axes):
             # the rows stay the innermost loop: the sums grow side by side
@@ -144,7 +144,7 @@ class Reduced:
 
 
 def _zero(number: Type) -> AST:
-    return const(0.0 if number.is_float else 0)
+    return const(0.0 if number.is_inexact else 0)
 
 
 def _nest(counters: list[str], sizes: list[AST], body: list[AST]) -> AST:

@@ -261,7 +261,7 @@ class Scalarize:
             if call_name(n) == "numpy.sum" and not is_function(n) and not (joined and self.alike(n.args[0])):
                 operand = self.sums(n.args[0], before)
                 kind = self.typing.of(n)
-                total = self.number("total", kind if kind.is_float else INT)
+                total = self.number("total", kind if kind.is_inexact else INT)
                 before.extend(self.reduced.total(total, operand, kind))
                 return name(total)
             return None

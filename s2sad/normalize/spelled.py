@@ -6,6 +6,8 @@
     x.reshape(n, m)     np.reshape(x, (n, m))
     x.T                 np.transpose(x)
     x.copy()            np.copy(x)
+    z.real, z.conj()    np.real(z), np.conj(z)
+    complex(a, b)       a + 1j * b
     x.transpose(2, 0, 1)    np.moveaxis(x, (2, 0, 1), (0, 1, 2))
     np.any(x > 1, axis=0)   np.sum((x > 1) != 0, axis=0) > 0
     [a] * 2 + [b]       [a, a, b]
@@ -25,18 +27,19 @@ from s2sad import rules
 from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Pow,
-    Slice, Starred, Sub, Subscript, Tuple, at, call, call_name, compare, const, copy, index, indices, mult, name,
+    Slice, Starred, Store, Sub, Subscript, Tuple, at, call, call_name, compare, const, copy, index, indices, mult, name,
     rebuild, tuple_of, walk,
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
 _METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot", "var", "std", "prod", "cumsum",
             "cumprod", "squeeze", "swapaxes", "repeat", "diagonal", "trace", "copy",
-            "flatten", "take", "ptp", "astype", "argsort", "clip", "round", "searchsorted"}
+            "conj", "conjugate", "flatten", "take", "ptp", "astype", "argsort", "clip", "round", "searchsorted"}
 _QUESTIONS = {"any", "all", "argmax", "argmin"}
 _REDUCING = {"linalg.norm", "median", "sort", "diff", "count_nonzero"}
 _PRODUCTS = {"dot", "outer", "inner", "vdot", "matmul", "where"}
 _SHAPED = {"reshape", "transpose"}
+_PARTS = {"real", "imag"}  # attributes
 
 
 def spelled(function: FunctionDef) -> FunctionDef:
@@ -55,8 +58,9 @@ def _plain(node: AST) -> AST | None:
             isinstance(side, (Tuple, List)) for side in (node.left, node.right)):
         left, right = (call("numpy.array", s) if isinstance(s, (Tuple, List)) else s for s in (node.left, node.right))
         return rebuild(at(BinOp(left, node.op, right), node), _plain)
-    if isinstance(node, BinOp) and (listed := _list(node)) is not None:
-        return at(List([rebuild(item, _plain) for item in listed], name("_").ctx), node)
+    for kind in (List, Tuple):
+        if isinstance(node, BinOp) and (listed := _listed(node, kind)) is not None:
+            return at(kind([rebuild(item, _plain) for item in listed], name("_").ctx), node)
     if isinstance(node, Subscript) and (joined := _joined(node) or _crossed(node)) is not None:
         return rebuild(at(joined, node), _plain)
     if isinstance(node, Subscript) and any(isinstance(s, List) for s in indices(node)):
@@ -64,6 +68,8 @@ def _plain(node: AST) -> AST | None:
         return rebuild(at(Subscript(node.value, index(node.value, *parts).slice, node.ctx), node), _plain)
     if isinstance(node, Attribute) and node.attr == "T":
         return at(call("numpy.transpose", rebuild(node.value, _plain)), node)
+    if isinstance(node, Attribute) and node.attr in _PARTS and not isinstance(node.ctx, Store):
+        return at(call(f"numpy.{node.attr}", rebuild(node.value, _plain)), node)
     if not isinstance(node, Call):
         return None
     whole = _whole_operands(node)
@@ -76,7 +82,7 @@ def _plain(node: AST) -> AST | None:
     if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
         return rebuild(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node),
                        _plain)
-    other = other_spelling(node) or _multiplied(node) or _in_blocks(node) or _extreme_place(node)
+    other = other_spelling(node) or _complex(node) or _multiplied(node) or _in_blocks(node) or _extreme_place(node)
     if other is not None:
         return rebuild(at(other, node), _plain)
     return _question(node) or _array_call(node) or _scalar_call(node)
@@ -122,6 +128,14 @@ def _whole_operands(node: Call) -> list[AST]:
     return node.args[:1] if function in _METHODS | _QUESTIONS | _REDUCING else []
 
 
+def _complex(node: Call) -> AST | None:
+    """A complex number made of its parts."""
+    if call_name(node) not in ("builtins.complex", "numpy.complex128") or node.keywords or not 1 <= len(node.args) <= 2:
+        return None
+    real, *imaginary = node.args
+    return BinOp(real, Add(), mult(const(1j), imaginary[0]) if imaginary else const(0j))
+
+
 def _question(node: Call) -> AST | None:
     """A question along an axis, as a count."""
     function = (call_name(node) or "").removeprefix("numpy.")
@@ -147,15 +161,15 @@ def _extreme_place(node: Call) -> AST | None:
     return call(function, node.args[0]) if made is not None and not made.keywords else made
 
 
-def _list(node: AST) -> list[AST] | None:
-    """The items of lists that are added and repeated: `[a] * 2 + [b]`."""
-    if isinstance(node, List):
+def _listed(node: AST, kind: type) -> list[AST] | None:
+    """The items of lists or tuples that are added and repeated: `[a] * 2 + [b]`."""
+    if isinstance(node, kind):
         return node.elts
     if isinstance(node, BinOp) and isinstance(node.op, Add):
-        left, right = _list(node.left), _list(node.right)
+        left, right = _listed(node.left, kind), _listed(node.right, kind)
         return None if left is None or right is None else [*left, *right]
     if isinstance(node, BinOp) and isinstance(node.op, Mult) and isinstance(node.right, Constant):
-        left = _list(node.left)
+        left = _listed(node.left, kind)
         return None if left is None or type(node.right.value) is not int else [
             copy(item) for _ in range(node.right.value) for item in left]
     return None

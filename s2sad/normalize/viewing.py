@@ -19,7 +19,7 @@ from s2sad.tree import Assign, AugAssign, Call, Expr, FunctionDef, Name, Subscri
 SHOWN = {f"numpy.{f}" for f in (
     "transpose", "reshape", "ravel", "flip", "fliplr", "flipud", "rot90", "asarray", "ascontiguousarray", "squeeze",
     "swapaxes", "moveaxis", "expand_dims", "atleast_1d", "atleast_2d", "broadcast_to", "diagonal", "diag",
-    "split", "array_split", "hsplit", "vsplit")}
+    "split", "array_split", "hsplit", "vsplit", "real", "imag")}
 Links = dict[str, dict[str, bool]]
 
 

@@ -154,9 +154,7 @@ def _is_none(*nodes: AST) -> bool:
 
 
 def _constant(node: AST, report: Report) -> list[AST] | None:
-    if isinstance(node.value, complex):
-        report.error("S201", f"a complex number {_NOT}", node, help="keep the real and the imaginary part in two names")
-    elif isinstance(node.value, bytes):
+    if isinstance(node.value, bytes):
         report.error("S201", f"a bytes string {_NOT}", node, help="use an array of integers")
     elif node.value is Ellipsis:
         report.error("S201", f"... {_NOT} except as x[...]", node, help="write x[...] for the whole array, or a loop")

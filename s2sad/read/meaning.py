@@ -16,8 +16,8 @@ from s2sad.rules.spellings import is_scipy
 from s2sad.structure import record_fields
 from s2sad.tree import AST, FunctionDef
 
-BUILTIN_CALLS = ("abs", "bool", "enumerate", "float", "int", "len", "max", "min", "pow", "print", "range", "reversed",
-                 "round", "slice", "sum", "zip")
+BUILTIN_CALLS = ("abs", "bool", "complex", "enumerate", "float", "int", "len", "max", "min", "pow", "print", "range",
+                 "reversed", "round", "slice", "sum", "zip")
 _NUMBERS = ("pi", "e", "tau", "inf", "nan")
 
 
@@ -194,7 +194,8 @@ def dotted(meaning: Meaning | None) -> str | None:
 
 
 def is_number(value: Any) -> bool:
-    return isinstance(value, (bool, int, float, numpy.bool_, numpy.integer, numpy.floating))
+    return isinstance(value, (bool, int, float, numpy.bool_, numpy.integer, numpy.floating)) or isinstance(
+        value, complex) and bool(numpy.isfinite(value))
 
 
 def is_numbers(value: Any, kinds: type | tuple[type, ...] = (tuple, list)) -> bool:
@@ -227,12 +228,12 @@ def value_meaning(name: str, value: Any, current: Callable[[], Any] | None = Non
     """What a number, string, array or other plain value means."""
     if is_number(value):
         return Number(name, value, current)
-    if isinstance(value, numpy.ndarray) and value.dtype.kind in "biuf":
+    if isinstance(value, numpy.ndarray) and value.dtype.kind in "biufc" and value.dtype != numpy.complex64:
         return Array(name, value, current)
     if isinstance(value, str):
         return Text(value)
     if isinstance(value, (complex, numpy.complexfloating)):
-        return Unusable("a complex number", "keep the real and the imaginary part as two numbers")
+        return Unusable("a complex number that is not finite, or of 64 bits", "make it in the kernel")
     if isinstance(value, numpy.ndarray):
         return Unusable(f"an array of {value.dtype}", "use an array of floats, integers or bools")
     if isinstance(value, type) and record_fields(value) is not None:

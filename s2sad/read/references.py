@@ -159,7 +159,7 @@ class References:
         if id(node) in self.raised and isinstance(value, type) and issubclass(value, Exception):
             return
         if word in BUILTIN_CALLS:
-            if not called and word not in ("int", "float", "bool"):
+            if not called and word not in ("int", "float", "bool", "complex"):
                 self._as_value(node, word)
             return
         self._refuse(f"the built-in '{word}' is not supported in a kernel", node, _BUILTIN_HELP.get(
@@ -168,7 +168,6 @@ class References:
 
 _BUILTIN_HELP = {
     "divmod": "write a // b and a % b",
-    "complex": "keep the real and the imaginary part in two names",
     "any": "write a for loop with an if, or np.any of an array",
     "all": "write a for loop with an if, or np.all of an array",
     "sorted": "sort before the kernel is called, and pass the sorted array or the order",

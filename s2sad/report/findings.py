@@ -146,7 +146,7 @@ def _verdict(versions: list[str], derived: Derived) -> tuple[bool, str]:
     found, table = derived.activity, derived.unit.typing.table
     if found.active.intersection(versions):
         return True, "active"
-    if not any(table[v].is_float for v in versions):
+    if not any(table[v].is_inexact for v in versions):
         return False, f"inactive: {table[versions[0]].dtype} has no derivative"
     if not found.varied.intersection(versions):
         return False, "inactive: it never depends on an input"

@@ -54,6 +54,9 @@ def made_up(assumed: Assumed, seed: int = 0) -> Any:
     if kind.is_float:
         values = 0.5 + rng.random(shape)
         return values.astype(kind.dtype) if kind.is_array else float(values)
+    if kind.is_complex:
+        values = 0.5 + rng.random(shape) + 1j * rng.random(shape)
+        return values if kind.is_array else complex(values)
     if kind.dtype == "bool":
         return rng.random(shape) < 0.5 if kind.is_array else True
     if kind.is_array:

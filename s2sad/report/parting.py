@@ -80,9 +80,8 @@ def wrong_adjoint(program: Program, request: Callable[[str], Request], given: Ma
         if where not in place:
             continue
         known = dots[order[place[where] - 1] if place[where] else ""]
-        terms = [np.sum(np.asarray(bar, float) * np.asarray(known[v], float)) for v, bar in state.items() if v in known]
-        size = sum(float(np.sum(np.abs(np.asarray(bar, float) * np.asarray(known[v], float))))
-                   for v, bar in state.items() if v in known)
+        terms = [np.sum(_reals(bar) * _reals(known[v])) for v, bar in state.items() if v in known]
+        size = sum(float(np.sum(np.abs(_reals(bar) * _reals(known[v])))) for v, bar in state.items() if v in known)
         if abs(math.fsum(terms) - total) > 1e-9 * (size + abs(total)):
             return _named(order[place[where]:last])
         last = place[where]
@@ -212,8 +211,9 @@ def _loaded(made: Generated, units: Units, replaced: Mapping[str, FunctionDef]) 
         state = isinstance(value, dict)
         kept[0] = 0 if not events else kept[0] + np.size(dot)
         if kept[0] < _MOST:
-            events.append((where, {k: np.copy(v) for k, v in value.items() if isinstance(v, (float, np.ndarray))}
-                           if state else np.array(value, float), np.array(dot, float)))
+            held = (float, complex, np.ndarray)
+            events.append((where, {k: np.copy(v) for k, v in value.items() if isinstance(v, held)} if state
+                           else _reals(value), _reals(dot)))
 
     space: dict[str, Any] = {"s2sad_probe": probe}
     exec(compile(text, f"<{made.entry} with probes>", "exec"), space)
@@ -231,12 +231,22 @@ def _arguments(made: Generated, values: Mapping[str, Any], shadows: Mapping[str,
         elif parameter.role == "shadow":
             given = shadows.get(parameter.primal)
             arguments.append((np.zeros_like(value) if given is None else np.array(given))
-                             if isinstance(value, np.ndarray) else float(given or 0.0))
+                             if isinstance(value, np.ndarray) else _number(value)(given or 0.0))
         else:
             program = made.facts["units"].program
             row = in_a_row(seeds.get(RETURN), result_structure(program.entry, program))
             arguments.append(row[int(parameter.primal.split()[1])])
     return arguments
+
+
+def _number(value: Any) -> Any:
+    return complex if isinstance(value, complex) else float
+
+
+def _reals(value: Any) -> np.ndarray:
+    """A copy of numbers as floats, of complex ones two of them."""
+    found = np.array(value)
+    return np.ravel(found).view(float) if np.iscomplexobj(found) else found.astype(float)
 
 
 def _plain(value: Any) -> Any:

@@ -11,7 +11,8 @@ from s2sad.selection import RETURN
 
 
 def flat(value: Any) -> np.ndarray:
-    """Every float in a value, in order, as float64; integers, bools and None do not count.
+    """Every float in a value, in order, as float64, complex numbers as two of them; integers, bools and None do not
+    count. The sum over products of two such vectors is Re(conj(a) b).
 
     >>> flat((1.5, 2, np.array([3.0])))
     array([1.5, 3. ])
@@ -19,7 +20,11 @@ def flat(value: Any) -> np.ndarray:
     if isinstance(value, (tuple, list)):
         return np.concatenate([np.zeros(0), *map(flat, value)])
     if isinstance(value, np.ndarray):
+        if value.dtype.kind == "c":
+            return value.astype("complex128").ravel().view("float64")
         return value.astype("float64").ravel() if value.dtype.kind == "f" else np.zeros(0)
+    if isinstance(value, complex):
+        return np.array([value.real, value.imag])
     return np.array([float(value)]) if isinstance(value, (float, np.floating)) else np.zeros(0)
 
 
@@ -33,8 +38,9 @@ def shaped(like: Any, vector: np.ndarray) -> Any:
             at += size
         return tuple(parts)
     if isinstance(like, np.ndarray):
+        vector = vector.view("complex128") if like.dtype.kind == "c" else vector
         return vector.reshape(like.shape).astype(like.dtype)
-    return float(vector[0])
+    return complex(vector[0], vector[1]) if isinstance(like, complex) else float(vector[0])
 
 
 def vector_of(values: Mapping[str, Any], names: Sequence[str]) -> np.ndarray:

@@ -60,5 +60,10 @@ for _text in (
         "numpy.polyval(p, x)", "numpy.correlate(a, v, mode='valid')",
         "numpy.vdot(a, b)", "numpy.inner(a, b)", "numpy.trapezoid(y, x=None, dx=1.0, axis=-1)",
         "numpy.gradient(f, spacing=1.0, second=None, axis=None, part=None)", "numpy.convolve(a, v, mode='full')",
-        "numpy.interp(x, xp, fp)"):
+        "numpy.interp(x, xp, fp)",
+        # transforms
+        *(f"numpy.fft.{_f}2(x, s=None, axes=(-2, -1), norm=None)" for _f in ("fft", "ifft", "rfft", "irfft")),
+        *(f"numpy.fft.{_f}n(x, s=None, axes=None, norm=None)" for _f in ("fft", "ifft", "rfft", "irfft")),
+        "numpy.fft.fftshift(x, axes=None)", "numpy.fft.ifftshift(x, axes=None)",
+        "numpy.fft.fftfreq(n, d=1.0)", "numpy.fft.rfftfreq(n, d=1.0)"):
     arrays(_text, law=LAW, also=("numpy.trapz",) if "trapezoid" in _text else ())

@@ -14,11 +14,11 @@ from s2sad.rules.rule import elementwise, number
 from s2sad.tree import AST
 
 # -- arithmetic -----------------------------------------------------------------------------------------------------
-elementwise("a + b", a="1.0", b="1.0", also=("numpy.add",), result="same")
-elementwise("a - b", a="1.0", b="-1.0", also=("numpy.subtract",), result="same")
-elementwise("a * b", a="b", b="a", also=("numpy.multiply",), result="same")
+elementwise("a + b", a="1.0", b="1.0", also=("numpy.add",), result="same", plane="holomorphic")
+elementwise("a - b", a="1.0", b="-1.0", also=("numpy.subtract",), result="same", plane="holomorphic")
+elementwise("a * b", a="b", b="a", also=("numpy.multiply",), result="same", plane="holomorphic")
 elementwise("a / b", a="1.0 / b", b="-y / b", also=("numpy.divide", "numpy.true_divide"), singular=("a", "b"),
-            domain={"b": (0.3, 3.0)})
+            domain={"b": (0.3, 3.0)}, plane="holomorphic")
 
 
 def _by_a_number(parameter: str, arguments: Mapping[str, AST]) -> str | None:
@@ -37,15 +37,24 @@ elementwise("numpy.fmod(a, b)", a=_ONE, b="numpy.rint((y - a) / b)", also=("math
 elementwise("math.remainder(a, b)", a=_ONE, b="numpy.rint((y - a) / b)", also=("runtime.remainder",),
             singular=("a", "b"), refine=_by_a_number, domain={"a": (1.1, 1.2), "b": (0.9, 1.05)},
             kink="remainder(a, b) jumps halfway between multiples of b")
-elementwise("-a", a="-1.0", also=("numpy.negative",), result="same")
-elementwise("+a", a="1.0", also=("numpy.positive",), result="same")
-elementwise("numpy.square(x)", x="2.0 * x", result="same")
-elementwise("numpy.reciprocal(x)", x="-y * y", singular=("x",), domain={"x": (0.3, 3.0)}, result="same")
+elementwise("-a", a="-1.0", also=("numpy.negative",), result="same", plane="holomorphic")
+elementwise("+a", a="1.0", also=("numpy.positive",), result="same", plane="holomorphic")
+elementwise("numpy.square(x)", x="2.0 * x", result="same", plane="holomorphic")
+elementwise("numpy.reciprocal(x)", x="-y * y", singular=("x",), domain={"x": (0.3, 3.0)}, result="same",
+            plane="holomorphic")
 elementwise("builtins.float(x)", x="1.0", also=("numpy.float64", "numpy.float32"))
+
+# -- complex numbers -------------------------------------------------------------------------------------------------
+elementwise("numpy.conjugate(x)", x="1.0", also=("numpy.conj",), result="same", plane="conjugate")
+elementwise("numpy.real(x)", x="1.0", result="same", plane=("gradient", {"x": "1.0"}))
+elementwise("numpy.imag(x)", x="0.0", result="same", plane=("gradient", {"x": "1j"}))
+elementwise("numpy.angle(x)", x="0.0", singular=("x",), plane=("gradient", {"x": "1j * x / numpy.abs(x) ** 2"}),
+            kink="the angle jumps where a number crosses the negative real axis")
 
 # -- choices: at a tie the first argument is the one that is followed ------------------------------------------------
 _ABS = "the derivative of abs at 0 is taken as 0"
-elementwise("numpy.absolute(x)", x="numpy.sign(x)", also=("numpy.abs", "builtins.abs"), result="same", kink=_ABS)
+elementwise("numpy.absolute(x)", x="numpy.sign(x)", also=("numpy.abs", "builtins.abs"), result="same", kink=_ABS,
+            plane=("gradient", {"x": "x / numpy.where(y == 0, 1.0, y)"}))
 elementwise("numpy.fabs(x)", x="numpy.sign(x)", also=("math.fabs",), kink=_ABS)
 elementwise("numpy.copysign(a, b)", a="numpy.sign(a) * numpy.copysign(1.0, b)", b="0.0", also=("math.copysign",),
             domain={"a": (0.2, 2.0), "b": (0.2, 2.0)}, kink="the derivative of copysign(0, b) is taken as 0")
@@ -64,22 +73,22 @@ elementwise("numpy.clip(x, low, high)", x="numpy.where((x < low) | (x > high), 0
             domain={"x": (-2.0, 2.0), "low": (-1.3, -0.7), "high": (0.7, 1.3)}, kink="at its bounds clip(x) is x")
 
 elementwise("numpy.where(c, a, b)", c="0.0", a="numpy.where(c, 1.0, 0.0)", b="numpy.where(c, 0.0, 1.0)",
-            result="same")
+            result="same", plane="holomorphic")
 
 # -- exponentials and logarithms ------------------------------------------------------------------------------------
 # exp is marked singular for 1 / (1 + exp(-x)): where exp overflows the seed is 0 and the product must be, too
-elementwise("numpy.exp(x)", x="y", also=("math.exp",), singular=("x",))
+elementwise("numpy.exp(x)", x="y", also=("math.exp",), singular=("x",), plane="holomorphic")
 elementwise("numpy.exp2(x)", x="0.6931471805599453 * y", also=("math.exp2",), singular=("x",))
-elementwise("numpy.expm1(x)", x="numpy.exp(x)", also=("math.expm1",), singular=("x",))
+elementwise("numpy.expm1(x)", x="numpy.exp(x)", also=("math.expm1",), singular=("x",), plane="holomorphic")
 _POSITIVE = {"x": (0.05, 4.0)}
 elementwise("numpy.log(x)", x="1.0 / numpy.where(x < 0, numpy.nan, x)", also=("math.log",), singular=("x",),
-            domain=_POSITIVE)
+            domain=_POSITIVE, plane=("holomorphic", {"x": "1.0 / x"}))
 elementwise("numpy.log2(x)", x="1.4426950408889634 / numpy.where(x < 0, numpy.nan, x)", also=("math.log2",),
-            singular=("x",), domain=_POSITIVE)
+            singular=("x",), domain=_POSITIVE, plane=("holomorphic", {"x": "1.4426950408889634 / x"}))
 elementwise("numpy.log10(x)", x="0.4342944819032518 / numpy.where(x < 0, numpy.nan, x)", also=("math.log10",),
-            singular=("x",), domain=_POSITIVE)
+            singular=("x",), domain=_POSITIVE, plane=("holomorphic", {"x": "0.4342944819032518 / x"}))
 elementwise("numpy.log1p(x)", x="1.0 / (1.0 + numpy.where(x < -1, numpy.nan, x))", also=("math.log1p",),
-            singular=("x",), domain={"x": (-0.9, 3.0)})
+            singular=("x",), domain={"x": (-0.9, 3.0)}, plane=("holomorphic", {"x": "1.0 / (1.0 + x)"}))
 elementwise("numpy.logaddexp(a, b)", a="1.0 / (1.0 + numpy.exp(b - a))", b="1.0 / (1.0 + numpy.exp(a - b))",
             singular=("a", "b"))
 elementwise("numpy.logaddexp2(a, b)", a="1.0 / (1.0 + numpy.exp2(b - a))", b="1.0 / (1.0 + numpy.exp2(a - b))",
@@ -87,7 +96,7 @@ elementwise("numpy.logaddexp2(a, b)", a="1.0 / (1.0 + numpy.exp2(b - a))", b="1.
 
 # -- roots ----------------------------------------------------------------------------------------------------------
 elementwise("numpy.sqrt(x)", x="0.5 / y", also=("math.sqrt",), singular=("x",), domain=_POSITIVE,
-            kink="the derivative of sqrt at 0 is infinite")
+            kink="the derivative of sqrt at 0 is infinite", plane="holomorphic")
 elementwise("numpy.cbrt(x)", x="1.0 / (3.0 * y * y)", also=("math.cbrt",), singular=("x",), domain=_POSITIVE,
             kink="the derivative of cbrt at 0 is infinite")
 elementwise("numpy.hypot(a, b)", a="a / numpy.where(y == 0, 1.0, y)", b="b / numpy.where(y == 0, 1.0, y)",
@@ -95,14 +104,14 @@ elementwise("numpy.hypot(a, b)", a="a / numpy.where(y == 0, 1.0, y)", b="b / num
 
 # -- angles ---------------------------------------------------------------------------------------------------------
 _UNIT = {"x": (-0.95, 0.95)}
-elementwise("numpy.sin(x)", x="numpy.cos(x)", also=("math.sin",))
-elementwise("numpy.cos(x)", x="-numpy.sin(x)", also=("math.cos",))
-elementwise("numpy.tan(x)", x="1.0 + y * y", also=("math.tan",), domain={"x": (-1.3, 1.3)})
+elementwise("numpy.sin(x)", x="numpy.cos(x)", also=("math.sin",), plane="holomorphic")
+elementwise("numpy.cos(x)", x="-numpy.sin(x)", also=("math.cos",), plane="holomorphic")
+elementwise("numpy.tan(x)", x="1.0 + y * y", also=("math.tan",), domain={"x": (-1.3, 1.3)}, plane="holomorphic")
 elementwise("numpy.arcsin(x)", x="1.0 / numpy.sqrt((1.0 - x) * (1.0 + x))", also=("numpy.asin", "math.asin"),
-            singular=("x",), domain=_UNIT)
+            singular=("x",), domain=_UNIT, plane="holomorphic")
 elementwise("numpy.arccos(x)", x="-1.0 / numpy.sqrt((1.0 - x) * (1.0 + x))", also=("numpy.acos", "math.acos"),
-            singular=("x",), domain=_UNIT)
-elementwise("numpy.arctan(x)", x="1.0 / (1.0 + x * x)", also=("numpy.atan", "math.atan"))
+            singular=("x",), domain=_UNIT, plane="holomorphic")
+elementwise("numpy.arctan(x)", x="1.0 / (1.0 + x * x)", also=("numpy.atan", "math.atan"), plane="holomorphic")
 elementwise("numpy.arctan2(a, b)", a="b / numpy.hypot(a, b) / numpy.hypot(a, b)", singular=("a", "b"),
             b="-a / numpy.hypot(a, b) / numpy.hypot(a, b)", also=("numpy.atan2", "math.atan2"),
             domain={"a": (-2.0, 2.0), "b": (0.3, 2.0)}, kink="arctan2 jumps across b < 0, a = 0")
@@ -116,14 +125,16 @@ elementwise("numpy.sinc(x)", x="""numpy.where(
     (numpy.cos(numpy.pi * x) - y) / numpy.where(x == 0, 1.0, x))""")
 
 # -- hyperbolic functions -------------------------------------------------------------------------------------------
-elementwise("numpy.sinh(x)", x="numpy.cosh(x)", also=("math.sinh",))
-elementwise("numpy.cosh(x)", x="numpy.sinh(x)", also=("math.cosh",))
-elementwise("numpy.tanh(x)", x="(1.0 / numpy.cosh(x)) ** 2", also=("math.tanh",))
-elementwise("numpy.arcsinh(x)", x="1.0 / numpy.hypot(1.0, x)", also=("numpy.asinh", "math.asinh"))
+elementwise("numpy.sinh(x)", x="numpy.cosh(x)", also=("math.sinh",), plane="holomorphic")
+elementwise("numpy.cosh(x)", x="numpy.sinh(x)", also=("math.cosh",), plane="holomorphic")
+elementwise("numpy.tanh(x)", x="(1.0 / numpy.cosh(x)) ** 2", also=("math.tanh",), plane="holomorphic")
+elementwise("numpy.arcsinh(x)", x="1.0 / numpy.hypot(1.0, x)", also=("numpy.asinh", "math.asinh"),
+            plane=("holomorphic", {"x": "1.0 / numpy.sqrt(1.0 + x * x)"}))
 elementwise("numpy.arccosh(x)", x="1.0 / (numpy.sqrt(x - 1.0) * numpy.sqrt(x + 1.0))", singular=("x",),
-            also=("numpy.acosh", "math.acosh"), domain={"x": (1.05, 4.0)})
+            also=("numpy.acosh", "math.acosh"), domain={"x": (1.05, 4.0)}, plane="holomorphic")
 elementwise("numpy.arctanh(x)", x="1.0 / numpy.where(numpy.abs(x) > 1, numpy.nan, (1.0 - x) * (1.0 + x))",
-            also=("numpy.atanh", "math.atanh"), singular=("x",), domain=_UNIT)
+            also=("numpy.atanh", "math.atanh"), singular=("x",), domain=_UNIT,
+            plane=("holomorphic", {"x": "1.0 / ((1.0 - x) * (1.0 + x))"}))
 
 # -- error functions ------------------------------------------------------------------------------------------------
 elementwise("math.erf(x)", x="1.1283791670955126 * numpy.exp(-x * x)")

@@ -66,5 +66,6 @@ def power_partial(parameter: str, base: AST, exponent: AST, result: AST) -> AST:
 
 
 elementwise("a ** b", a=_BASE, b=_EXPONENT, also=_NAMES, result="same", refine=refined, singular=("a", "b"),
+            plane="holomorphic",
             domain={"a": (0.1, 3.0), "b": (-2.5, 2.5)},
             kink="a ** b with respect to b is taken as 0 where a == 0, and is nan where a < 0")

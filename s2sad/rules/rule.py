@@ -13,7 +13,7 @@ undone elsewhere, never in a rule. A choice is written `numpy.where(c, a, b)`; s
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from s2sad import tree
 from s2sad.tree import AST, Attribute, BinOp, Call, Name, UnaryOp
@@ -24,7 +24,10 @@ _OPERATORS = {"Add": "+", "Sub": "-", "Mult": "*", "Div": "/", "FloorDiv": "//",
               "USub": "-", "UAdd": "+"}
 _KINDS = ("float", "int", "bool", "same")
 
+_PLANES = ("holomorphic", "gradient", "conjugate")
+
 Refine = Callable[[str, Mapping[str, AST]], "str | None"]
+Plane = str | tuple[str, Mapping[str, str]]
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,9 @@ class Rule:
     result: "float" if the result is a float whatever the arguments are, "same" if it is of their common type.
     kink: where the function is not differentiable and which one-sided choice is made, for the report.
     refine: gives, for actual arguments, a partial that is shorter than the general one, or None.
+    plane: the rule for complex operands, None if none is known to hold for them.
+    kind: of such a rule, "holomorphic", dy = p * dx; "conjugate", dy = conj(dx); "gradient", y is real and
+    dy = Re(conj(p) * dx).
     """
     name: str
     parameters: tuple[str, ...]
@@ -49,6 +55,8 @@ class Rule:
     result: str = "float"
     kink: str = ""
     refine: Refine | None = None
+    plane: Rule | None = None
+    kind: str = ""
 
     def partial(self, parameter: str, arguments: Mapping[str, AST], result: AST) -> AST:
         """The partial with respect to `parameter`, with the operands and the result filled in."""
@@ -171,8 +179,12 @@ class Table:
 
     def elementwise(self, text: str, *, also: tuple[str, ...] = (), singular: tuple[str, ...] = (),
                     domain: Mapping[str, tuple[float, float]] | None = None, result: str = "float", kink: str = "",
-                    refine: Refine | None = None, **partials: str) -> Rule:
-        """Registers the partials of a function under its name and the names in `also`; gives the rule back."""
+                    refine: Refine | None = None, plane: Plane = "", **partials: str) -> Rule:
+        """Registers the partials of a function under its name and the names in `also`; gives the rule back.
+
+        `plane` says that it holds for complex operands, too: "holomorphic" where the partials are the same, else the
+        kind with partials of its own, ("gradient", {"x": ...}).
+        """
         name, parameters = signature(text)
         _check(text, parameters, partials, singular, domain or {}, result)
         trees = {p: template(partials[p]) for p in parameters}
@@ -181,9 +193,10 @@ class Table:
             name, parameters, trees, singular=frozenset(singular), domain=dict(domain or {}), result=result, kink=kink,
             linear=frozenset(p for p in parameters if not reads[p] & {p, RESULT}), refine=refine,
             zero=frozenset(p for p in parameters if number(trees[p]) == 0))
+        rule = replace(rule, plane=_plane(rule, plane))
         for key in (name, *also):
             self._claim(key)
-            self.rules[key] = Rule(**{**vars(rule), "name": key})
+            self.rules[key] = replace(rule, name=key)
         return self.rules[name]
 
     def constant(self, result: str, *names: str) -> None:
@@ -207,6 +220,21 @@ class Table:
     def _claim(self, name: str) -> None:
         if name in self.rules or name in self.constants:
             raise ValueError(f"{name} has a rule already")
+
+
+def _plane(rule: Rule, given: Plane) -> Rule | None:
+    """The rule for complex operands."""
+    if not given:
+        return None
+    kind, partials = (given, {}) if isinstance(given, str) else given
+    if kind not in _PLANES or kind == "gradient" and {*partials} != {*rule.parameters}:
+        raise ValueError(f"{rule.name!r}: plane={given!r} is none of {', '.join(_PLANES)}, with partials")
+    _check(rule.name, rule.parameters, {**dict.fromkeys(rule.parameters, "0.0"), **partials}, (), {}, "same")
+    trees = {**rule.partials, **{p: template(t) for p, t in partials.items()}}
+    reads = {p: set(tree.names(trees[p])) for p in rule.parameters}
+    return replace(rule, kind=kind, partials=trees, refine=None if partials else rule.refine,
+                   linear=frozenset(p for p in rule.parameters if not reads[p] & {p, RESULT}),
+                   zero=frozenset(p for p in rule.parameters if number(trees[p]) == 0))
 
 
 def _check(text: str, parameters: tuple[str, ...], partials: Mapping[str, str], singular: tuple[str, ...],

@@ -22,6 +22,7 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.run.interpreter import DTYPES, interpreted
 from s2sad.run.load import load
 
 _RUNTIME = "s2sad.runtime"
@@ -128,6 +129,8 @@ def _forget(dispatcher: Any) -> None:
 
 
 def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | set[str] = False) -> Any:
+    if function.__name__ in DTYPES and function.__module__.startswith(_RUNTIME):
+        return interpreted(function)
     numba = importlib.import_module("numba")
     flags = {"error_model": "numpy", "boundscheck": bounds, "nogil": True, "fastmath": fastmath}
     try:

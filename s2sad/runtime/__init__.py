@@ -26,6 +26,9 @@ from s2sad.runtime.spread import extreme_mask, scattered, spread
 from s2sad.runtime.stacks import grow, sized
 from s2sad.runtime.sums import added, blocked_sum, pairwise_sum
 from s2sad.runtime.systems import cg, dense, gmres, solved_by
+from s2sad.runtime.transforms import (
+    ends, fft, fft_adjoint, fitted, ifft, ifft_adjoint, irfft, irfft_adjoint, opposite, rfft, rfft_adjoint,
+)
 from s2sad.runtime.triangles import (
     bands_gain, bands_times, bands_transposed, solve_banded, solve_triangular, triangle, triangle_gain,
     triangle_times,
@@ -34,14 +37,15 @@ from s2sad.runtime.triangles import (
 __all__ = [
     "added", "apart", "bands_gain", "bands_times", "bands_transposed", "blocked_sum", "both_parts_gain", "cg",
     "cholesky_change", "cholesky_gain", "cofactors", "comb", "dense", "det_sign", "digamma", "eigenvalues_change",
-    "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain", "element", "exponential",
-    "exponential_change", "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain", "from_lower",
-    "gmres", "grow", "half_lower", "heaviside", "isclose", "isqrt", "lcm", "least_squares", "least_squares_change",
-    "left_vectors", "left_vectors_change", "left_vectors_gain", "log_det", "of_matrix", "orthogonal_part",
+    "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain", "element", "ends", "exponential",
+    "exponential_change", "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain", "fft",
+    "fft_adjoint", "fitted", "from_lower", "gmres", "grow", "half_lower", "heaviside", "ifft", "ifft_adjoint",
+    "irfft", "irfft_adjoint", "isclose", "isqrt", "lcm", "least_squares", "least_squares_change", "left_vectors",
+    "left_vectors_change", "left_vectors_gain", "log_det", "of_matrix", "opposite", "orthogonal_part",
     "orthogonal_part_change", "orthogonal_part_gain", "over_squares", "pairwise_sum", "perm", "places", "position",
-    "position_down", "power_change", "product", "remainder", "right_vectors", "right_vectors_change",
-    "right_vectors_gain", "scattered", "singular_values", "singular_values_change", "singular_values_gain", "sized",
-    "solve_banded", "solve_triangular", "solved", "solved_by", "solved_transposed", "sought", "spread", "take_row",
-    "to_lower", "to_matrix", "triangle", "triangle_gain", "triangle_times", "triangular_part",
-    "triangular_part_change", "triangular_part_gain", "update_rest",
+    "position_down", "power_change", "product", "remainder", "rfft", "rfft_adjoint", "right_vectors",
+    "right_vectors_change", "right_vectors_gain", "scattered", "singular_values", "singular_values_change",
+    "singular_values_gain", "sized", "solve_banded", "solve_triangular", "solved", "solved_by", "solved_transposed",
+    "sought", "spread", "take_row", "to_lower", "to_matrix", "triangle", "triangle_gain", "triangle_times",
+    "triangular_part", "triangular_part_change", "triangular_part_gain", "update_rest",
 ]

@@ -29,6 +29,7 @@ from s2sad.normalize.scalarize import scalarize
 from s2sad.normalize.workspace import is_allocation
 from s2sad.simplify import Effect, simplify
 from s2sad.simplify.dead import dead
+from s2sad.simplify.quotients import quotients
 from s2sad.tree import AST, Assign, AugAssign, Expr, FunctionDef, Return, const, index, walk
 from s2sad.units.normal_forms import NormalForms, with_choices
 from s2sad.units.unit import Unit
@@ -176,7 +177,7 @@ class Units(NormalForms):
         if self.engine == "numba":
             function = dead(function, self._live_out(made, typing, plan is None), self.effects.writes,
                             self.effects.pure, self.effects.unread)
-            function = with_choices(scalarize(functions(function, typing, names), typing, names, final=True))
+            function = with_choices(scalarize(functions(function, typing, names), typing, names, final=True), typing)
         arrays = self._live_out(made, typing, plan is None)
         family = {**unit.family, **{s: f"{unit.family.get(p, p)}_{'bar' if plan else 'dot'}"
                                     for p, s in made.shadows.items() if typing.table[s].is_number}}
@@ -185,6 +186,7 @@ class Units(NormalForms):
         shadows = {s: p for p, s in made.shadows.items()}
         function = simplify(function, typing, family, arrays, self.effects, names, kept, shadows, self.watch,
                             self.engine == "numba")
+        function = quotients(function, typing) if self.engine == "numba" else function
         self.effects.add(verify(function, "derivative", "simplify"), typing)
         parameters = made.parameters
         shadows = [k for k, (_, role, primal) in enumerate(parameters) if role == "shadow"]
@@ -230,4 +232,4 @@ def is_active_statement(statement: AST, typing: Typing, found: Activity) -> bool
     if not isinstance(statement, (Assign, AugAssign)) or is_allocation(statement):
         return False
     target = targets(statement)[0]
-    return base_name(target) in found.active and typing.of(target).is_float
+    return base_name(target) in found.active and typing.of(target).is_inexact

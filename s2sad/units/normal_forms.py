@@ -18,6 +18,7 @@ from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
+from s2sad.normalize.complexes import complexes, of_its_own
 from s2sad.normalize.contracted import batched, contracted
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
@@ -41,6 +42,7 @@ from s2sad.normalize.views import views
 from s2sad.normalize.workspace import workspace
 from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects, Watch, unwatched
+from s2sad.simplify.quotients import quotients
 from s2sad.tree import Assert, Call, FunctionDef, Name, Raise, call_name, copy, name, stored_names, walk
 from s2sad.units.calls import Calls, written_arrays
 from s2sad.units.unit import Summary, Unit
@@ -94,6 +96,10 @@ class NormalForms(Calls):
         kernel, report = replace(kernel, source=source), Report(source)
         tree, table = lives(tree, given, self.call_types, report, values, names)
         self.watch("structured", tree)
+        typing = Typing({**table, **given}, self.call_types, first := Report(source), values)
+        complexes(tree, typing, first)      # says more than that a type cannot be inferred
+        of_its_own(kernel, types, first)
+        first.finish()
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
@@ -120,7 +126,9 @@ class NormalForms(Calls):
         self.watch("workspace", tree)
         lowered = tree
         if self.engine == "numba":
-            lowered = with_choices(scalarize(tree, self.apart(typing), Names(names.taken), final=True))
+            apart = self.apart(typing)
+            lowered = scalarize(tree, apart, Names(names.taken), final=True)
+            lowered = quotients(with_choices(lowered, apart), apart)
             tree = verify(scalarize(factored(tree, typing, names), typing, names), "views", "scalarize")
         else:
             tree = lowered = verify(scatter(tree, typing, names), "views", "scatter")
@@ -142,6 +150,8 @@ class NormalForms(Calls):
         """The unit of a function that is called as it is, of which is known what the user says."""
         own, tree = kernel.own, kernel.tree
         assert own is not None
+        of_its_own(kernel, types, report := Report(kernel.source))
+        report.finish()
         parameters = [p.id for p in tree.args.args]
         given = dict(zip(parameters, types))
         results = (FLOAT,) * own.returns
@@ -216,10 +226,11 @@ def plain_form(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
     return spelled(contracted(parts(tree, names)))
 
 
-def with_choices(function: FunctionDef) -> FunctionDef:
-    """A function of numbers and elements with every `np.where` as a choice."""
+def with_choices(function: FunctionDef, typing: Typing) -> FunctionDef:
+    """A function with every `np.where` of numbers and elements as a choice; one of arrays may be left in what is
+    returned."""
     new = copy(function)
-    new.body = [scalar_choices(s) for s in new.body]
+    new.body = [scalar_choices(s, lambda n: not typing.of(n).is_array) for s in new.body]
     return new
 
 
