@@ -15,6 +15,7 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.analyze.liveness import base_name
 from s2sad.simplify.bounds import Counted, changed, counted, is_straight, shifted_by, stores
+from s2sad.simplify.joined import joined
 from s2sad.simplify.peel import peeled
 from s2sad.blocks import with_blocks
 from s2sad.simplify.restored import restored
@@ -31,6 +32,7 @@ _LONGEST = 60
 def faster(function: FunctionDef, types: Mapping[str, Type], stacks: Set[str], shadows: Set[str],
            sums: Set[str]) -> FunctionDef:
     """The adjoint with its loops transformed; `shadows` are those of arrays, `sums` those of numbers."""
+    function = joined(function, sums)
     free = Names({n.id for n in walk(function) if isinstance(n, Name)} | set(types))
     new = copy(function)
     new.body = _Faster({s: types[s] for s in shadows}, free, stacks, sums).block(function.body, {}, None)
