@@ -61,6 +61,15 @@ def overwritten_row_ahead(x, a, steps):
             x[i] = a * x[i] * after
 
 
+def products_of_neighbours(r, x, y):
+    for i in range(1, x.size - 1):
+        r[i] = x[i - 1] * x[i + 1] + x[i + 1] * y[i - 1] + x[i] * y[i + 1]
+
+
+def one_array_twice_inside(r, x):
+    products_of_neighbours(r, x, x)
+
+
 def two_tests(x, y):
     n = x.size
     for i in range(n):
@@ -145,6 +154,7 @@ def test_levels_agree_on_numbered_programs(first):
     (three_points, (np.linspace(0.5, 1.5, 9), np.zeros(9)), ("x",), ("y",)),
     (two_tests, (np.linspace(0.5, 1.5, 9), np.zeros(9)), ("x",), ("y",)),
     (rows_one_apart, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.zeros((4, 5))), ("m",), ("r",)),
+    (one_array_twice_inside, (np.zeros(9), np.linspace(0.5, 1.5, 9)), ("x",), ("r",)),
     (cross, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.zeros((4, 5))), ("m",), ("r",)),
     (a_row_that_may_be_another, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.zeros((4, 5)), 1), ("m",), ("r",)),
     (a_row_that_may_be_another, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.zeros((4, 5)), -3), ("m",), ("r",)),
