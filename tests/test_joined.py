@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from benchmarks.kernels.cases import ARRAYS, Case
+from s2sad.naming import Names
 from s2sad.simplify.joined import joined
 from s2sad.emit import layout
 from s2sad.tree import rename, statements, walk, For
@@ -102,7 +103,7 @@ def f(u, v):
 @pytest.mark.parametrize("kind", PARTS)
 def test_what_is_joined(kind):
     nests, text = PARTS[kind]
-    made = joined(rename(statements(text)[0], TAKEN), set())
+    made = joined(rename(statements(text)[0], TAKEN), set(), {}, Names(set()))
     outer = [s for s in made.body if isinstance(s, For)]
     assert len(outer) == nests, layout.text(made, SPELLING)
 
@@ -118,7 +119,7 @@ def f(u, v, steps):
         for i in range(v.shape[0]):
             v[i] = 3.0
 """
-    made = joined(rename(statements(text)[0], TAKEN), set())
+    made = joined(rename(statements(text)[0], TAKEN), set(), {}, Names(set()))
     assert sum(isinstance(n, For) for n in walk(made)) == 3
 
 

@@ -5,62 +5,43 @@
     for i in range(1, u.shape[0]):              v[i + 1] = s[i] * u[i + 1]
         v[i] = s[i - 1] * u[i]
 
-Each element goes through memory once for all of them. Requires a finished derivative for Numba. An array that one
-nest writes and the other mentions is only mentioned at one element for each iteration, so that nothing moves from one
-iteration to another; numbers do not either, but for sums whose order is free. (Loop fusion: Kennedy, McKinley, 1993.)
+Each element goes through memory once for all of them, and `passed` keeps in names what nothing else reads.
+
+Requires a finished derivative for Numba. An array that one nest writes and the other mentions is mentioned at one
+element for each iteration only, so that nothing moves from one iteration to another; numbers do not either, but for
+sums whose order is free. (Loop fusion: Kennedy, McKinley, 1993.)
 """
 from __future__ import annotations
 
-from collections.abc import Set
-from dataclasses import dataclass
-
+from collections.abc import Mapping, Set
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.blocks import with_blocks
-from s2sad.infer.affine import Affine
+from s2sad.infer.types import Type
+from s2sad.naming import Names
 from s2sad.simplify.algebra import shifted, simple
-from s2sad.simplify.bounds import changed, counted, is_straight, shifted_by, stores
+from s2sad.simplify.bounds import changed, counted, shifted_by, stores
 from s2sad.simplify.extents import Extents
+from s2sad.simplify.nests import Nest, nest_of
+from s2sad.simplify.passed import Passed, is_only_places
 from s2sad.tree import (
-    AST, Add, Assert, Assign, Attribute, AugAssign, Break, For, FunctionDef, If, Name, Return, Sub, Subscript, at, copy,
-    dump, indices, is_comment, name, names, rebuild, walk,
+    AST, Add, Assert, Assign, AugAssign, Break, FunctionDef, If, Name, Return, Sub, Subscript, copy, dump, indices,
+    is_comment, name, names, rebuild, walk,
 )
 
 _LONGEST, _MOST_PAIRS = 48, 60
 
 
-@dataclass
-class Nest:
-    """A perfect nest of loops: the counters, where they start, how far they run, and what is done for each."""
-    loops: list[For]
-    starts: list[Affine]
-    runs: list[Affine]
-    body: list[AST]
-
-    @property
-    def counters(self) -> list[str]:
-        return [loop.target.id for loop in self.loops]
-
-    @property
-    def bounds(self) -> set[str]:
-        """The names in the bounds of the loops."""
-        return {n for loop in self.loops for n in names(loop.iter)}
-
-    def around(self, body: list[AST]) -> For:
-        for loop in reversed(self.loops):
-            body = [at(For(loop.target, loop.iter, body, [], None), loop)]
-        return body[0]
-
-
-def joined(function: FunctionDef, sums: Set[str]) -> FunctionDef:
+def joined(function: FunctionDef, sums: Set[str], types: Mapping[str, Type], free: Names) -> FunctionDef:
     """The function with its nests joined; `sums` are numbers whose gains come in any order."""
     new = copy(function)
-    new.body = _Joined(Extents(function), sums).block(function.body)
+    extents = Extents(function)
+    new.body = _Joined(extents, sums, Passed(function, extents, types, free)).block(function.body)
     return new
 
 
 class _Joined:
-    def __init__(self, extents: Extents, sums: Set[str]):
-        self.extents, self.sums = extents, sums
+    def __init__(self, extents: Extents, sums: Set[str], between: Passed):
+        self.extents, self.sums, self.between = extents, sums, between
         self.passed: dict[str, list[Assert]] = {}   # by its bounds: what every iteration of a loop has asserted
 
     def inside(self, statement: AST) -> AST:
@@ -79,40 +60,25 @@ class _Joined:
         return new
 
     def block(self, block: list[AST]) -> list[AST]:
-        made: list[AST] = []
-        last: tuple[int, Nest] | None = None    # where the nest before stands; behind it are assertions and comments
+        made: list[AST | Nest] = []
+        last: int | None = None     # where the nest before stands; behind it are assertions and comments
         known = dict(self.extents.equal)
         for statement in block:
             self.extents.learn(statement)
-            nest = self.nest(statement)
+            nest = nest_of(statement, self.extents)
             if nest is None:
                 made.append(self.inside(statement))
                 last = last if isinstance(statement, Assert) or is_comment(statement) else None
                 continue
-            both = self.both(last[1], nest) if last else None
-            if last and both:
-                del made[last[0]]
-                nest = both
-            made.append(nest.around(nest.body))
-            last = len(made) - 1, nest
+            first = made[last] if last is not None else None
+            both = self.both(first, nest) if isinstance(first, Nest) else None
+            if last is not None and both:
+                del made[last]
+            made.append(both or nest)
+            last = len(made) - 1
+        self.between.shorten([n for n in made if isinstance(n, Nest)], self.extents)
         self.extents.equal = known
-        return made
-
-    def nest(self, statement: AST) -> Nest | None:
-        """The nest that a statement is, None if it is another one."""
-        found = Nest([], [], [], [statement])
-        while len(found.body) == 1 and isinstance(loop := found.body[0], For):
-            bounds = counted(loop)
-            if bounds is None or bounds.step < 0 or {*found.counters} & set(names(loop.iter)):
-                return None
-            start, stop = self.extents.form(bounds.start), self.extents.form(bounds.stop, clipped=True)
-            if start is None or stop is None or start.terms or start.constant < 0:
-                return None
-            found.loops.append(loop)
-            found.starts.append(start)
-            found.runs.append(stop.plus(start, -1))
-            found.body = loop.body
-        return found if found.loops and is_straight(found.body) else None
+        return [s.around(s.body) if isinstance(s, Nest) else s for s in made]
 
     def both(self, first: Nest, second: Nest) -> Nest | None:
         """Two nests as one, with the counters of the first; None if they have to stay apart."""
@@ -151,13 +117,13 @@ class _Joined:
         if not any(base_name(t) == array for t in stores([*first.body, *body])):
             return True
         if not all(places):
-            return _is_only_places(array, [*first.body, *body])
+            return is_only_places(array, [*first.body, *body])
         texts = {dump(indices(p)) for found in places for p in found}
         subscripts = indices(places[0][0])
         counters = [next((c for c in first.counters if shifted_by(s, c) is not None), None) for s in subscripts]
         bound = changed(first.body) | changed(body)
         return (len(texts) == 1 and set(first.counters) <= set(counters) and not bound & set(names(subscripts))
-                and _is_only_places(array, [*first.body, *body]))
+                and is_only_places(array, [*first.body, *body]))
 
 
 def _size(body: list[AST]) -> int:
@@ -166,13 +132,6 @@ def _size(body: list[AST]) -> int:
 
 def _arrays(body: list[AST]) -> set[str]:
     return {base_name(n) for n in walk(body) if isinstance(n, Subscript) and isinstance(n.value, Name)}
-
-
-def _is_only_places(array: str, body: list[AST]) -> bool:
-    """Whether an array is mentioned by its elements and its shape only."""
-    inside = sum(isinstance(n, (Subscript, Attribute)) and isinstance(n.value, Name) and n.value.id == array
-                 for n in walk(body))
-    return inside == sum(isinstance(n, Name) and n.id == array for n in walk(body))
 
 
 def _exposed(body: list[AST]) -> set[str]:
