@@ -9,13 +9,14 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from benchmarks import accuracy, against_jax, arrays, first_gradient, memory, overhead, ratios
+from benchmarks import accuracy, against_jax, arrays, arrays_against_jax, first_gradient, memory, overhead, ratios
 from benchmarks.tables import Table, show
 
 PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
     "ratios": (ratios.tables, "adjoint over the Numba primal, each kernel at its large size"),
     "arrays": (arrays.tables, "the same for kernels of whole arrays, under each engine"),
     "jax": (against_jax.tables, "the Brusselator's vjp against JAX's"),
+    "jax-arrays": (arrays_against_jax.tables, "gradients of the kernels of whole arrays against JAX's"),
     "overhead": (overhead.tables, "what a call costs over the bare compiled one"),
     "first": (first_gradient.tables, "time to the first gradient, cold and warm cache"),
     "memory": (memory.tables, "peak memory against arrays, shadows and recorded values"),

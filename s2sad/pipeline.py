@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from s2sad.analyze.liveness import base_name
 from s2sad.analyze.unshadowed import unshadowed
 from s2sad.differentiate.derivative import Wanted
 from s2sad.simplify.taped import Taped, taped
@@ -30,7 +31,7 @@ from s2sad.run.given import compilable
 from s2sad.simplify import Watch, unwatched
 from s2sad.simplify.dead import dead
 from s2sad.simplify.faster import faster
-from s2sad.tree import FunctionDef, Name, walk
+from s2sad.tree import Call, FunctionDef, Name, call_name, walk
 from s2sad.units import Derived, Unit, Units
 
 __all__ = ["Summary", "derive", "summary"]
@@ -79,8 +80,11 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
     found = facts(derived, request, units) | {"unshadowed": unshadowed(
         unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
 
+    sharing = given_twice(units)
+
     def final(d: Derived) -> FunctionDef:
-        return in_loops(d, units) if request.level == "fast" and units.engine == "numba" else d.function
+        fast = request.level == "fast" and units.engine == "numba" and d.function.name not in sharing
+        return in_loops(d, units) if fast else d.function
     functions = primal_functions(units, kernels_called(made, units)) + [
         f for d in units.derived.values() for f in (
             *d.beside, *([] if d is derived else [documented(with_origins(final(d), d.unit.kernel.source), d)]))]
@@ -112,6 +116,24 @@ def in_loops(derived: Derived, units: Units) -> FunctionDef:
     function = faster(derived.function, derived.types, {s.array for s in tape.stacks.values()}, arrays, numbers)
     read = {n for n, role, _ in derived.made.parameters if role == "shadow"}
     return dead(function, read, units.effects.writes, units.effects.pure, units.effects.unread)
+
+
+def given_twice(units: Units) -> set[str]:
+    """The derivatives that a call gives one array twice, and all that they call: their loops stay as they are, for a
+    shadow may be another one's, too."""
+    found: set[str] = set()
+    while True:
+        more = {callee for d in units.derived.values() for n in walk(d.function.body) if isinstance(n, Call)
+                for room, _, callee in [(call_name(n) or "").partition(".")] if room == "user"
+                and (d.function.name in found or _is_twice([b for a in n.args if (b := base_name(a))
+                                                            and b in d.types and d.types[b].is_array]))}
+        if more <= found:
+            return found
+        found |= more
+
+
+def _is_twice(given: list[str]) -> bool:
+    return len(set(given)) < len(given)
 
 
 def shadow_of(identifier: str) -> str:

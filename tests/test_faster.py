@@ -36,6 +36,12 @@ def rows_one_apart(m, r):
                 r[i, j] = m[i, j] * m[i - 1, j] + m[i, j - 1] * m[i - 1, j - 1]
 
 
+def cross(m, r):
+    for i in range(1, m.shape[0] - 1):
+        for j in range(1, m.shape[1] - 1):
+            r[i, j] = m[i - 1, j] * m[i, j - 1] - 4.0 * m[i, j] ** 2 + 3.0 * m[i, j + 1] * m[i + 1, j]
+
+
 def a_row_that_may_be_another(m, r, k):
     for j in range(1, m.shape[1]):
         r[0, j] = m[1, j] * m[k, j - 1]
@@ -53,6 +59,15 @@ def overwritten_row_ahead(x, a, steps):
         for i in range(x.size):
             after = x[i + 1] if i + 1 < x.size else first
             x[i] = a * x[i] * after
+
+
+def products_of_neighbours(r, x, y):
+    for i in range(1, x.size - 1):
+        r[i] = x[i - 1] * x[i + 1] + x[i + 1] * y[i - 1] + x[i] * y[i + 1]
+
+
+def one_array_twice_inside(r, x):
+    products_of_neighbours(r, x, x)
 
 
 def two_tests(x, y):
@@ -113,6 +128,12 @@ def test_rows_of_the_tape(kernel, size):
     same(Case(kernel.__name__, kernel, lambda _: (np.linspace(0.5, 1.5, size), 1.1, 3), ("x", "a"), ("x",)))
 
 
+@pytest.mark.parametrize("sizes", [(3, 1), (3, 2), (4, 3), (3, 4), (5, 6)], ids=str)
+def test_crosses_of_every_size(sizes):
+    start = np.linspace(0.5, 1.5, sizes[0] * sizes[1]).reshape(sizes)
+    same(Case("cross", cross, lambda _: (start, np.zeros(sizes)), ("m",), ("r",)))
+
+
 def test_advect_at_every_size():
     for size in range(2, 7):
         same(Case("advect", CASES["advect"].function, lambda _, n=size: (np.sin(np.arange(n)), 0.4, 3), ("u", "c"),
@@ -133,6 +154,8 @@ def test_levels_agree_on_numbered_programs(first):
     (three_points, (np.linspace(0.5, 1.5, 9), np.zeros(9)), ("x",), ("y",)),
     (two_tests, (np.linspace(0.5, 1.5, 9), np.zeros(9)), ("x",), ("y",)),
     (rows_one_apart, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.zeros((4, 5))), ("m",), ("r",)),
+    (one_array_twice_inside, (np.zeros(9), np.linspace(0.5, 1.5, 9)), ("x",), ("r",)),
+    (cross, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.zeros((4, 5))), ("m",), ("r",)),
     (a_row_that_may_be_another, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.zeros((4, 5)), 1), ("m",), ("r",)),
     (a_row_that_may_be_another, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.zeros((4, 5)), -3), ("m",), ("r",)),
     (overwritten_row_behind, (np.linspace(0.5, 1.5, 9), 1.1, 3), ("x", "a"), ("x",)),

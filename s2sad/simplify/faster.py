@@ -1,6 +1,7 @@
 """faster: innermost loops of an adjoint in a form that a compiler turns into vector instructions.
 
-Where neighbouring iterations share elements of a shadow: `distribute` adds to rows in loops of their own, `rotate`
+`joined` makes one nest of neighbouring ones, `totals` sums in numbers. Where neighbouring iterations share elements of
+a shadow: `distribute` adds to rows in loops of their own, `rotate`
 holds the elements in names, `peel` lets the first and the last iteration run by themselves where the others then need
 no test, and `restored` copies rows of the tape beforehand.
 
@@ -15,11 +16,13 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.analyze.liveness import base_name
 from s2sad.simplify.bounds import Counted, changed, counted, is_straight, shifted_by, stores
+from s2sad.simplify.joined import joined
 from s2sad.simplify.peel import peeled
 from s2sad.blocks import with_blocks
 from s2sad.simplify.restored import restored
 from s2sad.simplify.rotate import rotated
 from s2sad.simplify.distribute import distributed
+from s2sad.simplify.totals import totals
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, For, FunctionDef, Name, Sub, Subscript, assign, at, call, copy, dump, indices, name,
     names, negate, stored_names, walk,
@@ -32,6 +35,7 @@ def faster(function: FunctionDef, types: Mapping[str, Type], stacks: Set[str], s
            sums: Set[str]) -> FunctionDef:
     """The adjoint with its loops transformed; `shadows` are those of arrays, `sums` those of numbers."""
     free = Names({n.id for n in walk(function) if isinstance(n, Name)} | set(types))
+    function = joined(function, sums, types, free)
     new = copy(function)
     new.body = _Faster({s: types[s] for s in shadows}, free, stacks, sums).block(function.body, {}, None)
     return new
@@ -39,7 +43,7 @@ def faster(function: FunctionDef, types: Mapping[str, Type], stacks: Set[str], s
 
 class _Faster:
     def __init__(self, shadows: Mapping[str, Type], free: Names, stacks: Set[str], sums: Set[str]):
-        self.shadows, self.free, self.stacks, self.sums = shadows, free, stacks, sums
+        self.shadows, self.free, self.stacks, self.sums = shadows, free, stacks, set(sums)
         self.waiting: list[Assign] = []     # allocations on their way out of the loops
 
     def block(self, block: list[AST], least: dict[str, int], bound: set[str] | None) -> list[AST]:
@@ -71,6 +75,14 @@ class _Faster:
         of vectors goes as well."""
         if sum(1 for s in walk(loop.body) if isinstance(s, (Assign, AugAssign))) > _LONGEST:
             return [loop]
+        bounds = counted(loop)
+        assert bounds is not None
+        held = totals(loop, bounds, self.shadows, self.free)
+        self.sums |= held.sums
+        return held.around(self.vectors(held.loop, least), bounds)
+
+    def vectors(self, loop: For, least: Mapping[str, int]) -> list[AST]:
+        """The loops for a loop whose sums are numbers."""
         rows, rest = restored(loop, self.stacks)
         bounds = counted(rest)
         assert bounds is not None

@@ -1,0 +1,146 @@
+"""extents: the sizes of arrays and the bounds of loops as affine forms over what a function is given.
+
+    w = np.empty((max(u.shape[0] - 2, 0), n))       range(w.shape[0]) runs as often as range(1, u.shape[0] - 1)
+    assert u.shape == v.shape                       u.shape[1] is v.shape[1]
+
+Only arrays and numbers that are bound once, outside of loops and branches, have a form other than their own symbol.
+"""
+from __future__ import annotations
+
+from collections import Counter
+
+from s2sad.infer.affine import Affine, combined
+from s2sad.tree import (
+    AST, Add, Assert, Assign, Attribute, BinOp, Compare, Constant, Eq, FunctionDef, Name, Subscript, Tuple,
+    UnaryOp, USub, call_name, stored_names, walk,
+)
+
+Size = tuple[str, int]
+_FILLED = {"numpy.empty", "numpy.zeros"}
+_LIKE = {"numpy.empty_like", "numpy.zeros_like"}
+_MAKERS = {*_FILLED, *_LIKE, "runtime.sized"}
+
+
+class Extents:
+    """The sizes that a function's own statements tell. `learn` is told of assertions, as they are passed."""
+
+    def __init__(self, function: FunctionDef):
+        bound = Counter(stored_names(function.body))
+        parameters = {p.id for p in function.args.args}
+        self.fixed = {p for p in parameters if not bound[p]}
+        self.numbers: dict[str, AST] = {}
+        self.shapes: dict[str, list[AST]] = {}
+        self.like: dict[str, str] = {}
+        self.equal: dict[str, Affine] = {}
+        made = {n.targets[0].id: n.value for n in walk(function.body) if isinstance(n, Assign)
+                and isinstance(n.targets[0], Name) and call_name(n.value) in _MAKERS}
+        self.own = (parameters & self.fixed) | {n for n in made if all(
+            call_name(s.value) in _MAKERS for s in walk(function.body) if isinstance(s, Assign)
+            and isinstance(s.targets[0], Name) and s.targets[0].id == n)}
+        for statement in function.body:
+            if isinstance(statement, Assign) and isinstance(target := statement.targets[0], Name) and bound[
+                    target.id] - (target.id in parameters) == 1 and target.id not in parameters:
+                self.fixed.add(target.id)
+                self._bound(target.id, statement.value)
+
+    def _bound(self, identifier: str, value: AST) -> None:
+        called = call_name(value)
+        if called in _FILLED:
+            self.shapes[identifier] = _listed(value.args[0])
+        elif called == "runtime.sized":
+            self.shapes[identifier] = _listed(value.args[1])
+        elif called in _LIKE and isinstance(value.args[0], Name):
+            self.like[identifier] = value.args[0].id
+        else:
+            self.numbers[identifier] = value
+
+    def learn(self, statement: AST) -> None:
+        """Takes note of sizes that an assertion finds equal."""
+        if not isinstance(statement, Assert) or not isinstance(test := statement.test, Compare) or len(
+                test.ops) != 1 or not isinstance(test.ops[0], Eq):
+            return
+        left, right = test.left, test.comparators[0]
+        if _is_shape(left) and _is_shape(right):
+            for axis in range(8):
+                self._same(self.size(left.value.id, axis), self.size(right.value.id, axis))
+        else:
+            self._same(self.form(left), self.form(right))
+
+    def _same(self, left: Affine | None, right: Affine | None) -> None:
+        """Two forms are equal: one symbol of the first is known by the others."""
+        if left is None or right is None:
+            return
+        rest = left.plus(right, -1)
+        for symbol, coefficient in reversed(rest.terms):
+            if coefficient in (1, -1):
+                known = rest.plus(Affine.symbol(symbol), -coefficient).times(-coefficient)
+                self.equal = {s: _replaced(f, symbol, known) for s, f in self.equal.items()}
+                self.equal[symbol] = known
+                return
+
+    def form(self, node: AST, clipped: bool = False) -> Affine | None:
+        """The form of an integer; `clipped`: for the end of a range, where what is below 0 counts as nothing."""
+        if isinstance(node, Constant):
+            return Affine((), node.value) if type(node.value) is int else None
+        if isinstance(node, Name):
+            if node.id in self.numbers:
+                return self.form(self.numbers[node.id], clipped)
+            return self._known(node.id) if node.id in self.fixed else None
+        if isinstance(node, Subscript) and _is_shape(node.value) and isinstance(node.slice, Constant):
+            return self.size(node.value.value.id, node.slice.value, clipped)
+        if clipped and call_name(node) == "builtins.max" and len(node.args) == 2 and isinstance(
+                node.args[1], Constant) and node.args[1].value == 0:
+            return self.form(node.args[0], True)
+        if isinstance(node, UnaryOp) and isinstance(node.op, USub):
+            inner = self.form(node.operand)
+            return None if inner is None else inner.times(-1)
+        if not isinstance(node, BinOp):
+            return None
+        right = self.form(node.right)
+        lowered = clipped and right is not None and not right.terms and (
+            right.constant <= 0 if isinstance(node.op, Add) else right.constant >= 0)
+        return combined(node.op, self.form(node.left, lowered), right)
+
+    def size(self, array: str, axis: int, clipped: bool = False) -> Affine | None:
+        """The form of an array's size along an axis."""
+        if array not in self.fixed:
+            return None
+        if array in self.like:
+            return self.size(self.like[array], axis, clipped)
+        if array not in self.shapes:
+            return self._known(f"{array}.shape[{axis}]")
+        parts = self.shapes[array]
+        if axis < len(parts) and not any(map(_is_shape, parts[:axis + 1])):
+            return self.form(parts[axis], clipped)
+        given = next((k for k, part in enumerate(parts) if _is_shape(part)), None)
+        if given is not None and axis >= given and given == len(parts) - 1:
+            return self.size(parts[given].value.id, axis - given, clipped)
+        return None
+
+    def reduced(self, form: Affine) -> Affine:
+        """A form that was made before the last assertions."""
+        for symbol, _ in form.terms:
+            form = _replaced(form, symbol, self.equal[symbol]) if symbol in self.equal else form
+        return form
+
+    def _known(self, symbol: str) -> Affine:
+        return self.equal.get(symbol, Affine.symbol(symbol))
+
+
+def _listed(shape: AST) -> list[AST]:
+    """The sizes of a shape, one after the other; the shape of an array stands for all of its own."""
+    if isinstance(shape, BinOp) and isinstance(shape.op, Add):
+        return [*_listed(shape.left), *_listed(shape.right)]
+    return list(shape.elts) if isinstance(shape, Tuple) else [shape]
+
+
+def _is_shape(node: AST) -> bool:
+    return isinstance(node, Attribute) and node.attr == "shape" and isinstance(node.value, Name)
+
+
+def _replaced(form: Affine, symbol: str, by: Affine) -> Affine:
+    factor = dict(form.terms).get(symbol, 0)
+    return form.plus(Affine.symbol(symbol), -factor).plus(by, factor)
+
+
+__all__ = ["Extents"]

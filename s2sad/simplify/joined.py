@@ -1,0 +1,174 @@
+"""joined: neighbouring nests of loops over one region become one nest.
+
+    for i in range(s.shape[0]):             for i in range(s.shape[0]):
+        s[i] = u[i] + u[i + 1]                  s[i] = u[i] + u[i + 1]
+    for i in range(1, u.shape[0]):              v[i + 1] = s[i] * u[i + 1]
+        v[i] = s[i - 1] * u[i]
+
+Each element goes through memory once for all of them, and `passed` keeps in names what nothing else reads.
+
+Requires a finished derivative for Numba. An array that one nest writes and the other mentions is mentioned at one
+element for each iteration only, so that nothing moves from one iteration to another; numbers do not either, but for
+sums whose order is free. (Loop fusion: Kennedy, McKinley, 1993.)
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping, Set
+from s2sad.analyze.liveness import base_name, targets
+from s2sad.blocks import with_blocks
+from s2sad.infer.types import Type
+from s2sad.naming import Names
+from s2sad.simplify.algebra import shifted, simple
+from s2sad.simplify.bounds import changed, counted, shifted_by, stores
+from s2sad.simplify.extents import Extents
+from s2sad.simplify.nests import Nest, nest_of
+from s2sad.simplify.passed import Passed, is_only_places
+from s2sad.tree import (
+    AST, Add, Assert, Assign, AugAssign, Break, FunctionDef, If, Name, Return, Sub, Subscript, copy, dump, indices,
+    is_comment, name, names, rebuild, walk,
+)
+
+_LONGEST, _MOST_PAIRS = 48, 60
+
+
+def joined(function: FunctionDef, sums: Set[str], types: Mapping[str, Type], free: Names) -> FunctionDef:
+    """The function with its nests joined; `sums` are numbers whose gains come in any order."""
+    new = copy(function)
+    extents = Extents(function)
+    new.body = _Joined(extents, sums, Passed(function, extents, types, free)).block(function.body)
+    return new
+
+
+class _Joined:
+    def __init__(self, extents: Extents, sums: Set[str], between: Passed):
+        self.extents, self.sums, self.between = extents, sums, between
+        self.passed: dict[str, list[Assert]] = {}   # by its bounds: what every iteration of a loop has asserted
+
+    def inside(self, statement: AST) -> AST:
+        """A statement with its blocks joined. A loop that runs only if another one has run may rely on what that has
+        asserted: sizes do not change."""
+        bounds = counted(statement)
+        if bounds is None or self.extents.form(bounds.start) is None or self.extents.form(bounds.stop) is None:
+            return with_blocks(statement, self.block)
+        known, key = dict(self.extents.equal), dump(bounds.upwards())
+        for assertion in self.passed.get(key, []):
+            self.extents.learn(assertion)
+        new = with_blocks(statement, self.block)
+        if not any(isinstance(n, (Break, Return)) for n in walk(statement)):
+            self.passed.setdefault(key, []).extend(s for s in statement.body if isinstance(s, Assert))
+        self.extents.equal = known
+        return new
+
+    def block(self, block: list[AST]) -> list[AST]:
+        made: list[AST | Nest] = []
+        last: int | None = None     # where the nest before stands; behind it are assertions and comments
+        known = dict(self.extents.equal)
+        for statement in block:
+            self.extents.learn(statement)
+            nest = nest_of(statement, self.extents)
+            if nest is None:
+                made.append(self.inside(statement))
+                last = last if isinstance(statement, Assert) or is_comment(statement) else None
+                continue
+            first = made[last] if last is not None else None
+            both = self.both(first, nest) if isinstance(first, Nest) else None
+            if last is not None and both:
+                del made[last]
+            made.append(both or nest)
+            last = len(made) - 1
+        self.between.shorten([n for n in made if isinstance(n, Nest)], self.extents)
+        self.extents.equal = known
+        return [s.around(s.body) if isinstance(s, Nest) else s for s in made]
+
+    def both(self, first: Nest, second: Nest) -> Nest | None:
+        """Two nests as one, with the counters of the first; None if they have to stay apart."""
+        runs = list(map(self.extents.reduced, first.runs))
+        if runs != second.runs or _size(first.body) + _size(second.body) > _LONGEST:
+            return None
+        if {*changed(first.body), *first.counters} & second.bounds or changed(second.body) & first.bounds:
+            return None
+        if any(a != b and a in names(second.body) for a, b in zip(first.counters, second.counters)):
+            return None
+        there = {b: simple(shifted(name(a), t.constant - s.constant), integers=True)
+                 for a, b, s, t in zip(first.counters, second.counters, first.starts, second.starts)}
+
+        def change(node: AST) -> AST | None:
+            return copy(there[node.id]) if isinstance(node, Name) and node.id in there else None
+        body = [simple(rebuild(s, change), integers=False) for s in second.body]
+        if not self.is_free(first, body) or _pairs([*first.body, *body]) > _MOST_PAIRS:
+            return None
+        return Nest(first.loops, first.starts, first.runs, [*first.body, *body])
+
+    def is_free(self, first: Nest, body: list[AST]) -> bool:
+        """Whether each iteration of the second nest may run right after that of the first."""
+        arrays = _arrays(first.body) | _arrays(body)
+        for array in sorted(arrays):
+            if not self.is_free_array(array, first, body):
+                return False
+        if any(array not in self.extents.own for array in arrays):
+            return False
+        shared = (changed(first.body) & _exposed(body)) | (changed(body) & _exposed(first.body))
+        return all(n in self.sums and _is_sum(n, [*first.body, *body]) for n in shared - arrays)
+
+    def is_free_array(self, array: str, first: Nest, body: list[AST]) -> bool:
+        """Whether an array that one nest writes is mentioned by the other at the same element only, or not at all."""
+        places = [[n for n in walk(b) if isinstance(n, Subscript) and base_name(n) == array]
+                  for b in (first.body, body)]
+        if not any(base_name(t) == array for t in stores([*first.body, *body])):
+            return True
+        if not all(places):
+            return is_only_places(array, [*first.body, *body])
+        texts = {dump(indices(p)) for found in places for p in found}
+        subscripts = indices(places[0][0])
+        counters = [next((c for c in first.counters if shifted_by(s, c) is not None), None) for s in subscripts]
+        bound = changed(first.body) | changed(body)
+        return (len(texts) == 1 and set(first.counters) <= set(counters) and not bound & set(names(subscripts))
+                and is_only_places(array, [*first.body, *body]))
+
+
+def _size(body: list[AST]) -> int:
+    return sum(isinstance(s, (Assign, AugAssign)) for s in walk(body))
+
+
+def _arrays(body: list[AST]) -> set[str]:
+    return {base_name(n) for n in walk(body) if isinstance(n, Subscript) and isinstance(n.value, Name)}
+
+
+def _exposed(body: list[AST]) -> set[str]:
+    """The names that a body may read before it binds them."""
+    found: set[str] = set()
+    sure: set[str] = set()
+
+    def visit(block: list[AST], always: bool) -> None:
+        for statement in block:
+            if isinstance(statement, If):
+                found.update(set(names(statement.test)) - sure)
+                visit(statement.body, False)
+                visit(statement.orelse, False)
+            elif isinstance(statement, (Assign, AugAssign)):
+                read = set(names(statement.value))
+                for target in targets(statement):
+                    read |= set(names(target)) if isinstance(target, Subscript) or isinstance(
+                        statement, AugAssign) else set()
+                found.update(read - sure)
+                if always:
+                    sure.update(t.id for t in targets(statement) if isinstance(t, Name))
+    visit(body, True)
+    return found
+
+
+def _is_sum(identifier: str, body: list[AST]) -> bool:
+    """Whether a body only adds to a number."""
+    gains = sum(isinstance(s, AugAssign) and isinstance(s.op, (Add, Sub)) and isinstance(s.target, Name)
+                and s.target.id == identifier for s in walk(body))
+    return gains == sum(isinstance(n, Name) and n.id == identifier for n in walk(body))
+
+
+def _pairs(body: list[AST]) -> int:
+    """How many pairs of arrays a compiler compares before it runs the loop in vectors."""
+    written = {base_name(t) for t in stores(body)}
+    others = _arrays(body) - written
+    return len(written) * (len(written) - 1) // 2 + len(written) * len(others)
+
+
+__all__ = ["joined"]

@@ -1,0 +1,138 @@
+"""Nests that become one at the fast level, and nests that have to stay apart."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.kernels.cases import ARRAYS, Case
+from s2sad.naming import Names
+from s2sad.simplify.joined import joined
+from s2sad.emit import layout
+from s2sad.tree import rename, statements, walk, For
+from tests.test_faster import SPELLING, same
+
+TAKEN = {**{f: f"builtins.{f}" for f in ("range", "max")}, "empty": "numpy.empty"}
+PARTS = {
+    "one region under two names": (1, """
+def f(u, v, n):
+    w = empty((max(n - 2, 0), u.shape[1]))
+    assert u.shape == v.shape
+    for i in range(w.shape[0]):
+        for j in range(w.shape[1]):
+            w[i, j] = u[i + 1, j] + u[i, j]
+    for k in range(1, n - 1):
+        for l in range(v.shape[1]):
+            v[k, l] = w[k - 1, l] * v[k, l]
+"""),
+    "sizes that nothing says to be equal": (2, """
+def f(u, v):
+    for i in range(u.shape[0]):
+        u[i] = 2.0
+    for i in range(v.shape[0]):
+        v[i] = 3.0
+"""),
+    "an assertion that has not been passed": (2, """
+def f(u, v, taken):
+    if taken:
+        assert u.shape == v.shape
+    for i in range(u.shape[0]):
+        u[i] = 2.0
+    for i in range(v.shape[0]):
+        v[i] = 3.0
+"""),
+    "a neighbour's element read": (2, """
+def f(u, v):
+    for i in range(u.shape[0] - 1):
+        u[i] = 2.0
+    for i in range(u.shape[0] - 1):
+        v[i] = u[i + 1]
+"""),
+    "an element for all iterations": (2, """
+def f(u, v):
+    for i in range(u.shape[0]):
+        u[i] = 2.0
+        v[0] = u[i]
+    for i in range(u.shape[0]):
+        u[i] = v[0]
+"""),
+    "a number that the first leaves": (2, """
+def f(u, v):
+    t = 0.0
+    for i in range(u.shape[0]):
+        t = u[i]
+    for i in range(u.shape[0]):
+        v[i] = t
+"""),
+    "a number made anew for each": (1, """
+def f(u, v):
+    for i in range(u.shape[0]):
+        t = u[i]
+        v[i] = t * t
+    for i in range(u.shape[0]):
+        t = v[i]
+        u[i] = t + 1.0
+"""),
+    "a size that changes": (2, """
+def f(u, v, n):
+    w = empty(n)
+    n = n + 1
+    for i in range(w.shape[0]):
+        u[i] = 2.0
+    for i in range(n):
+        v[i] = 3.0
+"""),
+    "a negative end and one past it": (2, """
+def f(u, v, n):
+    w = empty(max(n - 2, 0))
+    for i in range(w.shape[0] + 1):
+        u[i] = 2.0
+    for i in range(n - 1):
+        v[i] = 3.0
+"""),
+    "an array under another name": (2, """
+def f(u, v):
+    w = u
+    for i in range(v.shape[0] - 1):
+        w[i] = v[i]
+    for i in range(v.shape[0] - 1):
+        v[i] = u[i + 1]
+"""),
+}
+
+
+@pytest.mark.parametrize("kind", PARTS)
+def test_what_is_joined(kind):
+    nests, text = PARTS[kind]
+    made = joined(rename(statements(text)[0], TAKEN), set(), {}, Names(set()))
+    outer = [s for s in made.body if isinstance(s, For)]
+    assert len(outer) == nests, layout.text(made, SPELLING)
+
+
+def test_what_an_earlier_loop_has_asserted():
+    text = """
+def f(u, v, steps):
+    for s in range(steps):
+        assert u.shape == v.shape
+    for s in range(steps - 1, -1, -1):
+        for i in range(u.shape[0]):
+            u[i] = 2.0
+        for i in range(v.shape[0]):
+            v[i] = 3.0
+"""
+    made = joined(rename(statements(text)[0], TAKEN), set(), {}, Names(set()))
+    assert sum(isinstance(n, For) for n in walk(made)) == 3
+
+
+@pytest.mark.parametrize("name", ["glacier", "masked_flow", "lattice"])
+def test_levels_agree(name):
+    same(next(c for c in ARRAYS if c.name == name))
+
+
+def sums_of_two_numbers(u, v, a):
+    u[1:-1] += a * v[1:-1]
+    v[1:-1] *= a * u[1:-1]
+
+
+def test_gains_of_a_number_from_joined_loops():
+    same(Case("sums", sums_of_two_numbers, lambda _: (np.arange(1.0, 6.0), np.arange(2.0, 7.0), 0.5), ("u", "v", "a"),
+              ("u", "v")))
