@@ -184,17 +184,20 @@ class _Functions:
                 inner).is_array
             summed = rule.law in _SUMMED and any(isinstance(n, (Name, Subscript)) and self.typing.of(n).is_array
                                                  for n in walk(inner))
-            converted = self.converted(inner, node)
+            converted = self.converted(inner, operand, node)
             made.append(inner if converted is inner and (plain or summed)
                         else name(self.bind(operand, converted, before)))
         options = [at(keyword(k.arg, self.moved(k.value, before)), node) for k in node.keywords]
         return at(Call(node.func, made, options), node)
 
-    def converted(self, operand: AST, node: Call) -> AST:
+    def converted(self, operand: AST, origin: AST, node: Call) -> AST:
         """An operand of a product or a solve in the dtype of the result: what computes these mixes none."""
         called, given, made = call_name(node) or "", self.typing.of(operand), self.typing.of(node)
         mixed = given.is_array and given.dtype != made.dtype and made.dtype in ("float32", "float64")
-        if not mixed or called != "numpy.matmul" and not called.startswith("numpy.linalg."):
+        rule = rules.find_array(called)
+        sparse = called.startswith("runtime.sparse_") and rule is not None and any(
+            node.args[k] is origin for k, p in enumerate(rule.operands) if p in rule.adjoints)
+        if not mixed or called != "numpy.matmul" and not called.startswith("numpy.linalg.") and not sparse:
             return operand
         return at(call("numpy.astype", operand, dtype=name(f"numpy.{made.dtype}")), node)
 

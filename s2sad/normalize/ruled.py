@@ -25,7 +25,8 @@ _OTHER = frozenset({
     "numpy.full_like", "numpy.shape", "builtins.range"}) | _COPIES
 # functions of whole arrays whose derivative is zero, or that `pieces` writes out; what else has no adjoint is a part of
 # derivatives
-_FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to"})
+_FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to",
+                   "runtime.sparse_rows", "runtime.sparse_span", "runtime.sparse_joined"})
 _SUMS = ("numpy.sum", "builtins.sum")
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
 _HELP = {

@@ -7,6 +7,7 @@
     reductions    sums, means, extremes along axes
     shaping       functions that move elements about
     linalg        products, solves, functions of matrices
+    sparse        products and solves with sparse matrices
     composed      functions of whole arrays that are written out in others
     constant      functions whose derivative is zero: floor, comparisons, argmax, ...
 
@@ -15,14 +16,14 @@ function with neither a rule nor an entry in `constant` cannot be differentiated
 """
 from __future__ import annotations
 
-from s2sad.rules import composed, constant, elementwise, linalg, reductions, shaping
+from s2sad.rules import composed, constant, elementwise, linalg, reductions, shaping, sparse
 from s2sad.rules.array import ArrayRule, bound, find_array
 from s2sad.rules.given import ROOM
 from s2sad.rules.power import power_partial
 from s2sad.rules.rule import TABLE, Rule
 
 __all__ = ["ArrayRule", "Rule", "bound", "composed", "constant", "constant_result", "elementwise", "find", "find_array",
-           "linalg", "names", "power_partial", "reductions", "result_kind", "shaping"]
+           "linalg", "names", "power_partial", "reductions", "result_kind", "shaping", "sparse"]
 
 
 def find(name: str) -> Rule | None:

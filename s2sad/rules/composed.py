@@ -60,5 +60,7 @@ for _text in (
         "numpy.polyval(p, x)", "numpy.correlate(a, v, mode='valid')",
         "numpy.vdot(a, b)", "numpy.inner(a, b)", "numpy.trapezoid(y, x=None, dx=1.0, axis=-1)",
         "numpy.gradient(f, spacing=1.0, second=None, axis=None, part=None)", "numpy.convolve(a, v, mode='full')",
-        "numpy.interp(x, xp, fp)"):
+        "numpy.interp(x, xp, fp)",
+        # sparse matrices
+        "scipy.sparse.entries(data, c)", "scipy.sparse.along(values, size)"):
     arrays(_text, law=LAW, also=("numpy.trapz",) if "trapezoid" in _text else ())
