@@ -20,8 +20,8 @@ from s2sad.normalize.sparse_groups import FORMATS, ROOM, is_matrix, is_sparse, j
 from s2sad.program import Kernel
 from s2sad.structure import SPARSE
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, Div, List, MatMult, Mult, Sub, Subscript, Tuple, UnaryOp, USub, add, at,
-    call, call_name, const, copy, equal, negate, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Constant, Div, List, MatMult, Mult, Name, Sub, Subscript, Tuple, UnaryOp, USub, add, at,
+    attribute, call, call_name, const, copy, equal, negate, tuple_of,
 )
 
 _LAID_OUT = {"csr": ("indices", "indptr"), "csc": ("indices", "indptr"), "coo": ("row", "col")}
@@ -151,14 +151,15 @@ class Matrices(Decisions):
             return None
         pairs = list(zip(values.elts, offsets.elts)) if several else [(values, offsets)]
         pairs = [(self.plain(v), self.plain(k)) for v, k in pairs if v is not None]
-        shape = self._shape(given.pop("shape")) if "shape" in given else self._square(*pairs[0]) if pairs else None
+        shape = self._shape(given.pop("shape")) if "shape" in given else self._square(*pairs[0]) if pairs and isinstance(
+            pairs[0][0], Name) else None
         if given or shape is None or not pairs:
             return None
         return self._on_diagonals(str(kind), pairs, shape, node)
 
     def _square(self, values: AST, offset: AST) -> Group:
-        """The shape of a matrix with a diagonal that is given as an array."""
-        size = call("numpy.size", copy(values))
+        """The shape of a matrix with a diagonal that is an array by its name."""
+        size = attribute(copy(values), "size")
         size = size if self.key(offset) == 0 else add(size, call("builtins.abs", copy(offset)))
         return listed((Plain(size), Plain(copy(size))))
 

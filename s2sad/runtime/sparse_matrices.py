@@ -18,7 +18,12 @@ def sparse_rows(ends, columns):
     lengths = ends[1:] - ends[:-1]
     if count < 0 or ends[0] != 0 or ends[count] != columns.size or np.any(lengths < 0):
         raise ValueError("a sparse matrix whose indptr does not fit its indices")
-    return np.repeat(np.arange(count), lengths)
+    rows = np.repeat(np.arange(count), lengths)
+    if np.any((rows[1:] == rows[:-1]) & (columns[1:] <= columns[:-1])):
+        raise ValueError(
+            "a sparse matrix whose indices are not in order, or twice there, which SciPy changes in "
+            "place where it likes: call sum_duplicates() before, or build it with coo_matrix")
+    return rows
 
 
 def sparse_span(start, size):
