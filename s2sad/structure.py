@@ -108,7 +108,7 @@ def is_fixed(kind: str, made: type) -> bool:
 def _kind(value: object) -> str | None:
     kind = type(value)
     if kind.__module__.startswith("scipy.sparse."):
-        return _sparse_kind(value)
+        return sparse_format(value)
     if kind in (dict, OrderedDict):
         return "dict" if all(type(k) in (str, int) for k in value) else None  # pyright: ignore
     if kind in (tuple, list):
@@ -118,8 +118,8 @@ def _kind(value: object) -> str | None:
     return "record" if kind is SimpleNamespace or _holds_fields(kind) else None
 
 
-def _sparse_kind(value: Any) -> str | None:
-    """The format of a sparse matrix, if it is one that can be taken apart."""
+def sparse_format(value: Any) -> str | None:
+    """The format of a sparse matrix that can be taken apart; None for anything else."""
     sparse = sys.modules.get("scipy.sparse")
     usable = sparse is not None and sparse.issparse(value) and value.format in SPARSE and len(value.shape) == 2
     return value.format if usable else None
@@ -214,6 +214,17 @@ def leaves(form: Form, path: str) -> Iterator[tuple[str, Type]]:
     else:
         for key, item in zip(form.keys, form.items):
             yield from leaves(item, step(form, path, key))
+
+
+def places_of(form: Form, path: str) -> Iterator[str]:
+    """The paths of what says where the entries of sparse matrices are."""
+    if isinstance(form, Structure):
+        for key, item in zip(form.keys, form.items):
+            inner = step(form, path, key)
+            if form.kind in SPARSE and key != "data":
+                yield from (p for p, _ in leaves(item, inner))
+            else:
+                yield from places_of(item, inner)
 
 
 def steps(text: str) -> tuple[str | int, ...] | None:

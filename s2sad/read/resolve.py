@@ -20,7 +20,7 @@ from s2sad.diagnostics import Report
 from s2sad.read import fence
 from s2sad.read.handed import handed
 from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Captured, Function, Library, Meaning, Number, Space, Text, Unusable, dotted,
+    AST, BUILTIN_CALLS, Array, Captured, Function, Library, Matrix, Meaning, Number, Space, Text, Unusable, dotted,
     library_value,
 )
 from s2sad.read.modules import dropped_decorator
@@ -184,7 +184,7 @@ class _Resolver(References):
             meaning, taken = inner, taken + 1
         if taken == len(parts):
             return self._reference(node, meaning, ".".join(parts))
-        if isinstance(meaning, (Number, Array)):
+        if isinstance(meaning, (Number, Array, Matrix)):
             return None  # `table.shape`: the name below is resolved on its own
         if isinstance(meaning, Text):
             self._refuse("a method of a string is not supported in a kernel", node, "write the string out")
