@@ -141,6 +141,8 @@ def _odd(name: str, value: Any) -> tuple[str, str]:
     if isinstance(value, (complex, np.generic)):
         dtype = np.dtype(type(value))
         return f"is a number of type {dtype}", "give a float"
+    if type(value).__module__.startswith("scipy.sparse."):
+        return f"is {_a(value)}", "give it in another format: A.tocsr()"
     return f"is {_a(value)}", "give an array, a float, an int, a bool, a str or None"
 
 

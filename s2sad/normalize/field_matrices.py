@@ -16,7 +16,9 @@ from s2sad.diagnostics import Report
 from s2sad.normalize.field_decisions import Decisions
 from s2sad.normalize.field_items import spoken
 from s2sad.normalize.groups import SPELLED, Group, Plain, Value, listed, spelled
-from s2sad.normalize.sparse_groups import FORMATS, ROOM, is_matrix, is_sparse, joined, laid_out, matrix, opaque, transposed
+from s2sad.normalize.sparse_groups import (
+    FORMATS, PLACES, ROOM, Stores, is_matrix, is_sparse, joined, laid_out, matrix, opaque, said, transposed,
+)
 from s2sad.program import Kernel
 from s2sad.structure import SPARSE
 from s2sad.tree import (
@@ -26,6 +28,8 @@ from s2sad.tree import (
 
 _LAID_OUT = {"csr": ("indices", "indptr"), "csc": ("indices", "indptr"), "coo": ("row", "col")}
 _ENTRIES = "build it from its entries: coo_matrix((values, (rows, columns)), shape=(m, n)), whose duplicates add up"
+_OPERATIONS = "sparse matrices have A @ x, x @ A, A + B, A - B, A * number and A / number"
+_SOLVER = "a factorization has lu.solve(b)"
 _FACTORS = ("splu", "factorized")
 _ITERATIVE = ("cg", "gmres", "bicg", "bicgstab", "minres", "lgmres", "cgs", "qmr")
 
@@ -35,6 +39,7 @@ class Matrices(Decisions):
 
     def __init__(self, kernel: Kernel, report: Report):
         super().__init__(kernel, report)
+        self.stores = Stores(kernel.tree.body)
         self.built: dict[str, Callable[[Call], Value | None]] = {
             **{f"{f}_{word}": self._made for f in SPARSE for word in ("matrix", "array")},
             "diags": self._diagonals, "diags_array": self._diagonals, "identity": self._unit, "eye": self._unit,
@@ -46,8 +51,15 @@ class Matrices(Decisions):
     def item_of(self, base: Group, node: Subscript) -> Value | None:
         if not is_sparse(base):
             return super().item_of(base, node)
-        self.refuse(node, f"an element of {spoken(base)}, which is {base.form}, has no derivative rule", _ENTRIES, "S301")
+        self.refuse(node, f"an element of {spoken(base)}, a sparse matrix, has no derivative rule", _ENTRIES, "S301")
         return None
+
+    def plainly(self, value: Value, node: AST) -> AST:
+        if not isinstance(value, Group) or not is_sparse(value):
+            return super().plainly(value, node)
+        self.refuse(node, f"{said(value)}, which is used as a whole here", _SOLVER if value.form.kind == "factors" else
+                    _OPERATIONS, "S203")
+        return at(const(0.0), node)
 
     def _length(self, node: Call) -> Value | None:
         found = self.structural(node.args[0]) if len(node.args) == 1 else None
@@ -63,8 +75,9 @@ class Matrices(Decisions):
         elif function in _FACTORS or function == "spsolve":
             found = self._solving(function, node)
         else:
-            self.refuse(node, f"no derivative rule for {called}", "write s2sad.rule(..., implicit=residual) above a "
-                        "function that calls it: docs/own-derivatives.md" if function in _ITERATIVE else "", "S301")
+            self.refuse(node, f"no derivative rule for {called}", "call it in a function of your own under "
+                        "@s2sad.rule(implicit=residual): docs/own-derivatives.md" if function in _ITERATIVE else
+                        _ENTRIES, "S301")
             return Plain(at(const(0.0), node))
         if found is None:
             self.refuse(node, f"no derivative rule for {called} with these arguments", self._help(function), "S301")
@@ -77,8 +90,8 @@ class Matrices(Decisions):
             return f"write {function}(n, format=\"csr\")"
         if function in (*_FACTORS, "spsolve"):
             return "give it a sparse matrix that the kernel builds or takes, and a dense right side"
-        return f"write {function}((data, indices, indptr), shape=(m, n)) or {function}((data, (rows, columns)), " \
-            "shape=(m, n))"
+        compressed = "" if function.startswith("coo") else f", or {function}((data, indices, indptr), shape=(m, n))"
+        return f"write {function}((data, (rows, columns)), shape=(m, n)){compressed}"
 
     def _made(self, node: Call) -> Value | None:
         """`csr_matrix(...)` and its like, of entries or of another sparse matrix."""
@@ -94,17 +107,27 @@ class Matrices(Decisions):
         shape = self._shape(given[1]) if len(given) == 2 else None
         if not isinstance(whole, Group) or shape is None or not whole.form.is_sequence:
             return None
-        parts = [self._entries(p, given[0]) for p in whole.items]
+        parts = [self._entries(p, node, k > 0) for k, p in enumerate(whole.items)]
         if len(parts) == 2 and isinstance(whole.items[1], Group) and len(whole.items[1].items) == 2:
-            row, col = (self._entries(p, given[0]) for p in whole.items[1].items)
+            row, col = (self._entries(p, node, True) for p in whole.items[1].items)
             found = matrix("coo", parts[0], row, col, shape)
             return found if kind == "coo" else self.in_format(found, kind)
-        return laid_out(kind, *parts, shape, node) if len(parts) == 3 and kind != "coo" else None
+        if len(parts) != 3 or kind == "coo":
+            return None
+        if any(call_name(spelled(p, node)) == "numpy.ravel" for p in parts):
+            self.refuse(given[0], "the indices or the indptr of a sparse matrix are written after it was made", "copy them "
+                        "before, or build it with coo_matrix")
+        return laid_out(kind, *parts, shape, node)
 
-    def _entries(self, value: Value, origin: AST) -> Value:
-        """An array that is given, a list as an array."""
+    def _entries(self, value: Value, origin: AST, places: bool) -> Value:
+        """An array that is given, a list as an array. SciPy copies some places and not others: where one could tell,
+        since they are written, it is refused (`viewing`)."""
         written = spelled(value, origin)
-        return Plain(at(call("numpy.array", written), origin)) if isinstance(written, (List, Tuple)) else value
+        if isinstance(written, (List, Tuple)):
+            return Plain(at(call("numpy.array", written), origin))
+        if places and written is not None and self.stores.later(written, origin):
+            return Plain(at(call("numpy.ravel", written), origin))
+        return value
 
     def _shape(self, node: AST) -> Group | None:
         found = self.whole(node)
@@ -119,7 +142,8 @@ class Matrices(Decisions):
             data = at(call("numpy.copy", data), data)
         if found.form.kind == kind:
             return replace(found, items=(Plain(data), *found.items[1:]), path=SPELLED)
-        return matrix(opaque(kind), Plain(data), found.item("row"), found.item("col"), found.item("shape"))
+        row, col = map(_own, (found.item("row"), found.item("col")))
+        return matrix(opaque(kind), Plain(data), row, col, found.item("shape"))
 
     def part(self, found: Group, key: str) -> AST:
         """A part of a matrix as an expression."""
@@ -151,15 +175,14 @@ class Matrices(Decisions):
             return None
         pairs = list(zip(values.elts, offsets.elts)) if several else [(values, offsets)]
         pairs = [(self.plain(v), self.plain(k)) for v, k in pairs if v is not None]
-        shape = self._shape(given.pop("shape")) if "shape" in given else self._square(*pairs[0]) if pairs and isinstance(
-            pairs[0][0], Name) else None
+        shape = self._shape(given.pop("shape")) if "shape" in given else self._square(*pairs[0]) if pairs else None
         if given or shape is None or not pairs:
             return None
         return self._on_diagonals(str(kind), pairs, shape, node)
 
     def _square(self, values: AST, offset: AST) -> Group:
-        """The shape of a matrix with a diagonal that is an array by its name."""
-        size = attribute(copy(values), "size")
+        """The shape of a matrix with a diagonal that is an array."""
+        size = attribute(copy(values), "size") if isinstance(values, Name) else call("numpy.size", copy(values))
         size = size if self.key(offset) == 0 else add(size, call("builtins.abs", copy(offset)))
         return listed((Plain(size), Plain(copy(size))))
 
@@ -226,8 +249,7 @@ class Matrices(Decisions):
             return self._scaled(sparse[0], self.plain(node.right if sparse[0] is left else node.left), node)
         elif isinstance(node.op, Div) and sparse[0] is left:
             return self._scaled(sparse[0], BinOp(const(1.0), Div(), self.plain(node.right)), node)
-        self.refuse(node, "this operation with a sparse matrix has no derivative rule", "sparse matrices have A @ x, "
-                    "x @ A, A + B, A - B, A * number and A / number", "S301")
+        self.refuse(node, "this operation with a sparse matrix has no derivative rule", _OPERATIONS, "S301")
         return Plain(at(const(0.0), node))
 
     def negated(self, node: UnaryOp) -> Value | None:
@@ -303,7 +325,7 @@ class Matrices(Decisions):
         """A call of what `factorized` gave."""
         made = self.solved(found, node) if found.form.kind == "factors" and len(node.args) == 1 else None
         if made is None:
-            self.refuse(node, f"a call of {spoken(found)}, which is {found.form}", "call what factorized(A) gave, with a "
+            self.refuse(node, f"a call of {spoken(found)}", "call what factorized(A) gave, with a "
                         "dense right side")
         return Plain(at(const(0.0), node)) if made is None else made
 
@@ -319,6 +341,8 @@ class Matrices(Decisions):
             if node.attr == "shape":
                 return found.item("shape")
             if whole and node.attr in ("data", *held):
+                if node.attr in PLACES and self.stores.to_places:
+                    self.refuse(node, "the places of the entries of a sparse matrix are written", _ENTRIES)
                 return found.item(node.attr)
             if whole and node.attr in ("nnz", "size"):
                 return Plain(at(call("numpy.size", self.part(found, "data")), node))
@@ -357,7 +381,13 @@ class Matrices(Decisions):
         return Plain(at(call("numpy.sum", self.places(found)[0]), node)) if method == "sum" else None
 
     def _none(self, found: Group, node: AST, what: str, help: str) -> Value:
-        self.refuse(node, f"{what} of {spoken(found)}, which is {found.form}, has no derivative rule here", help or (
-            "a factorization has lu.solve(b)" if found.form.kind == "factors" else "sparse matrices have A @ x, A.T, "
-            "A.dot(x), A.diagonal(), A.toarray(), A.sum() and A.tocsr()"), "S301")
+        self.refuse(node, f"{what} of {spoken(found)} has no derivative rule here: {said(found)}", help or (
+            _SOLVER if found.form.kind == "factors" else "sparse matrices have A @ x, A.T, A.dot(x), A.diagonal(), "
+            "A.toarray(), A.sum() and A.tocsr()"), "S301")
         return Plain(at(const(0.0), node))
+
+
+def _own(places: Value) -> Value:
+    """Places that SciPy copies, whatever their type."""
+    shared = isinstance(places, Plain) and call_name(places.node) == "numpy.ravel"
+    return Plain(at(call("numpy.copy", *places.node.args), places.node)) if shared else places

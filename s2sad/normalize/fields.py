@@ -24,7 +24,7 @@ from s2sad.normalize.field_blocks import Blocks
 from s2sad.normalize.groups import (
     CELL, ORDINARY, SPELLED, Group, Leaf, Plain, Value, flat, grouped, nothing, spelled, usable,
 )
-from s2sad.normalize.sparse_groups import ROOM as SPARSE_ROOM, given_matrices
+from s2sad.normalize.sparse_groups import ROOM as SPARSE_ROOM, given_matrices, has_matrix
 from s2sad.program import Kernel, Program
 from s2sad.structure import SPARSE, Form, Structure, is_held, leaves, step
 from s2sad.tree import (
@@ -206,6 +206,11 @@ class _Making:
             for node, group in blocks.returned:
                 node.value = spelled(group, node)
             return None
+        for node, group in blocks.returned if is_entry else ():
+            if has_matrix(group):
+                report.error("S201", "a sparse matrix is returned", node, help="return its entries, and build it of them "
+                             "outside")
+                return None
         groups = [group for _, group in blocks.returned]
         places = [[v.place if isinstance(v, Leaf) and not is_entry else -1 for v in flat(g)] for g in groups]
         for node, group in blocks.returned:

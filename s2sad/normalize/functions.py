@@ -26,8 +26,8 @@ from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, List, Name, Return, Slice,
-    Subscript, Tuple, While, assign, at, augment, call, call_name, const, copy, dump, index, indices, keyword, name,
-    rebuild, walk,
+    Subscript, Tuple, UnaryOp, While, assign, at, attribute, augment, call, call_name, const, copy, dump, index,
+    indices, keyword, name, rebuild, walk,
 )
 
 _SUMMED = ("summed", "averaged")
@@ -119,6 +119,8 @@ class _Functions:
                 return at(Subscript(inner, self.moved(n.slice, before), n.ctx), n)
             if call_name(n) in _MADE:
                 return name(self.bind(n, copy(n), before))
+            if call_name(n) == "numpy.size" and (sized := self.sized(n.args[0])) is not None:
+                return at(attribute(self.moved(sized, before), "size"), n)
             if isinstance(n, Call) and (call_name(n) or "").startswith("user."):
                 return at(Call(n.func, [self.given(a, before) for a in n.args], n.keywords), n)
             if rules.find_array(call_name(n)) is None:
@@ -128,6 +130,15 @@ class _Functions:
             self.kept = kept
             return name(self.bind(n, made, before)) if is_function(n) else made
         return rebuild(node, change)
+
+    def sized(self, node: AST) -> AST | None:
+        """An array in an expression over numbers and arrays with one axis, whose size is the expression's."""
+        plain = isinstance(node, (BinOp, UnaryOp)) and self.typing.of(node).rank == 1 and not any(
+            isinstance(n, Call) or self.picks(n) for n in walk(node))
+        parts = [n for n in walk(node) if isinstance(n, (Name, Subscript)) and self.typing.of(n).rank == 1
+                 and not self.typing.argument(n).ones] if plain else []
+        inside = {id(m) for n in parts for m in walk(n) if m is not n}
+        return next((n for n in parts if id(n) not in inside), None)
 
     def given(self, argument: AST, before: list[AST]) -> AST:
         """An argument of a kernel's call: an array that is computed has a name."""

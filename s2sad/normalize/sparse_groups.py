@@ -9,14 +9,75 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
+from s2sad.normalize.calls import user_call
+from s2sad.normalize.field_items import spoken
 from s2sad.normalize.groups import SPELLED, Conflict, Group, Ordinary, Plain, Value, listed, pattern, spelled
 from s2sad.program import Kernel
 from s2sad.read.link import header_of
 from s2sad.structure import SPARSE, Structure
-from s2sad.tree import AST, at, call, const, copy
+from s2sad.tree import (
+    AST, Assign, Attribute, AugAssign, Call, Expr, For, Name, Store, Subscript, While, at, call, const, copy, walk,
+)
 
 ROOM = "scipy.sparse."
 FORMATS = (*SPARSE, "dia")                # "dia" is also whatever SciPy lays out by itself: its entries cannot be read
+
+PLACES = ("indices", "indptr", "row", "col")
+
+
+class Stores:
+    """Where a kernel may store to elements of arrays: in subscripts, in calls that stand alone or of other kernels, and
+    where it adds to a name."""
+
+    def __init__(self, body: list[AST]):
+        self.loops = [(s.lineno, s.end_lineno) for s in walk(body) if isinstance(s, (For, While))]
+        self.places = [(node.lineno, _base(part)) for node in walk(body) for part in _written(node)]
+        self.taken = {t.id for s in walk(body) if isinstance(s, Assign) for t in s.targets
+                      if isinstance(t, Name) and _is_places(s.value)}
+
+    def later(self, array: AST, origin: AST) -> bool:
+        """Whether an array may be written after a statement, or in a loop around it."""
+        base, line = _base(array), origin.lineno
+        return bool(base) and any(name == base and (store >= line or any(
+            first <= store <= last and first <= line <= last for first, last in self.loops))
+            for store, name in self.places)
+
+    @property
+    def to_places(self) -> bool:
+        """Whether the arrays may be written that say where the entries of a matrix are."""
+        return any(name in self.taken for _, name in self.places)
+
+
+def _written(node: AST) -> list[AST]:
+    """The arrays that a node may write."""
+    if isinstance(node, Subscript) and isinstance(node.ctx, Store):
+        return [node.value]
+    if isinstance(node, AugAssign):
+        return [node.target]
+    called = node.value if isinstance(node, Expr) else node if user_call(node) is not None else None
+    if not isinstance(called, Call):
+        return [k.value for k in node.keywords if k.arg == "out"] if isinstance(node, Call) else []
+    method = [called.func.value] if isinstance(called.func, Attribute) else []
+    return [*method, *called.args, *(k.value for k in called.keywords)]
+
+
+def _is_places(node: AST) -> bool:
+    """Whether an expression is an array, or a part of one, that says where the entries of a matrix are."""
+    while isinstance(node, Subscript):
+        node = node.value
+    return isinstance(node, Attribute) and node.attr in PLACES
+
+
+def _base(node: AST) -> str:
+    """The name that an array is a part of; empty for an expression."""
+    while isinstance(node, (Subscript, Attribute)):
+        node = node.value
+    return node.id if isinstance(node, Name) else ""
+
+
+def said(value: Group) -> str:
+    """What a matrix is, in a sentence."""
+    return f"{spoken(value)} is {value.form}" if value.path != SPELLED else f"this is {value.form}"
 
 
 class Kept(Protocol):
@@ -32,7 +93,13 @@ def is_matrix(value: object) -> bool:
 
 
 def is_sparse(value: Group) -> bool:
+    """Whether a structure is a sparse matrix or a factorization of one."""
     return is_matrix(value) or value.form.kind == "factors"
+
+
+def has_matrix(value: Value) -> bool:
+    """Whether a structure is a sparse matrix or a factorization, or has one in it."""
+    return isinstance(value, Group) and (is_sparse(value) or any(map(has_matrix, value.items)))
 
 
 def matrix(kind: str, data: Value, row: Value, col: Value, shape: Value, **places: Value) -> Group:

@@ -45,17 +45,12 @@ def same(text: str, value: str) -> None:
 _TAKEN_APART = {"lu_factor", "lu_solve", "cho_factor", "cho_solve", "solve_banded", "cholesky"}
 
 
-# those of which some calls have a derivative, and that are followed there (`normalize.field_matrices`)
-_SPARSE = {*(f"{f}_{word}" for f in ("csr", "csc", "coo") for word in ("matrix", "array")), "diags", "diags_array", "eye",
-           "eye_array", "identity"}
-_SPARSE_SOLVERS = {"spsolve", "splu", "factorized", "cg", "gmres", "bicg", "bicgstab", "minres", "lgmres", "cgs", "qmr"}
-
-
 def is_scipy(path: str) -> bool:
-    """Whether a function of SciPy's is one that is known here, so that a call of it may have a derivative."""
+    """Whether a function of SciPy's is one that has a derivative here, or may: `normalize.field_matrices` follows what is
+    done with sparse matrices, and says what has none."""
     room, _, last = path.rpartition(".")
-    known = {"scipy.linalg": _TAKEN_APART, "scipy.sparse": _SPARSE, "scipy.sparse.linalg": _SPARSE_SOLVERS}
-    return path in TABLE or last in known.get(room, ())
+    return path in TABLE or room == "scipy.linalg" and last in _TAKEN_APART or room in (
+        "scipy.sparse", "scipy.sparse.linalg")
 
 
 def other_spelling(node: Call) -> AST | None:

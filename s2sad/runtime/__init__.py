@@ -25,8 +25,8 @@ from s2sad.runtime.spans import position, position_down
 from s2sad.runtime.sparse_matrices import (
     sparse_dense, sparse_diagonal, sparse_diagonal_gain, sparse_entries, sparse_factors,
     sparse_fits, sparse_gain, sparse_gain_in_loops, sparse_joined, sparse_left_product,
-    sparse_left_product_in_loops, sparse_product, sparse_product_in_loops, sparse_rows,
-    sparse_solve, sparse_span,
+    sparse_left_product_in_loops, sparse_product, sparse_product_in_loops,
+    sparse_rows, sparse_solve, sparse_span,
 )
 from s2sad.runtime.special import digamma
 from s2sad.runtime.spread import extreme_mask, scattered, spread
