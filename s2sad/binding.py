@@ -146,6 +146,8 @@ def _odd(name: str, value: Any) -> tuple[str, str]:
         return f"is {_a(value)}", f"pass numpy.array({name}, dtype=float)"
     if isinstance(value, np.generic):
         return f"is a number of type {value.dtype}", "give a float"
+    if type(value).__module__.startswith("scipy.sparse."):
+        return f"is {_a(value)}", "give it in another format: A.tocsr()"
     return f"is {_a(value)}", "give an array, a float, an int, a bool, a str or None"
 
 

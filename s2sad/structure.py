@@ -3,7 +3,7 @@
     Params(k=2.0, layers=[(w, b)])      p.k: float64, p.layers[0][0]: float64[:, :], p.layers[0][1]: float64[:]
 
 A structure is a dataclass or another object of a class of the user's, a named tuple, a `types.SimpleNamespace`, a
-dict, a tuple or a list; a leaf is anything else: an array, a number, a str, None, or something that a kernel may carry
+dict, a tuple, a list, or a sparse matrix of SciPy's in the format csr, csc or coo; a leaf is anything else: an array, a number, a str, None, or something that a kernel may carry
 along but not use.
 """
 from __future__ import annotations
@@ -12,6 +12,7 @@ import copy
 import dataclasses
 import inspect
 import re
+import sys
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -31,6 +32,8 @@ _USED = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16",
                    "float32", "complex128"))
 _HEAP = 1 << 9                          # the flag of a class that is written in Python (or was made at run time)
 _LIBRARIES = ("builtins", "numpy", "scipy", "pandas", "numba", "torch", "jax", "s2sad", "threading", "types")
+SPARSE = {"csr": ("data", "indices", "indptr", "shape"), "csc": ("data", "indices", "indptr", "shape"),
+          "coo": ("data", "row", "col", "shape")}    # the formats of sparse matrices, and what they are made of
 _FLOATS = ("float", "np.float64", "numpy.float64", "float64")
 _STEP = re.compile(r"""\.([^\W\d]\w*)|\[(-?\d+)\]|\['([^']*)'\]|\["([^"]*)"\]""")
 
@@ -38,7 +41,7 @@ _STEP = re.compile(r"""\.([^\W\d]\w*)|\[(-?\d+)\]|\['([^']*)'\]|\["([^"]*)"\]"""
 @dataclass(frozen=True)
 class Structure:
     """One level of a structure: `kind` is "record" (fields), "named" (a named tuple), "dict", "tuple" or "list";
-    "either" was spelled in a text and goes by fields and by keys. Of a `fixed` one no item can be assigned. An int in a
+    "either" was spelled in a text and goes by fields and by keys; "csr", "csc" and "coo" are sparse matrices. Of a `fixed` one no item can be assigned. An int in a
     field that is annotated as float means a float.
     """
     kind: str
@@ -53,7 +56,8 @@ class Structure:
 
     def __str__(self) -> str:
         titles = {"dict": "a dict", "tuple": "a tuple", "list": "a list", "named": "a named tuple",
-                  "either": "a structure"}
+                  "either": "a structure", **{f: f"a sparse matrix ({f})" for f in SPARSE},
+                  "dia": "a sparse matrix", "factors": "a factorization of a sparse matrix"}
         if self.kind in titles:
             return titles[self.kind]
         if dataclasses.is_dataclass(self.made) or self.made is None:
@@ -98,11 +102,13 @@ def _form(value: object, name: str, depth: int) -> Form:
 def is_fixed(kind: str, made: type) -> bool:
     """Whether nothing can be assigned to the items: of a frozen dataclass, or one that does more when it is."""
     assigned = made.__setattr__ not in (object.__setattr__, SimpleNamespace.__setattr__)
-    return kind in ("named", "tuple") or kind == "record" and assigned
+    return kind in ("named", "tuple", *SPARSE) or kind == "record" and assigned
 
 
 def _kind(value: object) -> str | None:
     kind = type(value)
+    if kind.__module__.startswith("scipy.sparse."):
+        return sparse_format(value)
     if kind in (dict, OrderedDict):
         return "dict" if all(type(k) in (str, int) for k in value) else None  # pyright: ignore
     if kind in (tuple, list):
@@ -110,6 +116,13 @@ def _kind(value: object) -> str | None:
     if isinstance(value, tuple) and hasattr(kind, "_fields"):
         return "named"
     return "record" if kind is SimpleNamespace or _holds_fields(kind) else None
+
+
+def sparse_format(value: Any) -> str | None:
+    """The format of a sparse matrix that can be taken apart; None for anything else."""
+    sparse = sys.modules.get("scipy.sparse")
+    usable = sparse is not None and sparse.issparse(value) and value.format in SPARSE and len(value.shape) == 2
+    return value.format if usable else None
 
 
 @cache
@@ -148,6 +161,8 @@ def record_fields(made: type) -> tuple[str, dict[str, Any]] | None:
 
 
 def _keys(kind: str, value: Any) -> tuple[str | int, ...]:
+    if kind in SPARSE:
+        return SPARSE[kind]
     if kind == "dict":
         return tuple(value)
     if kind == "named":
@@ -160,7 +175,7 @@ def _keys(kind: str, value: Any) -> tuple[str | int, ...]:
 
 def part_of(kind: str, value: Any, key: str | int) -> Any:
     """One item of a structure."""
-    return getattr(value, str(key)) if kind in ("record", "named") else value[key]
+    return getattr(value, str(key)) if kind in ("record", "named", *SPARSE) else value[key]
 
 
 def assign_part(kind: str, value: Any, key: str | int, new: Any) -> None:
@@ -189,7 +204,7 @@ def _leaf(value: object) -> Type:
 
 def step(form: Structure, path: str, key: str | int) -> str:
     """The path of an item, as one writes it: `state.u`, `p['k']`, `layers[0]`."""
-    return f"{path}.{key}" if form.kind in ("record", "named", "either") else f"{path}[{key!r}]"
+    return f"{path}.{key}" if form.kind in ("record", "named", "either", "dia", "factors", *SPARSE) else f"{path}[{key!r}]"
 
 
 def leaves(form: Form, path: str) -> Iterator[tuple[str, Type]]:
@@ -199,6 +214,17 @@ def leaves(form: Form, path: str) -> Iterator[tuple[str, Type]]:
     else:
         for key, item in zip(form.keys, form.items):
             yield from leaves(item, step(form, path, key))
+
+
+def places_of(form: Form, path: str) -> Iterator[str]:
+    """The paths of what says where the entries of sparse matrices are."""
+    if isinstance(form, Structure):
+        for key, item in zip(form.keys, form.items):
+            inner = step(form, path, key)
+            if form.kind in SPARSE and key != "data":
+                yield from (p for p, _ in leaves(item, inner))
+            else:
+                yield from places_of(item, inner)
 
 
 def steps(text: str) -> tuple[str | int, ...] | None:
@@ -241,6 +267,8 @@ def mapped(form: Form, value: Any, path: str, change: Callable[[str, Type, Any],
 
 def rebuilt(form: Structure, like: Any, items: list[Any]) -> Any:
     """A structure of the same kind with other items; no code of its class runs."""
+    if form.kind in SPARSE:
+        return _with_entries(like, items[0])
     if form.kind in ("tuple", "list"):
         return tuple(items) if form.kind == "tuple" else items
     if form.kind == "named":
@@ -251,6 +279,16 @@ def rebuilt(form: Structure, like: Any, items: list[Any]) -> Any:
     new = copy.copy(like) if copied else object.__new__(type(like))
     for key, item in zip(form.keys, items):
         object.__setattr__(new, str(key), item)
+    return new
+
+
+def _with_entries(like: Any, data: Any) -> Any:
+    """A sparse matrix with other entries at the same places, which it holds in arrays of its own; the matrix itself if
+    there are none."""
+    if not isinstance(data, np.ndarray):
+        return like
+    new = like.copy()
+    new.data = data
     return new
 
 

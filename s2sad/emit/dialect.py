@@ -15,6 +15,7 @@ from s2sad.units import Units
 _LACKING = {
     "math.fmod": "numpy.fmod", "math.cbrt": "numpy.cbrt", "numpy.fix": "numpy.trunc",
     "numpy.heaviside": "runtime.heaviside",
+    **{f"runtime.{n}": f"runtime.{n}_in_loops" for n in ("sparse_product", "sparse_left_product", "sparse_gain")},
     **{f"math.{n}": f"runtime.{n}" for n in ("remainder", "isqrt", "lcm", "comb", "perm", "factorial")}}
 
 _TRANSFORMS = {f"numpy.fft.{f}": f"runtime.{f}" for f in ("fft", "ifft", "rfft", "irfft")}

@@ -81,7 +81,7 @@ class _Annotated:
         for name in names:
             leaf = self.flat[name]
             if name not in floats:
-                self.given.append(leaf)
+                self.given.append(Const(leaf) if isinstance(leaf, np.ndarray) else leaf)
             elif isinstance(leaf, np.ndarray) or not self.mode.reverse:
                 self.given.append(type(mark)(leaf, shadows[name]))
             else:

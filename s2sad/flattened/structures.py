@@ -24,8 +24,8 @@ from s2sad.normalize.groups import Group, nothing
 from s2sad.prepared import selection_of
 from s2sad.selection import RETURN
 from s2sad.structure import (
-    Form, Structure, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, method_of, part_of, step, steps,
-    without_lengths,
+    Form, Structure, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, method_of, part_of, places_of,
+    step, steps, without_lengths,
 )
 from s2sad.variants import State
 from s2sad.watch import Watch
@@ -181,11 +181,14 @@ class Flattened(Asked):
             what_form = "an array or a number" if isinstance(form, Type) else str(form)
             raise misfit(f"the {what} of '{name}' is of type {type(given).__name__} or has other parts: '{name}' is "
                          f"{what_form}", f"make one with s2sad.make_zero({name})")
-        floats = set(self.floats(form, spelling))
+        floats, fixed = set(self.floats(form, spelling)), {self.names[p] for p in places_of(form, spelling)}
         found: dict[str, Any] = {}
 
         def add(path: str, kind: Type, leaf: Any) -> None:
             flat = self.names.get(path, path)
+            if flat in fixed and not np.array_equal(leaf, values[flat]):
+                raise misfit(f"the {what} of '{name}' has its entries at other places than '{name}'",
+                             f"make one with s2sad.make_zero({name})")
             if flat in floats:
                 found[flat] = _cell_seed(leaf, values[flat], name, path) if flat in self.cells else leaf
         mapped(form, given, spelling, add)

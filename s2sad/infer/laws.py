@@ -15,6 +15,9 @@ Shape = tuple["Affine | None", ...]
 Options = Mapping[str, AST]
 ONE = Affine((), 1)
 LEAST = Affine((), -1)  # stands for the least size of the first argument
+# stand for the sizes that arguments of these names are
+GIVEN = {Affine((), -2): "m", Affine((), -3): "n", Affine((), -4): "size"}
+_M, _N, _SIZE = GIVEN
 
 
 @dataclass(frozen=True)
@@ -213,6 +216,32 @@ def _moved_shape(args: list[Shape], options: Options) -> Shape | None:
     return None if order is None else tuple(args[0][k] for k in order)
 
 
+def _entries(args: list[Type]) -> bool:
+    """Whether the first of these are the entries of a sparse matrix, their rows and their columns."""
+    return args[0].rank == 1 and args[0].is_array and all(
+        a.is_array and a.rank == 1 and a.dtype.startswith("int") for a in args[1:3]) and all(a.is_number for a in args[4:])
+
+
+def _sparse_type(data: int, x: int) -> Callable[[list[Type], Options], Type]:
+    """The type of a product or a solution; where `data` and `x` stand among the arguments."""
+    def made(args: list[Type], options: Options) -> Type:
+        fits = _entries(args[data:]) and args[x].is_array and args[x].rank in (1, 2)
+        dtype = _common([args[data], args[x]])
+        return array(dtype, args[x].rank) if fits and dtype in ("float32", "float64") else UNKNOWN
+    return made
+
+
+def _sparse_matrix(rank: int) -> Callable[[list[Type], Options], Type]:
+    def made(args: list[Type], options: Options) -> Type:
+        return array(args[0].dtype, rank) if _entries(args) and args[0].is_float else UNKNOWN
+    return made
+
+
+def _joined_size(args: list[Shape], options: Options) -> Shape | None:
+    first, second = args[0][0], args[1][0]
+    return None if first is None or second is None else (first.plus(second, 1),)
+
+
 LAWS: dict[str, Law] = {
     "places": Law(_places_type, lambda args, options: args[0]),
     "counted": Law(lambda args, options: array("int64", 1), lambda args, options: None),
@@ -248,4 +277,13 @@ LAWS: dict[str, Law] = {
     "spectrum": Law(lambda args, options: array("complex128", args[0].rank), lambda args, options: None),
     "real": Law(lambda args, options: array("float64", args[0].rank), lambda args, options: None),
     "solved": Law(_solved_type, lambda args, options: args[1]),
+    "sparse product": Law(_sparse_type(0, 3), lambda args, options: (_M, *args[3][1:])),
+    "sparse left product": Law(_sparse_type(1, 0), lambda args, options: (*args[0][:-1], _N)),
+    "sparse solve": Law(_sparse_type(0, 3), lambda args, options: args[3]),
+    "sparse dense": Law(_sparse_matrix(2), lambda args, options: (_M, _N)),
+    "sparse diagonal": Law(_sparse_matrix(1), lambda args, options: (_SIZE,)),
+    "sparse entries": Law(lambda args, options: array(args[0].dtype, 1), lambda args, options: args[-1]),
+    "sparse rows": Law(lambda args, options: array("int64", 1), lambda args, options: args[1]),
+    "sparse span": Law(lambda args, options: array("int64", 1), lambda args, options: (_SIZE,)),
+    "sparse joined": Law(lambda args, options: array("int64", 1), _joined_size),
 }

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from s2sad import rules
 from s2sad.infer.affine import Affine
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import LAWS, LEAST, ONE, Shape, whole_number
+from s2sad.infer.laws import GIVEN, LAWS, LEAST, ONE, Shape, whole_number
 from s2sad.infer.slices import Slices
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Mult, Name, Store,
@@ -47,6 +47,8 @@ class Shapes(Slices):
             elif made is not None and LEAST in made:
                 least = self._least(self.of(arguments[rule.operands[0]]))
                 made = tuple(least if d == LEAST else d for d in made)
+            elif made is not None:
+                made = tuple(self.size(arguments[GIVEN[d]]) if d in GIVEN else d for d in made)
             return made if made is not None else (None,) * self.typing.of(node).rank
         return self.broadcast(self.of(part) for part in children(node) if self.typing.of(part).is_array)
 

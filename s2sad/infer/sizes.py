@@ -103,6 +103,8 @@ class Sizes(ABC):
             return self.of(base)[axis] if axis is not None and -rank <= axis < rank else None
         if call_name(node) == "builtins.len" and self.typing.of(node.args[0]).is_array:
             return self.of(node.args[0])[0]
+        if call_name(node) == "numpy.size" and self.typing.of(node.args[0]).rank == 1:
+            return self.of(node.args[0])[0]
         if isinstance(node, Attribute) and node.attr == "size" and self.typing.of(node.value).rank == 1:
             return self.of(node.value)[0]
         return None

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from s2sad.infer.laws import of_rank, whole_number
 from s2sad.infer.options import Arguments, astype_dtype, is_none, one_axis, text_of, widths_of
-from s2sad.infer.promotion import ORDER, common, known_array
+from s2sad.infer.promotion import ORDER, common, known_array, promote
 from s2sad.infer.types import UNKNOWN, Type, array
 from s2sad.tree import Constant, List, Tuple
 
@@ -190,6 +190,17 @@ def _stacked_sections(args: list[Type], options: Arguments) -> Type:
     return _section(args, options) if args[0].rank >= 2 else UNKNOWN
 
 
+def _scaled(args: list[Type], options: Arguments) -> Type:
+    data, c = args
+    return promote(data, c) if data.is_array and data.rank == 1 and c.is_number else UNKNOWN
+
+
+def _along(args: list[Type], options: Arguments) -> Type:
+    values = args[0]
+    return array(values.dtype if values.is_float else "float64", 1) if values.rank < 2 and values.dtype in ORDER else (
+        UNKNOWN)
+
+
 SHAPES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.diff": _diff, "numpy.concatenate": _concatenate, "numpy.stack": _stack, "numpy.hstack": _hstack,
     "numpy.vstack": _vstack, "numpy.column_stack": _columns, "numpy.append": _append, "numpy.expand_dims": _expanded,
@@ -200,4 +211,5 @@ SHAPES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.astype": _cast, "numpy.atleast_1d": _at_least(1), "numpy.atleast_2d": _at_least(2), "numpy.dstack": _deep,
     "numpy.rot90": _turned, "numpy.diagflat": _diagflat, "numpy.split": _section, "numpy.array_split": _section,
     "numpy.hsplit": _section, "numpy.vsplit": _stacked_sections, "numpy.tri": _eye,
+    "scipy.sparse.entries": _scaled, "scipy.sparse.along": _along,
 }

@@ -8,6 +8,7 @@ from __future__ import annotations
 from s2sad.normalize.field_decisions import NO
 from s2sad.normalize.field_values import Values
 from s2sad.normalize.groups import Group, Leaf, nothing, usable
+from s2sad.normalize.sparse_groups import PLACES, is_matrix
 from s2sad.tree import (
     AST, Add, Attribute, BoolOp, Compare, Constant, Mult, Name, Not, Store, Sub, Subscript, UnaryOp, at, const, index,
     name,
@@ -22,6 +23,9 @@ class Assignments(Values):
     def assigned(self, node: AST, value: AST | None, augmented: bool, op: AST | None = None) -> AST | None:
         """The target for an item of a structure; None if the target is no such item."""
         base = self.structural(node.value)
+        if isinstance(node.value, Attribute) and node.value.attr in PLACES and is_matrix(self.structural(
+                node.value.value)):
+            self.refuse(node, "the places of the entries of a sparse matrix are written", "build another matrix")
         if not isinstance(base, Group):
             if isinstance(node, Attribute):
                 said = f"{node.value.id}.{node.attr}" if isinstance(node.value, Name) else f".{node.attr}"

@@ -21,11 +21,12 @@ from s2sad.normalize.field_values import Maker, plain_tuple
 from s2sad.normalize.groups import (
     ORDINARY, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, flat, listed, nothing, spelled, usable,
 )
+from s2sad.normalize.sparse_groups import is_sparse
 from s2sad.program import Kernel
 from s2sad.structure import step
 from s2sad.tree import (
-    AST, Assign, Attribute, Call, Constant, Expr, List, Name, Store, Subscript, Tuple, assign, at, const, name,
-    stored_names, tuple_of, walk,
+    AST, Assign, Attribute, BinOp, Call, Constant, Expr, For, List, Name, Store, Subscript, Tuple, While, assign, at,
+    const, equal, expr, name, stored_names, tuple_of, walk,
 )
 
 Env = dict[str, "Value | Conflict | Ordinary"]
@@ -41,7 +42,10 @@ class Bindings(Assignments):
         self.fresh = fresh
         self.in_loop = False
         stores = [n.id for n in walk(kernel.tree.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
+        self.before_loop: frozenset[str] = frozenset()      # what had a value where the loops around began
         self.rebound = {n for n in stores if stores.count(n) > 1 or n in kernel.parameters}
+        loops = [s for s in walk(kernel.tree.body) if isinstance(s, (For, While))]
+        self.changing = self.rebound | set(stored_names(loops))
 
     # -- values --------------------------------------------------------------------------------------------------------
 
@@ -143,7 +147,8 @@ class Bindings(Assignments):
         if isinstance(value, Group):
             old = self.env.get(target.id)
             copying = self.in_loop and unrolled is None and _fixed(value)
-            if isinstance(old, Group) and (copying or value.path == SPELLED) and self._replaceable(
+            anew = is_sparse(value) and target.id not in self.before_loop
+            if isinstance(old, Group) and (copying or value.path == SPELLED) and not anew and self._replaceable(
                     target.id, old, value):
                 env[target.id] = _unplaced(old)
                 return [(name(was.name), spelled(new, target) or const(0.0)) for was, new in zip(flat(old), flat(value))
@@ -172,7 +177,9 @@ class Bindings(Assignments):
         items: list[Value] = []
         for key, item in zip(group.form.keys, group.items):
             path = step(group.form, wanted, key)
-            if isinstance(item, Group):
+            if is_sparse(group) and self.settled(item):
+                items.append(item)
+            elif isinstance(item, Group):
                 inner, part = self._kept(item, origin, path, copying, constants)
                 pairs += inner
                 items.append(part)
@@ -186,6 +193,15 @@ class Bindings(Assignments):
                 items.append(item)
         path = wanted if group.path == SPELLED or copying else group.path
         return pairs, replace(group, items=tuple(items), path=path)
+
+    def settled(self, value: Value) -> bool:
+        """Whether the shape of a sparse matrix is the same wherever it stands: made of sizes and names bound once."""
+        if isinstance(value, Group):
+            return value.form.kind == "tuple" and all(map(self.settled, value.items))
+        parts = [n for n in walk(value.node) if isinstance(n, expr)] if isinstance(value, Plain) else []
+        return bool(parts) and all(
+            isinstance(n, (Constant, BinOp, Subscript)) or isinstance(n, Attribute) and n.attr in ("shape", "size")
+            or isinstance(n, Name) and n.id not in self.changing for n in parts)
 
     def kept(self, group: Group, origin: AST, wanted: str) -> tuple[list[AST], Group]:
         """A structure whose expressions have names of their own, given before."""
@@ -215,7 +231,8 @@ class Bindings(Assignments):
     def _replaceable(self, identifier: str, old: Group, result: Group) -> bool:
         """Whether a name's flat names can take new values: nothing else means them, and no field can be assigned."""
         return (_shape(old) == _shape(result) and _fixed(old) and not self._shared(identifier, old)
-                and all(isinstance(leaf, Leaf) and not leaf.is_cell for leaf in flat(old)))
+                and all(isinstance(leaf, Leaf) and not leaf.is_cell or isinstance(leaf, Plain) and isinstance(
+                    new, Plain) and equal(leaf.node, new.node) for leaf, new in zip(flat(old), flat(result))))
 
 
 def _storing(target: AST) -> AST:

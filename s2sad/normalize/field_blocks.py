@@ -118,8 +118,8 @@ class Blocks(Bindings):
 
     def _looped(self, once: Callable[[], list[AST]], body: list[AST], orelse: list[AST]) -> list[AST]:
         """A loop's body under what holds in every iteration."""
-        before, outer = self.detached(body), self.in_loop
-        self.in_loop = True
+        before, outer = self.detached(body), (self.in_loop, self.before_loop)
+        self.in_loop, self.before_loop = True, frozenset(self.env)
         start, mark, returned = dict(self.env), len(self.report.found), len(self.returned)
         while True:
             self.env = dict(start)
@@ -130,7 +130,7 @@ class Blocks(Bindings):
             for end in ends:
                 merged = _merged(merged, end)
             if all(merged.get(n) == start[n] for n in start):
-                self.env, self.in_loop = merged, outer
+                self.env, (self.in_loop, self.before_loop) = merged, outer
                 made[0].orelse = self.block(orelse)
                 return before + made
             start = {n: merged[n] for n in start}

@@ -3,6 +3,7 @@
     limit(state, 2.0)          ->   user.limit(state_u, state_t, 2.0)
     state.norm()               ->   user.norm(state_u)
     Orbit(x, v=0.0)            ->   a structure of x and 0.0
+    a @ x                      ->   runtime.sparse_product(a_data, a_row, a_col, x, ...)   (field_matrices)
 """
 from __future__ import annotations
 
@@ -13,13 +14,15 @@ from typing import Any, Protocol
 from s2sad.diagnostics import Report
 from s2sad.infer.types import UNKNOWN
 from s2sad.normalize.calls import bound_arguments, user_call
-from s2sad.normalize.field_decisions import NO, Decisions
+from s2sad.normalize.field_decisions import NO
 from s2sad.normalize.field_items import parts_of, spoken
+from s2sad.normalize.field_matrices import Matrices
 from s2sad.normalize.groups import NOTHING, SPELLED, Group, Leaf, Plain, Value, flat, listed, pattern, usable
+from s2sad.normalize.sparse_groups import ROOM as SPARSE_ROOM, is_sparse
 from s2sad.program import Kernel, Program
 from s2sad.structure import Form, Structure, is_fixed, method_of, record_fields
 from s2sad.tree import (
-    AST, Attribute, BoolOp, Call, Compare, Dict, IfExp, List, Name, Not, Subscript, Tuple, UnaryOp, add, at, call_name,
+    AST, Attribute, BinOp, BoolOp, Call, Compare, Dict, IfExp, List, Name, Not, Subscript, Tuple, UnaryOp, add, at, call_name,
     const, keyword, name,
 )
 
@@ -34,8 +37,10 @@ class Callee(Protocol):
 
 
 class Maker(Protocol):
-    """What one kernel asks of the pass: the program, and other kernels for patterns of arguments."""
+    """What one kernel asks of the pass: the program, whether it has sparse matrices, and other kernels for patterns of
+    arguments."""
     program: Program
+    sparse: bool
 
     def callee(self, kernel: str, patterns: tuple[Form, ...]) -> Callee: ...
 
@@ -48,7 +53,7 @@ class Unread(Exception):
         self.function, self.made, self.name = function, made, name
 
 
-class Values(Decisions):
+class Values(Matrices):
     """What the expressions of one kernel stand for; `needed` are the places of parameters that are assigned and must be
     cells."""
 
@@ -92,6 +97,10 @@ class Values(Decisions):
         called = call_name(node) or ""
         if called.startswith("record."):
             return self._constructed(node, called.partition(".")[2])
+        if called.startswith(SPARSE_ROOM):
+            return self.of_scipy(node, called)
+        if isinstance(node.func, Name) and isinstance(factors := self.env.get(node.func.id), Group):
+            return self.called_factors(factors, node)
         if called == "builtins.len":
             return self._length(node)
         if called in ("builtins.max", "builtins.min", "builtins.sum") and len(node.args) == 1 and not node.keywords:
@@ -147,6 +156,8 @@ class Values(Decisions):
 
     def _method(self, base: Group, node: Call) -> Value:
         """`p.get("k", 1.0)`, `p.items()`, `p.keys()`, `p.values()` of a dict."""
+        if is_sparse(base):
+            return self.matrix_method(base, node)
         method, count, kind = node.func.attr, len(node.args), base.form.kind
         given = node.keywords if method == "_replace" else []
         new = {str(k.arg): self.now(self.whole(k.value), k.value) for k in given}
@@ -240,6 +251,7 @@ def plain_tuple(result: Group) -> bool:
 
 Values.seen = {
     Name: Values._name, Attribute: Values._field, Subscript: Values._item, Call: Values._call, Compare: Values._test,
-    BoolOp: Values._test, UnaryOp: lambda v, n: v._test(n) if isinstance(n.op, Not) else None, IfExp: Values._choice,
+    BoolOp: Values._test, UnaryOp: lambda v, n: v._test(n) if isinstance(n.op, Not) else v.negated(n),
+    BinOp: lambda v, n: v.operated(n) if v.maker.sparse else None, IfExp: Values._choice,
     Tuple: Values._display, List: Values._display, Dict: Values._dict,
 }

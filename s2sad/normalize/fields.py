@@ -24,8 +24,9 @@ from s2sad.normalize.field_blocks import Blocks
 from s2sad.normalize.groups import (
     CELL, ORDINARY, SPELLED, Group, Leaf, Plain, Value, flat, grouped, nothing, spelled, usable,
 )
+from s2sad.normalize.sparse_groups import ROOM as SPARSE_ROOM, given_matrices, has_matrix
 from s2sad.program import Kernel, Program
-from s2sad.structure import Form, Structure, is_held, leaves, step
+from s2sad.structure import SPARSE, Form, Structure, is_held, leaves, step
 from s2sad.tree import (
     AST, Attribute, Compare, Dict, In, Is, IsNot, List, Name, NotIn, Return, Store, Tuple, at, const, copy, function,
     tuple_of, walk,
@@ -54,18 +55,24 @@ class Made:
 
 def asks(program: Program) -> bool:
     """Whether kernels assign attributes, make structures or test what arguments are: that is settled here."""
-    return bool(program.records) or any(
+    return bool(program.records) or has_sparse(program) or any(
                isinstance(n, Dict) or user_call(n) is not None and any(isinstance(a, (Tuple, List)) for a in n.args) or
                isinstance(n, Attribute) and isinstance(n.ctx, Store) or
                isinstance(n, Compare) and any(isinstance(o, (Is, IsNot, In, NotIn)) for o in n.ops)
                for k in program.kernels.values() for n in walk(k.tree.body))
 
 
+def has_sparse(program: Program) -> bool:
+    """Whether kernels make sparse matrices or solve with them."""
+    return any(isinstance(n, Name) and n.id.startswith(SPARSE_ROOM) for k in program.kernels.values()
+               for n in walk(k.tree.body))
+
+
 def fields(program: Program, forms: tuple[Form, ...]) -> Flat:
     """The flat program for arguments of these forms; raises S2sadError with what cannot be taken apart."""
     cells: frozenset[str] = frozenset()
     while True:
-        making = _Making(program)
+        making = _Making(program, has_sparse(program) or any(map(_is_sparse, forms)))
         entry = program.kernels[program.entry]
         made = making.made(entry, tuple(_with_cells(f, p, cells) for p, f in zip(entry.parameters, forms)), True)
         names = [n for p in entry.parameters for n in made.flat[p]]
@@ -79,6 +86,11 @@ def fields(program: Program, forms: tuple[Form, ...]) -> Flat:
         cells = new
 
 
+def _is_sparse(form: Form) -> bool:
+    """Whether an argument is a sparse matrix or has one in it."""
+    return isinstance(form, Structure) and (form.kind in SPARSE or any(map(_is_sparse, form.items)))
+
+
 def _with_cells(form: Form, path: str, cells: Iterable[str]) -> Form:
     """The form in which the numbers at some paths are cells."""
     if isinstance(form, Type):
@@ -90,8 +102,8 @@ def _with_cells(form: Form, path: str, cells: Iterable[str]) -> Form:
 class _Making:
     """The kernels of one flat program, callees first."""
 
-    def __init__(self, program: Program):
-        self.program = program
+    def __init__(self, program: Program, sparse: bool):
+        self.program, self.sparse = program, sparse
         self.kernels: dict[str, Kernel] = {}
         self.reports: list[Report] = []
         self._made: dict[tuple[str, tuple[Form, ...]], Made] = {}
@@ -174,7 +186,7 @@ class _Making:
                 blocks.env[parameter] = Leaf("", parameter, form)
                 made.flat[parameter] = []
             place += len(made.flat[parameter])
-        body = blocks.block(kernel.tree.body)
+        body = [*given_matrices(blocks, kernel), *blocks.block(kernel.tree.body)]
         made.needed = blocks.needed
         made.result = self._returned(blocks, body, report, is_entry)
         used = {n.id for n in walk(body) if isinstance(n, Name)}
@@ -194,6 +206,11 @@ class _Making:
             for node, group in blocks.returned:
                 node.value = spelled(group, node)
             return None
+        for node, group in blocks.returned if is_entry else ():
+            if has_matrix(group):
+                report.error("S201", "a sparse matrix is returned", node, help="return its entries, and build it of them "
+                             "outside")
+                return None
         groups = [group for _, group in blocks.returned]
         places = [[v.place if isinstance(v, Leaf) and not is_entry else -1 for v in flat(g)] for g in groups]
         for node, group in blocks.returned:

@@ -26,8 +26,8 @@ from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, List, Name, Return, Slice,
-    Subscript, Tuple, While, assign, at, augment, call, call_name, const, copy, dump, index, indices, keyword, name,
-    rebuild, walk,
+    Subscript, Tuple, UnaryOp, While, assign, at, attribute, augment, call, call_name, const, copy, dump, index,
+    indices, keyword, name, rebuild, walk,
 )
 
 _SUMMED = ("summed", "averaged")
@@ -119,6 +119,8 @@ class _Functions:
                 return at(Subscript(inner, self.moved(n.slice, before), n.ctx), n)
             if call_name(n) in _MADE:
                 return name(self.bind(n, self.filled(n, before), before))
+            if call_name(n) == "numpy.size" and (sized := self.sized(n.args[0])) is not None:
+                return at(attribute(self.moved(sized, before), "size"), n)
             if isinstance(n, Call) and (call_name(n) or "").startswith("user."):
                 return at(Call(n.func, [self.given(a, before) for a in n.args], n.keywords), n)
             if rules.find_array(call_name(n)) is None:
@@ -135,6 +137,15 @@ class _Functions:
         if call_name(node) in ("numpy.full", "numpy.full_like"):
             made.args[1] = self.moved(made.args[1], before)
         return made
+
+    def sized(self, node: AST) -> AST | None:
+        """An array in an expression over numbers and arrays with one axis, whose size is the expression's."""
+        plain = isinstance(node, (BinOp, UnaryOp)) and self.typing.of(node).rank == 1 and not any(
+            isinstance(n, Call) or self.picks(n) for n in walk(node))
+        parts = [n for n in walk(node) if isinstance(n, (Name, Subscript)) and self.typing.of(n).rank == 1
+                 and not self.typing.argument(n).ones] if plain else []
+        inside = {id(m) for n in parts for m in walk(n) if m is not n}
+        return next((n for n in parts if id(n) not in inside), None)
 
     def given(self, argument: AST, before: list[AST]) -> AST:
         """An argument of a kernel's call: an array that is computed has a name."""
@@ -191,17 +202,21 @@ class _Functions:
                 inner).is_array
             summed = rule.law in _SUMMED and any(isinstance(n, (Name, Subscript)) and self.typing.of(n).is_array
                                                  for n in walk(inner))
-            converted = self.converted(inner, node)
+            converted = self.converted(inner, operand, node)
             made.append(inner if converted is inner and (plain or summed)
                         else name(self.bind(operand, converted, before)))
         options = [at(keyword(k.arg, self.moved(k.value, before)), node) for k in node.keywords]
         return at(Call(node.func, made, options), node)
 
-    def converted(self, operand: AST, node: Call) -> AST:
+    def converted(self, operand: AST, origin: AST, node: Call) -> AST:
         """An operand of a product or a solve in the dtype of the result: what computes these mixes none."""
         called, given, made = call_name(node) or "", self.typing.of(operand), self.typing.of(node)
         mixed = given.is_array and given.dtype != made.dtype and made.is_inexact
-        if not mixed or called not in ("numpy.matmul", "numpy.dot") and not called.startswith("numpy.linalg."):
+        rule = rules.find_array(called)
+        sparse = called.startswith("runtime.sparse_") and rule is not None and any(
+            node.args[k] is origin for k, p in enumerate(rule.operands) if p in rule.adjoints)
+        dense = called in ("numpy.matmul", "numpy.dot") or called.startswith("numpy.linalg.")
+        if not mixed or not (dense or sparse):
             return operand
         return at(call("numpy.astype", operand, dtype=name(f"numpy.{made.dtype}")), node)
 

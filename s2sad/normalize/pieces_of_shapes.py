@@ -200,6 +200,11 @@ def _arange(asked: Asked) -> str:
                  f"    result[place] = {value}")
 
 
+def _along_diagonal(asked: Asked) -> str:
+    dtype = asked.type("values").dtype if asked.type("values").is_float else "float64"
+    return lines(f"result = {empty(['size'], dtype)}", "result[...] = values")
+
+
 SHAPES: dict[str, Callable[[Asked], str]] = {
     "numpy.diff": _diff, "numpy.broadcast_to": _broadcast_to,
     "numpy.expand_dims": _expand_dims, "numpy.squeeze": _squeeze, "numpy.swapaxes": _swapaxes, "numpy.tile": _tile,
@@ -211,4 +216,5 @@ SHAPES: dict[str, Callable[[Asked], str]] = {
     "numpy.rot90": _rot90, "numpy.astype": _astype, "numpy.diagflat": _diag, "numpy.split": _split,
     "numpy.array_split": lambda asked: _split(asked, even=False), "numpy.vsplit": lambda asked: _split(asked, 0),
     "numpy.hsplit": lambda asked: _split(asked, min(asked.rank("x") - 1, 1)),
+    "scipy.sparse.entries": lambda asked: "result = data * c", "scipy.sparse.along": _along_diagonal,
 }

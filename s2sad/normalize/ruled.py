@@ -25,7 +25,8 @@ _OTHER = frozenset({
     "numpy.full_like", "numpy.shape", "builtins.range"}) | _COPIES
 # functions of whole arrays whose derivative is zero, or that `pieces` writes out; what else has no adjoint is a part of
 # derivatives
-_FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to"})
+_FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to",
+                   "runtime.sparse_rows", "runtime.sparse_span", "runtime.sparse_joined"})
 _SUMS = ("numpy.sum", "builtins.sum")
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
 _HELP = {
@@ -45,6 +46,14 @@ _HELP = {
     "numpy.nanmean": "write np.mean(x[~np.isnan(x)])", "numpy.split": "bind each section to a name: a, b = np.split(x, "
     "2)", "numpy.array_split": "bind each section to a name: a, b = np.array_split(x, 2)",
 }
+_TYPES = "entries and operands are arrays of floats, rows and columns arrays of integers"
+_SPARSE = {
+    "scipy.sparse.entries": ("a sparse matrix times something that is no number", "A @ x is the product with a vector"),
+    "scipy.sparse.along": ("a diagonal that is neither a number nor an array with one axis", _TYPES),
+    **dict.fromkeys(("runtime.sparse_product", "runtime.sparse_left_product"),
+                    ("the product of a sparse matrix with an operand of this type", _TYPES)),
+    "runtime.sparse_solve": ("solving with a sparse matrix of this type", _TYPES),
+    **dict.fromkeys(("runtime.sparse_dense", "runtime.sparse_diagonal"), ("a sparse matrix of this type", _TYPES))}
 _LOOP = "write it as a loop over the elements"
 _OTHERS = "write it with functions that have a rule, or give it one: s2sad.rule, s2sad.nondifferentiable"
 
@@ -97,6 +106,10 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
     rule = rules.find_array(name)
     if rule is not None and not rule.adjoints and rule.law != "pieces" and name not in _FLAT:
         report.error("S301", f"no derivative rule for {name}", node, help=_OTHERS)
+        return
+    if name in _SPARSE and typing.of(node).kind == "unknown":
+        message, help = _SPARSE[name]
+        report.error("S301", f"no derivative rule for {message}", node, help=help)
         return
     if name is None or name.startswith(("user.", "runtime.")) or name in _OTHER or rules.constant_result(name):
         return

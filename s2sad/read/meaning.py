@@ -13,7 +13,7 @@ import numpy
 
 from s2sad.diagnostics import Source
 from s2sad.rules.spellings import is_scipy
-from s2sad.structure import record_fields
+from s2sad.structure import SPARSE, record_fields, sparse_format
 from s2sad.tree import AST, FunctionDef
 
 BUILTIN_CALLS = ("abs", "bool", "complex", "enumerate", "float", "int", "len", "max", "min", "pow", "print", "range",
@@ -57,6 +57,31 @@ class Record:
     name: str
     value: type
     current: Callable[[], Any] | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """A sparse matrix of a module or closure; `current` looks it up again."""
+    name: str
+    value: Any
+    current: Callable[[], Any] | None = field(default=None, compare=False)
+
+    def parts(self) -> tuple[list[Array], list[Number]]:
+        """The arrays that it is made of, and its shape."""
+        keys = SPARSE[self.value.format]
+
+        def now(key: str, axis: int | None = None) -> Callable[[], Any] | None:
+            if self.current is None:
+                return None
+            return lambda: _part(self.current and self.current(), key, axis)
+        return ([Array(f"{self.name}_{k}", getattr(self.value, k), now(k)) for k in keys[:-1]],
+                [Number(f"{self.name}_{w}", int(self.value.shape[k]), now("shape", k))
+                 for k, w in enumerate(("rows", "columns"))])
+
+
+def _part(value: Any, key: str, axis: int | None) -> Any:
+    found = getattr(value, key)
+    return found if axis is None else int(found[axis])
 
 
 @dataclass(frozen=True)
@@ -112,7 +137,7 @@ class Numbers:
     items: tuple[Number | Numbers, ...]
 
 
-Meaning = Library | Number | Numbers | Array | Record | Text | Function | Unusable | Space
+Meaning = Library | Number | Numbers | Array | Record | Matrix | Text | Function | Unusable | Space
 
 
 @dataclass(frozen=True)
@@ -178,9 +203,9 @@ def library_path(name: str, value: Any) -> str | None:
             if candidate and getattr(module, candidate, None) is value:
                 return f"{module.__name__}.{candidate}"
     home = str(getattr(value, "__module__", ""))
-    if home.startswith("scipy.") and getattr(sys.modules.get("scipy.linalg"), own, None) is value and is_scipy(
-            f"scipy.linalg.{own}"):
-        return f"scipy.linalg.{own}"
+    for module in ("scipy.linalg", "scipy.sparse", "scipy.sparse.linalg") if home.startswith("scipy.") else ():
+        if getattr(sys.modules.get(module), own, None) is value and is_scipy(f"{module}.{own}"):
+            return f"{module}.{own}"
     if home.partition(".")[0] == "numpy" and getattr(library_value(home), own, None) is value:
         return f"{home}.{own}"
     return None
@@ -236,6 +261,8 @@ def value_meaning(name: str, value: Any, current: Callable[[], Any] | None = Non
         return Unusable("a complex number that is not finite, or of 64 bits", "make it in the kernel")
     if isinstance(value, numpy.ndarray):
         return Unusable(f"an array of {value.dtype}", "use an array of floats, integers or bools")
+    if sparse_format(value) is not None:
+        return Matrix(name, value, current)
     if isinstance(value, type) and record_fields(value) is not None:
         return Record(name, value, current)
     if isinstance(value, type):

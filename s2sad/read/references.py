@@ -10,7 +10,7 @@ from collections.abc import Callable
 from s2sad import rules, tree
 from s2sad.diagnostics import Report
 from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Function, Holder, Items, Meaning, Number, Numbers, Record, Space, Text, Unusable,
+    AST, BUILTIN_CALLS, Array, Function, Holder, Items, Matrix, Meaning, Number, Numbers, Record, Space, Text, Unusable,
     dotted, library_value,
 )
 from s2sad.rules.given import GIVEN, ROOM
@@ -87,6 +87,8 @@ class References:
             if not called:
                 self._refuse(f"the class '{text}' as a value is not supported in a kernel", node,
                              f"make one: {text}(...)")
+        elif isinstance(meaning, Matrix):
+            return self._matrix(node, meaning, text, called)
         elif isinstance(meaning, (Number, Array)):
             path = self.identify(meaning)
             self.references.add(path)
@@ -104,6 +106,18 @@ class References:
         elif path is not None and not called and not isinstance(library_value(path), type):
             self._as_value(node, text)
         return tree.copy(node) if path is None else tree.at(tree.name(path), node)
+
+    def _matrix(self, node: AST, meaning: Matrix, text: str, called: bool) -> AST:
+        """A sparse matrix of the module, made of the arrays that it holds."""
+        arrays, sizes = meaning.parts()
+        if called:
+            self._refuse(f"'{text}' is a sparse matrix, not a function", node, "correct the name")
+        paths = [self.identify(part) for part in (*arrays, *sizes)]
+        self.references |= set(paths)
+        data, *places = map(tree.name, paths[:3])
+        given = [data, tree.tuple_of(*places)] if meaning.value.format == "coo" else [data, *places]
+        return tree.at(tree.call(f"scipy.sparse.{meaning.value.format}_matrix", tree.tuple_of(*given),
+                                 shape=tree.tuple_of(*map(tree.name, paths[3:]))), node)
 
     def _given(self, node: AST, path: str | None, text: str) -> str | None:
         """The path of what a library has, `given.` before it if the user gave it a derivative."""

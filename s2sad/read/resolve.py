@@ -20,7 +20,8 @@ from s2sad.diagnostics import Report
 from s2sad.read import fence
 from s2sad.read.handed import handed
 from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Captured, Function, Holder, Library, Meaning, Number, Space, Text, Unusable, dotted,
+    AST, BUILTIN_CALLS, Array, Captured, Function, Holder, Library, Matrix, Meaning, Number, Space, Text, Unusable,
+    dotted,
     library_value,
 )
 from s2sad.read.modules import dropped_decorator
@@ -47,6 +48,9 @@ def resolve(captured: Captured, report: Report, identify: Identify) -> Resolved:
     parameters = [a.id for a in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
     local = {*parameters, *(s.id for s in (given.vararg, given.kwarg) if s is not None), *_bound(function.body)}
     pass_ = _Resolver(captured, report, identify, local)
+    pass_.solvers = {s.targets[0].id for s in tree.walk(function.body) if isinstance(s, tree.Assign)
+                     and isinstance(s.targets[0], tree.Name) and isinstance(s.value, tree.Call)
+                     and pass_.library(s.value.func) == "scipy.sparse.linalg.factorized"}
     body = [tree.rebuild(statement, pass_.change) for statement in function.body]
     new = tree.at(tree.function(function.name, parameters, body), function)
     return Resolved(new, tuple(parameters), frozenset(local), pass_.calls, pass_.references)
@@ -104,6 +108,15 @@ class _Resolver(References):
         self.said: set[str] = set()
         self.picked: dict[int, int] = {}
         self.looped: set[int] = set()
+        self.solvers: set[str] = set()      # names of functions that solve with a factorization
+
+    def library(self, node: AST) -> str | None:
+        """The path of the library's function that a name or path means."""
+        parts = _path(node)
+        meaning: Meaning | None = self.scope.lookup(parts[0]) if parts and parts[0] not in self.local else None
+        for part in parts[1:]:
+            meaning = _member(meaning, part) if isinstance(meaning, (Space, Library)) else None
+        return dotted(meaning)
 
     def change(self, node: AST) -> AST | None:
         if fence.opaque(node):
@@ -126,6 +139,8 @@ class _Resolver(References):
         if isinstance(self._function_meant(node.func), Library) or isinstance(
                 node.func, tree.Name) and node.func.id in ("len", *ITERATORS):
             self._pick(node)
+        if isinstance(node.func, tree.Name) and node.func.id in self.solvers:
+            return None
         if isinstance(node.func, tree.Name) and node.func.id in self.local:
             self._refuse(f"a call through the variable '{node.func.id}' is not supported in a kernel", node,
                          help="call a function of the module by its name")
@@ -187,7 +202,7 @@ class _Resolver(References):
             meaning, taken = inner, taken + 1
         if taken == len(parts):
             return self._reference(node, meaning, _spelled(parts))
-        if isinstance(meaning, (Number, Array)):
+        if isinstance(meaning, (Number, Array, Matrix)):
             return None  # `table.shape`: the name below is resolved on its own
         if isinstance(meaning, Text):
             self._refuse("a method of a string is not supported in a kernel", node, "write the string out")

@@ -9,6 +9,7 @@
     linalg        products, solves, functions of matrices
     transforms    Fourier transforms
     complexes     what holds for complex numbers
+    sparse        products and solves with sparse matrices
     composed      functions of whole arrays that are written out in others
     constant      functions whose derivative is zero: floor, comparisons, argmax, ...
 
@@ -17,15 +18,14 @@ function with neither a rule nor an entry in `constant` cannot be differentiated
 """
 from __future__ import annotations
 
-from s2sad.rules import composed, constant, elementwise, linalg, reductions, shaping, transforms
+from s2sad.rules import composed, constant, elementwise, linalg, reductions, shaping, sparse, transforms
 from s2sad.rules.array import ArrayRule, bound, find_array
 from s2sad.rules.given import ROOM
 from s2sad.rules.power import power_partial
 from s2sad.rules.rule import TABLE, Rule
 
 __all__ = ["ArrayRule", "Rule", "bound", "composed", "constant", "constant_result", "elementwise", "find", "find_array",
-           "linalg", "names", "power_partial", "reductions", "result_kind", "shaping",
-           "transforms"]
+           "linalg", "names", "power_partial", "reductions", "result_kind", "shaping", "sparse", "transforms"]
 
 
 def find(name: str) -> Rule | None:

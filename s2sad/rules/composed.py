@@ -65,5 +65,7 @@ for _text in (
         *(f"numpy.fft.{_f}2(x, s=None, axes=(-2, -1), norm=None)" for _f in ("fft", "ifft", "rfft", "irfft")),
         *(f"numpy.fft.{_f}n(x, s=None, axes=None, norm=None)" for _f in ("fft", "ifft", "rfft", "irfft")),
         "numpy.fft.fftshift(x, axes=None)", "numpy.fft.ifftshift(x, axes=None)",
-        "numpy.fft.fftfreq(n, d=1.0)", "numpy.fft.rfftfreq(n, d=1.0)"):
+        "numpy.fft.fftfreq(n, d=1.0)", "numpy.fft.rfftfreq(n, d=1.0)",
+        # sparse matrices
+        "scipy.sparse.entries(data, c)", "scipy.sparse.along(values, size)"):
     arrays(_text, law=LAW, also=("numpy.trapz",) if "trapezoid" in _text else ())

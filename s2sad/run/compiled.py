@@ -24,6 +24,7 @@ from typing import Any
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.run.interpreter import DTYPES, interpreted
 from s2sad.run.load import load
+from s2sad.run.through_python import through_python
 
 _RUNTIME = "s2sad.runtime"
 _ANY_ORDER = {"added"}  # sums whose compiled form may be reassociated
@@ -151,7 +152,7 @@ def _runtime(module_name: str, bounds: bool) -> dict[str, Any]:
             copy = FunctionType(value.__code__, space, value.__name__, value.__defaults__, value.__closure__)
             copy.__qualname__, copy.__module__ = value.__qualname__, value.__module__
             fastmath = {"reassoc"} if identifier in _ANY_ORDER else False
-            space[identifier] = _jit(copy, bounds, on_disk=False, fastmath=fastmath)
+            space[identifier] = through_python(identifier) or _jit(copy, bounds, on_disk=False, fastmath=fastmath)
         elif (value.__module__ or "").startswith(_RUNTIME):
             space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
     return space

@@ -1,7 +1,8 @@
 """The few functions that generated code may call.
 
 They need NumPy only, Numba compiles each as it stands, and with `--standalone` their text is written
-into the generated file: no line of it is over 100 columns.
+into the generated file: no line of it is over 100 columns. Solving with a sparse matrix is for SciPy, which
+compiled code calls through Python (`run/through_python.py`).
 """
 from __future__ import annotations
 
@@ -21,6 +22,12 @@ from s2sad.runtime.matrices import (
 from s2sad.runtime.places import places, sought
 from s2sad.runtime.scalars import comb, factorial, heaviside, isclose, isqrt, lcm, perm, product, remainder
 from s2sad.runtime.spans import element, position, position_down
+from s2sad.runtime.sparse_matrices import (
+    sparse_dense, sparse_diagonal, sparse_diagonal_gain, sparse_entries, sparse_factors,
+    sparse_fits, sparse_gain, sparse_gain_in_loops, sparse_joined, sparse_left_product,
+    sparse_left_product_in_loops, sparse_product, sparse_product_in_loops,
+    sparse_rows, sparse_solve, sparse_span,
+)
 from s2sad.runtime.special import digamma
 from s2sad.runtime.spread import extreme_mask, scattered, spread
 from s2sad.runtime.stacks import grow, sized
@@ -46,6 +53,9 @@ __all__ = [
     "position_down", "power_change", "product", "remainder", "rfft", "rfft_adjoint", "right_vectors",
     "right_vectors_change", "right_vectors_gain", "scattered", "singular_values", "singular_values_change",
     "singular_values_gain", "sized", "solve_banded", "solve_triangular", "solved", "solved_by", "solved_transposed",
-    "sought", "spread", "take_row", "to_lower", "to_matrix", "triangle", "triangle_gain", "triangle_times",
+    "sought", "sparse_dense", "sparse_diagonal", "sparse_diagonal_gain", "sparse_entries", "sparse_factors",
+    "sparse_fits", "sparse_gain", "sparse_gain_in_loops", "sparse_joined", "sparse_left_product",
+    "sparse_left_product_in_loops", "sparse_product", "sparse_product_in_loops", "sparse_rows", "sparse_solve",
+    "sparse_span", "spread", "take_row", "to_lower", "to_matrix", "triangle", "triangle_gain", "triangle_times",
     "triangular_part", "triangular_part_change", "triangular_part_gain", "update_rest",
 ]
