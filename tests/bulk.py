@@ -49,16 +49,16 @@ class Outcome:
 
 @contextmanager
 def _limit(seconds: float) -> Iterator[None]:
-    """Raises TimeoutError after so long: a program from which statements were left out need not end."""
+    """Raises TimeoutError after so much work: a program from which statements were left out need not end."""
     def stop(*_: object) -> None:
         raise TimeoutError(f"not done after {seconds} s")
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def outputs(program: Program) -> tuple[str, ...]:

@@ -91,6 +91,13 @@ def elements_of_parts_from_their_end(x, y, m):
         even[k, k] *= even[k, -k - 1] + turned[k]
 
 
+def sums_of_pythons_own(x, y, m):
+    y[0] += sum(x) / len(x) + sum(x ** 2) ** 0.5 + sum(y, 1.0)
+    y[1] += max(x) * min(y * x)
+    m[0] += sum(m) * np.array([np.sum(x[0] * np.ones(3)), np.mean(y), 1.0, max(y)])
+    m[1] *= np.full(4, np.var(m[:, ::-1]))
+
+
 def copies_within_expressions(x, y, m):
     x[np.array([0, 2, 2, 1, 4])] = y.copy()
     x[1:] += y[1:].copy() * x[0]
@@ -125,7 +132,7 @@ def parts_of_length_one_to_a_helper(x, y, m):
 KERNELS = (copies_within_expressions, parts_of_length_one_to_a_helper, joined_masks, numbers_spread_and_summed,
            sizes_of_picked_elements, parts_of_picked_elements, picked_from_parts,
            parts_that_run_backwards,
-           one_element_at_counters_of_several_loops, elements_of_parts_from_their_end)
+           one_element_at_counters_of_several_loops, elements_of_parts_from_their_end, sums_of_pythons_own)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

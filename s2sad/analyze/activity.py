@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from s2sad import rules
 from s2sad.analyze.liveness import base_name, targets
-from s2sad.analyze.uses import operated
+from s2sad.analyze.uses import sources
 from s2sad.infer.infer import Typing
 from s2sad.tree import (
-    AST, Assign, AugAssign, BoolOp, Call, Compare, Constant, Expr, FunctionDef, Name, Return, Subscript, Tuple,
+    AST, Assign, AugAssign, Call, Expr, FunctionDef, Return, Tuple,
     call_name, walk,
 )
 
@@ -59,29 +58,6 @@ def reach(arrows: dict[str, list[str]], start: set[str]) -> set[str]:
                 seen.add(name)
                 waiting.append(name)
     return seen
-
-
-def sources(node: AST, typing: Typing) -> Iterator[str]:
-    """The names on which an expression depends differentiably."""
-    if isinstance(node, (Compare, BoolOp, Constant)):
-        return
-    if isinstance(node, Name):
-        if typing.of(node).is_inexact and not node.id.startswith(("const.", "numpy.", "math.")):
-            yield node.id
-        return
-    if isinstance(node, Subscript):
-        if typing.of(node).is_inexact and base_name(node):
-            yield base_name(node)
-        return
-    found = operated(node, typing)
-    if found:
-        rule, operands = found
-        for parameter, operand in operands.items():
-            if parameter not in rule.zero:
-                yield from sources(operand, typing)
-    elif isinstance(node, Call) and rules.constant_result(call_name(node) or "") is None:
-        for argument in node.args:
-            yield from sources(argument, typing)
 
 
 def _edges(function: FunctionDef, typing: Typing, call_edges: CallEdges) -> Iterator[tuple[str, str]]:

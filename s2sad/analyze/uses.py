@@ -5,7 +5,7 @@ operands that are active. Linear uses need nothing. (Hascoet, Naumann, Pascual, 
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from s2sad import rules
@@ -14,7 +14,7 @@ from s2sad.infer.infer import Typing
 from s2sad.rules.operation import operation
 from s2sad.rules.rule import RESULT, Rule
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, Constant, Name, Subscript, call_name, indices, walk,
+    AST, Assign, AugAssign, BoolOp, Call, Compare, Constant, IfExp, Name, Subscript, call_name, indices, walk,
 )
 
 
@@ -59,6 +59,32 @@ def loads_of(node: AST, typing: Typing) -> list[AST]:
     return found
 
 
+def sources(node: AST, typing: Typing) -> Iterator[str]:
+    """The names on which an expression depends differentiably."""
+    if isinstance(node, (Compare, BoolOp, Constant)):
+        return
+    if isinstance(node, Name):
+        if typing.of(node).is_inexact and not node.id.startswith(("const.", "numpy.", "math.")):
+            yield node.id
+        return
+    if isinstance(node, Subscript):
+        if typing.of(node).is_inexact and base_name(node):
+            yield base_name(node)
+        return
+    found = operated(node, typing)
+    if found:
+        rule, operands = found
+        for parameter, operand in operands.items():
+            if parameter not in rule.zero:
+                yield from sources(operand, typing)
+    elif isinstance(node, IfExp):
+        yield from sources(node.body, typing)
+        yield from sources(node.orelse, typing)
+    elif isinstance(node, Call) and rules.constant_result(call_name(node) or "") is None:
+        for argument in node.args:
+            yield from sources(argument, typing)
+
+
 def is_active(node: AST, typing: Typing, active: frozenset[str] | set[str]) -> bool:
     """Whether a derivative flows through an expression."""
     if isinstance(node, Name):
@@ -70,8 +96,11 @@ def is_active(node: AST, typing: Typing, active: frozenset[str] | set[str]) -> b
         rule, operands = found
         return any(is_active(o, typing, active) for p, o in operands.items() if p not in rule.zero)
     rule = rules.find_array(call_name(node))
-    return rule is not None and any(is_active(o, typing, active) for p, o in zip(rule.operands, node.args)
-                                    if p in rule.adjoints)
+    if rule is None:
+        lost = isinstance(node, (Call, IfExp)) and not active.isdisjoint(sources(node, typing))
+        assert not lost, f"no derivative was asked for of {call_name(node) or 'a choice'}"   # never a silent zero
+        return False
+    return any(is_active(o, typing, active) for p, o in zip(rule.operands, node.args) if p in rule.adjoints)
 
 
 def operated(node: AST, typing: Typing) -> tuple[Rule, dict[str, AST]] | None:

@@ -64,6 +64,8 @@ class TypesOfCalls(ABC):
         if name in CASTS:
             rank = types[0].rank if types else 0
             return array(CASTS[name], rank) if rank else Type("number", CASTS[name])
+        if name in ("builtins.sum", "builtins.max", "builtins.min") and types and types[0].is_array:
+            return _of_items(name, types)
         if name == "builtins.sum" and types:
             return Type("number", "int64" if types[0].dtype == "bool" else types[0].dtype)
         if name in ("builtins.len", "numpy.size", "numpy.ndim"):
@@ -148,3 +150,10 @@ class TypesOfCalls(ABC):
         if not base.is_array:
             return UNKNOWN
         return array(self._dtype(node, 2 if name == "numpy.full_like" else 1, base.dtype), base.rank)
+
+
+def _of_items(name: str, types: list[Type]) -> Type:
+    """What Python's own function gives that goes through an array: a number, or one of its rows."""
+    dtype = "int64" if name == "builtins.sum" and types[0].dtype == "bool" else types[0].dtype
+    item = Type("number", dtype) if types[0].rank == 1 else array(dtype, types[0].rank - 1)
+    return item if len(types) == 1 else promote(item, types[1])

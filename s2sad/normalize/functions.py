@@ -34,6 +34,9 @@ _SUMMED = ("summed", "averaged")
 _MADE = {f"numpy.{made}{like}" for made in ("empty", "zeros", "ones", "full") for like in ("", "_like")} | {
     "numpy.array", "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray"}
 
+_FILLED = {"numpy.full": 1, "numpy.full_like": 1, "numpy.array": 0, "numpy.copy": 0, "numpy.asarray": 0,
+           "numpy.ascontiguousarray": 0}
+
 
 def functions(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
     """The function with those names; the table of `typing` gains them."""
@@ -132,10 +135,10 @@ class _Functions:
         return rebuild(node, change)
 
     def filled(self, node: AST, before: list[AST]) -> AST:
-        """An allocation; what it is filled with is a number in it."""
-        made = copy(node)
-        if call_name(node) in ("numpy.full", "numpy.full_like"):
-            made.args[1] = self.moved(made.args[1], before)
+        """An allocation; what it is filled with is made before."""
+        made, place = copy(node), _FILLED.get(call_name(node) or "")
+        if place is not None:
+            made.args[place] = self.moved(made.args[place], before)
         return made
 
     def sized(self, node: AST) -> AST | None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from s2sad import rules
-from s2sad.analyze.activity import Activity, sources
+from s2sad.analyze.activity import Activity
+from s2sad.analyze.uses import sources
 from s2sad.infer.infer import Typing
 from s2sad.rules.operation import operation
 from s2sad.rules.rule import number
