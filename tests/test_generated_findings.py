@@ -1,6 +1,8 @@
 """What generated kernels with whole arrays have found, made small."""
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -98,6 +100,15 @@ def sums_of_pythons_own(x, y, m):
     m[1] *= np.full(4, np.var(m[:, ::-1]))
 
 
+def tables_of_numbers(x, y, m):
+    stages, half = [[0, 0], [0.5, 1 / 2], (-1, 2.0)], ((1, -0.25), (0, math.pi))
+    for s in range(len(stages)):
+        for j, weight in enumerate(stages[s]):
+            y[s] += stages[s][j] * x[j] * weight + half[j % 2][1] * x[s]
+    for low, high in half:
+        y[0] += low * x[0] * high
+
+
 def copies_within_expressions(x, y, m):
     x[np.array([0, 2, 2, 1, 4])] = y.copy()
     x[1:] += y[1:].copy() * x[0]
@@ -132,7 +143,8 @@ def parts_of_length_one_to_a_helper(x, y, m):
 KERNELS = (copies_within_expressions, parts_of_length_one_to_a_helper, joined_masks, numbers_spread_and_summed,
            sizes_of_picked_elements, parts_of_picked_elements, picked_from_parts,
            parts_that_run_backwards,
-           one_element_at_counters_of_several_loops, elements_of_parts_from_their_end, sums_of_pythons_own)
+           one_element_at_counters_of_several_loops, elements_of_parts_from_their_end, sums_of_pythons_own,
+           tables_of_numbers)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -1,9 +1,9 @@
 """A kernel in structured form: the first half of normalize.
 
 Requires a fenced tree with resolved names. Establishes, in this order: NumPy's functions are given by place what
-they must be given (signatures), slices have no names (sliced), lists that grow are arrays (lists), no name holds
-several results (bundles), one target per assignment and pure expressions (desugar), control flow with one return
-and breaks in tail position (jumps), loops that count (loops).
+they must be given (signatures), tables of numbers are arrays (tables), slices have no names (sliced), lists that grow
+are arrays (lists), no name holds several results (bundles), one target per assignment and pure expressions (desugar),
+control flow with one return and breaks in tail position (jumps), loops that count (loops).
 """
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from s2sad.normalize.memory import Memory
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.signatures import signatures
 from s2sad.normalize.sliced import sliced
+from s2sad.normalize.tables import tables
 from s2sad.program import Kernel, Program
 from s2sad.tree import AST, FunctionDef, Name, Return, Tuple, at, const, copy, dump, rebuild, tuple_of, walk
 
@@ -27,7 +28,7 @@ def structured(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
     names.taken |= {node.id for node in walk(tree) if isinstance(node, Name)}
     scope = Scope(kernel, names, program, Memory(tree, program))
     flat(tree, scope)
-    for step in (signatures, sliced, lists, bundles, desugar, jumps, loops):
+    for step in (signatures, tables, sliced, lists, bundles, desugar, jumps, loops):
         tree = step(tree, scope)
         scope.report.finish()
     return tree
