@@ -37,7 +37,7 @@ def renamed(x, y):
     """Names that hold one thing after another, which no path confuses."""
     r = x - y
     r = np.sum(r * r)
-    for k in range(2):
+    for _ in range(2):
         m = x * y
         m = m.mean()
         x = x * m
@@ -98,7 +98,7 @@ def normalised(q, n):
 def picked(x, idx):
     """Integer arrays that are clipped, joined and crossed; shapes as arrays; what a tuple's variable item is."""
     size = np.array(x.shape)
-    at = np.clip(np.floor(x[:, 0]).astype(int), 0, size - 2)[:2]
+    at = np.clip(np.floor(x[:, 0]).astype(int), 0, size[0] - 2)[:2]
     a = np.r_[0.0, x[0], x[at[0], 1] * 2]
     b = np.c_[x[:, 0], x[:, 1] ** 2]
     k = np.zeros((3, 3))

@@ -35,6 +35,8 @@ _METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot",
             "flatten", "take", "ptp", "astype", "argsort", "clip", "round", "searchsorted"}
 _QUESTIONS = {"any", "all", "argmax", "argmin"}
 _REDUCING = {"linalg.norm", "median", "sort", "diff", "count_nonzero"}
+_LISTED = {"diag", "diagflat", "tril", "triu", "roll", "flip", "interp", "polyval", "searchsorted", "convolve",
+           "cross", "kron", "linalg.solve", "linalg.det", "linalg.inv", "trapezoid", "average", "ediff1d"}
 _PRODUCTS = {"dot", "outer", "inner", "vdot", "matmul", "where"}
 _SHAPED = {"reshape", "transpose"}
 
@@ -118,7 +120,7 @@ def _whole_operands(node: Call) -> list[AST]:
         return []
     if function in _PRODUCTS or rules.find(called) is not None:
         return node.args
-    return node.args[:1] if function in _METHODS | _QUESTIONS | _REDUCING else []
+    return node.args[:1] if function in _METHODS | _QUESTIONS | _REDUCING | _LISTED else []
 
 
 def _question(node: Call) -> AST | None:
