@@ -110,7 +110,31 @@ def picked(x, idx):
     return np.sum(np.array(history)) + np.sum(k[np.ix_(idx[:2], idx[1:])] ** 2)
 
 
-CASES = [(normalised, (values(3), 3), ("return",)),
+def relaxed(u, f, n):
+    v = u.copy()
+    for _ in range(n):
+        v[1:-1] = 0.5 * (u[:-2] + u[2:]) + f[1:-1]
+        u, v = v, u
+    return u
+
+
+def turns(p, old, f, n):
+    """Arrays of the caller's that take turns with others: what each holds in the end depends on how many there were."""
+    new = np.zeros_like(p)
+    for k in range(n):
+        for i in range(1, p.size - 1):
+            new[i] = 2.0 * p[i] - old[i] + 0.1 * f[i] * (p[i + 1] - 2.0 * p[i] + p[i - 1])
+        old, p, new = p, new, old
+        if np.sum(p) > 100.0 * k + 50.0:
+            break
+    p[0] += f[0] * old[1]
+    r = relaxed(f, new, n)
+    return p, np.sum(r * p)
+
+
+CASES = [*[(turns, (values(5), values(5, seed=2), values(5, seed=3), n), ("p", "old", "f", "return"))
+           for n in (4, 3, 0)],
+         (normalised, (values(3), 3), ("return",)),
          (picked, (values(4, 3), np.array([0, 2, 1])), ("return",)),
          (stacks, (values(2, 5), values(3, seed=2)), ("q", "return")),
          (renamed, (values(3), values(3, seed=2)), ("return",)),

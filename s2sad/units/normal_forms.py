@@ -28,6 +28,7 @@ from s2sad.normalize.pieces import pieces
 from s2sad.normalize.rename import rename
 from s2sad.normalize.lives import lives
 from s2sad.normalize.memory import Memory
+from s2sad.normalize.rotated import rotated
 from s2sad.normalize.rows import rows
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize, scatter
@@ -92,12 +93,12 @@ class NormalForms(Calls):
         given = dict(zip((p.id for p in tree.args.args), types))
         tree, source = inlined(tree, given, names, kernel.source, self.helpers)
         kernel, report = replace(kernel, source=source), Report(source)
-        tree, table = lives(tree, given, self.call_types, report, values, names)
         self.watch("structured", tree)
+        tree, table = lives(tree, given, self.call_types, report, values, names)
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
-        tree = stacked(tree, typing)
+        tree = stacked(rotated(tree, typing, names), typing)
         tree = rows(tree, typing, Memory(tree, self.program), report)
         report.finish()
         tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")
