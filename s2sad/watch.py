@@ -14,7 +14,8 @@ from s2sad.binding import same_number
 from s2sad.read.capture import python_function
 
 _ABSENT = object()
-_FOLLOWED = (int, float, np.generic, np.ndarray, ModuleType)
+_HOLDERS = (dict, list, type)
+_FOLLOWED = (int, float, np.generic, np.ndarray, ModuleType, tuple, *_HOLDERS)
 _LIBRARIES = ("numpy", "math", "builtins", "numba", "scipy")
 
 
@@ -22,14 +23,15 @@ class Watch:
     """The globals and closure cells that a function and the functions it calls read, with their values now, and the
     code and defaults of these functions.
 
-    Numbers are compared by value; arrays, functions and everything else by identity (an array's content is read at
-    each call). `unchanged()` costs a dictionary look-up for each.
+    Numbers are compared by value, also those in dicts, lists and classes; arrays, functions and everything else by
+    identity (an array's content is read at each call). `unchanged()` costs a dictionary look-up for each.
     """
 
     def __init__(self, function: FunctionType):
         self.functions: list[tuple[FunctionType, CodeType, Any]] = []
         self.places: list[tuple[dict[str, Any], str, Any]] = []
         self.cells: list[tuple[Any, Any]] = []
+        self.holders: list[tuple[Any, Any]] = []    # dicts, lists and classes, with what they held
         self._seen: set[Any] = set()
         self._add(function)
 
@@ -45,7 +47,7 @@ class Watch:
             now = _content(cell)
             if now is not value and not same_number(now, value):
                 return False
-        return True
+        return all(_holds(holder, held) for holder, held in self.holders)
 
     def arrays(self) -> list[str]:
         """The names of the arrays that are read."""
@@ -69,6 +71,9 @@ class Watch:
                 self._follow(value, names)
 
     def _follow(self, value: Any, names: tuple[str, ...]) -> None:
+        if isinstance(value, _HOLDERS):
+            self.holders.append((value, _held(value)))
+            return
         if isinstance(value, ModuleType):
             if value.__name__.partition(".")[0] in _LIBRARIES or (id(value), names) in self._seen:
                 return
@@ -82,6 +87,29 @@ class Watch:
         inner = python_function(value)
         if inner is not None and (inner.__module__ or "").partition(".")[0] not in _LIBRARIES:
             self._add(inner)
+
+
+def _items(value: Any) -> dict[Any, Any] | None:
+    """What a dict, a list, a tuple or a class holds, by key."""
+    if isinstance(value, type):
+        return {k: v for k, v in vars(value).items() if isinstance(v, (int, float, np.generic, tuple, list, dict))}
+    if isinstance(value, (list, tuple)):
+        return dict(enumerate(value))
+    return dict(value) if isinstance(value, dict) else None
+
+
+def _held(value: Any) -> Any:
+    """A value as it is now, what it holds copied."""
+    items = _items(value)
+    return value if items is None else {k: _held(v) for k, v in items.items()}
+
+
+def _holds(value: Any, held: Any) -> bool:
+    """Whether a value still holds what it held."""
+    items = _items(value)
+    if items is None:
+        return value is held or same_number(value, held)
+    return isinstance(held, dict) and items.keys() == held.keys() and all(_holds(v, held[k]) for k, v in items.items())
 
 
 def _names(code: CodeType) -> tuple[str, ...]:

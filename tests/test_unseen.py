@@ -4,11 +4,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import s2sad
 from tests.bulk import interpreted
 from tests.derivatives import check_derivatives
 
 NODES, WEIGHTS = (-0.6, 0.6), [1.0, 0.5]
 STAGES = ((0.5, 0.25), (0.1, 0.2))
+TABLE = {"drag": 0.4, "layer": {"depth": [1.0, 2.0]}}
+
+
+class Settings:
+    gravity = 9.81
+    profile = (1.0, 0.5)
 
 
 def values(*shape, seed=1):
@@ -139,6 +146,25 @@ CASES = [*[(turns, (values(5), values(5, seed=2), values(5, seed=3), n), ("p", "
          (stacks, (values(2, 5), values(3, seed=2)), ("q", "return")),
          (renamed, (values(3), values(3, seed=2)), ("return",)),
          (spelled, (values(4), 0.3), ("x", "return"))]
+
+
+def settled(x):
+    return np.sum(x) * TABLE["drag"] + TABLE["layer"]["depth"][1] * x[0] + Settings.profile[0] * Settings.gravity * x[1]
+
+
+def test_constants_in_dicts_lists_and_classes(monkeypatch):
+    gradient = s2sad.gradient(s2sad.differentiate(settled, engine="numpy"))
+
+    def expected():
+        return TABLE["drag"] + np.array([TABLE["layer"]["depth"][1], Settings.profile[0] * Settings.gravity, 0.0])
+    np.testing.assert_allclose(gradient(np.ones(3)), expected())
+    for holder, key, value in ((TABLE, "drag", 3.0), (TABLE["layer"], "depth", [2.0, 5.0])):
+        monkeypatch.setitem(holder, key, value)
+        np.testing.assert_allclose(gradient(np.ones(3)), expected())
+    TABLE["layer"]["depth"][1] = 7.0
+    np.testing.assert_allclose(gradient(np.ones(3)), expected())
+    monkeypatch.setattr(Settings, "gravity", 1.0)
+    np.testing.assert_allclose(gradient(np.ones(3)), expected())
 
 
 @pytest.mark.parametrize("engine", ["numpy", "loops"])

@@ -94,10 +94,11 @@ def _joined(node: Subscript) -> AST | None:
         if isinstance(part, Slice):
             if part.upper is None or any(isinstance(n, Constant) and isinstance(n.value, complex) for n in walk(part)):
                 return None
-            part = call("numpy.arange", part.lower or const(0), part.upper, part.step or const(1))
-        if isinstance(part, Constant) and isinstance(part.value, str):
+            parts.append(call("numpy.arange", part.lower or const(0), part.upper, part.step or const(1)))
+        elif isinstance(part, Constant) and isinstance(part.value, str):
             return None
-        parts.append(part)
+        else:
+            parts.append(part)
     return call(joins[node.value.id], tuple_of(*parts))
 
 

@@ -98,7 +98,14 @@ class Numbers:
     items: tuple[Number | Numbers, ...]
 
 
-Meaning = Library | Number | Numbers | Array | Record | Text | Function | Unusable | Space
+@dataclass(frozen=True)
+class Table:
+    """A dict of the module's, or a class that holds constants: what stands under each key or name."""
+    what: str
+    items: dict[str, Meaning] = field(compare=False)
+
+
+Meaning = Library | Number | Numbers | Table | Array | Record | Text | Function | Unusable | Space
 
 
 @dataclass(frozen=True)
@@ -181,6 +188,13 @@ def is_number(value: Any) -> bool:
     return isinstance(value, (bool, int, float, numpy.bool_, numpy.integer, numpy.floating))
 
 
+def _table(what: str, name: str, held: dict[str, Any], current: Callable[[], Any] | None,
+           get: Callable[[Any, str], Any]) -> Table:
+    def item(k: str) -> Callable[[], Any] | None:
+        return None if current is None else lambda: get(current(), k)
+    return Table(what, {k: value_meaning(f"{name}_{k}", v, item(k)) for k, v in held.items()})
+
+
 def is_numbers(value: Any, kinds: type | tuple[type, ...] = (tuple, list)) -> bool:
     """Whether a value is a tuple (or a list) of numbers, or of such."""
     return isinstance(value, kinds) and len(value) > 0 and all(is_number(v) or is_numbers(v, kinds) for v in value)
@@ -217,12 +231,17 @@ def value_meaning(name: str, value: Any, current: Callable[[], Any] | None = Non
         return Text(value)
     if is_numbers(value) and _count(value) <= _WRITTEN_OUT:
         return _numbers(name, value, current)
+    if isinstance(value, dict) and value and all(isinstance(k, str) for k in value):
+        return _table("a dict", name, value, current, lambda holder, k: holder.get(k))
     if isinstance(value, (complex, numpy.complexfloating)):
         return Unusable("a complex number", "keep the real and the imaginary part as two numbers")
     if isinstance(value, numpy.ndarray):
         return Unusable(f"an array of {value.dtype}", "use an array of floats, integers or bools")
     if isinstance(value, type) and record_fields(value) is not None:
         return Record(name, value, current)
+    if isinstance(value, type) and any(is_number(v) for v in vars(value).values()):
+        held = {k: v for k, v in vars(value).items() if not k.startswith("_")}
+        return _table("a class", name, held, current, lambda holder, k: getattr(holder, k, None))
     if isinstance(value, type):
         return Unusable("a class", "pass its fields as arguments of the kernel, numbers and arrays")
     return Unusable(kind_of(value), "pass it as an argument, or make it a number or a NumPy array")

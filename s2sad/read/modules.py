@@ -140,6 +140,9 @@ class FileModule:
             if not is_numbers(found):
                 raise NotConstant
             return found
+        if isinstance(node, tree.Dict) and node.keys and all(
+                isinstance(k, tree.Constant) and isinstance(k.value, str) for k in node.keys):
+            return {k.value: self.folded(v) for k, v in zip(node.keys, node.values)}
         return folded(node, self.path_meaning)
 
     def path_meaning(self, node: AST) -> Meaning | None:

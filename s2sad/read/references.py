@@ -10,7 +10,8 @@ from collections.abc import Callable
 from s2sad import rules, tree
 from s2sad.diagnostics import Report
 from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Function, Meaning, Number, Numbers, Record, Space, Text, Unusable, dotted, library_value,
+    AST, BUILTIN_CALLS, Array, Function, Meaning, Number, Numbers, Record, Space, Table, Text, Unusable, dotted,
+    library_value,
 )
 from s2sad.rules.given import GIVEN, ROOM
 from s2sad.rules.spellings import is_scipy
@@ -54,6 +55,10 @@ class References:
                 self._refuse(f"'{text}' is {word}, not a function", node, "correct the name, or subscript with []")
         elif isinstance(meaning, Numbers):
             self._refuse(f"'{text}' holds numbers, and is no function", node, "correct the name, or subscript with []")
+        elif isinstance(meaning, Table):
+            self._refuse(f"'{text}' cannot be used in a kernel: it is {meaning.what}", node, "pass its fields as "
+                         "arguments of the kernel, numbers and arrays" if called else
+                         f"name what is in it: {', '.join(list(meaning.items)[:8])}")
         elif isinstance(meaning, Unusable):
             if text not in self.said:
                 self._refuse(f"'{text}' cannot be used in a kernel: it is {meaning.what}", node, meaning.help)

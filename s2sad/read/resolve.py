@@ -20,7 +20,7 @@ from s2sad.diagnostics import Report
 from s2sad.read import fence
 from s2sad.read.handed import handed
 from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Captured, Function, Library, Meaning, Number, Space, Text, Unusable, dotted,
+    AST, BUILTIN_CALLS, Array, Captured, Function, Library, Meaning, Number, Space, Table, Text, Unusable, dotted,
     library_value,
 )
 from s2sad.read.modules import dropped_decorator
@@ -105,6 +105,8 @@ class _Resolver(References):
             return self._call(node)
         if isinstance(node, tree.Raise) and node.exc is not None:
             self.raised.add(id(node.exc.func if isinstance(node.exc, tree.Call) else node.exc))
+        if isinstance(node, tree.Subscript) and not isinstance(node.ctx, tree.Store):
+            return self._keyed(node)
         if isinstance(node, (tree.Name, tree.Attribute)) and not isinstance(node.ctx, tree.Store):
             return self._path(node)
         return None
@@ -154,6 +156,32 @@ class _Resolver(References):
 
     # -- paths --------------------------------------------------------------------------------------------------------
 
+    def _keyed(self, node: tree.Subscript) -> AST | None:
+        """What a dict of the module's holds under a key that is written out."""
+        keys: list[str] = []
+        base: AST = node
+        while isinstance(base, tree.Subscript):
+            if not isinstance(base.slice, tree.Constant) or not isinstance(base.slice.value, str):
+                return None
+            keys.insert(0, base.slice.value)
+            base = base.value
+        parts = _path(base)
+        if not parts or parts[0] in self.local:
+            return None
+        meaning: Meaning | None = self.scope.lookup(parts[0])
+        for part in parts[1:]:
+            meaning = _member(meaning, part) if isinstance(meaning, (Space, Table)) else None
+        if not isinstance(meaning, Table) or meaning.what != "a dict":
+            return None
+        text = ".".join(parts)
+        for key in keys:
+            inner = meaning.items.get(key) if isinstance(meaning, Table) else None
+            if inner is None:
+                self._refuse(f"'{text}' has no key {key!r}", node, "correct the key")
+                return tree.copy(node)
+            meaning, text = inner, f"{text}[{key!r}]"
+        return self._reference(node, meaning, text)
+
     def _path(self, node: AST) -> AST | None:
         parts = _path(node)
         if not parts or parts[0] in self.local:
@@ -162,7 +190,10 @@ class _Resolver(References):
         if meaning is None:
             return self._unknown(node, parts, 0, [*sorted(self.local), *self.scope.known(), *BUILTIN_CALLS])
         taken = 1
-        while taken < len(parts) and isinstance(meaning, (Space, Library)):
+        while taken < len(parts) and isinstance(meaning, (Space, Library, Table)):
+            if isinstance(meaning, Table) and meaning.what == "a dict":
+                self._refuse("a method of a dict is not supported in a kernel", node, "read it by its keys")
+                return tree.copy(node)
             inner = _member(meaning, parts[taken])
             if inner is None:
                 known = meaning.scope.known() if isinstance(meaning, Space) else []
@@ -197,7 +228,9 @@ class _Resolver(References):
         return tree.copy(node)
 
 
-def _member(meaning: Space | Library, name: str) -> Meaning | None:
+def _member(meaning: Space | Library | Table, name: str) -> Meaning | None:
+    if isinstance(meaning, Table):
+        return meaning.items.get(name)
     if isinstance(meaning, Space):
         return meaning.scope.lookup(name)
     path = f"{meaning.path}.{name}"
