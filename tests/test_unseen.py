@@ -139,7 +139,23 @@ def turns(p, old, f, n):
     return p, np.sum(r * p)
 
 
-CASES = [*[(turns, (values(5), values(5, seed=2), values(5, seed=3), n), ("p", "old", "f", "return"))
+def single(x, th, n):
+    """float32 arrays that meet float64 ones under one name."""
+    turn = np.eye(2)
+    for j in range(n):
+        c, s = np.cos(th[j]), np.sin(th[j])
+        if j % 2 == 0:
+            r = np.array([[c, -s], [s, c]])
+        else:
+            r = np.array([[1, 0], [s, 1.0]])
+        turn = turn @ r
+        x = x + 0.1 * np.linalg.solve(np.eye(3) * 2.0, x)
+        x[0] *= 0.5
+    return turn.sum() * x.sum()
+
+
+CASES = [(single, (values(3).astype(np.float32), values(3, seed=2).astype(np.float32), 3), ("return",)),
+         *[(turns, (values(5), values(5, seed=2), values(5, seed=3), n), ("p", "old", "f", "return"))
            for n in (4, 3, 0)],
          (normalised, (values(3), 3), ("return",)),
          (picked, (values(4, 3), np.array([0, 2, 1])), ("return",)),
