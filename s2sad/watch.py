@@ -82,7 +82,7 @@ class Watch:
                     self.places.append((space, name, space[name]))
                     self._follow(space[name], names)
             return
-        if isinstance(value, list):
+        if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
             self.places.append((_Content(value), "", frozen(value)))
             return
         spaces = None if isinstance(value, FunctionType) else holders.places(value)
@@ -107,9 +107,9 @@ class Watch:
 
 
 class _Content(dict):
-    """Has the items of a list, as they are when it is asked."""
+    """Has the items of a list or tuple, as they are when it is asked."""
 
-    def __init__(self, items: list[Any]):
+    def __init__(self, items: list[Any] | tuple[Any, ...]):
         self.items_now = items
 
     def get(self, key: str, default: Any = None) -> Any:

@@ -101,7 +101,8 @@ def sums_of_pythons_own(x, y, m):
 
 
 def tables_of_numbers(x, y, m):
-    stages, half = [[0, 0], [0.5, 1 / 2], (-1, 2.0)], ((1, -0.25), (0, math.pi))
+    stages = [[0, 0], [0.5, 1 / 2], (-1, 2.0)]
+    half = ((1, -0.25), (0, math.pi))
     for s in range(len(stages)):
         for j, weight in enumerate(stages[s]):
             y[s] += stages[s][j] * x[j] * weight + half[j % 2][1] * x[s]

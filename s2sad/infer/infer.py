@@ -24,10 +24,13 @@ from s2sad.tree import (
 
 
 def infer(function: FunctionDef, parameters: Mapping[str, Type], call_types: CallTypes, report: Report,
-          constants: Mapping[str, object] | None = None, confused: set[str] | None = None) -> dict[str, Type]:
-    """The type of every name; what contradicts itself goes into the report, its name into `confused`."""
+          constants: Mapping[str, object] | None = None, confused: set[str] | None = None,
+          wider: bool = False) -> dict[str, Type]:
+    """The type of every name; what contradicts itself goes into the report, its name into `confused`. A name of arrays
+    of several floats is of the `wider` one if that is asked for."""
     table = dict(parameters)
     typing = Typing(table, call_types, report, constants or {})
+    typing.wider = wider
     for _ in range(20):
         before = dict(table)
         _block(function.body, typing)
@@ -51,6 +54,7 @@ class Typing(TypesOfCalls):
         self.final = False
         self.runs_once: Callable[[Call], bool] = lambda call: False  # whether a kernel's call is not to be run again
         self.listed: set[str] = set()   # the arrays in place of lists
+        self.wider = False
         self.confused: set[str] = set()     # the names bound to what has no type in common
 
     def bind_item(self, identifier: str, item: Type) -> None:
@@ -80,6 +84,9 @@ class Typing(TypesOfCalls):
             self.report.error("S203", f"the type of '{identifier}' cannot be inferred", place,
                               help="write it with operations on numbers and arrays that are known")
         joined = new if old is None else join(old, new)
+        if joined is None and self.wider and old is not None and old.is_array and new.is_array and (
+                old.is_float and new.is_float and old.rank == new.rank):
+            joined = promote(old, new)
         if joined is None:
             if self.final:
                 self.confused.add(identifier)

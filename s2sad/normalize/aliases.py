@@ -50,6 +50,12 @@ class Aliases:
         loop = self._loops[-1]
         return identifier in loop.known | loop.buffers if is_array else identifier not in loop.bound
 
+    def returns(self, base: str, older: Iterable[str]) -> bool:
+        """Whether an array from before a branch may be stored into again after it, under its own name: not one that
+        every turn of the loop here makes anew."""
+        loop = self._loops[-1] if self._loops else None
+        return base in older and (loop is None or base in loop.known | loop.buffers)
+
     def end(self) -> None:
         self._loops.pop()
 

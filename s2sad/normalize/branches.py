@@ -103,7 +103,8 @@ class Branches(Places):
                 if k not in kept:
                     value = index(name(base), *map(copy, subscripts)) if subscripts else name(base)
                     arm.block += [at(s, statement) for s in self.taken(n, made, value, bool(kept), statement)]
-                self.aliases.copied(base, made, base in older or self.held(base, near - {n}, arm.seen))
+                self.aliases.copied(base, made, self.aliases.returns(base, older)
+                                    or self.held(base, near - {n}, arm.seen))
             if not kept:
                 self.home[made] = self.depth
                 self.typing.table[made] = array(self.types[n].dtype, self.types[n].rank)
@@ -124,7 +125,7 @@ class Branches(Places):
                 known, self.shapes.equal = self.shapes.equal, arm.equal
                 arm.block += [at(s, origin) for s in self.fill(identifier, buffer, view, origin)]
                 self.shapes.equal = known
-                held = view[0] in older or self.held(view[0], near - {identifier}, arm.seen)
+                held = self.aliases.returns(view[0], older) or self.held(view[0], near - {identifier}, arm.seen)
                 self.aliases.copied(view[0], buffer, held)
         return True
 

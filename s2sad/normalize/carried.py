@@ -109,8 +109,10 @@ class Carried(Branches):
         """The names whose arrays a loop writes, as far as its text shows it: in stores, in calls, through views."""
         found: set[str] = set()
         for node in walk(loop):
-            if isinstance(node, AugAssign) or isinstance(node, Assign) and isinstance(node.targets[0], Subscript):
-                found |= set(names(node.target if isinstance(node, AugAssign) else node.targets[0].value))
+            if isinstance(node, AugAssign):
+                found |= {node.target.id} if isinstance(node.target, Name) else set(names(node.target))
+            elif isinstance(node, Assign) and isinstance(node.targets[0], Subscript):
+                found |= set(names(node.targets[0].value))
             elif isinstance(node, Call) and (call_name(node) or "").startswith("user."):
                 found |= {n for k in self.writes(node) for n in names(node.args[k])}
         while True:

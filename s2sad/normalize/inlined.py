@@ -22,6 +22,7 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
 from s2sad.normalize.lives import lives
+from s2sad.normalize.rotated import rotated
 from s2sad.program import Kernel, Program
 from s2sad.tree import (
     AST, Assign, Call, Constant, Expr, For, FunctionDef, If, Name, Return, Tuple, While, assign, at, call_name, copy,
@@ -51,6 +52,13 @@ class Helpers:
         values = {**self.program.constants, **self.program.arrays}
         tree, table = lives(tree, types, self.results, Report(source), values, free)
         return tree, Typing({**table, **types}, self.results, Report(source), values)
+
+    def written(self, kernel: str, types: tuple[Type, ...]) -> FunctionDef:
+        """The function as it is written out for arguments of these types."""
+        tree, source = self.tree(kernel), self.program.kernels[kernel].source
+        free = Names(n.id for n in walk(tree) if isinstance(n, Name))
+        tree, typing = self.typing(tree, dict(zip((p.id for p in tree.args.args), types)), source, free)
+        return rotated(tree, typing, free, within=True)
 
     def results(self, kernel: str, types: tuple[Type, ...]) -> tuple[Type, ...]:
         """The types of what a function returns for arguments of these types."""
@@ -120,7 +128,8 @@ class _Inlined:
     def written_out(self, statement: Assign | Expr, called: Call) -> list[AST]:
         """The function's statements in place of a call of it."""
         kernel = _called(called)
-        tree = self.placed(self.helpers.tree(kernel), self.helpers.program.kernels[kernel].source)
+        types = tuple(map(self.typing.argument, called.args))
+        tree = self.placed(self.helpers.written(kernel, types), self.helpers.program.kernels[kernel].source)
         bound, parameters = set(stored_names(tree.body)), [p.id for p in tree.args.args]
         given: dict[str, AST] = {}
         before: list[AST] = []

@@ -5,7 +5,8 @@
     return r                        return r_2
 
 Requires structured form. A binding and all that may read it are one life; the first one keeps the name. What is bound
-to several types in one life is left for `infer` to refuse.
+to several types in one life is left for `infer` to refuse, but for arrays of float32 and of float64: these are of
+float64.
 """
 from __future__ import annotations
 
@@ -26,14 +27,16 @@ State = dict[str, frozenset[int]]   # the bindings that each name may have
 def lives(function: FunctionDef, types: Mapping[str, Type], call_types: CallTypes, report: Report,
           constants: Mapping[str, object], free: Names) -> tuple[FunctionDef, dict[str, Type]]:
     """The function with those names, and the types of them all."""
+    wider = False
     while True:
         said, confused = Report(report.source), set[str]()
-        table = infer(function, types, call_types, said, constants, confused)
+        table = infer(function, types, call_types, said, constants, confused, wider)
         new = _Lives(function, confused).apart(free) if confused else None
-        if new is None:
+        if new is None and (wider or not confused):
             report.found += said.found
             return function, table
-        function = new
+        wider = wider or new is None
+        function = new or function
 
 
 class _Lives:

@@ -22,13 +22,15 @@ from s2sad.normalize.sequences import literal, sequence
 from s2sad.normalize.unpack import unpack
 from s2sad.tree import (
     AST, Assign, AugAssign, Break, Constant, For, FunctionDef, If, Name, Not, Tuple, UnaryOp, While, assign, at,
-    call_name, const, copy, counted_for, function, name, names, stored_names, tuple_of, walk,
+    attribute, call, call_name, const, copy, counted_for, function, index, name, names, rebuild, stored_names,
+    tuple_of, walk,
 )
 
 LONGEST = 16                            # the longest sequence that is written out
 
 
 def loops(tree: FunctionDef, scope: Scope) -> FunctionDef:
+    tree = rebuild(tree, _over_indices)
     scope.memory = Memory(tree, scope.program)
     body = _Loops(tree, scope).block(tree.body)
     return at(function(tree.name, parameters(tree), body), tree)
@@ -114,6 +116,20 @@ class _Loops:
             rest = [*this_round, at(If(UnaryOp(Not(), name(stopped)), rest, []), node)] if stopped and rest \
                 else this_round + rest
         return [*before, *([assign(stopped, const(False))] if stopped else []), *rest]
+
+
+def _over_indices(node: AST) -> AST | None:
+    """`for (i, j), v in np.ndenumerate(x)` goes over the indices."""
+    if not isinstance(node, For) or call_name(node.iter) != "numpy.ndenumerate":
+        return None
+    pair = node.target.elts if isinstance(node.target, Tuple) and len(node.target.elts) == 2 else []
+    array = node.iter.args[0] if len(node.iter.args) == 1 else None
+    if not pair or not isinstance(pair[0], Tuple) or not isinstance(array, Name) or array.id in stored_names(node):
+        return None
+    places = [name(n) for n in stored_names(pair[0])]
+    item = at(assign(pair[1], index(copy(array), *places)), node)
+    over = at(call("numpy.ndindex", attribute(copy(array), "shape")), node.iter)
+    return at(For(pair[0], over, [item, *(rebuild(s, _over_indices) for s in node.body)], [], None), node)
 
 
 def _counter_of(node: For) -> str | None:

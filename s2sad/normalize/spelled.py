@@ -37,6 +37,8 @@ _METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot",
             "conj", "conjugate", "flatten", "take", "ptp", "astype", "argsort", "clip", "round", "searchsorted"}
 _QUESTIONS = {"any", "all", "argmax", "argmin"}
 _REDUCING = {"linalg.norm", "median", "sort", "diff", "count_nonzero"}
+_LISTED = {"diag", "diagflat", "tril", "triu", "roll", "flip", "interp", "polyval", "searchsorted", "convolve",
+           "cross", "kron", "linalg.solve", "linalg.det", "linalg.inv", "trapezoid", "average", "ediff1d"}
 _PRODUCTS = {"dot", "outer", "inner", "vdot", "matmul", "where"}
 _SHAPED = {"reshape", "transpose"}
 _PARTS = {"real", "imag"}  # attributes
@@ -99,10 +101,10 @@ def _joined(node: Subscript) -> AST | None:
             if part.upper is None or any(isinstance(n, Constant) and isinstance(n.value, complex) for n in walk(part)):
                 return None
             parts.append(call("numpy.arange", part.lower or const(0), part.upper, part.step or const(1)))
-            continue
-        if isinstance(part, Constant) and isinstance(part.value, str):
+        elif isinstance(part, Constant) and isinstance(part.value, str):
             return None
-        parts.append(part)
+        else:
+            parts.append(part)
     return call(joins[node.value.id], tuple_of(*parts))
 
 
@@ -125,7 +127,7 @@ def _whole_operands(node: Call) -> list[AST]:
         return []
     if function in _PRODUCTS or rules.find(called) is not None:
         return node.args
-    return node.args[:1] if function in _METHODS | _QUESTIONS | _REDUCING else []
+    return node.args[:1] if function in _METHODS | _QUESTIONS | _REDUCING | _LISTED else []
 
 
 def _complex(node: Call) -> AST | None:

@@ -60,7 +60,7 @@ def _is_read_as_table(word: str, function: FunctionDef) -> bool:
             whole = isinstance(outer, Subscript) and outer.value is parent and not isinstance(outer.slice, Slice)
             if not whole and not _goes_through(outer, parent):
                 return False
-            picked = picked or bool(names(parent.slice)) or whole and bool(names(outer.slice))
+            picked = picked or bool(names([parent.slice, *([outer.slice] if isinstance(outer, Subscript) else [])]))
         elif not _goes_through(parent, read):
             return False
     return picked

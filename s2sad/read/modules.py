@@ -13,9 +13,10 @@ from s2sad import tree
 from s2sad.read.capture import source_of
 from s2sad.read.fold import folded
 from s2sad.read.text import parsed, read_text
+from s2sad.read.holders import HolderScope
 from s2sad.read.meaning import (
-    AST, Captured, Function, Library, LibraryScope, Meaning, NotConstant, Number, Space, Unusable, dotted, is_number,
-    is_numbers, value_meaning,
+    AST, Captured, Function, Holder, Items, Library, LibraryScope, Meaning, NotConstant, Number, Numbers, Space,
+    Unusable, dotted, is_number, is_numbers, value_meaning,
 )
 
 LIBRARIES = ("numpy", "math", "scipy", "numba", "s2sad", "builtins")
@@ -39,6 +40,9 @@ class FileModule:
             if type(node).__name__ == "Global":
                 for name in node.names:
                     self.meanings[name] = Unusable("changed by a function through 'global'", _PASS_IT)
+            word = _changed(node)
+            if isinstance(self.meanings.get(word), (Holder, Items, Numbers)):
+                self.meanings[word] = Unusable("changed after it was made", _PASS_IT)
 
     def lookup(self, name: str) -> Meaning | None:
         meaning = self.meanings.get(name)
@@ -129,9 +133,13 @@ class FileModule:
                 inner = self.path_meaning(value.args[0]) if len(value.args) == 1 else None
                 return inner if isinstance(inner, Function) else maker
         try:
-            return value_meaning(name, self.folded(value))
+            return self._holding(name, self.folded(value))
         except NotConstant:
             return Unusable("not constant arithmetic, and the file is read without being run", _PASS_IT)
+
+    def _holding(self, name: str, value: Any) -> Meaning:
+        return Holder(name, HolderScope(name, value, self._holding), "a dict") if isinstance(value, dict) else \
+            value_meaning(name, value)
 
     def folded(self, node: AST) -> Any:
         """The value of a constant expression, or of a tuple or list of such; raises NotConstant for any other."""
@@ -140,6 +148,9 @@ class FileModule:
             if not is_numbers(found):
                 raise NotConstant
             return found
+        if isinstance(node, tree.Dict) and node.keys and all(
+                isinstance(k, tree.Constant) and isinstance(k.value, str) for k in node.keys):
+            return {k.value: self.folded(v) for k, v in zip(node.keys, node.values)}
         return folded(node, self.path_meaning)
 
     def path_meaning(self, node: AST) -> Meaning | None:
@@ -257,6 +268,16 @@ def dropped_decorator(path: str) -> bool:
 def _file(folder: str, module: str) -> str | None:
     base = os.path.join(folder, *module.split(".")) if module else folder
     return next((p for p in (base + ".py", os.path.join(base, "__init__.py")) if os.path.isfile(p)), None)
+
+
+def _changed(node: AST) -> str:
+    """The name of what a statement stores an item in, or calls a method of that may change it."""
+    is_store = isinstance(node, (tree.Subscript, tree.Attribute)) and not isinstance(node.ctx, tree.Load)
+    base = node if is_store else node.value.func if isinstance(node, tree.Expr) and isinstance(
+        node.value, tree.Call) and isinstance(node.value.func, tree.Attribute) else None
+    while isinstance(base, (tree.Subscript, tree.Attribute)):
+        base = base.value
+    return base.id if isinstance(base, tree.Name) else ""
 
 
 def _binds(statement: AST, name: str) -> bool:

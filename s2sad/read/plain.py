@@ -8,6 +8,8 @@
     raise ValueError(f"at {t:.3f}") raise ValueError("at {t:.3f}")
     print(f"{k}: {r:.2e}")          print(k, ":", r)
     del work                        pass
+    for i in range(n)[::-1]:        for i in reversed(range(n)):
+    if k in (1, m):                 if k == 1 or k == m:
 
 The text of an error is none that a derivative computes: it shows what stands between the braces. An assignment inside
 an expression moves before its statement where nothing is evaluated before it but names and numbers; any other is left
@@ -16,8 +18,9 @@ for the fence to refuse, as are strings in any other place.
 from __future__ import annotations
 
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, BoolOp, Break, Call, Constant, Expr, For, FunctionDef, If, IfExp, Name, Not, Pass,
-    Raise, Return, Subscript, UnaryOp, While, at, children, const, copy, name, rebuild, walk, written,
+    AST, And, Assert, Assign, Attribute, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, IfExp,
+    In, List, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Subscript, Tuple, UnaryOp, While, at, children,
+    const, copy, name, rebuild, walk, written,
 )
 
 _EXPRESSIONS = {Assign: "value", Expr: "value", Return: "value", If: "test", While: "test", For: "iter", Assert: "test"}
@@ -28,8 +31,21 @@ _LAZY = ("Lambda", "ListComp", "GeneratorExp", "SetComp", "DictComp")   # run la
 def plain(function: FunctionDef) -> FunctionDef:
     """The function with such spellings in their plain form."""
     new = copy(function)
+    new.body = [rebuild(s, _member) for s in function.body]
     _blocks(new)
     return new
+
+
+def _member(node: AST) -> AST | None:
+    """A question whether a name is one of several numbers or strings, as comparisons."""
+    if not isinstance(node, Compare) or len(node.ops) != 1 or not isinstance(node.ops[0], (In, NotIn)):
+        return None
+    left, among = node.left, node.comparators[0]
+    if not isinstance(left, (Name, Subscript, Attribute)) or not isinstance(among, (Tuple, List)) or not all(
+            isinstance(item, (Constant, Name)) for item in among.elts) or len(among.elts) < 2:
+        return None
+    op, joined = (Eq, Or) if isinstance(node.ops[0], In) else (NotEq, And)
+    return at(BoolOp(joined(), [Compare(copy(left), [op()], [item]) for item in among.elts]), node)
 
 
 def _blocks(node: AST) -> None:
@@ -45,6 +61,8 @@ def _statement(statement: AST) -> list[AST]:
         return [Pass()]
     if isinstance(statement, (Raise, Assert)):
         statement = _said(statement)
+    if isinstance(statement, For):
+        statement.iter = _turned(statement.iter)
     if isinstance(statement, Expr) and _is_print(statement.value):
         statement.value.args = [part for a in statement.value.args for part in _printed(a)]
     field = _EXPRESSIONS.get(type(statement))
@@ -56,6 +74,15 @@ def _statement(statement: AST) -> list[AST]:
 
 def _is_walrus(node: AST) -> bool:
     return type(node).__name__ == "NamedExpr"
+
+
+def _turned(iterable: AST) -> AST:
+    """A range that is taken backwards."""
+    backwards = isinstance(iterable, Subscript) and isinstance(iterable.slice, Slice) and written(
+        iterable.slice) == "::-1"
+    if not backwards or not isinstance(iterable.value, Call) or written(iterable.value.func) != "range":
+        return iterable
+    return at(Call(at(name("reversed"), iterable), [iterable.value], []), iterable)
 
 
 def _is_print(node: AST) -> bool:

@@ -30,6 +30,7 @@ from s2sad.normalize.pieces import pieces
 from s2sad.normalize.rename import rename
 from s2sad.normalize.lives import lives
 from s2sad.normalize.memory import Memory
+from s2sad.normalize.rotated import rotated
 from s2sad.normalize.rows import rows
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize, scatter
@@ -95,8 +96,8 @@ class NormalForms(Calls):
         given = dict(zip((p.id for p in tree.args.args), types))
         tree, source = inlined(tree, given, names, kernel.source, self.helpers)
         kernel, report = replace(kernel, source=source), Report(source)
-        tree, table = lives(tree, given, self.call_types, report, values, names)
         self.watch("structured", tree)
+        tree, table = lives(tree, given, self.call_types, report, values, names)
         typing = Typing({**table, **given}, self.call_types, first := Report(source), values)
         complexes(tree, typing, first)      # says more than that a type cannot be inferred
         of_its_own(kernel, types, first)
@@ -104,7 +105,7 @@ class NormalForms(Calls):
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
-        tree = stacked(iterated(tree, typing), typing)
+        tree = stacked(iterated(rotated(tree, typing, names), typing), typing)
         tree = rows(tree, typing, Memory(tree, self.program), report)
         report.finish()
         tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")
