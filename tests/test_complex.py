@@ -19,6 +19,7 @@ CASES = [
     (kernels.mixed, (Z, X), ("z", "x"), ("x", "return")),
     (kernels.called, (Z, X), ("z", "x"), ("return",)),
     (kernels.schroedinger, (Z, X, X[::-1].copy(), 0.1, 0.5, 3), ("psi", "v", "w", "dt"), ("psi", "return")),
+    (kernels.arranged, (Z, W, M, X), ("z", "w", "m", "x"), ("w", "return")),
     (kernels.helmholtz, (Z, X, 0.7), ("f", "c", "omega"), ("return",)),
 ]
 
