@@ -53,7 +53,8 @@ def lengths(x, z):
     e = np.fft.rfft(x[:3], norm="forward")
     f = np.fft.irfft(z) * np.fft.irfft(z, 6, norm="forward")
     g = np.fft.irfft(z, n=7, norm="ortho") + np.fft.irfft(x, 7)
-    return np.sum(a * a) + np.sum(b ** 3) + np.sum(c * c) + np.sum(d ** 2 * d) + np.sum(e * e), np.sum(f), np.sum(g ** 2)
+    h = np.sum(a * a) + np.sum(b ** 3) + np.sum(c * c)
+    return h + np.sum(d ** 2 * d) + np.sum(e * e), np.sum(f), np.sum(g ** 2)
 
 
 def several_axes(x, z):

@@ -55,7 +55,9 @@ class Shapes(Slices):
         old = self.of(arguments["x" if "x" in arguments else "g"])
         axis, asked = (whole_number(arguments["axis"]) or 0) % len(old), arguments.get("size", arguments.get("n"))
         if asked is None or isinstance(asked, Constant) and asked.value is None:
-            found = old[axis] if law != "signal" else old[axis] and old[axis].times(2).shift(-2)
+            found = old[axis]
+            if law == "signal" and found is not None:
+                found = found.times(2).shift(-2)
         else:
             found = self.size(asked)
         if law == "half" and found is not None:

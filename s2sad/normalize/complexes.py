@@ -133,7 +133,7 @@ def _call(node: Call, is_complex, typing: Typing) -> tuple[str, str, str] | None
         return None
     rule, made = rules.find(name), typing.of(node)
     if name in _POWERS and len(node.args) == 2:
-        return _operator(Pow(), *node.args, is_complex, typing)
+        return _operator(Pow(), node.args[0], node.args[1], is_complex, typing)
     known = rule is not None and rule.plane is not None and not name.startswith("math.")
     if name == "numpy.where" and node.args and is_complex(node.args[0]):
         known = False

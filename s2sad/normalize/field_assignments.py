@@ -73,7 +73,7 @@ class Assignments(Values):
 def _keeps_dtype(item: Leaf, value: AST | None, augmented: bool, op: AST | None) -> bool:
     """Whether what is assigned to a number surely has its type; an element of an array cannot change it."""
     dtype = item.type.dtype
-    if dtype in ("", "float64"):
+    if dtype in ("", "float64", "complex128"):
         return True
     if dtype == "bool":
         return isinstance(value, (Compare,)) or isinstance(value, Constant) and isinstance(value.value, bool) or (

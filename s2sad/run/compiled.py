@@ -68,8 +68,8 @@ def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ..
     """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left.
 
     With `given` it imports functions of the user: these are compiled too, and nothing is kept on disk, for Numba's
-    cache would not see that they have changed. Nor is a module that calls what the interpreter runs, which lives as long
-    as the process.
+    cache would not see that they have changed. Nor is a module that calls what the interpreter runs, which lives as
+    long as the process.
     """
     bounds = bounds or always_checked()
     module = load(text, name, _key(bounds), own=given)
