@@ -80,8 +80,9 @@ def in_a_row(seed: Any, structure: Structure) -> list[Any]:
 
 def number_seed(seed: Any, name: str = RETURN, is_complex: bool = False) -> float | complex:
     """The seed of a float or complex result, or the tangent of such an argument."""
-    known = isinstance(seed, (int, float, np.integer, np.floating)) or is_complex and isinstance(seed, complex)
-    if isinstance(seed, (bool, np.bool_)) or not known:
+    if is_complex and isinstance(seed, complex):
+        return np.complex128(seed)
+    if isinstance(seed, (bool, np.bool_)) or not isinstance(seed, (int, float, np.integer, np.floating)):
         wanted = "a complex number" if is_complex else "a float"
         raise misfit(f"the seed of '{name}' is of type {type(seed).__name__}, not {wanted}", f"give {wanted}")
     return np.complex128(seed) if is_complex else float(seed)

@@ -13,8 +13,9 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.laws import LAWS, LEAST, ONE, Shape, whole_number
 from s2sad.infer.slices import Slices
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Mult, Name, Store,
-    Subscript, Tuple, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of, walk,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Mult, Name,
+    Store, Subscript, Tuple, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of,
+    walk,
 )
 
 

@@ -84,7 +84,7 @@ def _store(node: Assign | AugAssign, typing: Typing, report: Report) -> None:
     placed = isinstance(target, Subscript) or isinstance(node, AugAssign) and kind.is_array
     part = call_name(target.value) if isinstance(target, Subscript) else ""
     if part in ("numpy.real", "numpy.imag"):
-        report.error("S201", f"a store into the {'real' if part == 'numpy.real' else 'imaginary'} part of an array", node,
+        report.error("S201", f"a store into .{part.rpartition('.')[2]} of an array", node,
                      help="store both parts: z[...] = a + 1j * b")
     if placed and _holds_complex(typing.of(node.value)) and kind.dtype and not kind.is_complex:
         report.error("S201", f"a complex value is stored in {kind.dtype}, where its imaginary part is lost", node,

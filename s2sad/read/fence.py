@@ -96,8 +96,6 @@ def _attribute(node: AST, report: Report) -> list[AST] | None:
         target = f"{node.value.id}.{node.attr}" if isinstance(node.value, tree.Name) else f".{node.attr}"
         if node.attr == "shape":
             help = "bind the new shape to a new name: y = x.reshape(...)"
-        elif node.attr in ("real", "imag"):
-            help = "store both parts: z[...] = a + 1j * b"
         else:
             help = "return the value, or write it to an element of an array argument"
         report.error("S201", f"an assignment to the attribute {target} {_NOT}", node, help=help)

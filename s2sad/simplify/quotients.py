@@ -6,7 +6,7 @@ Requires types; changes nothing where nothing is complex.
 """
 from __future__ import annotations
 
-from s2sad.infer.infer import Typing
+from s2sad.infer.infer import Typing, learn
 from s2sad.rules.rule import number
 from s2sad.tree import AST, BinOp, Div, FunctionDef, at, call, copy, rebuild
 
@@ -21,6 +21,8 @@ def quotients(function: FunctionDef, typing: Typing) -> FunctionDef:
         return at(made, node) if getattr(node, "lineno", None) else made
     if not any(t.is_complex for t in typing.table.values()):
         return function
+    typing = Typing(dict(typing.table), typing.call_types, typing.report, typing.constants)
+    learn(function.body, typing)    # names that passes have made since
     new = copy(function)
     new.body = [rebuild(s, change) for s in function.body]
     return new
