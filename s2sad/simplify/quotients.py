@@ -21,7 +21,7 @@ def quotients(function: FunctionDef, typing: Typing) -> FunctionDef:
         return at(made, node) if getattr(node, "lineno", None) else made
     if not any(t.is_complex for t in typing.table.values()):
         return function
-    typing = Typing(dict(typing.table), typing.call_types, typing.report, typing.constants)
+    typing = Typing(dict(typing.table), lambda kernel, types: (), typing.report, typing.constants)
     learn(function.body, typing)    # names that passes have made since
     new = copy(function)
     new.body = [rebuild(s, change) for s in function.body]
