@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 
+import s2sad
 from s2sad import runtime
 from tests import transform_kernels as kernels
 from tests.bulk import interpreted
@@ -76,3 +77,11 @@ def test_derivatives(case, engine):
 def test_compiled(case):
     pytest.importorskip("numba")
     check_derivatives(*case, engine="numba")
+
+
+def test_explain_names_what_the_interpreter_runs():
+    pytest.importorskip("numba")
+    said = str(s2sad.explain(kernels.burgers, *CASES[1][1], engine="numba"))
+    section = said.partition("run by the interpreter, which Numba's code calls\n")[2].splitlines()
+    assert [line.strip() for line in section] == ["line 20: slope = np.fft.irfft(1j * k * np.fft.rfft(u), n=u.size)"]
+    assert "interpreter" not in str(s2sad.explain(kernels.burgers, *CASES[1][1], engine="numpy"))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from s2sad import rules, tree
 from s2sad.emit.unraised import unraised
+from s2sad.rules.transforms import TRANSFORMS
 from s2sad.tree import AST, BinOp, Call, Div, FunctionDef, call, call_name, const, rebuild
 from s2sad.units import Units
 
@@ -17,7 +18,7 @@ _LACKING = {
     "numpy.heaviside": "runtime.heaviside",
     **{f"math.{n}": f"runtime.{n}" for n in ("remainder", "isqrt", "lcm", "comb", "perm", "factorial")}}
 
-_TRANSFORMS = {f"numpy.fft.{f}": f"runtime.{f}" for f in ("fft", "ifft", "rfft", "irfft")}
+_TRANSFORMS = {f: f"runtime.{f.rpartition('.')[2]}" for f in TRANSFORMS}
 
 
 def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:

@@ -155,9 +155,10 @@ def library_path(name: str, value: Any) -> str | None:
             if candidate and getattr(module, candidate, None) is value:
                 return f"{module.__name__}.{candidate}"
     home = str(getattr(value, "__module__", ""))
-    if home.startswith("scipy.") and getattr(sys.modules.get("scipy.linalg"), own, None) is value and is_scipy(
-            f"scipy.linalg.{own}"):
-        return f"scipy.linalg.{own}"
+    for room in ("scipy.linalg", "scipy.fft"):
+        if home.startswith("scipy.") and getattr(sys.modules.get(room), own, None) is value and is_scipy(
+                f"{room}.{own}"):
+            return f"{room}.{own}"
     if home.partition(".")[0] == "numpy" and getattr(library_value(home), own, None) is value:
         return f"{home}.{own}"
     return None

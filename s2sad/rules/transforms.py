@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from s2sad.rules.array import arrays
 
+TRANSFORMS = tuple(f"numpy.fft.{f}" for f in ("fft", "ifft", "rfft", "irfft"))
+
 arrays("numpy.fft.fft(x, n=None, axis=-1, norm=None)", law="transformed",
        x="runtime.fft_adjoint(g, x.shape[axis], axis, norm)")
 arrays("numpy.fft.ifft(x, n=None, axis=-1, norm=None)", law="transformed",
