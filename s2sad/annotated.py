@@ -159,9 +159,9 @@ class AnnotatedCall:
             return {}
         if seed is None:
             several = len(results.types) > 1
-            if several or results.types[0].is_array:
-                raise misfit("the seed of 'return' is missing: the function returns "
-                             f"{'several values' if several else 'an array'}",
+            if several or results.types[0].is_array or results.types[0].is_complex:
+                what = "several values" if several else "an array" if results.types[0].is_array else "a complex number"
+                raise misfit(f"the seed of 'return' is missing: the function returns {what}",
                              "give seed=..., shaped as that")
             return {0: 1.0}
         found = structured(results, seed, seeded)

@@ -177,7 +177,9 @@ def make_zero(x: Any) -> Any:
     value = admitted("x", x)
     if isinstance(value, np.ndarray):
         return np.zeros_like(value) if value.dtype.name in INEXACT else value
-    if isinstance(value, (float, _SINGLE, complex)):
+    if isinstance(value, complex):
+        return 0j
+    if isinstance(value, (float, _SINGLE)):
         return type(value)(0.0)
     return x
 

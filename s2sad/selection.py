@@ -80,11 +80,12 @@ def in_a_row(seed: Any, structure: Structure) -> list[Any]:
 
 def number_seed(seed: Any, name: str = RETURN, is_complex: bool = False) -> float | complex:
     """The seed of a float or complex result, or the tangent of such an argument."""
-    if is_complex and isinstance(seed, (int, float, complex, np.number)) and not isinstance(seed, bool):
+    if is_complex and isinstance(seed, complex):
         return np.complex128(seed)
     if isinstance(seed, (bool, np.bool_)) or not isinstance(seed, (int, float, np.integer, np.floating)):
-        raise misfit(f"the seed of '{name}' is of type {type(seed).__name__}, not a float", "give a float")
-    return float(seed)
+        wanted = "a complex number" if is_complex else "a float"
+        raise misfit(f"the seed of '{name}' is of type {type(seed).__name__}, not {wanted}", f"give {wanted}")
+    return np.complex128(seed) if is_complex else float(seed)
 
 
 def result_seed(seed: Any, kind: Type) -> Any:

@@ -1,4 +1,6 @@
 """Kernels that compute with complex numbers, for tests/test_complex.py."""
+from dataclasses import dataclass
+
 import numpy as np
 
 ROTATION = 0.6 + 0.8j
@@ -112,3 +114,55 @@ def helmholtz(f, c, omega):
             a[i - 1, i] = -1.0
     u = np.linalg.solve(a, f)
     return np.sum(np.abs(u) ** 2)
+
+
+def arranged(z, w, m, x):
+    """Functions that are written out in others, elements picked by places and by masks, stacks of matrices."""
+    places = np.array([0, 2, 2])
+    a = np.stack((z, w)) + np.vstack((w, 1j * x)) * np.hstack((z[:2], w[2:]))
+    b = np.cumsum(z) * np.expand_dims(w, 0)[0] + np.einsum("ij,j->i", m, w)
+    c = np.swapaxes(m, 0, 1) @ np.diag(z) + np.linalg.inv(m) * np.tensordot(m, z, axes=1)
+    w[1:3] = [z[0], 2.0 + x[1]]
+    w[places] = z[places] ** 2
+    c[np.abs(m) > 0.9] *= 2.0 - 1j
+    picked = m[x > 0.8]
+    stacked = m.reshape(2, 2, 4) @ m.reshape(2, 4, 2)
+    return (np.sum(np.diff(a * b, axis=1)) + np.vdot(c, m) + np.sum(picked ** 2) + np.sum(np.diagonal(c) * w) +
+            np.sum(stacked[0] * stacked[1]) + np.mean(m.reshape(-1) * np.ravel(c)))
+
+
+def shared_part(z):
+    part = z.real
+    part[0] = 3.0
+    return np.sum(z * z).real
+
+
+def owned(z):
+    return abs(z)
+
+
+def owned_adjoint(z, result_bar):
+    return result_bar
+
+
+def quotients(z, w, s):
+    """Each divides by zero where w and s are."""
+    total = 0.0
+    for i in range(z.size):
+        total += (z[i] / w[i]).real + (1.0 / (s + 1j * w[i].imag)).real + (z[i] / s).imag + (1j * s / w[i]).real
+    return total
+
+
+@dataclass
+class Oscillator:
+    z: np.ndarray
+    c: complex
+    k: float
+
+
+def driven(o, n):
+    """A field that is assigned, and an array, both complex."""
+    for i in range(n):
+        o.c = o.c * o.k + o.z[i]
+        o.z[i] *= 1j
+    return abs(o.c) ** 2 + np.sum(o.z.imag)

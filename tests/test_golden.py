@@ -182,14 +182,21 @@ def parts(like: dict[str, Any], names: tuple[str, ...], rng: np.random.Generator
     def drawn(value: Any) -> Any:
         if isinstance(value, tuple):
             return tuple(map(drawn, value))
+        if np.iscomplexobj(value):
+            return rng.uniform(0.5, 1.5, np.shape(value)) - 1j * rng.uniform(0.5, 1.5, np.shape(value))
         return rng.uniform(0.5, 1.5, value.shape).astype(value.dtype) if isinstance(value, np.ndarray) else (
             float(rng.uniform(0.5, 1.5)))
     return {name: drawn(like[name]) for name in names}
 
 
 def flat(values: dict[str, Any], names: tuple[str, ...]) -> np.ndarray:
-    return np.concatenate([np.zeros(0), *(np.ravel(v) for name in names for v in (
+    return np.concatenate([np.zeros(0), *(reals(np.ravel(v)) for name in names for v in (
         values[name] if isinstance(values[name], tuple) else (values[name],)))]).astype(float)
+
+
+def reals(vector: np.ndarray) -> np.ndarray:
+    """The real and imaginary parts of complex numbers, in turns."""
+    return vector.view(float) if np.iscomplexobj(vector) else vector
 
 
 def tolerance(subject: Subject) -> float:
@@ -253,7 +260,7 @@ def test_normal_form_runs(case):
     theirs, ours = copy.deepcopy(arguments), copy.deepcopy(arguments)
     wanted, found = kernel(*theirs), function(*ours, *program.arrays.values())
     for ours_k, theirs_k in zip(_parts(found), _parts(wanted)):
-        np.testing.assert_allclose(np.asarray(ours_k, float), np.asarray(theirs_k, float), rtol=1e-14)
+        np.testing.assert_allclose(flat({"": ours_k}, ("",)), flat({"": theirs_k}, ("",)), rtol=1e-14)
     for left, right in zip(ours, theirs):
         np.testing.assert_allclose(left, right, rtol=1e-6 if getattr(right, "dtype", None) == np.float32 else 1e-14)
 

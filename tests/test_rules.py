@@ -101,6 +101,35 @@ def test_partial_agrees_with_differences(name, parameter):
             assert actual == pytest.approx(expected, rel=1e-9, abs=1e-11 + 10 * error), (point, scalar)
 
 
+PLANE_ROWS = [(name, p) for name, p in TABLE_ROWS if rules.find(name).plane is not None
+              and not name.startswith("math.") and p not in rules.find(name).plane.zero
+              and (name.startswith("a") or p != "b" or "**" not in name)]
+
+
+@pytest.mark.parametrize(("name", "parameter"), PLANE_ROWS)
+def test_partials_hold_for_complex_numbers(name, parameter):
+    function, rule = primal(name), rules.find(name).plane
+    for k in range(5):
+        point = {p: 0.5 + 0.3 * k + 0.2 * j + (0.7 - 0.4 * k) * 1j for j, p in enumerate(rule.parameters)}
+        if rule.refine is not None:     # a power: the exponent is real
+            point["b"] = (3, -2, 0.5, 2, 1.5)[k]
+            if parameter == "b":
+                continue
+        if name == "numpy.where":
+            point["c"] = k % 2 == 0
+        known = {"b": tree.const(point["b"])} if rule.refine is not None else {}
+        node = rule.partial(parameter, {p: known.get(p, tree.name(p)) for p in rule.parameters}, tree.name("y"))
+        y = function(*point.values())
+        for form in (node, scalar_form(node)):
+            found = compiled((*rule.parameters, "y"), form)(*point.values(), y)
+            for step in (1e-3, 1e-3j):
+                at = {k: function(*{**point, parameter: point[parameter] + k * step}.values()) for k in (-2, -1, 1, 2)}
+                actual = (8.0 * (at[1] - at[-1]) - at[2] + at[-2]) / 12.0
+                expected = {"holomorphic": found * step, "gradient": (np.conj(found) * step).real,
+                            "conjugate": np.conj(step)}[rule.kind]
+                assert actual == pytest.approx(expected, rel=1e-7, abs=1e-12), (point, step)
+
+
 @pytest.mark.parametrize(("name", "parameter"), [row for row in TABLE_ROWS if not row[0].startswith("math.")])
 def test_float32_and_arrays(name, parameter):
     scalar = name.startswith(("builtins.", "runtime.")) and name != "builtins.abs"
@@ -319,6 +348,8 @@ REFUSED = [
     (("numpy.f(x)",), {"x": "y", "domain": {"a": (0, 1)}},
      "'numpy.f(x)': a domain is given for a, which is no parameter of it"),
     (("numpy.f(x)",), {"x": "y", "result": "int"}, "'numpy.f(x)': result='int' is neither 'float' nor 'same'"),
+    (("numpy.f(x)",), {"x": "1.0", "plane": "analytic"},
+     "'numpy.f': plane='analytic' is none of holomorphic, gradient, conjugate, with partials"),
     (("numpy.f(y)",), {}, "'numpy.f(y)': parameters must be different names, and not 'y', which is the result"),
     (("a if b else c",), {}, "'a if b else c' is neither a call such as 'numpy.exp(x)' nor an operator such as "
                              "'a / b'"),

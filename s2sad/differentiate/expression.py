@@ -129,7 +129,7 @@ class Pullback:
             filled[wanted] = name(held)
         for parameter in flowing:
             operand = arguments[parameter]
-            gain, negative = unsigned(substitute(rule.adjoint(parameter, ranks), filled))
+            gain, negative = unsigned(substitute(rule.gain(parameter, ranks, arguments), filled))
             term = Term(gain, seed.negative != negative)
             if self.leaves(operand) > 1:
                 term = self.shared(operand, term, found)

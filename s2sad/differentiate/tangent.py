@@ -95,7 +95,8 @@ class _Tangent:
         if is_allocation(statement):
             return [copy(statement), assign(self.shadow(target.id), call("numpy.zeros_like", name(target.id)))]
         after = isinstance(target, Name) or owns_result(statement)
-        term = self.pushforward.tangent(statement.value, self.primal(target) if after else None)
+        held = after and isinstance(statement, Assign)     # the value itself, not a sum with it
+        term = self.pushforward.tangent(statement.value, self.primal(target) if held else None)
         place = self.value(target)
         if isinstance(target, Subscript) and isinstance(place, Name):
             place = index(place, const(...))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from s2sad import rules, tree
 from s2sad.emit.unraised import unraised
+from s2sad.rules.transforms import TRANSFORMS
 from s2sad.tree import AST, BinOp, Call, Div, FunctionDef, call, call_name, const, rebuild
 from s2sad.units import Units
 
@@ -18,7 +19,7 @@ _LACKING = {
     **{f"runtime.{n}": f"runtime.{n}_in_loops" for n in ("sparse_product", "sparse_left_product", "sparse_gain")},
     **{f"math.{n}": f"runtime.{n}" for n in ("remainder", "isqrt", "lcm", "comb", "perm", "factorial")}}
 
-_TRANSFORMS = {f"numpy.fft.{f}": f"runtime.{f}" for f in ("fft", "ifft", "rfft", "irfft")}
+_TRANSFORMS = {f: f"runtime.{f.rpartition('.')[2]}" for f in TRANSFORMS}
 
 
 def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:

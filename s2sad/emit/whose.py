@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from s2sad.diagnostics import Report, Source
-from s2sad.infer.infer import Typing
+from s2sad.infer.infer import Typing, learn
 from s2sad.infer.types import Type
 from s2sad.rules import constant_result
 from s2sad.tree import (
@@ -53,6 +53,8 @@ class Whose:
         self.typing = Typing(dict(types), lambda kernel, given: (), Report(Source("", "")), constants)
         self.complex = any(t.is_complex for t in types.values()) or any(
             isinstance(n, Constant) and isinstance(n.value, complex) for n in walk(tree.body))
+        if self.complex:
+            learn(tree.body, self.typing)
         self.results = {} if as_it_is else results
         self.parameters = [p.id for p in tree.args.args]
         self.known = dict(zip(self.parameters, known))

@@ -144,7 +144,7 @@ def _solved_type(args: list[Type], options: Options) -> Type:
 def _of_matrix(rank: int) -> Callable[[list[Type], Options], Type]:
     """The type of what a float matrix gives (stacks of matrices and integers are for NumPy alone)."""
     def made(args: list[Type], options: Options) -> Type:
-        return of_rank(args[0], rank) if args[0].is_float and args[0].rank == 2 else UNKNOWN
+        return of_rank(args[0], rank) if args[0].is_inexact and args[0].rank == 2 else UNKNOWN
     return made
 
 

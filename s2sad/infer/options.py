@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from s2sad.infer.laws import axes_of, whole_number
-from s2sad.infer.promotion import ORDER
+from s2sad.infer.promotion import ORDER, dtype_of
 from s2sad.tree import AST, Constant, List, Name, Tuple, UnaryOp, USub
 
 Arguments = Mapping[str, AST]
@@ -56,4 +56,4 @@ def astype_dtype(options: Arguments) -> str:
     found = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": "bool", "numpy.bool_": "bool",
              "builtins.complex": "complex128",
              "numpy.bool": "bool"}.get(named, named.removeprefix("numpy."))
-    return found if found in ORDER else ""
+    return found if found in ORDER else "complex128" if dtype_of(node) == "complex128" else ""

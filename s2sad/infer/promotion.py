@@ -11,6 +11,9 @@ CASTS = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": 
          "numpy.float32": "float32", "numpy.int64": "int64", "numpy.int32": "int32", "numpy.bool_": "bool",
          "builtins.complex": "complex128", "numpy.complex128": "complex128"}
 
+_COMPLEX = {**dict.fromkeys(("complex", "D", "c16", "numpy.cdouble", "numpy.complexfloating"), "complex128"),
+            **dict.fromkeys(("F", "c8", "numpy.csingle"), "complex64")}
+
 
 def listed(items: Type) -> Type:
     """The type of the array that nested lists of numbers spell."""
@@ -26,6 +29,9 @@ def listed(items: Type) -> Type:
 
 def dtype_of(node: AST) -> str | None:
     """The dtype that an expression names: `np.float32`, `float`, `"float32"`; None if it is none of these."""
+    said = node.id if isinstance(node, Name) else node.value if isinstance(node, Constant) else None
+    if isinstance(said, str) and said in _COMPLEX:
+        return _COMPLEX[said]
     if isinstance(node, Name):
         if node.id in CASTS:
             return CASTS[node.id]

@@ -13,8 +13,9 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.laws import GIVEN, LAWS, LEAST, ONE, Shape, whole_number
 from s2sad.infer.slices import Slices
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Mult, Name, Store,
-    Subscript, Tuple, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of, walk,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Mult, Name,
+    Store, Subscript, Tuple, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of,
+    walk,
 )
 
 
@@ -57,7 +58,9 @@ class Shapes(Slices):
         old = self.of(arguments["x" if "x" in arguments else "g"])
         axis, asked = (whole_number(arguments["axis"]) or 0) % len(old), arguments.get("size", arguments.get("n"))
         if asked is None or isinstance(asked, Constant) and asked.value is None:
-            found = old[axis] if law != "signal" else old[axis] and old[axis].times(2).shift(-2)
+            found = old[axis]
+            if law == "signal" and found is not None:
+                found = found.times(2).shift(-2)
         else:
             found = self.size(asked)
         if law == "half" and found is not None:

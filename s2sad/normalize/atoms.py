@@ -35,13 +35,15 @@ def atoms(function: FunctionDef, typing: Typing, free: Names, written: set[str])
     return new
 
 
-def reads_result(node: AST) -> bool:
+def reads_result(node: AST, typing: Typing) -> bool:
     """Whether an operation's partials read its result."""
     if isinstance(node, BinOp):
         if isinstance(node.op, Div):
             return not isinstance(node.right, Constant)
         return isinstance(node.op, Pow) and not _is_integer(node.right)
     rule = rules.find(call_name(node) or "")
+    if rule is not None and rule.plane is not None and any(typing.of(a).is_complex for a in node.args):
+        rule = rule.plane
     return rule is not None and any("y" in rule.uses(p) for p in rule.parameters)
 
 
@@ -110,7 +112,7 @@ class _Atoms:
                 return self.indexed(value, before)
             if (call_name(value) or "").startswith("user."):
                 return self.call(value, before)
-            if reads_result(value):
+            if reads_result(value, self.typing):
                 return self.children(value, before)
         elif (call_name(value) or "").startswith("user."):
             return self.call(value, before)
@@ -142,7 +144,7 @@ class _Atoms:
         if call_name(node) == "numpy.sum":
             return name(self.bind("total", node, before))
         new = self.children(node, before)
-        if reads_result(node) and kind.is_inexact and not kind.is_array:
+        if reads_result(node, self.typing) and kind.is_inexact and not kind.is_array:
             return name(self.bind(_wanted(node), new, before))
         return new
 

@@ -67,18 +67,26 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
         return  # what is refused inside explains it
     if isinstance(node, (Assign, AugAssign)):
         _store(node, typing, report)
-    elif typing.of(node).dtype == "complex64":
+    elif isinstance(node, (Call, BinOp)) and typing.of(node).dtype == "complex64":
         report.error("S201", "a value of complex64", node, help="use complex128, and no float32 beside it")
-    wrong = _wrong(node, lambda n: typing.of(n).is_complex, typing)
+    wrong = _wrong(node, lambda n: _holds_complex(typing.of(n)), typing)
     if wrong:
         report.error(wrong[0], wrong[1], node, help=wrong[2])
+
+
+def _holds_complex(kind: Type) -> bool:
+    return kind.is_complex or any(map(_holds_complex, kind.items))
 
 
 def _store(node: Assign | AugAssign, typing: Typing, report: Report) -> None:
     target = targets(node)[0]
     kind = typing.of(target)
     placed = isinstance(target, Subscript) or isinstance(node, AugAssign) and kind.is_array
-    if placed and typing.of(node.value).is_complex and kind.dtype and not kind.is_complex:
+    part = call_name(target.value) if isinstance(target, Subscript) else ""
+    if part in ("numpy.real", "numpy.imag"):
+        report.error("S201", f"a store into .{part.rpartition('.')[2]} of an array", node,
+                     help="store both parts: z[...] = a + 1j * b")
+    if placed and _holds_complex(typing.of(node.value)) and kind.dtype and not kind.is_complex:
         report.error("S201", f"a complex value is stored in {kind.dtype}, where its imaginary part is lost", node,
                      help="store its real part: .real")
 
@@ -125,7 +133,7 @@ def _call(node: Call, is_complex, typing: Typing) -> tuple[str, str, str] | None
         return None
     rule, made = rules.find(name), typing.of(node)
     if name in _POWERS and len(node.args) == 2:
-        return _operator(Pow(), *node.args, is_complex, typing)
+        return _operator(Pow(), node.args[0], node.args[1], is_complex, typing)
     known = rule is not None and rule.plane is not None and not name.startswith("math.")
     if name == "numpy.where" and node.args and is_complex(node.args[0]):
         known = False

@@ -14,6 +14,7 @@ from s2sad.tree import (
     name,
 )
 
+BOTH_PARTS = "store both parts: z[...] = a + 1j * b"
 _KEPT_LOCALLY = "return the value, or write it to an element of an array argument"
 
 
@@ -29,7 +30,8 @@ class Assignments(Values):
         if not isinstance(base, Group):
             if isinstance(node, Attribute):
                 said = f"{node.value.id}.{node.attr}" if isinstance(node.value, Name) else f".{node.attr}"
-                self.refuse(node, f"an assignment to the attribute {said} {NO}", _KEPT_LOCALLY)
+                self.refuse(node, f"an assignment to the attribute {said} {NO}",
+                            BOTH_PARTS if node.attr in ("real", "imag") else _KEPT_LOCALLY)
                 return at(Name("_", Store(), None, None), node)
             return None
         read = type(node)(*[getattr(node, f) for f in node._fields[:-1]], name("x").ctx)
@@ -77,7 +79,7 @@ class Assignments(Values):
 def _keeps_dtype(item: Leaf, value: AST | None, augmented: bool, op: AST | None) -> bool:
     """Whether what is assigned to a number surely has its type; an element of an array cannot change it."""
     dtype = item.type.dtype
-    if dtype in ("", "float64"):
+    if dtype in ("", "float64", "complex128"):
         return True
     if dtype == "bool":
         return isinstance(value, (Compare,)) or isinstance(value, Constant) and isinstance(value.value, bool) or (

@@ -2,7 +2,8 @@
 
 Requires functions that stand alone on operands with names; establishes that none of those in `rules/composed` is left,
 and no `np.broadcast_to` of the kernel's.
-What each is made of stands in `normalize/pieces_of_shapes`, `pieces_of_sums`, `pieces_of_places` and `pieces_of_transforms`.
+What each is made of stands in `normalize/pieces_of_shapes`, `pieces_of_sums`, `pieces_of_places` and
+`pieces_of_transforms`.
 
     d = np.diff(x)                  d = x[1:] - x[:-1]
     y = np.concatenate((u, v))      y = np.empty(u.shape[0] + v.shape[0])

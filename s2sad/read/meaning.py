@@ -203,9 +203,10 @@ def library_path(name: str, value: Any) -> str | None:
             if candidate and getattr(module, candidate, None) is value:
                 return f"{module.__name__}.{candidate}"
     home = str(getattr(value, "__module__", ""))
-    for module in ("scipy.linalg", "scipy.sparse", "scipy.sparse.linalg") if home.startswith("scipy.") else ():
-        if getattr(sys.modules.get(module), own, None) is value and is_scipy(f"{module}.{own}"):
-            return f"{module}.{own}"
+    rooms = ("scipy.linalg", "scipy.fft", "scipy.sparse", "scipy.sparse.linalg")
+    for room in rooms if home.startswith("scipy.") else ():
+        if getattr(sys.modules.get(room), own, None) is value and is_scipy(f"{room}.{own}"):
+            return f"{room}.{own}"
     if home.partition(".")[0] == "numpy" and getattr(library_value(home), own, None) is value:
         return f"{home}.{own}"
     return None

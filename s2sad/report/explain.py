@@ -90,7 +90,8 @@ def explained(program: Program, request: Request, given: Mapping[str, Any] | Non
     sources = dict.fromkeys(_written(d) for d in derived)
     title = (f"{request.mode.capitalize()} of {entry.unit.kernel.name}: d({', '.join(request.of) or 'nothing'}) / "
              f"d({', '.join(request.wrt) or 'nothing'}), engine {request.engine}")
-    return Explanation(title, tuple(findings(d, sizes.get(d.unit.title)) for d in derived), tuple(sources))
+    found = tuple(findings(d, sizes.get(d.unit.title), request.engine) for d in derived)
+    return Explanation(title, found, tuple(sources))
 
 
 def _written(derived: Derived) -> tuple[str, str, int]:
@@ -118,6 +119,8 @@ def _lines(found: Findings) -> list[str]:
     lines += _section("run in the reverse sweep only", [said(p) for p in found.reversed_again])
     lines += _section("loops run forward and back per iteration", [said(p) for p in found.loops])
     lines += _section("not differentiable", [f"{said(k.place).rstrip(':')}: {k.what}" for k in found.kinks])
+    if found.interpreted:
+        lines += _section("run by the interpreter, which Numba's code calls", [said(p) for p in found.interpreted])
     return lines
 
 

@@ -14,7 +14,10 @@ from s2sad.emit.origins import text_of
 from s2sad.emit.stacks import Recorded, recorded_by
 from s2sad.report.kinks import kinks
 from s2sad.report.sizes import Sizes
-from s2sad.tree import AST, AnnAssign, Assign, AugAssign, Expr, For, Name, is_comment, names, stored_names, walk
+from s2sad.rules.transforms import TRANSFORMS
+from s2sad.tree import (
+    AST, AnnAssign, Assign, AugAssign, Expr, For, Name, call_name, is_comment, names, stored_names, walk,
+)
 from s2sad.units import Derived, Unit
 
 _LONGEST = 90
@@ -87,9 +90,10 @@ class Findings:
     reversed_again: tuple[Place, ...]
     loops: tuple[Place, ...]
     kinks: tuple[Kink, ...]
+    interpreted: tuple[Place, ...] = ()
 
 
-def findings(derived: Derived, sizes: Sizes | None) -> Findings:
+def findings(derived: Derived, sizes: Sizes | None, engine: str) -> Findings:
     """The table of one derivative; `sizes` for the given arguments, if there are any."""
     unit = derived.unit
     reads = [(n, p) for n, role, p in derived.made.parameters if role != "primal"]
@@ -102,7 +106,15 @@ def findings(derived: Derived, sizes: Sizes | None) -> Findings:
         tuple(dict.fromkeys([*names_wrt, *(r for r in derived.made.returns if r in unit.typing.table)])), tuple(of),
         tuple(_verdicts(derived)), (*(_stacked(r, unit, sizes) for r in recorded_by(derived)), *_kept(derived)),
         tuple(_again(derived)), dropped, later, tuple(_loops(derived)),
-        tuple(Kink(place_of(s, unit), what) for s, what in kinks(unit, derived.activity)))
+        tuple(Kink(place_of(s, unit), what) for s, what in kinks(unit, derived.activity)),
+        tuple(dict.fromkeys(_interpreted(unit))) if engine == "numba" else ())
+
+
+def _interpreted(unit: Unit) -> Iterator[Place]:
+    """The statements with a function that compiled code has the interpreter run."""
+    for statement in walk(unit.function.body):
+        if isinstance(statement, (Assign, AugAssign)) and call_name(statement.value) in TRANSFORMS:
+            yield place_of(statement, unit)
 
 
 def place_of(statement: AST, unit: Unit) -> Place:

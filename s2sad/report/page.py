@@ -73,6 +73,8 @@ def _notes(functions: list[Findings]) -> dict[int, list[tuple[str, str]]]:
             note(place, "dropped", f"left out of the forward sweep of {found.name}")
         for place in found.loops:
             note(place, "", "run forward and back per iteration")
+        for place in found.interpreted:
+            note(place, "", "run by the interpreter, which Numba's code calls")
     return notes
 
 

@@ -16,7 +16,7 @@ A `tangent` is written over the tangents, `x_dot` for `x`, which are arrays of z
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from s2sad import tree
@@ -25,6 +25,7 @@ from s2sad.tree import AST, Call, call_name
 
 SEED, RESULT = "g", "y"
 Ranks = tuple[int, ...]
+Refine = Callable[[str, Mapping[str, AST]], "str | None"]
 Adjoint = Mapping["Ranks | None", AST]
 
 
@@ -35,6 +36,7 @@ class ArrayRule:
     operands: the parameters without a default; options: those with one, whose arguments hold no derivative.
     adjoints: what the shadow of an operand gains, by operand and by the operands' ranks; shared: what they gain from.
     tangent: the tangent over `x_dot`, None if the function is linear in each operand.
+    refine: gives, for the arguments of a call, a shorter text of an operand's adjoint that reads no more, or None.
     """
     name: str
     operands: tuple[str, ...]
@@ -43,6 +45,7 @@ class ArrayRule:
     adjoints: Mapping[str, Adjoint] = field(default_factory=dict)
     shared: Mapping[str, AST] = field(default_factory=dict)
     tangent: AST | None = None
+    refine: Refine | None = None
 
     def arguments(self, node: Call) -> dict[str, AST]:
         """The operands and options of a call that `bound` has put in order, or of a call in a rule's own text, which
@@ -55,6 +58,11 @@ class ArrayRule:
         """What the shadow of an operand gains, over the rule's names."""
         given = self.adjoints[operand]
         return given[ranks] if ranks in given else given[None]
+
+    def gain(self, operand: str, ranks: Ranks, arguments: Mapping[str, AST]) -> AST:
+        """What the shadow of an operand gains for these arguments."""
+        refined = self.refine(operand, arguments) if self.refine else None
+        return self.adjoint(operand, ranks) if refined is None else template(refined)
 
     def needs(self, operand: str, ranks: Ranks) -> list[str]:
         """The shared expressions that an operand's adjoint reads, in their order."""
@@ -78,7 +86,8 @@ TABLE: dict[str, ArrayRule] = {}
 
 
 def arrays(text: str, *, law: str, also: tuple[str, ...] = (), tangent: str | None = None,
-           shared: Mapping[str, str] | None = None, **adjoints: str | Mapping[Ranks | None, str]) -> ArrayRule:
+           shared: Mapping[str, str] | None = None, refine: Refine | None = None,
+           **adjoints: str | Mapping[Ranks | None, str]) -> ArrayRule:
     """Registers the rule of a function of whole arrays, also under other names; gives it back."""
     called = template(text)
     if not isinstance(called, Call) or call_name(called) is None:
@@ -94,7 +103,7 @@ def arrays(text: str, *, law: str, also: tuple[str, ...] = (), tangent: str | No
     if unknown:
         raise ValueError(f"{text!r}: {', '.join(unknown)} is no operand or option of it")
     rule = ArrayRule(call_name(called) or "", operands, options, law, trees, held,
-                     None if tangent is None else template(tangent))
+                     None if tangent is None else template(tangent), refine)
     for key in (rule.name, *also):
         if key in TABLE:
             raise ValueError(f"{key} has a rule already")

@@ -11,8 +11,8 @@ HOLOMORPHIC = frozenset({
     "numpy.roll", "numpy.flip", "numpy.transpose", "numpy.moveaxis", "numpy.reshape", "numpy.ravel",
     "numpy.broadcast_to", "numpy.tensordot"})
 
-# transforms, whose rules are written for the inner product
-TRANSFORMS = frozenset(f"numpy.fft.{f}" for f in ("fft", "ifft", "irfft"))
+# transforms, whose rules are written for the inner product; `rfft` is of floats alone
+COMPLEX_TRANSFORMS = frozenset(f"numpy.fft.{f}" for f in ("fft", "ifft", "irfft"))
 
 # functions that `normalize/pieces` writes out in such
 PIECES = frozenset({
@@ -27,4 +27,4 @@ OTHER = frozenset({
     "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array", "numpy.shape", "numpy.size", "numpy.ndim",
     "builtins.len", "builtins.list", "numpy.isnan", "numpy.isinf", "numpy.isfinite"})
 
-KNOWN = HOLOMORPHIC | TRANSFORMS | PIECES | OTHER
+KNOWN = HOLOMORPHIC | COMPLEX_TRANSFORMS | PIECES | OTHER

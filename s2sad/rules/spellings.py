@@ -72,6 +72,17 @@ same("scipy.linalg.svdvals(a)", "runtime.singular_values(a)")
 same("scipy.linalg.expm(a)", "runtime.exponential(a)")
 same("scipy.linalg.solve_triangular(a, b, trans=0, lower=False, unit_diagonal=False)",
      "runtime.solve_triangular(a, b, trans=trans, lower=lower, unit=unit_diagonal)")
+for _function in ("fft", "ifft", "rfft", "irfft"):
+    same(f"scipy.fft.{_function}(x, n=None, axis=-1, norm=None)",
+         f"numpy.fft.{_function}(x, n=n, axis=axis, norm=norm)")
+    same(f"scipy.fft.{_function}2(x, s=None, axes=(-2, -1), norm=None)",
+         f"numpy.fft.{_function}2(x, s=s, axes=axes, norm=norm)")
+    same(f"scipy.fft.{_function}n(x, s=None, axes=None, norm=None)",
+         f"numpy.fft.{_function}n(x, s=s, axes=axes, norm=norm)")
+for _function in ("fftfreq(n, d=1.0)", "rfftfreq(n, d=1.0)"):
+    same(f"scipy.fft.{_function}", f"numpy.fft.{_function}".replace("d=1.0", "d=d"))
+for _function in ("fftshift", "ifftshift"):
+    same(f"scipy.fft.{_function}(x, axes=None)", f"numpy.fft.{_function}(x, axes=axes)")
 same("numpy.flatnonzero(a)", "numpy.nonzero(numpy.ravel(a), part=0)")
 same("numpy.ediff1d(a)", "numpy.diff(numpy.ravel(a))")
 same("numpy.extract(condition, array)", "array[condition]")

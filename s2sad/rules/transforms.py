@@ -5,11 +5,28 @@ transform without its scale. Of a half spectrum all but the ends stand for two e
 """
 from __future__ import annotations
 
-from s2sad.rules.array import arrays
+from collections.abc import Mapping
 
-arrays("numpy.fft.fft(x, n=None, axis=-1, norm=None)", law="transformed",
+from s2sad.rules.array import Refine, arrays
+from s2sad.runtime import opposite
+from s2sad.tree import AST, Constant
+
+TRANSFORMS = tuple(f"numpy.fft.{f}" for f in ("fft", "ifft", "rfft", "irfft"))
+
+
+def _whole(inverse: str) -> Refine:
+    """The adjoint of a transform of all elements: the other one, without its scale."""
+    def refine(operand: str, arguments: Mapping[str, AST]) -> str | None:
+        size, norm = arguments["n"], arguments["norm"]
+        if not isinstance(size, Constant) or size.value is not None or not isinstance(norm, Constant):
+            return None
+        return f"numpy.fft.{inverse}(g, axis=axis, norm={opposite(norm.value)!r})"
+    return refine
+
+
+arrays("numpy.fft.fft(x, n=None, axis=-1, norm=None)", law="transformed", refine=_whole("ifft"),
        x="runtime.fft_adjoint(g, x.shape[axis], axis, norm)")
-arrays("numpy.fft.ifft(x, n=None, axis=-1, norm=None)", law="transformed",
+arrays("numpy.fft.ifft(x, n=None, axis=-1, norm=None)", law="transformed", refine=_whole("fft"),
        x="runtime.ifft_adjoint(g, x.shape[axis], axis, norm)")
 arrays("numpy.fft.rfft(x, n=None, axis=-1, norm=None)", law="half",
        x="runtime.rfft_adjoint(g, n, x.shape[axis], axis, norm)")

@@ -69,17 +69,19 @@ def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ..
     """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left.
 
     With `given` it imports functions of the user: these are compiled too, and nothing is kept on disk, for Numba's
-    cache would not see that they have changed.
+    cache would not see that they have changed. Nor is a module that calls what the interpreter runs, which lives as
+    long as the process.
     """
     bounds = bounds or always_checked()
     module = load(text, name, _key(bounds), own=given)
     if not getattr(module, "__compiled__", False):
         space = vars(module)
+        on_disk = not given and not any(map(_is_interpreted, space.values()))
         for identifier, value in list(space.items()):
             if not isinstance(value, FunctionType) or identifier in plain:
                 continue
             if value.__module__ == module.__name__:
-                space[identifier] = _jit(value, bounds, on_disk=not given)
+                space[identifier] = _jit(value, bounds, on_disk=on_disk)
             elif (value.__module__ or "").startswith(_RUNTIME):
                 space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
             elif given:
@@ -130,7 +132,7 @@ def _forget(dispatcher: Any) -> None:
 
 
 def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | set[str] = False) -> Any:
-    if function.__name__ in DTYPES and function.__module__.startswith(_RUNTIME):
+    if _is_interpreted(function):
         return interpreted(function)
     numba = importlib.import_module("numba")
     flags = {"error_model": "numpy", "boundscheck": bounds, "nogil": True, "fastmath": fastmath}
@@ -138,6 +140,11 @@ def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | s
         return numba.njit(cache=on_disk, **flags)(function)
     except RuntimeError:  # Numba finds no place for its cache files
         return numba.njit(**flags)(function)
+
+
+def _is_interpreted(value: Any) -> bool:
+    """Whether a name of a module means a function of the runtime that Numba cannot compile."""
+    return isinstance(value, FunctionType) and value.__name__ in DTYPES and value.__module__.startswith(_RUNTIME)
 
 
 @cache

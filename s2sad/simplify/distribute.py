@@ -42,7 +42,7 @@ def distributed(loop: For, types: Mapping[str, Type], free: Names) -> Distribute
     if bounds is None or ends is None or ends[0].terms or ends[0].constant < 0:
         return None
     arrays = [a for a in dict.fromkeys(base_name(s.target) for s in loop.body if _is_gain(s)) if a in types
-              and _is_shared(a, loop.body, bounds)]
+              and types[a].is_float and _is_shared(a, loop.body, bounds)]
     if not arrays:
         return None
     return _Distribution(loop, bounds, free).made(set(arrays))

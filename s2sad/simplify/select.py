@@ -66,11 +66,19 @@ class _Select:
         made: list[AST] = []
         for target in dict.fromkeys([*sides[0], *sides[1]]):
             statement = _choice(target, branch.test, sides[0].get(target), sides[1].get(target), target in self.bound)
+            if not self.readable(statement):
+                return None
             made.append(at(statement, parts[0]))
         bound = [m.targets[0].id if isinstance(m, Assign) else m.target.id for m in made]
         if any(b in names(m) for k, m in enumerate(made) for b in bound[:k]):
             return None
         return made
+
+
+    def readable(self, statement: AST) -> bool:
+        """Whether a statement that is run whatever the test is reads nothing that only one way binds."""
+        value = statement.value
+        return isinstance(value, IfExp) or all("." in n or n in self.bound for n in names(value))
 
 
 def _binds(block: list[AST]) -> set[str]:
