@@ -208,8 +208,8 @@ class _Making:
             return None
         for node, group in blocks.returned if is_entry else ():
             if has_matrix(group):
-                report.error("S201", "a sparse matrix is returned", node, help="return its entries, and build it of them "
-                             "outside")
+                report.error("S201", "a sparse matrix is returned", node,
+                             help="return its entries, and build it of them outside")
                 return None
         groups = [group for _, group in blocks.returned]
         places = [[v.place if isinstance(v, Leaf) and not is_entry else -1 for v in flat(g)] for g in groups]
