@@ -275,6 +275,38 @@ def test_matrices_in_structures_and_outside():
     check_derivatives(held_in_a_closure(), (x,), ("u",), ("return",))
 
 
+# -- an iterative solver of one's own --------------------------------------------------------------------------------
+
+def remainder(r, x, v, b):
+    r[:] = LAPLACE @ x - scaled(v) * x + b
+
+
+def scaled(v):
+    return 1.0 + v * v
+
+
+@s2sad.rule(implicit=remainder, writes=("x",))
+def iterated(x, v, b):
+    x[:] = cg(diags(scaled(v)) - LAPLACE, b, rtol=1e-14)[0]
+
+
+@s2sad.rule(implicit=remainder)
+def solved_densely(x, v, b):
+    x[:] = np.linalg.solve(np.diag(scaled(v)) - LAPLACE.toarray(), b)
+
+
+def of_solutions(v, b):
+    x, y = np.zeros(4), np.zeros(4)
+    iterated(x, v, b)
+    solved_densely(y, b, v)
+    return np.sum((LAPLACE @ x) ** 2) + np.sum(x * y)
+
+
+def test_implicit_functions_beside_sparse_matrices():
+    random = np.random.default_rng(4)
+    check_derivatives(of_solutions, (random.random(4), random.random(4)), ("v", "b"), ("return",))
+
+
 # -- what is refused ---------------------------------------------------------------------------------------------------
 
 def assigned(v, x):
