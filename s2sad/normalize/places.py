@@ -244,15 +244,16 @@ class Places:
         assert rule is not None
         given, made = rule.arguments(node), []
         for pair in FITTING.get(rule.law, ()):
-            sizes = [self.shapes.of(given[p])[axis] if self.typing.of(given[p]).is_array else self.shapes.size(given[p])
-                     for p, axis in pair]
+            first, second = (self.shapes.of(given[p])[axis] if self.typing.of(given[p]).is_array else
+                             self.shapes.size(given[p]) for p, axis in pair)
+            if self.shapes.same(first, second):
+                continue
             written = [copy(given[p]) if size is None else self.shapes.expression(size)
-                       for (p, _), size in zip(pair, sizes)]
-            if not self.shapes.same(*sizes) and all(size is not None or not self.typing.of(given[p]).is_array
-                                                    for (p, _), size in zip(pair, sizes)):
-                made.append(matching(*written))
-                if None not in sizes:
-                    self.shapes.unify(*sizes)
+                       for (p, _), size in zip(pair, (first, second))]
+            if not any(self.typing.of(w).is_array for w in written):
+                made.append(matching(written[0], written[1]))
+            if first is not None and second is not None:
+                self.shapes.unify(first, second)
         return made
 
     def prefix(self, node: AST) -> int:
