@@ -3,8 +3,8 @@
     Params(k=2.0, layers=[(w, b)])      p.k: float64, p.layers[0][0]: float64[:, :], p.layers[0][1]: float64[:]
 
 A structure is a dataclass or another object of a class of the user's, a named tuple, a `types.SimpleNamespace`, a
-dict, a tuple, a list, or a sparse matrix of SciPy's in the format csr, csc or coo; a leaf is anything else: an array, a number, a str, None, or something that a kernel may carry
-along but not use.
+dict, a tuple, a list, or a sparse matrix of SciPy's in the format csr, csc or coo; a leaf is anything else: an array,
+a number, a str, None, or something that a kernel may carry along but not use.
 """
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ _STEP = re.compile(r"""\.([^\W\d]\w*)|\[(-?\d+)\]|\['([^']*)'\]|\["([^"]*)"\]"""
 @dataclass(frozen=True)
 class Structure:
     """One level of a structure: `kind` is "record" (fields), "named" (a named tuple), "dict", "tuple" or "list";
-    "either" was spelled in a text and goes by fields and by keys; "csr", "csc" and "coo" are sparse matrices. Of a `fixed` one no item can be assigned. An int in a
-    field that is annotated as float means a float.
+    "either" was spelled in a text and goes by fields and by keys; "csr", "csc" and "coo" are sparse matrices. Of a
+    `fixed` one no item can be assigned. An int in a field that is annotated as float means a float.
     """
     kind: str
     keys: tuple[str | int, ...]
@@ -204,7 +204,8 @@ def _leaf(value: object) -> Type:
 
 def step(form: Structure, path: str, key: str | int) -> str:
     """The path of an item, as one writes it: `state.u`, `p['k']`, `layers[0]`."""
-    return f"{path}.{key}" if form.kind in ("record", "named", "either", "dia", "factors", *SPARSE) else f"{path}[{key!r}]"
+    dotted = ("record", "named", "either", "dia", "factors", *SPARSE)
+    return f"{path}.{key}" if form.kind in dotted else f"{path}[{key!r}]"
 
 
 def leaves(form: Form, path: str) -> Iterator[tuple[str, Type]]:

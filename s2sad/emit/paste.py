@@ -71,7 +71,7 @@ def _piece(name: str) -> Piece:
             libraries.add(value.__name__)
             meaning = value.__name__
         elif isinstance(value, FunctionType):
-            calls.append(value.__name__)
+            calls += [value.__name__] if value is not function else []
             meaning = f"runtime.{value.__name__}"
         elif hasattr(builtins, node.id):
             plain.add(node.id)

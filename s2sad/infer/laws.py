@@ -219,7 +219,8 @@ def _moved_shape(args: list[Shape], options: Options) -> Shape | None:
 def _entries(args: list[Type]) -> bool:
     """Whether the first of these are the entries of a sparse matrix, their rows and their columns."""
     return args[0].rank == 1 and args[0].is_array and all(
-        a.is_array and a.rank == 1 and a.dtype.startswith("int") for a in args[1:3]) and all(a.is_number for a in args[4:])
+        a.is_array and a.rank == 1 and a.dtype.startswith("int") for a in args[1:3]) and all(
+        a.is_number for a in args[4:])
 
 
 def _sparse_type(data: int, x: int) -> Callable[[list[Type], Options], Type]:
@@ -240,6 +241,15 @@ def _sparse_matrix(rank: int) -> Callable[[list[Type], Options], Type]:
 def _joined_size(args: list[Shape], options: Options) -> Shape | None:
     first, second = args[0][0], args[1][0]
     return None if first is None or second is None else (first.plus(second, 1),)
+
+
+# what must be equal of the operands of a function, by its law: a size along an axis, or a number
+_SAME_ENTRIES = ((("data", 0), ("rows", 0)), (("data", 0), ("columns", 0)))
+FITTING: dict[str, tuple[tuple[tuple[str, int], tuple[str, int]], ...]] = {
+    "sparse product": (*_SAME_ENTRIES, (("x", 0), ("n", 0))),
+    "sparse left product": (*_SAME_ENTRIES, (("x", -1), ("m", 0))),
+    "sparse solve": (*_SAME_ENTRIES, (("b", 0), ("m", 0)), (("m", 0), ("n", 0))),
+    "sparse dense": _SAME_ENTRIES, "sparse diagonal": _SAME_ENTRIES}
 
 
 LAWS: dict[str, Law] = {
@@ -283,6 +293,7 @@ LAWS: dict[str, Law] = {
     "sparse dense": Law(_sparse_matrix(2), lambda args, options: (_M, _N)),
     "sparse diagonal": Law(_sparse_matrix(1), lambda args, options: (_SIZE,)),
     "sparse entries": Law(lambda args, options: array(args[0].dtype, 1), lambda args, options: args[-1]),
+    "sparse diagonal entries": Law(lambda args, options: array(args[0].dtype, 1), lambda args, options: args[1]),
     "sparse rows": Law(lambda args, options: array("int64", 1), lambda args, options: args[1]),
     "sparse span": Law(lambda args, options: array("int64", 1), lambda args, options: (_SIZE,)),
     "sparse joined": Law(lambda args, options: array("int64", 1), _joined_size),

@@ -22,8 +22,8 @@ from s2sad.normalize.sparse_groups import ROOM as SPARSE_ROOM, is_sparse
 from s2sad.program import Kernel, Program
 from s2sad.structure import Form, Structure, is_fixed, method_of, record_fields
 from s2sad.tree import (
-    AST, Attribute, BinOp, BoolOp, Call, Compare, Dict, IfExp, List, Name, Not, Subscript, Tuple, UnaryOp, add, at, call_name,
-    const, keyword, name,
+    AST, Attribute, BinOp, BoolOp, Call, Compare, Dict, IfExp, List, Name, Not, Subscript, Tuple, UnaryOp, add, at,
+    call_name, const, keyword, name,
 )
 
 

@@ -146,20 +146,25 @@ class _Making:
     def fresh(self, path: str) -> str:
         return self._names.fresh(_joined(path))
 
-    def _as_given(self, kernel: Kernel, patterns: tuple[Form, ...], made: Made, report: Report, _: bool) -> Kernel:
+    def _as_given(self, kernel: Kernel, patterns: tuple[Form, ...], made: Made, report: Report, is_entry: bool
+                  ) -> Kernel:
         """A function with a derivative of the user's own, which takes arrays and numbers only."""
-        if kernel.residual:
-            report.error("S201", f"the implicit function '{kernel.name}' where structures are taken apart", kernel.tree,
-                         help="give arrays and numbers to the kernel that calls it")
         for parameter, form in zip(kernel.parameters, patterns):
             if isinstance(form, Structure) or not is_held(form):
                 report.error("S201", f"a structure for '{parameter}' of '{kernel.name}', which has a derivative of its "
                              "own", kernel.tree, help="give it the arrays and numbers that it needs")
-            made.flat[parameter] = [parameter]
-        made.taken = kernel.parameters
+        residual = kernel.residual
+        if residual:
+            plain = (UNKNOWN,) * len(self.program.kernels[residual].parameters)
+            residual = self.callee(residual, plain).title
+        assert kernel.own is not None
+        if "primal" not in kernel.own.functions:
+            read = self._flat(kernel, (UNKNOWN,) * len(patterns), made, report, is_entry)
+            return replace(read, own=kernel.own, residual=residual)
+        made.flat, made.taken = {p: [p] for p in kernel.parameters}, kernel.parameters
         tree = copy(kernel.tree)
         tree.name = made.title
-        return replace(kernel, name=made.title, tree=tree)
+        return replace(kernel, name=made.title, tree=tree, residual=residual)
 
     def _flat(self, kernel: Kernel, patterns: tuple[Form, ...], made: Made, report: Report, is_entry: bool) -> Kernel:
         blocks = Blocks(kernel, self, report, self.fresh)
@@ -208,8 +213,8 @@ class _Making:
             return None
         for node, group in blocks.returned if is_entry else ():
             if has_matrix(group):
-                report.error("S201", "a sparse matrix is returned", node, help="return its entries, and build it of them "
-                             "outside")
+                report.error("S201", "a sparse matrix is returned", node,
+                             help="return its entries, and build it of them outside")
                 return None
         groups = [group for _, group in blocks.returned]
         places = [[v.place if isinstance(v, Leaf) and not is_entry else -1 for v in flat(g)] for g in groups]

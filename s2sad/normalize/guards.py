@@ -12,6 +12,13 @@ from s2sad.tree import AST, Assert, Eq, GtE, compare, const
 INSIDE = "a slice reaches out of its array, where NumPy takes less: bound it by max(..., 0) or min(..., n)"
 EQUAL = "shapes differ: a length of 1 repeats only where it is written, as in x[:, None] or x[:1], or an argument's"
 
+SPARSE = "a sparse matrix and what it meets differ in size"
+
+
+def matching(a: AST, b: AST) -> Assert:
+    """The guard that a size is that of a sparse matrix."""
+    return Assert(compare(a, Eq(), b), const(SPARSE))
+
 
 def equal(a: AST, b: AST) -> Assert:
     """The guard that two shapes, or two sizes, are equal."""

@@ -9,13 +9,14 @@ from collections.abc import Mapping
 from s2sad import rules
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import whole_number
+from s2sad.infer.laws import FITTING, whole_number
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.slices import is_whole, stand_apart
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
 from s2sad.normalize.allocations import Allocations
 from s2sad.normalize.functions import is_function
+from s2sad.normalize.guards import matching
 from s2sad.normalize.hoist import constant_index
 from s2sad.normalize.regions import composed, is_new
 from s2sad.tree import (
@@ -231,9 +232,29 @@ class Places:
 
     def operands_fit(self, node: AST) -> list[AST]:
         """Guards that the arrays in an operand of a function of whole arrays fit each other."""
-        operands = [a for n in walk(node) if rules.find_array(call_name(n)) is not None for a in n.args]
-        return [guard for o in operands if len({dump(p) for p in array_operands(o, self.typing)}) > 1
+        functions = [n for n in walk(node) if isinstance(n, Call) and rules.find_array(call_name(n)) is not None]
+        operands = [a for n in functions for a in n.args]
+        fitting = [guard for n in functions for guard in self.entries_fit(n)]
+        return fitting + [guard for o in operands if len({dump(p) for p in array_operands(o, self.typing)}) > 1
                 for guard in self.allocations.operands_fit(o, self.shapes.of(o))]
+
+    def entries_fit(self, node: Call) -> list[AST]:
+        """Guards that the operands of a function fit each other, where its law says how."""
+        rule = rules.find_array(call_name(node))
+        assert rule is not None
+        given, made = rule.arguments(node), []
+        for pair in FITTING.get(rule.law, ()):
+            first, second = (self.shapes.of(given[p])[axis] if self.typing.of(given[p]).is_array else
+                             self.shapes.size(given[p]) for p, axis in pair)
+            if self.shapes.same(first, second):
+                continue
+            written = [copy(given[p]) if size is None else self.shapes.expression(size)
+                       for (p, _), size in zip(pair, (first, second))]
+            if not any(self.typing.of(w).is_array for w in written):
+                made.append(matching(written[0], written[1]))
+            if first is not None and second is not None:
+                self.shapes.unify(first, second)
+        return made
 
     def prefix(self, node: AST) -> int:
         return len((self.viewed(node) or AMBIGUOUS)[1])

@@ -6,6 +6,7 @@
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Protocol
 
@@ -30,7 +31,7 @@ class Stores:
     where it adds to a name."""
 
     def __init__(self, body: list[AST]):
-        self.loops = [(s.lineno, s.end_lineno) for s in walk(body) if isinstance(s, (For, While))]
+        self.loops = [(s.lineno or 0, s.end_lineno or 0) for s in walk(body) if isinstance(s, (For, While))]
         self.places = [(node.lineno, _base(part)) for node in walk(body) for part in _written(node)]
         self.taken = {t.id for s in walk(body) if isinstance(s, Assign) for t in s.targets
                       if isinstance(t, Name) and _is_places(s.value)}
@@ -109,8 +110,10 @@ def matrix(kind: str, data: Value, row: Value, col: Value, shape: Value, **place
                  SPELLED)
 
 
-def laid_out(kind: str, data: Value, indices: Value, ends: Value, shape: Value, origin: AST) -> Group:
-    """A matrix in a compressed format: `ends` says where the entries of a row end, of a column in csc."""
+def laid_out(kind: str, parts: Sequence[Value], shape: Value, origin: AST) -> Group:
+    """A matrix in a compressed format, of its data, indices and indptr: this says where the entries of a row end, of a
+    column in csc."""
+    data, indices, ends = parts
     written = [spelled(v, origin) or const(0) for v in (ends, indices)]
     major = Plain(at(call("runtime.sparse_rows", *map(copy, written)), origin))
     row, col = (major, indices) if kind == "csr" else (indices, major)
@@ -123,8 +126,9 @@ def given_matrices(kept: Kept, kernel: Kernel) -> list[AST]:
     for parameter, value in list(kept.env.items()):
         if isinstance(value, Group):
             found = _by_entries(value, kernel.tree)
-            before, kept.env[parameter] = kept.kept(found, kernel.tree, parameter) if found is not value else ([], value)
-            made += before
+            if found is not value:
+                before, kept.env[parameter] = kept.kept(found, kernel.tree, parameter)
+                made += before
     place = header_of(kernel.tree)
     return [at(s, place) for s in made]
 
@@ -132,7 +136,7 @@ def given_matrices(kept: Kept, kernel: Kernel) -> list[AST]:
 def _by_entries(group: Group, origin: AST) -> Group:
     """A structure with the matrices in it by their entries."""
     if group.form.kind in SPARSE and "row" not in group.form.keys:
-        return replace(laid_out(group.form.kind, *group.items, origin), path=group.path)
+        return replace(laid_out(group.form.kind, group.items[:3], group.items[3], origin), path=group.path)
     items = tuple(_by_entries(i, origin) if isinstance(i, Group) else i for i in group.items)
     return group if items == group.items else replace(group, items=items)
 

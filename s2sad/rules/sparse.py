@@ -20,12 +20,12 @@ arrays("runtime.sparse_solve(data, rows, columns, b, m, n, kept)", law="sparse s
 arrays("runtime.sparse_dense(data, rows, columns, m, n)", law="sparse dense",
        data="runtime.sparse_entries(g, rows, columns)")
 arrays("runtime.sparse_diagonal(data, rows, columns, m, n, size)", law="sparse diagonal",
-       data="runtime.sparse_diagonal_gain(g, rows, columns)")
+       data="runtime.sparse_diagonal_gain(g, rows, columns, m, n)")
 
 # parts of derivatives
 arrays("runtime.sparse_gain(left, right, rows, columns)", law="sparse entries")
 arrays("runtime.sparse_entries(full, rows, columns)", law="sparse entries")
-arrays("runtime.sparse_diagonal_gain(g, rows, columns)", law="sparse entries")
+arrays("runtime.sparse_diagonal_gain(g, rows, columns, m, n)", law="sparse diagonal entries")
 
 # places
 arrays("runtime.sparse_rows(ends, columns)", law="sparse rows")

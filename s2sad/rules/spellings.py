@@ -46,8 +46,8 @@ _TAKEN_APART = {"lu_factor", "lu_solve", "cho_factor", "cho_solve", "solve_bande
 
 
 def is_scipy(path: str) -> bool:
-    """Whether a function of SciPy's is one that has a derivative here, or may: `normalize.field_matrices` follows what is
-    done with sparse matrices, and says what has none."""
+    """Whether a function of SciPy's has a derivative here, or may: `normalize.field_matrices` says which of
+    `scipy.sparse` have none."""
     room, _, last = path.rpartition(".")
     return path in TABLE or room == "scipy.linalg" and last in _TAKEN_APART or room in (
         "scipy.sparse", "scipy.sparse.linalg")

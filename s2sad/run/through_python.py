@@ -19,9 +19,9 @@ def _solving(numba: Any) -> Any:
         kind = numba.types.Array(b.dtype, b.ndim, "C")
 
         def through_python(data, rows, columns, b, m, n, kept):
-            with objmode(found=kind):
+            with objmode(found=kind):  # Numba reads the type by its name
                 found = solve(data, rows, columns, b, m, n, kept)
-            return found
+            return found  # noqa: RET504
         return through_python
     numba.extending.overload(solution)(typed)
 

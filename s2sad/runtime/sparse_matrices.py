@@ -120,6 +120,7 @@ def sparse_gain(left, right, rows, columns):
     >>> sparse_gain(np.array([1.0, 2.0]), np.array([3.0, 4.0]), np.array([0, 1]), np.array([1, 1]))
     array([4., 8.])
     """
+    sparse_fits(rows, rows, columns, left.shape[0], right.shape[0], right.shape[0])
     if left.ndim == 1:
         return left[rows] * right[columns]
     return np.sum(left[rows] * right[columns], axis=1)
@@ -133,11 +134,14 @@ def sparse_gain_in_loops(left, right, rows, columns):
     """
     gain = np.zeros(rows.size, left.dtype)
     for k in range(rows.size):
+        row, column = rows[k], columns[k]
+        if row < 0 or row >= left.shape[0] or column < 0 or column >= right.shape[0]:
+            raise ValueError("a sparse matrix with an entry outside of its shape")
         if left.ndim == 1:
-            gain[k] = left[rows[k]] * right[columns[k]]
+            gain[k] = left[row] * right[column]
         else:
             for j in range(left.shape[1]):
-                gain[k] += left[rows[k], j] * right[columns[k], j]
+                gain[k] += left[row, j] * right[column, j]
     return gain
 
 
@@ -158,6 +162,7 @@ def sparse_entries(full, rows, columns):
     >>> sparse_entries(np.array([[1.0, 2.0]]), np.array([0, 0]), np.array([1, 1]))
     array([2., 2.])
     """
+    sparse_fits(rows, rows, columns, full.shape[0], full.shape[1], full.shape[1])
     flat = full.copy().reshape(full.size)
     return flat[rows.astype(np.int64) * full.shape[1] + columns]
 
@@ -174,12 +179,13 @@ def sparse_diagonal(data, rows, columns, m, n, size):
     return np.bincount(rows[here], data[here], size).astype(data.dtype)
 
 
-def sparse_diagonal_gain(g, rows, columns):
+def sparse_diagonal_gain(g, rows, columns, m, n):
     """What the entries gain of the diagonal.
 
-    >>> sparse_diagonal_gain(np.array([5.0, 6.0]), np.array([0, 0, 1]), np.array([0, 1, 1]))
+    >>> sparse_diagonal_gain(np.array([5.0, 6.0]), np.array([0, 0, 1]), np.array([0, 1, 1]), 2, 2)
     array([5., 0., 6.])
     """
+    sparse_fits(rows, rows, columns, m, n, n)
     gain = np.zeros(rows.size, g.dtype)
     here = rows == columns
     gain[here] = g[rows[here]]
