@@ -93,9 +93,8 @@ def _split(loop: AST, extents: Extents, free: Names) -> list[AST] | None:
     known = [s for s in shifts if s is not None]
     if len(known) == len(shifts) and max(map(abs, known)) <= _FURTHEST:
         return _peeled(loop, bounds, known)
-    if len(around) > 1 or not _is_shifted(*around.values(), loop, bounds):
-        return None
-    return _two(loop, bounds, *around.values(), free)
+    one = next(iter(around.values()))
+    return _two(loop, bounds, one, free) if len(around) == 1 and _is_shifted(one, loop, bounds) else None
 
 
 def _peeled(loop: For, bounds: Counted, shifts: list[int]) -> list[AST]:

@@ -30,9 +30,7 @@ def kernel_adjoint_taped(u, u_bar, rate, n, result_bar, u_1_stack):
         for i in range(u_1_2.shape[0]):
             u_1_here = u_1[i]
             u_1_2[i] = u_1_here - rate * u_1_here ** 2
-        for i in range(before.shape[0]):
             before[i] = u_1[i]
-        for i in range(u_1.shape[0]):
             u_1_stack[_, i] = u_1[i]
             u_1[i] = u_1_2[i]
     returned = np.empty_like(u_1)
@@ -41,41 +39,33 @@ def kernel_adjoint_taped(u, u_bar, rate, n, result_bar, u_1_stack):
     rate_bar = 0.0
     before_bar = np.zeros_like(before)
     u_1_bar = np.zeros_like(u_1)
-    u_1_2_bar = np.zeros_like(u_1_2)
     returned_bar = np.zeros_like(returned)
     for i in range(returned_bar.shape[0]):
+        returned_bar_here = 0.0
         # return u * before
-        returned_bar[i] += result_bar[i]
-    for i in range(returned.shape[0]):
-        # return u * before
-        seed = returned_bar[i]
-        returned_bar[i] = 0.0
+        returned_bar_here += result_bar[i]
+        seed = returned_bar_here
         before_bar[i] += u_1[i] * seed
         u_1_bar[i] += before[i] * seed
     for _ in range(n - 1, -1, -1):
         for i in range(u_1.shape[0]):
+            u_1_2_bar_here = 0.0
             # u = u - rate * u ** 2
             u_1[i] = u_1_stack[_, i]
             seed = u_1_bar[i]
             u_1_bar[i] = 0.0
-            u_1_2_bar[i] += seed
-        for i in range(before.shape[0]):
-            # u = u - rate * u ** 2
+            u_1_2_bar_here += seed
             seed = before_bar[i]
             before_bar[i] = 0.0
             u_1_bar[i] += seed
-        for i in range(u_1_2.shape[0]):
-            # u = u - rate * u ** 2
             u_1_here = u_1[i]
-            seed = u_1_2_bar[i]
-            u_1_2_bar[i] = 0.0
+            seed = u_1_2_bar_here
             rate_bar = added(rate_bar, -(u_1_here ** 2 * seed))
             u_1_bar[i] += seed - 2.0 * u_1_here * (rate * seed)
     for i in range(u_1.shape[0]):
         seed = u_1_bar[i]
         u_1_bar[i] = 0.0
         u_bar[i] += seed
-    for i in range(before.shape[0]):
         seed = before_bar[i]
         before_bar[i] = 0.0
         u_bar[i] += seed

@@ -7,9 +7,13 @@ Engine: Numba. Level: fast. Arguments:
 It records nothing.
 """
 
+# ruff: noqa: PLR1730, RUF100
+
 import math
 
 import numpy as np
+
+from s2sad.runtime import added  # isort: skip
 
 
 def kernel_adjoint(x, x_bar, scales, scales_bar, result_bar):
@@ -25,10 +29,14 @@ def kernel_adjoint(x, x_bar, scales, scales_bar, result_bar):
         for k in range(scales.size):
             # total += work[k] * work[k]
             work_bar[k] += 2.0 * (work[k] * total_bar)
-        for k in range(scales.size):
+        if 0 < scales.size:
+            x_bar_total = x_bar[i]
+            for k in range(scales.size):
+                # work[k] = math.sin(scales[k] * x[i])
+                seed = work_bar[k]
+                work_bar[k] = 0.0
+                seed = np.cos(scales[k] * x[i]) * seed
+                scales_bar[k] += x[i] * seed
+                x_bar_total = added(x_bar_total, scales[k] * seed)
             # work[k] = math.sin(scales[k] * x[i])
-            seed = work_bar[k]
-            work_bar[k] = 0.0
-            seed = np.cos(scales[k] * x[i]) * seed
-            scales_bar[k] += x[i] * seed
-            x_bar[i] += scales[k] * seed
+            x_bar[i] = x_bar_total

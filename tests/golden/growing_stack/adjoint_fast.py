@@ -9,11 +9,11 @@ It records:
         begins, 8 bytes per push
 """
 
-# ruff: noqa: FURB136, RUF100
+# ruff: noqa: FURB136, PLR1730, RUF100
 
 import numpy as np
 
-from s2sad.runtime import grow, sized  # isort: skip
+from s2sad.runtime import added, grow, sized  # isort: skip
 
 
 def kernel_adjoint_taped(x, x_bar, tolerance, guess_stack):
@@ -33,13 +33,17 @@ def kernel_adjoint_taped(x, x_bar, tolerance, guess_stack):
     x_bar[0] = 0.0
     guess_bar = x[1] * seed
     x_bar[1] += guess * seed
-    for trip in range(trips - 1, -1, -1):
-        guess = guess_stack[trip]
+    if trips - 1 > -1:
+        x_bar_total = x_bar[0]
+        for trip in range(trips - 1, -1, -1):
+            guess = guess_stack[trip]
+            # guess = 0.5 * (guess + x[0] / guess)
+            seed = 0.5 * guess_bar
+            guess_bar = seed
+            guess_bar -= x[0] / guess * seed / guess if seed != 0.0 else 0.0
+            x_bar_total = added(x_bar_total, seed / guess if seed != 0.0 else 0.0)
         # guess = 0.5 * (guess + x[0] / guess)
-        seed = 0.5 * guess_bar
-        guess_bar = seed
-        guess_bar -= x[0] / guess * seed / guess if seed != 0.0 else 0.0
-        x_bar[0] += seed / guess if seed != 0.0 else 0.0
+        x_bar[0] = x_bar_total
     return (guess_stack,)
 
 

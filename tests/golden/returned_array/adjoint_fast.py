@@ -36,14 +36,13 @@ def kernel_adjoint(u, u_bar, a, result_0_bar, result_1_bar, result_2_bar):
         slope_bar[i] += result_0_bar[i]
     for i in range(returned_bar.shape[0]):
         # return slope, u[1:], slope
-        returned_bar[i] += result_1_bar[i]
+        returned_bar[i] = result_1_bar[i]
     for i in range(slope_bar.shape[0]):
         # return slope, u[1:], slope
         slope_bar[i] += result_2_bar[i]
     for i in range(returned.shape[0]):
         # return slope, u[1:], slope
         seed = returned_bar[i]
-        returned_bar[i] = 0.0
         u_bar[i + 1] += seed
     for i in range(slope.shape[0]):
         # slope = a * differences(u)

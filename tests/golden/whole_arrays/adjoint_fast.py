@@ -38,7 +38,6 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, y_stack):
         seed = y_bar[i]
         x_bar[i] += np.cos(x[i]) * (y[i] * seed)
         y_bar[i] = np.sin(x[i]) * seed
-    for i in range(y.shape[0]):
         # y[:] = a * x + y
         seed = y_bar[i]
         a_bar = added(a_bar, x[i] * seed)
