@@ -31,6 +31,7 @@ from s2sad.run.given import compilable
 from s2sad.simplify import Watch, unwatched
 from s2sad.simplify.dead import dead
 from s2sad.simplify.faster import faster
+from s2sad.simplify.turned import turned
 from s2sad.tree import Call, FunctionDef, Name, call_name, walk
 from s2sad.units import Derived, Unit, Units
 
@@ -69,6 +70,8 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
         parameters = tuple(Parameter(hidden_name(p.id, units.program), "primal", p.id, t)
                            for p, t in zip(unit.function.args.args, unit.types))
         functions = primal_functions(units, [unit.title])
+        if request.level == "fast" and request.engine == "numba":
+            functions = list(map(turned, functions))
         if request.engine == "numba":
             functions = in_dialect(functions, units)
         text = module_text(functions, header=[f"The primal of {unit.kernel.name}."], constants=program.constants,
@@ -104,16 +107,16 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
 
 
 def in_loops(derived: Derived, units: Units) -> FunctionDef:
-    """An adjoint with its innermost loops transformed; a tangent as it is."""
+    """An adjoint with its innermost loops transformed; a tangent with indices that do not go around."""
     tape = derived.made.tape
     if tape is None:
-        return derived.function
+        return turned(derived.function)
     family = derived.unit.family
     sums = {f"{family.get(p, p)}_bar" for p in derived.made.shadows} - {*family, *family.values()}
     numbers = {n.id for n in walk(derived.function.body) if isinstance(n, Name) and shadow_of(n.id) in sums
                and n.id not in family}
     arrays = {s for s in derived.made.shadows.values() if derived.types[s].is_array}
-    function = faster(derived.function, derived.types, {s.array for s in tape.stacks.values()}, arrays, numbers)
+    function = faster(turned(derived.function), derived.types, {s.array for s in tape.stacks.values()}, arrays, numbers)
     read = {n for n, role, _ in derived.made.parameters if role == "shadow"}
     return dead(function, read, units.effects.writes, units.effects.pure, units.effects.unread)
 

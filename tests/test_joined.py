@@ -13,7 +13,7 @@ from tests.test_faster import SPELLING, same
 
 TAKEN = {**{f: f"builtins.{f}" for f in ("range", "max")}, "empty": "numpy.empty"}
 PARTS = {
-    "one region under two names": (1, """
+    "one region under two names": (2, """
 def f(u, v, n):
     w = empty((max(n - 2, 0), u.shape[1]))
     assert u.shape == v.shape
@@ -46,6 +46,31 @@ def f(u, v):
         u[i] = 2.0
     for i in range(u.shape[0] - 1):
         v[i] = u[i + 1]
+"""),
+    "an assertion in a loop that may not have run": (5, """
+def f(u, v, steps, n):
+    for s in range(steps):
+        for k in range(n):
+            assert u.shape == v.shape
+    for k in range(n):
+        for i in range(u.shape[0]):
+            u[i] = 2.0
+        for i in range(v.shape[0]):
+            v[i] = 3.0
+"""),
+    "an assertion behind the end of a loop": (6, """
+def f(u, v, steps, n, taken):
+    for s in range(steps):
+        if taken:
+            break
+        for k in range(n):
+            assert u.shape == v.shape
+    for s in range(steps):
+        for k in range(n):
+            for i in range(u.shape[0]):
+                u[i] = 2.0
+            for i in range(v.shape[0]):
+                v[i] = 3.0
 """),
     "an element for all iterations": (2, """
 def f(u, v):
@@ -102,10 +127,9 @@ def f(u, v):
 
 @pytest.mark.parametrize("kind", PARTS)
 def test_what_is_joined(kind):
-    nests, text = PARTS[kind]
+    loops, text = PARTS[kind]
     made = joined(rename(statements(text)[0], TAKEN), set(), {}, Names(set()))
-    outer = [s for s in made.body if isinstance(s, For)]
-    assert len(outer) == nests, layout.text(made, SPELLING)
+    assert sum(isinstance(n, For) for n in walk(made)) == loops, layout.text(made, SPELLING)
 
 
 def test_what_an_earlier_loop_has_asserted():

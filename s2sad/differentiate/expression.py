@@ -148,6 +148,9 @@ class Pullback:
         """The seed as something that can be written more than once."""
         if is_plain(seed.tree) or not several and isinstance(seed.tree, (Name, Subscript)):
             return seed
+        known = next((s for s in found.before if dump(s.value) == dump(seed.tree)), None)
+        if known is not None:
+            return Term(name(known.targets[0].id), seed.negative)
         held = self.bind("seed", seed.tree)
         found.before.append(assign(held, seed.tree))
         return Term(name(held), seed.negative)

@@ -22,6 +22,11 @@ def extreme_mask(x, y, axis=None, keepdims=False):
     >>> extreme_mask(np.array([[3.0, 1.0, 3.0]]), np.array([3.0]), axis=1)
     array([[1., 0., 0.]])
     """
+    if axis is None and not keepdims:
+        first = np.zeros(x.shape, x.dtype)
+        if x.size:
+            first.reshape(-1)[np.argmax(x == y if y == y else x != x)] = 1
+        return first
     best = spread(y, x.shape, axis, keepdims)
     found = (x == best) | ((x != x) & (best != best))
     axes = tuple(range(x.ndim)) if axis is None else axis if isinstance(axis, tuple) else (axis,)

@@ -21,7 +21,9 @@ from s2sad.simplify.fold import fold
 from s2sad.simplify.gains import gains
 from s2sad.simplify.merge import merge
 from s2sad.blocks import with_blocks
+from s2sad.simplify.repeated import repeated
 from s2sad.simplify.select import select
+from s2sad.simplify.uncopied import uncopied
 from s2sad.simplify.undone import undone
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, forgotten, names, walk,
@@ -125,6 +127,11 @@ def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], l
         watch("select", function)
         function = gains(function)
         watch("gains", function)
+    else:
+        function = uncopied(function)
+        watch("uncopied", function)
+        function = repeated(function, REVERSE, typing, names)
+        watch("repeated", function)
     function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
     function.body = _unmarked(function.body)
     return share(function, _temporaries(typing, names, set(renamed.values()) | fixed), live_out, effects.writes)

@@ -83,8 +83,9 @@ class Extents:
         if isinstance(node, Constant):
             return Affine((), node.value) if type(node.value) is int else None
         if isinstance(node, Name):
-            if node.id in self.numbers:
-                return self.form(self.numbers[node.id], clipped)
+            known = self.form(self.numbers[node.id], clipped) if node.id in self.numbers else None
+            if known is not None:
+                return known
             return self._known(node.id) if node.id in self.fixed else None
         if isinstance(node, Subscript) and _is_shape(node.value) and isinstance(node.slice, Constant):
             return self.size(node.value.value.id, node.slice.value, clipped)

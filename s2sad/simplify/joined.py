@@ -42,21 +42,23 @@ def joined(function: FunctionDef, sums: Set[str], types: Mapping[str, Type], fre
 class _Joined:
     def __init__(self, extents: Extents, sums: Set[str], between: Passed):
         self.extents, self.sums, self.between = extents, sums, between
-        self.passed: dict[str, list[Assert]] = {}   # by its bounds: what every iteration of a loop has asserted
+        self.passed: dict[tuple[str, ...], list[Assert]] = {}   # what every iteration has asserted, by the loops around
+        self.around: tuple[str, ...] | None = ()                # their bounds; None inside of a branch
 
     def inside(self, statement: AST) -> AST:
         """A statement with its blocks joined. A loop that runs only if another one has run may rely on what that has
         asserted: sizes do not change."""
-        bounds = counted(statement)
-        if bounds is None or self.extents.form(bounds.start) is None or self.extents.form(bounds.stop) is None:
-            return with_blocks(statement, self.block)
-        known, key = dict(self.extents.equal), dump(bounds.upwards())
-        for assertion in self.passed.get(key, []):
+        bounds, outer, known = counted(statement), self.around, dict(self.extents.equal)
+        fixed = bounds is not None and all(
+            self.extents.form(b) is not None for b in (bounds.start, bounds.stop)) and not any(
+            isinstance(n, (Break, Return)) for n in walk(statement))
+        self.around = (*outer, dump(bounds.upwards())) if bounds and fixed and outer is not None else None
+        for assertion in self.passed.get(self.around, []) if self.around else []:
             self.extents.learn(assertion)
         new = with_blocks(statement, self.block)
-        if not any(isinstance(n, (Break, Return)) for n in walk(statement)):
-            self.passed.setdefault(key, []).extend(s for s in statement.body if isinstance(s, Assert))
-        self.extents.equal = known
+        if self.around:
+            self.passed.setdefault(self.around, []).extend(s for s in statement.body if isinstance(s, Assert))
+        self.extents.equal, self.around = known, outer
         return new
 
     def block(self, block: list[AST]) -> list[AST]:

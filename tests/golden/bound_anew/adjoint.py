@@ -47,10 +47,9 @@ def kernel_adjoint(u, u_bar, rate, n, result_bar):
         seed_3 = np.copy(before_bar)
         before_bar[...] = 0.0
         u_1_bar[...] = seed_3
-        seed_4 = np.copy(u_1_2_bar)
+        u_1_bar[...] += u_1_2_bar - 2.0 * u_1 * (rate * u_1_2_bar)
+        rate_bar -= np.sum(u_1 ** 2 * u_1_2_bar)
         u_1_2_bar[...] = 0.0
-        u_1_bar[...] += seed_4 - 2.0 * u_1 * (rate * seed_4)
-        rate_bar -= np.sum(u_1 ** 2 * seed_4)
     seed_5 = np.copy(u_1_bar)
     u_bar[...] += seed_5
     seed_6 = np.copy(before_bar)

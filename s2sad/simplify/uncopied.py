@@ -1,0 +1,83 @@
+"""uncopied: a shadow that is emptied is read where it lies, and cleared behind its last use.
+
+    seed = np.copy(w_bar)               a_bar[...] += b * w_bar
+    w_bar[...] = 0.0                    b_bar[...] += a * w_bar
+    a_bar[...] += b * seed              w_bar[...] = 0.0
+    b_bar[...] += a * seed
+
+Requires whole-array statements (the NumPy engine); nothing may mention the shadow in between, and no name may hold on
+to a view of it.
+"""
+from __future__ import annotations
+
+from collections import Counter
+
+from s2sad.blocks import with_blocks
+from s2sad.tree import (
+    AST, Assign, Attribute, AugAssign, BinOp, Call, Compare, Constant, FunctionDef, Name, Subscript, UnaryOp, call_name,
+    copy, is_comment, names, rename, walk,
+)
+
+_FRESH = {"numpy.where", "numpy.sum", "numpy.outer", "numpy.copy", "numpy.matmul", "numpy.exp"}
+
+
+def uncopied(function: FunctionDef) -> FunctionDef:
+    """The function with such copies left out."""
+    mentions = Counter(n.id for n in walk(function) if isinstance(n, Name))
+
+    def block(given: list[AST]) -> list[AST]:
+        made = [with_blocks(s, block) for s in given]
+        position = 0
+        while position < len(made):
+            shorter = _read_in_place(made, position, mentions)
+            made, position = shorter or made, position + (shorter is None)
+        return made
+    new = copy(function)
+    new.body = block(function.body)
+    return new
+
+
+def _read_in_place(block: list[AST], position: int, mentions: Counter[str]) -> list[AST] | None:
+    """The block without the copy that stands at a position, None if it has to be made."""
+    taken = block[position]
+    if not isinstance(taken, Assign) or call_name(taken.value) != "numpy.copy" or not isinstance(
+            taken.targets[0], Name) or not isinstance(array := taken.value.args[0], Name):
+        return None
+    seed = taken.targets[0].id
+    cleared = next((k for k in range(position + 1, len(block)) if not is_comment(block[k])), None)
+    if cleared is None or not _clears(block[cleared], array.id):
+        return None
+    users = [k for k in range(cleared + 1, len(block)) if seed in names(block[k])]
+    between = block[cleared + 1:users[-1] + 1] if users else []
+    if not users or array.id in names(between) or 1 + _count(between, seed) != mentions[seed] or not all(
+            _lets_go(block[k]) for k in users):
+        return None
+    mentions[array.id] += mentions.pop(seed) - 2
+    return [*block[:position], *block[position + 1:cleared], *(rename(s, {seed: array.id}) for s in between),
+            block[cleared], *block[users[-1] + 1:]]
+
+
+def _count(block: list[AST], identifier: str) -> int:
+    return sum(isinstance(n, Name) and n.id == identifier for n in walk(block))
+
+
+def _clears(statement: AST, array: str) -> bool:
+    if not isinstance(statement, Assign) or not isinstance(target := statement.targets[0], Subscript):
+        return False
+    whole = isinstance(target.slice, Constant) and target.slice.value is ...
+    return whole and isinstance(target.value, Name) and target.value.id == array and isinstance(
+        statement.value, Constant) and statement.value.value == 0.0
+
+
+def _lets_go(statement: AST) -> bool:
+    """Whether a statement keeps no view of what it reads."""
+    if isinstance(statement, AugAssign):
+        return True
+    if not isinstance(statement, Assign):
+        return False
+    value = statement.value
+    return isinstance(statement.targets[0], Subscript) and not isinstance(value, (Name, Attribute)) or isinstance(
+        value, (BinOp, UnaryOp, Compare)) or isinstance(value, Call) and call_name(value) in _FRESH
+
+
+__all__ = ["uncopied"]
