@@ -45,8 +45,9 @@ def kernel_adjoint(psi, psi_bar, v, v_bar, dt, result_bar):
     psi[...] = psi_before
     seed_3 = np.copy(psi_bar)
     seed_4 = np.conj(psi) * seed_3
-    seed_5 = np.where(seed_4 != 0.0, np.conj(np.exp(-1j * dt * v)) * seed_4, 0.0)
-    psi_bar[...] = np.conj(np.exp(-1j * dt * v)) * seed_3
+    exp_value = np.exp(-1j * dt * v)
+    seed_5 = np.where(seed_4 != 0.0, np.conj(exp_value) * seed_4, 0.0)
+    psi_bar[...] = np.conj(exp_value) * seed_3
     dt_bar = np.sum(np.real(1j * (v * seed_5)))
     v_bar[...] += np.real(1j * dt * seed_5)
     return (dt_bar,)
