@@ -80,6 +80,8 @@ def in_a_row(seed: Any, structure: Structure) -> list[Any]:
 
 def number_seed(seed: Any, name: str = RETURN, is_complex: bool = False) -> float | complex:
     """The seed of a float or complex result, or the tangent of such an argument."""
+    if isinstance(seed, np.ndarray) and not seed.ndim:     # what NumPy gives where a contraction leaves no axis
+        seed = seed[()]
     if is_complex and isinstance(seed, complex):
         return np.complex128(seed)
     if isinstance(seed, (bool, np.bool_)) or not isinstance(seed, (int, float, np.integer, np.floating)):

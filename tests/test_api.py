@@ -364,3 +364,14 @@ def test_what_a_function_reads_is_watched():
     assert watch.unchanged()
     module.helper = lambda x: x
     assert not watch.unchanged()
+
+
+def contracted(m):
+    return np.tensordot(m, m, axes=([0, 1], [0, 1]))
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_the_seed_of_a_number_may_be_an_array_without_axes(engine):
+    m = np.arange(6.0).reshape(2, 3)
+    found = s2sad.vjp(s2sad.differentiate(contracted, engine=engine), (m,), {"return": np.array(2.0)})
+    np.testing.assert_allclose(found["m"], 4.0 * m)
