@@ -265,6 +265,8 @@ def _as_arrays(tree: FunctionDef) -> set[int]:
             found |= {id(n) for g in given for n in (g.elts if isinstance(g, (Tuple, List)) else [g])}
         elif isinstance(node, For):
             found.add(id(node.iter))
+        elif isinstance(node, Subscript):
+            found |= {id(n) for n in indices(node)}
     return found
 
 
