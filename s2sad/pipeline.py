@@ -6,7 +6,7 @@
     infer       the types of names, before views and after rename
     analyze     structure, activity, uses, dependence, recorded                      (units/derivatives.py)
     differentiate   adjoint or tangent
-    simplify    merge, dead, coalesce, fold, algebra; for level "fast" faster, taped
+    simplify    merge, dead, coalesce, fold, algebra; for level "fast" turned, faster, taped
     emit        origin comments, the engine's dialect, the header, the text
 """
 from __future__ import annotations

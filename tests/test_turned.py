@@ -38,6 +38,18 @@ def by_hand(u, v):
         v[i] = u[(i + 1) % n] * u[i - 1] - u[(i + n - 1) % n] ** 2
 
 
+def where_its_own_element_says(u, v):
+    m = np.empty((4, 3))
+    for i in range(4):
+        m[i] = u[i] + v[:3]
+    m[1:, int(abs(m[1, 0]) * 7.3) % 3] *= 0.4
+    v[:3] = m[2] * m[1]
+
+
+def test_a_place_that_the_store_itself_moves():
+    both_levels(where_its_own_element_says, (np.linspace(0.5, 1.5, 4), np.linspace(0.1, 0.3, 4)), ("u", "v"), ("v",))
+
+
 @pytest.mark.parametrize("size", [1, 2, 3, 7])
 @pytest.mark.parametrize("kernel, shifts", [(by_numbers, ()), (far, ()), (by_a_name, (3,)), (by_a_name, (-8,)),
                                             (by_two_names, (2,)), (by_hand, ())], ids=str)

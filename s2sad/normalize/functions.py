@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from s2sad import rules
 from s2sad.infer.infer import Typing
+from s2sad.infer.laws import axes_of
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, List, Name, Return, Slice,
@@ -38,10 +39,11 @@ _FILLED = {"numpy.full": 1, "numpy.full_like": 1, "numpy.array": 0, "numpy.copy"
            "numpy.ascontiguousarray": 0}
 
 
-def functions(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
-    """The function with those names; the table of `typing` gains them."""
+def functions(function: FunctionDef, typing: Typing, free: Names, loops: bool = False) -> FunctionDef:
+    """The function with those names; the table of `typing` gains them. Where loops take their place (`loops`), what
+    grows side by side in a loop of the kernel grows in an array of its own: its steps are not recorded."""
     new = copy(function)
-    new.body = _Functions(typing, free).block(function.body)
+    new.body = _Functions(typing, free, loops).block(function.body)
     return new
 
 
@@ -53,19 +55,27 @@ def is_function(node: AST) -> bool:
 
 
 class _Functions:
-    def __init__(self, typing: Typing, free: Names):
-        self.typing, self.free = typing, free
+    def __init__(self, typing: Typing, free: Names, loops: bool):
+        self.typing, self.free, self.loops = typing, free, loops
         self.kept = ""  # the array of bools that the statement's target is picked by
+        self.depth = 0
 
     def block(self, block: list[AST]) -> list[AST]:
         return [at(made, s) for s in block for made in self.statement(s)]
+
+    def repeated(self, block: list[AST]) -> list[AST]:
+        """The block of a loop."""
+        self.depth += 1
+        made = self.block(block)
+        self.depth -= 1
+        return made
 
     def statement(self, statement: AST) -> list[AST]:
         before: list[AST] = []
         self.kept = ""
         if isinstance(statement, For):
             bounds = self.moved(statement.iter, before)
-            return [*before, For(statement.target, bounds, self.block(statement.body), [], None)]
+            return [*before, For(statement.target, bounds, self.repeated(statement.body), [], None)]
         if isinstance(statement, While):
             return self.loop(statement)
         if isinstance(statement, If):
@@ -99,14 +109,26 @@ class _Functions:
         if isinstance(statement, AugAssign):
             value = self.moved(statement.value, before)
             return [*before, augment(target, statement.op, value)]
+        if self.grows(statement.value):
+            made = name(self.bind(statement.value, self.root(statement.value, before), before))
+            return [*before, assign(target, call("numpy.copy", made) if isinstance(target, Name) else made)]
         binds = isinstance(target, Name) or is_function(statement.value)
         value = self.root(statement.value, before) if binds else self.moved(statement.value, before)
         return [*before, assign(target, value)]
 
+    def grows(self, node: AST) -> bool:
+        """Whether a call in a loop is a sum of rows, whose elements grow side by side."""
+        rule = rules.find_array(call_name(node))
+        if not self.loops or not self.depth or rule is None or rule.law not in _SUMMED or not isinstance(node, Call):
+            return False
+        rank = self.typing.of(node.args[0]).rank
+        axes = axes_of(rule.arguments(node)["axis"], rank)
+        return bool(axes) and len(axes) < rank and min(axes) < max(set(range(rank)) - set(axes))
+
     def loop(self, statement: While) -> list[AST]:
         before: list[AST] = []
         test = self.moved(statement.test, before)
-        body = self.block(statement.body)
+        body = self.repeated(statement.body)
         if not before:
             return [While(statement.test, body, [])]
         return [While(const(True), [*before, If(test, body, [at(Break(), statement)])], [])]

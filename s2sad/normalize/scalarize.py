@@ -130,7 +130,8 @@ class Scalarize:
         value = self.sums(value, before)
         if isinstance(target, Subscript) and self.typing.of(target).is_array:
             held = self.held(value, base_name(target), before)
-            return before + self.filled(statement, target, held)
+            place = at(Subscript(target.value, self.held(target.slice, base_name(target), before), target.ctx), target)
+            return before + self.filled(statement, place, held)
         if isinstance(target, Name) and isinstance(statement, Assign) and (made := self.allocated(target, value)):
             return before + [made, *self.filled(statement, index(name(target.id), const(...)), value)]
         if not before:
@@ -245,8 +246,8 @@ class Scalarize:
         return made
 
     def held(self, value: AST, array: str, before: list[AST]) -> AST:
-        """The value with the elements that it reads of the array that is filled taken out before the loop: they are
-        what they were before the statement, for all of it."""
+        """A value or a subscript with the elements that it reads of the array that is filled taken out before the loop:
+        they are what they were before the statement, for all of it."""
         def change(n: AST) -> AST | None:
             if isinstance(n, Subscript) and base_name(n) == array and self.typing.of(n).is_number:
                 made = self.number(f"{array}_held", self.typing.of(n))

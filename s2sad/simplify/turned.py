@@ -110,7 +110,7 @@ def _peeled(loop: For, bounds: Counted, shifts: list[int]) -> list[AST]:
         made.append(counted_for(bounds.counter, [call("builtins.min", const(low), copy(stop))], copy(loop.body)))
     made.append(counted_for(bounds.counter, [const(low), last] if low else [last], rebuild(loop.body, straight)))
     if high:
-        first = call("builtins.max", copy(last), call("builtins.min", const(low), copy(stop)))
+        first = call("builtins.max", copy(last), call("builtins.min", const(low), copy(stop)) if low else const(0))
         made.append(counted_for(bounds.counter, [first, copy(stop)], copy(loop.body)))
     return [at(s, loop) for s in made]
 

@@ -111,7 +111,7 @@ class NormalForms(Calls):
         tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")
         ruled(tree, typing, report)
         report.finish()
-        tree = functions(tree, typing, names)
+        tree = functions(tree, typing, names, self.engine == "numba")
 
         def written(called: Call) -> tuple[int, ...]:
             return self.of_call(called, typing).summary.written

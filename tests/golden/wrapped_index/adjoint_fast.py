@@ -13,7 +13,7 @@ def kernel_adjoint(y, y_bar, x, x_bar):
     n = x.size
     for i in range(n - 2):
         y[i] = x[i - 1] * x[i + 2]
-    for i in range(max(n - 2, min(0, n)), n):
+    for i in range(max(n - 2, 0), n):
         y[i] = x[i - 1] * x[(i + 2) % n]
     # reverse sweep
     # y[-1] = y[-1] * x[-2]
@@ -26,7 +26,7 @@ def kernel_adjoint(y, y_bar, x, x_bar):
         y_bar[i] = 0.0
         x_bar[i - 1] += x[i + 2] * seed
         x_bar[i + 2] += x[i - 1] * seed
-    for i in range(max(n - 2, min(0, n)), n):
+    for i in range(max(n - 2, 0), n):
         # y[i] = x[i - 1] * x[(i + 2) % n]
         seed = y_bar[i]
         y_bar[i] = 0.0
