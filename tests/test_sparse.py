@@ -102,13 +102,15 @@ def shared(v, x, indices, indptr):
     i, j = np.array([0, 1, 2]), np.array([0, 2, 1])
     A = csr_matrix((v, indices, indptr), shape=(4, 4))
     C = coo_matrix((v[:3], (i, j)), shape=(4, 4))
+    made = coo_matrix((2.0 * v[:3] + x[:3], (i, j)), shape=(4, 4))
     copies = C.tocsr() + A.tocsc() - A.copy()
-    lu = splu((A + identity(4) * 5.0).tocsc())
+    lu = splu((A + (identity(4) * 4.0 + identity(4))).tocsc())
+    twice = splu((identity(4) * 0.1 + 3.0 * identity(4)).tocsc())
     v[0] = x[0] * 3.0
     v[1:] *= x[1]
     A.data[2] = x[2]
     s = np.sum((A @ x) ** 2) + np.sum((C @ x) * x) + np.sum((A.T @ x) ** 3)
-    return s + np.sum((copies @ x) ** 2) + np.sum(lu.solve(x) ** 2)
+    return s + np.sum((copies @ x) ** 2) + np.sum(lu.solve(x) ** 2) + np.sum(made @ twice.solve(x))
 
 
 def solved_again(v, x, steps):

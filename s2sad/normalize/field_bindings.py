@@ -177,7 +177,7 @@ class Bindings(Assignments):
         items: list[Value] = []
         for key, item in zip(group.form.keys, group.items):
             path = step(group.form, wanted, key)
-            if is_sparse(group) and self.settled(item):
+            if is_sparse(group) and key == "shape" and self.settled(item):
                 items.append(item)
             elif isinstance(item, Group):
                 inner, part = self._kept(item, origin, path, copying, constants)

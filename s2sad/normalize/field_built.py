@@ -17,8 +17,8 @@ from s2sad.normalize.sparse_groups import FORMATS, Stores, is_matrix, joined, la
 from s2sad.program import Kernel
 from s2sad.structure import SPARSE
 from s2sad.tree import (
-    AST, BinOp, Call, Constant, List, Name, Sub, Tuple, add, at, attribute, call, call_name, const, copy, equal, negate,
-    tuple_of,
+    AST, Attribute, BinOp, Call, Constant, List, Name, Sub, Subscript, Tuple, add, at, attribute, call, call_name,
+    const, copy, equal, negate, tuple_of,
 )
 
 
@@ -78,7 +78,7 @@ class Built(Decisions):
         if found.form.kind == kind and not own:
             return found
         data = self.part(found, "data")
-        if call_name(data) is None:
+        if isinstance(data, (Name, Subscript, Attribute)):      # an expression makes an array of its own
             data = at(call("numpy.copy", data), data)
         if found.form.kind == kind:
             return replace(found, items=(Plain(data), *found.items[1:]), path=SPELLED)
