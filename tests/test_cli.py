@@ -316,7 +316,7 @@ s.py:4:32: error[S203]: 'p' has parts, whose types are not known
 @pytest.mark.parametrize(("options", "message"), [
     (("k.py",), "'k.py' is not FILE:FUNCTION, as kernel.py:step"),
     (("k.py:scale", "--types", "u: flaot64[:]"), "--types: 'flaot64[:]' is no type for 'u'; use float64, float32, "
-     "int64 or bool, an array of these, as float64[:, :], or a structure, as {u: float64[:], t: float}"),
+     "complex128, int64 or bool, an array of these, as float64[:, :], or a structure, as {u: float64[:], t: float}"),
     (("k.py:scale", "--types", "float64"), "--types: 'float64' is not NAME: TYPE, as u: float64[:, :]"),
     (("k.py:scale", "--types", "v: float64"), "--types names 'v', which is no parameter of 'scale': its parameters are "
      "u, c"),

@@ -93,7 +93,7 @@ def test_imports_nothing_of_ours():
     assert ran.stdout.strip() == str(["s2sad", "s2sad.runtime", *(
         f"s2sad.runtime.{room}" for room in (
             "decompositions", "factors", "matrices", "places", "scalars", "spans", "sparse_matrices", "special",
-            "spread", "stacks", "sums", "systems", "triangles"))])
+            "spread", "stacks", "sums", "systems", "transforms", "triangles"))])
 
 
 @pytest.fixture(scope="module", params=["numpy", "numba"])
