@@ -628,7 +628,23 @@ def call_no_filling(u, p):
     no_filling(u, p)
 
 
+def returned_misfit(x, p):
+    return x * x - p
+
+
+@s2sad.rule(implicit=returned_misfit)
+def square_roots(x, p):
+    for _ in range(30):
+        x -= (x * x - p) / (2.0 * x)
+
+
+def call_square_roots(u, p):
+    square_roots(u, p)
+
+
 REFUSED = [
+    (call_square_roots, "'square_roots' has a residual, 'returned_misfit', that must return a float, or take an array "
+     "that it writes second"),
     (call_no_p, "'no_p' has a derivative, 'tests.test_own_adjoints.no_p_adjoint', that takes no "
      "shadow of 'p', which is differentiated"),
     (call_copied, "'copied' has a derivative, 'tests.test_own_adjoints.spoils_p', that overwrites 'p', "

@@ -121,13 +121,22 @@ class Units(NormalForms):
                 continue
             asked = pattern(statement, unit.typing, found.active)
             called = self.called(statement.value)
-            if called is None or called.kernel.own is None or not asked.arguments and not asked.results:
+            if called is None or called.kernel.own is None:
+                continue
+            if not (asked.arguments or asked.results or self.solves_nothing(called)):
                 continue
             wrong = self.wrong(called, self.wanted(asked, mode), mode)
             if wrong:
                 report.error("S301", f"'{called.kernel.own.title}' {wrong}", statement,
                              help="give it with s2sad.rule, whose docstring says what it takes and returns")
         report.finish()
+
+    def solves_nothing(self, unit: Unit) -> bool:
+        """Whether nothing that an implicit function writes or returns is what its residual is for: no derivative would
+        ever be asked of it."""
+        residual = self.residual(unit)
+        return residual is not None and not solution_of(residual.parameters, unit.owner.written) and not any(
+            t.is_float for t in unit.summary.results)
 
     def wrong(self, unit: Unit, wanted: Wanted, mode: str) -> str:
         """Why a call cannot have the derivative of the user's own, in words; empty if it can."""
