@@ -6,7 +6,7 @@ import pytest
 
 import s2sad
 from tests.bulk import interpreted
-from tests.derivatives import check_derivatives
+from tests.derivatives import check_derivatives, check_value
 
 NODES, WEIGHTS = (-0.6, 0.6), [1.0, 0.5]
 STAGES = ((0.5, 0.25), (0.1, 0.2))
@@ -139,6 +139,18 @@ def turns(p, old, f, n):
     return p, np.sum(r * p)
 
 
+def summed(x, w):
+    """A sum over iterations that run again in the reverse sweep."""
+    e = 0.5
+    for p in range(x.shape[0]):
+        r2 = 0.0
+        for c in range(3):
+            r2 += x[p, c] ** 2
+        s6 = (w / r2) ** 3
+        e += 4.0 * w * (s6 * s6 - s6)
+    return e
+
+
 def single(x, th, n):
     """float32 arrays that meet float64 ones under one name."""
     turn = np.eye(2)
@@ -154,7 +166,8 @@ def single(x, th, n):
     return turn.sum() * x.sum()
 
 
-CASES = [(single, (values(3).astype(np.float32), values(3, seed=2).astype(np.float32), 3), ("return",)),
+CASES = [(summed, (values(3, 3), 0.7), ("return",)),
+         (single, (values(3).astype(np.float32), values(3, seed=2).astype(np.float32), 3), ("return",)),
          *[(turns, (values(5), values(5, seed=2), values(5, seed=3), n), ("p", "old", "f", "return"))
            for n in (4, 3, 0)],
          (normalised, (values(3), 3), ("return",)),
@@ -190,6 +203,8 @@ def test_kernel(kernel, arguments, outputs, engine):
     inputs = tuple(n for n, a in zip(code.co_varnames, arguments) if np.asarray(a).dtype.kind == "f")
     if engine == "numpy":
         check_derivatives(kernel, arguments, inputs, outputs)
+        check_value(kernel, arguments, inputs)
     else:
         with interpreted():
             check_derivatives(kernel, arguments, inputs, outputs, "numba")
+            check_value(kernel, arguments, inputs, "numba")
