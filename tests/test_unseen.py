@@ -151,6 +151,17 @@ def summed(x, w):
     return e
 
 
+def described(x):
+    """Bounds on one side, and functions of whole arrays inside an array that is spelled."""
+    np.clip(x, 0.6, None, out=x)
+    a = np.clip(x, None, 0.9) + x.clip(0.7, None) + np.clip(x, a_min=0.5, a_max=1.0) + x.clip(max=0.8)
+    out = np.zeros((2, 3))
+    for i in range(2):
+        out[i] = a.mean(), x[i:].std(), np.median(x) * 2
+        out[i, 1:] += [np.dot(a, x), np.linalg.norm(x)]
+    return np.array([np.mean(a), a @ x, np.sort(a)[0]]) @ out.T
+
+
 def single(x, th, n):
     """float32 arrays that meet float64 ones under one name."""
     turn = np.eye(2)
@@ -166,7 +177,8 @@ def single(x, th, n):
     return turn.sum() * x.sum()
 
 
-CASES = [(summed, (values(3, 3), 0.7), ("return",)),
+CASES = [(described, (values(4),), ("x", "return")),
+         (summed, (values(3, 3), 0.7), ("return",)),
          (single, (values(3).astype(np.float32), values(3, seed=2).astype(np.float32), 3), ("return",)),
          *[(turns, (values(5), values(5, seed=2), values(5, seed=3), n), ("p", "old", "f", "return"))
            for n in (4, 3, 0)],

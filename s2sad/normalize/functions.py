@@ -34,6 +34,8 @@ _SUMMED = ("summed", "averaged")
 _MADE = {f"numpy.{made}{like}" for made in ("empty", "zeros", "ones", "full") for like in ("", "_like")} | {
     "numpy.array", "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray"}
 
+_LISTED = ("numpy.array", "numpy.asarray", "numpy.ascontiguousarray")
+
 
 def functions(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
     """The function with those names; the table of `typing` gains them."""
@@ -118,7 +120,7 @@ class _Functions:
                 inner = name(self.bind(n.value, self.root(n.value, before), before))
                 return at(Subscript(inner, self.moved(n.slice, before), n.ctx), n)
             if call_name(n) in _MADE:
-                return name(self.bind(n, copy(n), before))
+                return name(self.bind(n, self.allocated(n, before), before))
             if isinstance(n, Call) and (call_name(n) or "").startswith("user."):
                 return at(Call(n.func, [self.given(a, before) for a in n.args], n.keywords), n)
             if rules.find_array(call_name(n)) is None:
@@ -168,10 +170,22 @@ class _Functions:
     def root(self, node: AST, before: list[AST]) -> AST:
         """The right side of a statement that binds a name."""
         if call_name(node) in _MADE:
-            return node
+            return self.allocated(node, before)
         if isinstance(node, Subscript) and self.arrays(node):
             return self.named(node, before)
         return self.operands(node, before) if is_function(node) else self.moved(node, before)
+
+    def allocated(self, node: Call, before: list[AST]) -> Call:
+        """An allocation, with names for the functions in what it is filled with, item by item."""
+        listed = bool(node.args) and isinstance(node.args[0], (List, Tuple)) and call_name(node) in _LISTED
+        if not listed:
+            return copy(node)
+        return at(Call(node.func, [self.items(node.args[0], before), *node.args[1:]], node.keywords), node)
+
+    def items(self, node: AST, before: list[AST]) -> AST:
+        if not isinstance(node, (List, Tuple)):
+            return self.moved(node, before)
+        return at(type(node)([self.items(item, before) for item in node.elts], node.ctx), node)
 
     def operands(self, node: Call, before: list[AST]) -> Call:
         """The call with operands that are names or parts of arrays."""

@@ -78,7 +78,7 @@ def _plain(node: AST) -> AST | None:
     if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
         return rebuild(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node),
                        _plain)
-    other = other_spelling(node) or _multiplied(node) or _in_blocks(node) or _extreme_place(node)
+    other = other_spelling(node) or _bounded(node) or _multiplied(node) or _in_blocks(node) or _extreme_place(node)
     if other is not None:
         return rebuild(at(other, node), _plain)
     return _question(node) or _array_call(node) or _scalar_call(node)
@@ -197,6 +197,25 @@ def _in_blocks(node: Call) -> AST | None:
         return None
     return call("numpy.concatenate", tuple_of(*(call("numpy.concatenate", tuple_of(*row.elts), axis=const(1))
                                                 for row in rows)))
+
+
+def _bounded(node: Call) -> AST | None:
+    """`np.clip` by name, or with one bound: the other one is None."""
+    if call_name(node) != "numpy.clip" or not node.args:
+        return None
+    given = dict(zip(("low", "high"), node.args[1:]))
+    spelling = {"a_min": "low", "a_max": "high", "min": "low", "max": "high"}
+    for k in node.keywords:
+        if k.arg not in spelling or spelling[k.arg] in given:
+            return None
+        given[spelling[k.arg]] = k.value
+    bounds = {k: v for k, v in given.items() if not (isinstance(v, Constant) and v.value is None)}
+    if len(bounds) == 2:
+        return call("numpy.clip", node.args[0], bounds["low"], bounds["high"]) if node.keywords else None
+    if not bounds:
+        return None
+    (side, bound), = bounds.items()
+    return call("numpy.maximum" if side == "low" else "numpy.minimum", node.args[0], bound)
 
 
 def _multiplied(node: Call) -> AST | None:
