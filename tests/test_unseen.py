@@ -162,6 +162,13 @@ def described(x):
     return np.array([np.mean(a), a @ x, np.sort(a)[0]]) @ out.T
 
 
+def chosen(x):
+    """A choice of arrays inside a sum that is returned; parts with a diagonal; the largest of a row."""
+    a = x[:3, :3]
+    scale = np.trace(a[:2, :2]) + np.diag(a[1:, 1:]).sum() + max(x[0]) + min((x[1, 0], x[1, 1], x[2, 0]))
+    return scale * np.sum(np.where(x < 0.8, x * x, 0.5)) + float(np.sum(np.where(x > 1.0, x, 0.0)))
+
+
 def single(x, th, n):
     """float32 arrays that meet float64 ones under one name."""
     turn = np.eye(2)
@@ -177,7 +184,8 @@ def single(x, th, n):
     return turn.sum() * x.sum()
 
 
-CASES = [(described, (values(4),), ("x", "return")),
+CASES = [(chosen, (values(4, 3),), ("return",)),
+         (described, (values(4),), ("x", "return")),
          (summed, (values(3, 3), 0.7), ("return",)),
          (single, (values(3).astype(np.float32), values(3, seed=2).astype(np.float32), 3), ("return",)),
          *[(turns, (values(5), values(5, seed=2), values(5, seed=3), n), ("p", "old", "f", "return"))
@@ -187,6 +195,17 @@ CASES = [(described, (values(4),), ("x", "return")),
          (stacks, (values(2, 5), values(3, seed=2)), ("q", "return")),
          (renamed, (values(3), values(3, seed=2)), ("return",)),
          (spelled, (values(4), 0.3), ("x", "return"))]
+
+
+def flat_store(x):
+    y = np.zeros((2, 2))
+    y.flat[:] = x
+    return y[0, 0] * y[1, 1]
+
+
+def test_attribute_of_an_array_is_refused():
+    with pytest.raises(s2sad.S2sadError, match=r"S201.*the attribute 'flat' of an array"):
+        s2sad.gradient(flat_store)(np.ones(4))
 
 
 def settled(x):

@@ -239,10 +239,21 @@ def _rolled(node: Call) -> AST | None:
     return reduce(lambda made, by: call("numpy.roll", made, copy(by[0]), axis=by[1]), zip(shifts, axes.elts), start)
 
 
+def _of_items(node: Call) -> AST:
+    """The least or the greatest of the items of one sequence."""
+    items = node.args[0].elts if isinstance(node.args[0], (Tuple, List)) else []
+    if len(items) > 1 and not any(isinstance(item, Starred) for item in items):
+        return rebuild(at(Call(node.func, items, []), node), _plain)
+    called = "numpy.max" if call_name(node) == "builtins.max" else "numpy.min"
+    return rebuild(at(call(called, node.args[0]), node), _plain)
+
+
 def _scalar_call(node: Call) -> AST | None:
     function = call_name(node)
     if node.keywords:
         return None
+    if function in _PAIRED and len(node.args) == 1:
+        return _of_items(node)
     args = [rebuild(a, _plain) for a in node.args]
     if function in _PAIRED and len(args) > 2:
         return at(reduce(lambda a, b: call(function, a, b), args), node)

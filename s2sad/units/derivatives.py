@@ -176,7 +176,7 @@ class Units(NormalForms):
         if self.engine == "numba":
             function = dead(function, self._live_out(made, typing, plan is None), self.effects.writes,
                             self.effects.pure, self.effects.unread)
-            function = with_choices(scalarize(functions(function, typing, names), typing, names, final=True))
+            function = with_choices(scalarize(functions(function, typing, names), typing, names, final=True), typing)
         arrays = self._live_out(made, typing, plan is None)
         family = {**unit.family, **{s: f"{unit.family.get(p, p)}_{'bar' if plan else 'dot'}"
                                     for p, s in made.shadows.items() if typing.table[s].is_number}}

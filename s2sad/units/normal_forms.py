@@ -42,7 +42,7 @@ from s2sad.normalize.views import views
 from s2sad.normalize.workspace import workspace
 from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects, Watch, unwatched
-from s2sad.tree import Assert, Call, FunctionDef, Name, Raise, call_name, copy, name, stored_names, walk
+from s2sad.tree import AST, Assert, Call, FunctionDef, Name, Raise, call_name, copy, name, rebuild, stored_names, walk
 from s2sad.units.calls import Calls, written_arrays
 from s2sad.units.unit import Summary, Unit
 
@@ -121,7 +121,8 @@ class NormalForms(Calls):
         self.watch("workspace", tree)
         lowered = tree
         if self.engine == "numba":
-            lowered = with_choices(scalarize(tree, self.apart(typing), Names(names.taken), final=True))
+            own = self.apart(typing)
+            lowered = with_choices(scalarize(tree, own, Names(names.taken), final=True), own)
             tree = verify(scalarize(factored(tree, typing, names), typing, names), "views", "scalarize")
         else:
             tree = lowered = verify(scatter(tree, typing, names), "views", "scatter")
@@ -217,10 +218,12 @@ def plain_form(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
     return spelled(contracted(parts(tree, names)))
 
 
-def with_choices(function: FunctionDef) -> FunctionDef:
-    """A function of numbers and elements with every `np.where` as a choice."""
+def with_choices(function: FunctionDef, typing: Typing) -> FunctionDef:
+    """A function of numbers and elements with every `np.where` of these as a choice."""
+    def change(node: AST) -> AST | None:
+        return scalar_choices(node) if call_name(node) == "numpy.where" and not typing.of(node).is_array else None
     new = copy(function)
-    new.body = [scalar_choices(s) for s in new.body]
+    new.body = [rebuild(s, change) for s in new.body]
     return new
 
 
