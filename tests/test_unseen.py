@@ -166,6 +166,7 @@ def chosen(x):
     """A choice of arrays inside a sum that is returned; parts with a diagonal; the largest of a row."""
     a = x[:3, :3]
     scale = np.trace(a[:2, :2]) + np.diag(a[1:, 1:]).sum() + max(x[0]) + min((x[1, 0], x[1, 1], x[2, 0]))
+    scale += sum(x[1]) + sum(x[1:, 0] ** 2) * sum((x[0, 0], x[0, 1])) + sum(x)[2] + sum(v * v for v in x[3])
     return scale * np.sum(np.where(x < 0.8, x * x, 0.5)) + float(np.sum(np.where(x > 1.0, x, 0.0)))
 
 

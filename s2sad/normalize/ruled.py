@@ -26,7 +26,7 @@ _OTHER = frozenset({
 # functions of whole arrays whose derivative is zero, or that `pieces` writes out; what else has no adjoint is a part of
 # derivatives
 _FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to"})
-_SUMS = ("numpy.sum", "builtins.sum")
+_SUMS = ("numpy.sum",)
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
 _HELP = {
     "numpy.squeeze": "name the axis: np.squeeze(x, axis=0), or write x[0]",
@@ -112,7 +112,7 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
         if node.keywords or len(node.args) != 1:
             report.error("S301", f"no derivative rule for {name} with more than the array", node,
                          help="write a loop that adds the elements")
-        elif not typing.of(node.args[0]).is_array or name == "builtins.sum" and typing.of(node.args[0]).rank > 1:
+        elif not typing.of(node.args[0]).is_array:
             report.error("S301", f"no derivative rule for {name} of {typing.of(node.args[0])}", node,
                          help="write a loop that adds the elements")
     elif name == "numpy.where" and all(typing.of(a).is_number for a in node.args):

@@ -240,10 +240,14 @@ def _rolled(node: Call) -> AST | None:
 
 
 def _of_items(node: Call) -> AST:
-    """The least or the greatest of the items of one sequence."""
+    """The least, the greatest or the sum of the items of one sequence; Python's sum adds rows."""
+    sums = call_name(node) == "builtins.sum"
     items = node.args[0].elts if isinstance(node.args[0], (Tuple, List)) else []
     if len(items) > 1 and not any(isinstance(item, Starred) for item in items):
-        return rebuild(at(Call(node.func, items, []), node), _plain)
+        joined = reduce(lambda a, b: BinOp(a, Add(), b), items) if sums else Call(node.func, items, [])
+        return rebuild(at(joined, node), _plain)
+    if sums:
+        return rebuild(at(call("numpy.sum", node.args[0], axis=const(0)), node), _plain)
     called = "numpy.max" if call_name(node) == "builtins.max" else "numpy.min"
     return rebuild(at(call(called, node.args[0]), node), _plain)
 
@@ -252,7 +256,7 @@ def _scalar_call(node: Call) -> AST | None:
     function = call_name(node)
     if node.keywords:
         return None
-    if function in _PAIRED and len(node.args) == 1:
+    if function in {*_PAIRED, "builtins.sum"} and len(node.args) == 1:
         return _of_items(node)
     args = [rebuild(a, _plain) for a in node.args]
     if function in _PAIRED and len(args) > 2:
