@@ -63,7 +63,7 @@ def _blocks(block: list[AST]) -> list[list[AST]]:
 def _swaps(block: list[AST], typing: Typing) -> list[_Swap]:
     """The swaps in a block: each is a permutation of the names that it binds, but for those that only hold one."""
     found: list[_Swap] = []
-    run: list[AST] = []
+    run: list[Assign] = []
     for statement in [*block, None]:
         if isinstance(statement, Assign) and isinstance(statement.targets[0], Name) and isinstance(
                 statement.value, Name) and typing.of(statement.value).is_array:

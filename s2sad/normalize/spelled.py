@@ -203,7 +203,7 @@ def _bounded(node: Call) -> AST | None:
     """`np.clip` by name, or with one bound: the other one is None."""
     if call_name(node) != "numpy.clip" or not node.args:
         return None
-    given = dict(zip(("low", "high"), node.args[1:]))
+    given: dict[str, AST] = dict(zip(("low", "high"), node.args[1:]))
     spelling = {"a_min": "low", "a_max": "high", "min": "low", "max": "high"}
     for k in node.keywords:
         if k.arg not in spelling or spelling[k.arg] in given:

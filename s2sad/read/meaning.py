@@ -191,7 +191,9 @@ def is_number(value: Any) -> bool:
 def _table(what: str, name: str, held: dict[str, Any], current: Callable[[], Any] | None,
            get: Callable[[Any, str], Any]) -> Table:
     def item(k: str) -> Callable[[], Any] | None:
-        return None if current is None else lambda: get(current(), k)
+        def now() -> Any:
+            return None if current is None else get(current(), k)
+        return None if current is None else now
     return Table(what, {k: value_meaning(f"{name}_{k}", v, item(k)) for k, v in held.items()})
 
 
