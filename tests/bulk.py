@@ -27,7 +27,7 @@ import numpy as np
 import s2sad
 from s2sad.run import compiled
 from s2sad.normalize.guards import EQUAL, INSIDE
-from tests.derivatives import UnreliableDifferences, check_derivatives
+from tests.derivatives import UnreliableDifferences, check_derivatives, check_value
 from tests.programs import Program, random_kernel
 
 SKIPPED = ("invalid", "unreliable")
@@ -101,6 +101,7 @@ def outcome(program: Program, engine: str, seed: int = 0) -> Outcome:
     try:
         with np.errstate(all="ignore"), _limit(120.0):
             check_derivatives(function, arguments, program.wrt, outputs(program), engine, coordinates=6, directions=1)
+            check_value(function, arguments, program.wrt, engine)
     except UnreliableDifferences as error:
         return Outcome(seed, "unreliable", "", str(error), program.source)
     except AssertionError as error:

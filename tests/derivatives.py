@@ -237,6 +237,19 @@ def check_derivatives(function: Callable, arguments: tuple, wrt: tuple[str, ...]
     return Measured(dot, along, single)
 
 
+def check_value(function: Callable, arguments: tuple, wrt: tuple[str, ...], engine: str = "numpy") -> None:
+    """Checks the value that comes with the gradient of a function that returns one float."""
+    with np.errstate(all="ignore"):
+        expected = getattr(function, "py_func", function)(*copy.deepcopy(arguments))
+    if not isinstance(expected, (float, np.floating)):
+        return
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", s2sad.S2sadWarning)
+        found, _ = s2sad.value_and_gradient(s2sad.differentiate(function, engine=engine), wrt=wrt)(*arguments)
+    tolerance = 1e-4 if any(getattr(a, "dtype", None) == np.float32 for a in arguments) else 1e-9
+    np.testing.assert_allclose(found, expected, rtol=tolerance, atol=1e-12, err_msg="the value beside the gradient")
+
+
 def _rounded(subject: Subject, direction: np.ndarray) -> np.ndarray:
     """The direction as the tangents' dtypes can hold it."""
     return _vector(_split(subject.given, subject.wrt, direction), subject.wrt)

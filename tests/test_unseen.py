@@ -6,7 +6,7 @@ import pytest
 
 import s2sad
 from tests.bulk import interpreted
-from tests.derivatives import check_derivatives
+from tests.derivatives import check_derivatives, check_value
 
 NODES, WEIGHTS = (-0.6, 0.6), [1.0, 0.5]
 STAGES = ((0.5, 0.25), (0.1, 0.2))
@@ -139,6 +139,37 @@ def turns(p, old, f, n):
     return p, np.sum(r * p)
 
 
+def summed(x, w):
+    """A sum over iterations that run again in the reverse sweep."""
+    e = 0.5
+    for p in range(x.shape[0]):
+        r2 = 0.0
+        for c in range(3):
+            r2 += x[p, c] ** 2
+        s6 = (w / r2) ** 3
+        e += 4.0 * w * (s6 * s6 - s6)
+    return e
+
+
+def described(x):
+    """Bounds on one side, and functions of whole arrays inside an array that is spelled."""
+    np.clip(x, 0.6, None, out=x)
+    a = np.clip(x, None, 0.9) + x.clip(0.7, None) + np.clip(x, a_min=0.5, a_max=1.0) + x.clip(max=0.8)
+    out = np.zeros((2, 3))
+    for i in range(2):
+        out[i] = a.mean(), x[i:].std(), np.median(x) * 2
+        out[i, 1:] += [np.dot(a, x), np.linalg.norm(x)]
+    return np.array([np.mean(a), a @ x, np.sort(a)[0]]) @ out.T
+
+
+def chosen(x):
+    """A choice of arrays inside a sum that is returned; parts with a diagonal; the largest of a row."""
+    a = x[:3, :3]
+    scale = np.trace(a[:2, :2]) + np.diag(a[1:, 1:]).sum() + max(x[0]) + min((x[1, 0], x[1, 1], x[2, 0]))
+    scale += sum(x[1]) + sum(x[1:, 0] ** 2) * sum((x[0, 0], x[0, 1])) + sum(x)[2] + sum(v * v for v in x[3])
+    return scale * np.sum(np.where(x < 0.8, x * x, 0.5)) + float(np.sum(np.where(x > 1.0, x, 0.0)))
+
+
 def single(x, th, n):
     """float32 arrays that meet float64 ones under one name."""
     turn = np.eye(2)
@@ -154,7 +185,10 @@ def single(x, th, n):
     return turn.sum() * x.sum()
 
 
-CASES = [(single, (values(3).astype(np.float32), values(3, seed=2).astype(np.float32), 3), ("return",)),
+CASES = [(chosen, (values(4, 3),), ("return",)),
+         (described, (values(4),), ("x", "return")),
+         (summed, (values(3, 3), 0.7), ("return",)),
+         (single, (values(3).astype(np.float32), values(3, seed=2).astype(np.float32), 3), ("return",)),
          *[(turns, (values(5), values(5, seed=2), values(5, seed=3), n), ("p", "old", "f", "return"))
            for n in (4, 3, 0)],
          (normalised, (values(3), 3), ("return",)),
@@ -162,6 +196,17 @@ CASES = [(single, (values(3).astype(np.float32), values(3, seed=2).astype(np.flo
          (stacks, (values(2, 5), values(3, seed=2)), ("q", "return")),
          (renamed, (values(3), values(3, seed=2)), ("return",)),
          (spelled, (values(4), 0.3), ("x", "return"))]
+
+
+def flat_store(x):
+    y = np.zeros((2, 2))
+    y.flat[:] = x
+    return y[0, 0] * y[1, 1]
+
+
+def test_attribute_of_an_array_is_refused():
+    with pytest.raises(s2sad.S2sadError, match=r"S201.*the attribute 'flat' of an array"):
+        s2sad.gradient(flat_store)(np.ones(4))
 
 
 def settled(x):
@@ -190,6 +235,8 @@ def test_kernel(kernel, arguments, outputs, engine):
     inputs = tuple(n for n, a in zip(code.co_varnames, arguments) if np.asarray(a).dtype.kind == "f")
     if engine == "numpy":
         check_derivatives(kernel, arguments, inputs, outputs)
+        check_value(kernel, arguments, inputs)
     else:
         with interpreted():
             check_derivatives(kernel, arguments, inputs, outputs, "numba")
+            check_value(kernel, arguments, inputs, "numba")

@@ -33,8 +33,9 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import (
-    AST, Add, Assert, Assign, AugAssign, Constant, Eq, Expr, Name, Return, Sub, Subscript, Tuple, assign, at, attribute,
-    augment, call, comment, compare, const, copy, function, index, indices, name, tuple_of, walk,
+    AST, Add, Assert, Assign, AugAssign, Call, Constant, Eq, Expr, Name, Return, Sub, Subscript, Tuple, assign, at,
+    attribute, augment, call, call_name, comment, compare, const, copy, function, index, indices, name, names,
+    stored_names, tuple_of, walk,
 )
 
 
@@ -85,12 +86,16 @@ class _Adjoint(Shadows):
         returned = [p for p in self.wanted.wrt if self.typing.table[p].is_number]
         values: list[AST] = [name(self.shadow(p)) for p in returned]
         closing: list[AST] = [Return(tuple_of(*values))] if values else []
+        held: list[AST] = []
         if self.wanted.with_primal:
-            closing = [Return(tuple_of(self.primal_result(), *values))]
+            result = self.primal_result()
+            if touched(reverse) & set(names(result)):   # an iteration that runs again in the reverse sweep adds again
+                held = [assign(self.bind("value", result), result)]
+                result = name(held[0].targets[0].id)
+            closing = [Return(tuple_of(result, *values))]
         zeros = [assign(self.shadow(p), const(0.0)) for p in returned if p not in self.active]
-        body = [comment("forward sweep"), *self.halves.stacks(), *forward, *self.seeds_fit(), comment(REVERSE), *zeros,
-                *reverse, *last,
-                *closing]
+        body = [comment("forward sweep"), *self.halves.stacks(), *forward, *held, *self.seeds_fit(), comment(REVERSE),
+                *zeros, *reverse, *last, *closing]
         made = function(title, [n for n, _, _ in signature], body)
         return Made(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + returned,
                     self.tape, self.halves.lists())
@@ -247,3 +252,14 @@ class _Adjoint(Shadows):
         for held, position in zip(returned, callee.returns):
             made.append(augment(self.place(statement.value.args[position]), Add(), name(held)))
         return made
+
+
+def touched(block: list[AST]) -> set[str]:
+    """The names that statements bind, and the arrays that they may write."""
+    found = set(stored_names(block))
+    for node in walk(block):
+        if isinstance(node, (Assign, AugAssign)):
+            found |= {base_name(t) for t in targets(node)}
+        elif isinstance(node, Call) and (call_name(node) or "").startswith("user."):
+            found |= set(map(base_name, node.args))
+    return found

@@ -36,7 +36,7 @@ _MADE = {f"numpy.{made}{like}" for made in ("empty", "zeros", "ones", "full") fo
     "numpy.array", "numpy.copy", "numpy.asarray", "numpy.ascontiguousarray"}
 
 _FILLED = {"numpy.full": 1, "numpy.full_like": 1, "numpy.array": 0, "numpy.copy": 0, "numpy.asarray": 0,
-           "numpy.ascontiguousarray": 0}
+           "numpy.ascontiguousarray": 0}       # where the argument is that an array is filled with
 
 
 def functions(function: FunctionDef, typing: Typing, free: Names, loops: bool = False) -> FunctionDef:
@@ -143,7 +143,7 @@ class _Functions:
                 inner = name(self.bind(n.value, self.root(n.value, before), before))
                 return at(Subscript(inner, self.moved(n.slice, before), n.ctx), n)
             if call_name(n) in _MADE:
-                return name(self.bind(n, self.filled(n, before), before))
+                return name(self.bind(n, self.allocated(n, before), before))
             if call_name(n) == "numpy.size" and (sized := self.sized(n.args[0])) is not None:
                 return at(attribute(self.moved(sized, before), "size"), n)
             if isinstance(n, Call) and (call_name(n) or "").startswith("user."):
@@ -155,13 +155,6 @@ class _Functions:
             self.kept = kept
             return name(self.bind(n, made, before)) if is_function(n) else made
         return rebuild(node, change)
-
-    def filled(self, node: AST, before: list[AST]) -> AST:
-        """An allocation; what it is filled with is made before."""
-        made, place = copy(node), _FILLED.get(call_name(node) or "")
-        if place is not None:
-            made.args[place] = self.moved(made.args[place], before)
-        return made
 
     def sized(self, node: AST) -> AST | None:
         """An array in an expression over numbers and arrays with one axis, whose size is the expression's."""
@@ -211,10 +204,22 @@ class _Functions:
     def root(self, node: AST, before: list[AST]) -> AST:
         """The right side of a statement that binds a name."""
         if call_name(node) in _MADE:
-            return self.filled(node, before)
+            return self.allocated(node, before)
         if isinstance(node, Subscript) and self.arrays(node):
             return self.named(node, before)
         return self.operands(node, before) if is_function(node) else self.moved(node, before)
+
+    def allocated(self, node: AST, before: list[AST]) -> AST:
+        """An allocation, with names for the functions in what it is filled with, item by item."""
+        made, place = copy(node), _FILLED.get(call_name(node) or "")
+        if place is not None:
+            made.args[place] = self.items(made.args[place], before)
+        return made
+
+    def items(self, node: AST, before: list[AST]) -> AST:
+        if not isinstance(node, (List, Tuple)):
+            return self.moved(node, before)
+        return at(type(node)([self.items(item, before) for item in node.elts], node.ctx), node)
 
     def operands(self, node: Call, before: list[AST]) -> Call:
         """The call with operands that are names or parts of arrays."""

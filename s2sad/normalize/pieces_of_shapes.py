@@ -137,6 +137,13 @@ def _borders(mode: str, axis: int, a: str, b: str, n: str) -> list[str]:
 
 def _diag(asked: Asked, offset: str = "k") -> str:
     dtype = asked.type("x").dtype
+    if asked.number(offset) == 0:   # the diagonal itself
+        rows, columns = size("x", 0), size("x", asked.rank("x") - 1)
+        if asked.rank("x") == 1:
+            return lines(f"result = {zeros([rows, rows], dtype)}", f"for place in range({rows}):",
+                         "    result[place, place] = x[place]")
+        return lines(f"count = min({rows}, {columns})", f"result = {empty(['count'], dtype)}",
+                     "for place in range(count):", "    result[place] = x[place, place]")
     shift = [f"right = max(0, {offset})", f"down = max(0, -{offset})"]
     if asked.rank("x") == 1:
         side = f"{size('x', 0)} + right + down"
@@ -152,6 +159,9 @@ def _diagonal(asked: Asked) -> str:
 
 
 def _trace(asked: Asked) -> str:
+    if asked.number("offset") == 0:
+        return lines("result = 0.0", f"for place in range(min({size('x', 0)}, {size('x', 1)})):",
+                     "    result += x[place, place]")
     return lines("right = max(0, offset)", "down = max(0, -offset)", "result = 0.0",
                  f"for place in range(min({size('x', 0)} - down, {size('x', 1)} - right)):",
                  "    result += x[place + down, place + right]")

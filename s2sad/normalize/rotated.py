@@ -63,20 +63,20 @@ def _blocks(block: list[AST]) -> list[list[AST]]:
 def _swaps(block: list[AST], typing: Typing) -> list[_Swap]:
     """The swaps in a block: each is a permutation of the names that it binds, but for those that only hold one."""
     found: list[_Swap] = []
-    run: list[AST] = []
+    run: list[tuple[AST, str, str]] = []
     for statement in [*block, None]:
         if isinstance(statement, Assign) and isinstance(statement.targets[0], Name) and isinstance(
                 statement.value, Name) and typing.of(statement.value).is_array:
-            run.append(statement)
+            run.append((statement, str(statement.targets[0].id), str(statement.value.id)))
             continue
         if len(run) > 2:
             given: dict[str, str] = {}
-            for s in run:
-                given[s.targets[0].id] = given.get(s.value.id, s.value.id)
+            for _, bound, value in run:
+                given[bound] = given.get(value, value)
             held = {n for n in given if n not in given.values()}
             kept = {n: g for n, g in given.items() if n not in held}
             if kept and set(kept) == set(kept.values()):
-                found.append(_Swap(tuple(run), kept))
+                found.append(_Swap(tuple(s for s, _, _ in run), kept))
         run = []
     return found
 

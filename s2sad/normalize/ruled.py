@@ -15,7 +15,7 @@ from s2sad.infer.infer import Typing
 from s2sad.rules.given import ROOM
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Assert, Assign, AugAssign, Call, Expr, FunctionDef, Raise, Subscript, call_name, children, walk,
+    AST, Assert, Assign, Attribute, AugAssign, Call, Expr, FunctionDef, Raise, Subscript, call_name, children, walk,
 )
 
 _COPIES = frozenset({"numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array"})
@@ -27,7 +27,7 @@ _OTHER = frozenset({
 # derivatives
 _FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to",
                    "runtime.sparse_rows", "runtime.sparse_span", "runtime.sparse_joined"})
-_SUMS = ("numpy.sum", "builtins.sum")
+_SUMS = ("numpy.sum",)
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
 _HELP = {
     "numpy.squeeze": "name the axis: np.squeeze(x, axis=0), or write x[0]",
@@ -57,6 +57,8 @@ _SPARSE = {
 _LOOP = "write it as a loop over the elements"
 _OTHERS = "write it with functions that have a rule, or give it one: s2sad.rule, s2sad.nondifferentiable"
 
+_OF_ARRAYS = ("shape", "size", "ndim", "dtype", "T")
+
 
 def ruled(function: FunctionDef, typing: Typing, report: Report) -> None:
     """Puts one diagnostic into the report for each operation that nothing is known about."""
@@ -68,10 +70,14 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
     if isinstance(node, (Assert, Raise)) or isinstance(node, Expr) and call_name(node.value) == "builtins.print":
         return
     before = len(report.found)
+    method = node.func.value if isinstance(node, Call) and isinstance(node.func, Attribute) else None
     for child in children(node):
-        _visit(child, typing, report)
+        _visit(child if method is None or child is not node.func else method, typing, report)
     if len(report.found) > before:
         return  # what is refused inside explains it
+    if isinstance(node, Attribute) and node.attr not in _OF_ARRAYS and typing.of(node.value).is_array:
+        report.error("S201", f"the attribute '{node.attr}' of an array", node, help="write it with the array itself: "
+                     "x[i, j], x[...], x.shape, x.size")
     if isinstance(node, (Assign, AugAssign)) and any(
             isinstance(t, Subscript) and typing.of(t.value).kind == "tuple" for t in targets(node)):
         report.error("S201", "an element of a list is written", node, help="make it an array: np.zeros(n), or "
@@ -119,7 +125,7 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
         if node.keywords or len(node.args) != 1:
             report.error("S301", f"no derivative rule for {name} with more than the array", node,
                          help="write a loop that adds the elements")
-        elif not typing.of(node.args[0]).is_array or name == "builtins.sum" and typing.of(node.args[0]).rank > 1:
+        elif not typing.of(node.args[0]).is_array:
             report.error("S301", f"no derivative rule for {name} of {typing.of(node.args[0])}", node,
                          help="write a loop that adds the elements")
     elif name == "numpy.where" and all(typing.of(a).is_number for a in node.args):

@@ -110,9 +110,10 @@ class Scalarize:
             return [with_blocks(statement, self.block)]
         if isinstance(statement, (Assign, AugAssign)):
             return self.store(statement)
-        if isinstance(statement, Return) and statement.value is not None and not (self.final or self.only):
+        if isinstance(statement, Return) and statement.value is not None and not self.only and (
+                not self.final or any(call_name(n) == "numpy.where" for n in walk(statement.value))):
             before: list[AST] = []
-            value = self.sums(statement.value, before, joined=True)
+            value = self.sums(statement.value, before, joined=not self.final)
             return [*before, Return(value)]
         return [statement]
 

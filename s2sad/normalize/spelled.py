@@ -84,7 +84,8 @@ def _plain(node: AST) -> AST | None:
     if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
         return rebuild(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node),
                        _plain)
-    other = other_spelling(node) or _complex(node) or _multiplied(node) or _in_blocks(node) or _extreme_place(node)
+    other = (other_spelling(node) or _complex(node) or _bounded(node) or _multiplied(node) or _in_blocks(node)
+             or _extreme_place(node))
     if other is not None:
         return rebuild(at(other, node), _plain)
     return _question(node) or _array_call(node) or _scalar_call(node)
@@ -213,6 +214,25 @@ def _in_blocks(node: Call) -> AST | None:
                                                 for row in rows)))
 
 
+def _bounded(node: Call) -> AST | None:
+    """`np.clip` by name, or with one bound: the other one is None."""
+    if call_name(node) != "numpy.clip" or not node.args:
+        return None
+    given: dict[str, AST] = dict(zip(("low", "high"), node.args[1:]))
+    spelling = {"a_min": "low", "a_max": "high", "min": "low", "max": "high"}
+    for k in node.keywords:
+        if k.arg not in spelling or spelling[k.arg] in given:
+            return None
+        given[spelling[k.arg]] = k.value
+    bounds = {k: v for k, v in given.items() if not (isinstance(v, Constant) and v.value is None)}
+    if len(bounds) == 2:
+        return call("numpy.clip", node.args[0], bounds["low"], bounds["high"]) if node.keywords else None
+    if not bounds:
+        return None
+    (side, bound), = bounds.items()
+    return call("numpy.maximum" if side == "low" else "numpy.minimum", node.args[0], bound)
+
+
 def _multiplied(node: Call) -> AST | None:
     """The product of several matrices, of two at a time, from the left."""
     several = call_name(node) == "numpy.linalg.multi_dot" and len(node.args) == 1 and not node.keywords
@@ -234,10 +254,25 @@ def _rolled(node: Call) -> AST | None:
     return reduce(lambda made, by: call("numpy.roll", made, copy(by[0]), axis=by[1]), zip(shifts, axes.elts), start)
 
 
+def _of_items(node: Call) -> AST:
+    """The least, the greatest or the sum of the items of one sequence; Python's sum adds rows."""
+    sums = call_name(node) == "builtins.sum"
+    items = node.args[0].elts if isinstance(node.args[0], (Tuple, List)) else []
+    if len(items) > 1 and not any(isinstance(item, Starred) for item in items):
+        joined = reduce(lambda a, b: BinOp(a, Add(), b), items) if sums else Call(node.func, items, [])
+        return rebuild(at(joined, node), _plain)
+    if sums:
+        return rebuild(at(call("numpy.sum", node.args[0], axis=const(0)), node), _plain)
+    called = "numpy.max" if call_name(node) == "builtins.max" else "numpy.min"
+    return rebuild(at(call(called, node.args[0]), node), _plain)
+
+
 def _scalar_call(node: Call) -> AST | None:
     function = call_name(node)
     if node.keywords:
         return None
+    if function in {*_PAIRED, "builtins.sum"} and len(node.args) == 1:
+        return _of_items(node)
     args = [rebuild(a, _plain) for a in node.args]
     if function in _PAIRED and len(args) > 2:
         return at(reduce(lambda a, b: call(function, a, b), args), node)
