@@ -149,3 +149,34 @@ def test_functions_without_source():
             "  help: give a function defined with def in a .py file, which may call it", gradient, len)
     refused("error[S101]: a function is needed, not an int\n  help: give a function defined with def in a .py file",
             gradient, 3)
+
+
+def half_precision(x):
+    z = np.zeros(3, dtype=np.float16)
+    z[:] = x
+    return np.sum(z * z)
+
+
+def of_a_name(x, kind):
+    z = np.zeros(3, kind)
+    z[:] = x
+    return np.sum(z * z)
+
+
+@pytest.mark.parametrize("kernel, arguments", [(half_precision, (np.ones(3),)), (of_a_name, (np.ones(3), "f2"))])
+def test_a_dtype_that_kernels_do_not_have(kernel, arguments):
+    with pytest.raises(S2sadError, match="the type of 'z' cannot be inferred"):
+        gradient(kernel, wrt="x")(*arguments)
+
+
+def short_names(x):
+    z = np.zeros(3, dtype="f4")
+    w = np.zeros(3, np.double)
+    z[:] = x
+    w[:] = x
+    return np.sum(z * w)
+
+
+def test_short_names_of_dtypes():
+    text = Differentiated(short_names, engine="numpy").adjoint_source(np.ones(3))
+    assert "z = np.zeros(3, np.float32)" in text and "w = np.zeros(3)" in text

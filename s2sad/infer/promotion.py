@@ -1,6 +1,8 @@
 """The dtype and the type that values have together: by promotion, by a cast, as the bindings of one name."""
 from __future__ import annotations
 
+import numpy
+
 from s2sad.infer.types import UNKNOWN, Type, array
 from s2sad.tree import AST, Constant, Name
 
@@ -28,18 +30,21 @@ def listed(items: Type) -> Type:
 
 
 def dtype_of(node: AST) -> str | None:
-    """The dtype that an expression names: `np.float32`, `float`, `"float32"`; None if it is none of these."""
+    """The dtype that an expression names: `np.float32`, `float`, `"f4"`; None if it is none that kernels have."""
     said = node.id if isinstance(node, Name) else node.value if isinstance(node, Constant) else None
-    if isinstance(said, str) and said in _COMPLEX:
-        return _COMPLEX[said]
-    if isinstance(node, Name):
-        if node.id in CASTS:
-            return CASTS[node.id]
-        room, _, last = node.id.rpartition(".")
-        return last if room == "numpy" and last in RANKS else None
-    if isinstance(node, Constant) and node.value in RANKS:
-        return str(node.value)
-    return None
+    if not isinstance(said, str):
+        return None
+    if said in _COMPLEX or isinstance(node, Name) and said in CASTS:
+        return _COMPLEX.get(said) or CASTS[said]
+    room, _, last = said.rpartition(".")
+    named = said if isinstance(node, Constant) else getattr(numpy, last, None) if room == "numpy" else None
+    if not isinstance(named, str) and not (isinstance(named, type) and issubclass(named, numpy.generic)):
+        return None
+    try:
+        found = numpy.dtype(named).name
+    except TypeError:  # no dtype's name, or that of an abstract one
+        return None
+    return found if found in RANKS else None
 
 
 def promote(a: Type, b: Type) -> Type:

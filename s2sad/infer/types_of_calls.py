@@ -11,7 +11,7 @@ from s2sad.infer.promotion import CASTS, dtype_of, listed, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, UNKNOWN, Type, array
 from s2sad.rules.composed import LAW as PIECES
 from s2sad.rules.given import ROOM
-from s2sad.tree import AST, Attribute, Call, List, Tuple, call_name
+from s2sad.tree import AST, Attribute, Call, Constant, List, Tuple, call_name
 
 LISTED = "builtins.list"
 
@@ -64,8 +64,6 @@ class TypesOfCalls(ABC):
         if name in CASTS:
             rank = types[0].rank if types else 0
             return array(CASTS[name], rank) if rank else Type("number", CASTS[name])
-        if name in ("builtins.sum", "builtins.max", "builtins.min") and types and types[0].is_array:
-            return _of_items(name, types)
         if name == "builtins.sum" and types:
             return Type("number", "int64" if types[0].dtype == "bool" else types[0].dtype)
         if name in ("builtins.len", "numpy.size", "numpy.ndim"):
@@ -123,7 +121,9 @@ class TypesOfCalls(ABC):
         given = next((k.value for k in node.keywords if k.arg == "dtype"), None)
         if given is None and len(node.args) > position:
             given = node.args[position]
-        return default if given is None else dtype_of(given) or self._inherited(given) or default
+        if given is None or isinstance(given, Constant) and given.value is None:
+            return default
+        return dtype_of(given) or self._inherited(given) or ""
 
     def _inherited(self, node: AST) -> str | None:
         if isinstance(node, Attribute) and node.attr == "dtype":
@@ -139,21 +139,19 @@ class TypesOfCalls(ABC):
         if kind.kind == "unknown":
             return UNKNOWN
         if name == "numpy.full":
-            return array(self._dtype(node, 2, self.of(node.args[1]).dtype), rank)
-        return array(self._dtype(node, 1, "float64"), rank)
+            return _array(self._dtype(node, 2, self.of(node.args[1]).dtype), rank)
+        return _array(self._dtype(node, 1, "float64"), rank)
 
     def _like(self, name: str, node: Call) -> Type:
         base = self.of(node.args[0])
         if base.kind == "tuple":
             joined = listed(base)
-            return array(self._dtype(node, 1, joined.dtype), joined.rank) if joined.dtype else UNKNOWN
+            return _array(self._dtype(node, 1, joined.dtype), joined.rank) if joined.dtype else UNKNOWN
         if not base.is_array:
             return UNKNOWN
-        return array(self._dtype(node, 2 if name == "numpy.full_like" else 1, base.dtype), base.rank)
+        return _array(self._dtype(node, 2 if name == "numpy.full_like" else 1, base.dtype), base.rank)
 
 
-def _of_items(name: str, types: list[Type]) -> Type:
-    """What Python's own function gives that goes through an array: a number, or one of its rows."""
-    dtype = "int64" if name == "builtins.sum" and types[0].dtype == "bool" else types[0].dtype
-    item = Type("number", dtype) if types[0].rank == 1 else array(dtype, types[0].rank - 1)
-    return item if len(types) == 1 else promote(item, types[1])
+def _array(dtype: str, rank: int) -> Type:
+    """An array's type; a dtype that kernels do not have is none."""
+    return array(dtype, rank) if dtype else UNKNOWN

@@ -273,6 +273,9 @@ def _scalar_call(node: Call) -> AST | None:
         return None
     if function in {*_PAIRED, "builtins.sum"} and len(node.args) == 1:
         return _of_items(node)
+    if function == "builtins.sum" and len(node.args) == 2:
+        total = _of_items(at(Call(node.func, node.args[:1], []), node))
+        return at(BinOp(rebuild(node.args[1], _plain), Add(), total), node)
     args = [rebuild(a, _plain) for a in node.args]
     if function in _PAIRED and len(args) > 2:
         return at(reduce(lambda a, b: call(function, a, b), args), node)

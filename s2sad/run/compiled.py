@@ -159,7 +159,8 @@ def _runtime(module_name: str, bounds: bool) -> dict[str, Any]:
             copy = FunctionType(value.__code__, space, value.__name__, value.__defaults__, value.__closure__)
             copy.__qualname__, copy.__module__ = value.__qualname__, value.__module__
             fastmath = {"reassoc"} if identifier in _ANY_ORDER else False
-            space[identifier] = through_python(identifier) or _jit(copy, bounds, on_disk=False, fastmath=fastmath)
+            run = value if _is_interpreted(value) else copy     # the interpreter calls nothing that is compiled
+            space[identifier] = through_python(identifier) or _jit(run, bounds, on_disk=False, fastmath=fastmath)
         elif (value.__module__ or "").startswith(_RUNTIME):
             space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
     return space

@@ -23,7 +23,6 @@ from s2sad.normalize.contracted import batched, contracted
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
-from s2sad.normalize.iterated import iterated
 from s2sad.normalize.inlined import Helpers, inlined, returned
 from s2sad.normalize.parts import parts
 from s2sad.normalize.pieces import pieces
@@ -105,7 +104,7 @@ class NormalForms(Calls):
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
-        tree = stacked(iterated(rotated(tree, typing, names), typing), typing)
+        tree = stacked(rotated(tree, typing, names), typing)
         tree = rows(tree, typing, Memory(tree, self.program), report)
         report.finish()
         tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")
