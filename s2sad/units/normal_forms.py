@@ -90,6 +90,25 @@ class NormalForms(Calls):
         if kernel.own is not None and "primal" in kernel.own.functions:
             return self._unread(kernel, types, title)
         names = Names()
+        kernel, tree, typing = self._typed(kernel, types, names)
+        tree, guarded = self._over_arrays(tree, typing, names)
+        tree, lowered = self._for_engine(tree, typing, names)
+        renamed = rename(tree, typing.table, names, self.call_writes)
+        self.watch("rename", verify(renamed.function, "rename", "rename"))
+        given, report = dict(zip((p.id for p in tree.args.args), types)), typing.report
+        table = infer(renamed.function, given, self.call_types, report, typing.constants)
+        report.finish()
+        typing = Typing({**table, **given}, self.call_types, report, typing.constants)
+        tree = self.with_titles(renamed.function, typing, report)
+        tree = verify(atoms(tree, typing, names, written_arrays(tree, self)), "atoms", "atoms")
+        self.watch("atoms", tree)
+        typing.runs_once = self.runs_once
+        once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
+        return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
+                    self._summary(tree, typing, kernel), guarded, once=once)
+
+    def _typed(self, kernel: Kernel, types: tuple[Type, ...], names: Names) -> tuple[Kernel, FunctionDef, Typing]:
+        """The kernel in structured form, with the types of its names; what it calls that returns arrays is in it."""
         values = {**self.program.constants, **self.program.arrays}
         tree = verify(plain_form(kernel, names, self.program), "structured", "spelled")
         given = dict(zip((p.id for p in tree.args.args), types))
@@ -104,6 +123,12 @@ class NormalForms(Calls):
         report.finish()
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
+        return kernel, tree, typing
+
+    def _over_arrays(self, tree: FunctionDef, typing: Typing, names: Names) -> tuple[FunctionDef, bool]:
+        """The kernel with whole-array statements over arrays and parts of them by their own names, and whether guards
+        of shapes were added."""
+        report = typing.report
         tree = stacked(rotated(tree, typing, names), typing)
         tree = rows(tree, typing, Memory(tree, self.program), report)
         report.finish()
@@ -121,11 +146,13 @@ class NormalForms(Calls):
         report.finish()
         guarded = count(tree, Assert) > count(plain, Assert)
         self.watch("views", tree)
-        tree = workspace(tree)
-        tree = verify(self.with_titles(tree, typing, report), "views", "workspace")
+        tree = verify(self.with_titles(workspace(tree), typing, report), "views", "workspace")
         report.finish()
         self.watch("workspace", tree)
-        lowered = tree
+        return tree, guarded
+
+    def _for_engine(self, tree: FunctionDef, typing: Typing, names: Names) -> tuple[FunctionDef, FunctionDef]:
+        """The form that is differentiated, and the primal: for Numba whole-array statements are loops."""
         if self.engine == "numba":
             apart = self.apart(typing)
             lowered = scalarize(tree, apart, Names(names.taken), final=True)
@@ -134,18 +161,7 @@ class NormalForms(Calls):
         else:
             tree = lowered = verify(scatter(tree, typing, names), "views", "scatter")
         self.watch("scalarize", tree)
-        renamed = rename(tree, typing.table, names, self.call_writes)
-        self.watch("rename", verify(renamed.function, "rename", "rename"))
-        table = infer(renamed.function, given, self.call_types, report, values)
-        report.finish()
-        typing = Typing({**table, **given}, self.call_types, report, values)
-        tree = self.with_titles(renamed.function, typing, report)
-        tree = verify(atoms(tree, typing, names, written_arrays(tree, self)), "atoms", "atoms")
-        self.watch("atoms", tree)
-        typing.runs_once = self.runs_once
-        once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
-        return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
-                    self._summary(tree, typing, kernel), guarded, once=once)
+        return tree, lowered
 
     def _unread(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
         """The unit of a function that is called as it is, of which is known what the user says."""
