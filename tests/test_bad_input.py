@@ -180,3 +180,16 @@ def short_names(x):
 def test_short_names_of_dtypes():
     text = Differentiated(short_names, engine="numpy").adjoint_source(np.ones(3))
     assert "z = np.zeros(3, np.float32)" in text and "w = np.zeros(3)" in text
+
+
+def product(a, x):
+    return np.sum(a @ x)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_factors_that_do_not_fit(engine):
+    """The derivative does not need the product, which would have told."""
+    function = Differentiated(product, wrt="x", engine=engine)
+    assert vjp(function, (np.ones((2, 3)), np.ones(3)), {"return": 1.0})["x"].tolist() == [2.0, 2.0, 2.0]
+    with pytest.raises((AssertionError, ValueError), match="shapes differ|broadcast"):
+        vjp(function, (np.ones((2, 3)), np.ones(50)), {"return": 1.0})

@@ -50,9 +50,13 @@ def test_a_place_that_the_store_itself_moves():
     both_levels(where_its_own_element_says, (np.linspace(0.5, 1.5, 4), np.linspace(0.1, 0.3, 4)), ("u", "v"), ("v",))
 
 
+def said(value):
+    return getattr(value, "__name__", str(value))
+
+
 @pytest.mark.parametrize("size", [1, 2, 3, 7])
 @pytest.mark.parametrize("kernel, shifts", [(by_numbers, ()), (far, ()), (by_a_name, (3,)), (by_a_name, (-8,)),
-                                            (by_two_names, (2,)), (by_hand, ())], ids=str)
+                                            (by_two_names, (2,)), (by_hand, ())], ids=said)
 def test_rows(kernel, shifts, size):
     both_levels(kernel, (np.linspace(0.5, 1.5, size), np.ones(size), *shifts), ("u",), ("v",))
 
@@ -77,7 +81,7 @@ def both_levels(kernel, arguments, wrt, of):
     np.testing.assert_allclose(found[1], expected[1], rtol=1e-15)
 
 
-@pytest.mark.parametrize("kernel, shifts", [(by_a_name, (3,)), (far, ())], ids=str)
+@pytest.mark.parametrize("kernel, shifts", [(by_a_name, (3,)), (far, ())], ids=said)
 def test_no_remainder_is_left_in_a_loop(kernel, shifts):
     fast = texts(kernel, (np.ones(5), np.ones(5), *shifts), ("u",), ("v",))[1].text
     assert all("%" not in line.split("]")[0] or "max(" in line for line in fast.splitlines() if "u_bar[" in line)

@@ -244,8 +244,10 @@ def _joined_size(args: list[Shape], options: Options) -> Shape | None:
 
 
 # what must be equal of the operands of a function, by its law: a size along an axis, or a number
+INNER = -3                              # of a second factor the axis that a product sums over: the last but one, or only
 _SAME_ENTRIES = ((("data", 0), ("rows", 0)), (("data", 0), ("columns", 0)))
 FITTING: dict[str, tuple[tuple[tuple[str, int], tuple[str, int]], ...]] = {
+    "matmul": ((("a", -1), ("b", INNER)),),
     "sparse product": (*_SAME_ENTRIES, (("x", 0), ("n", 0))),
     "sparse left product": (*_SAME_ENTRIES, (("x", -1), ("m", 0))),
     "sparse solve": (*_SAME_ENTRIES, (("b", 0), ("m", 0)), (("m", 0), ("n", 0))),

@@ -8,15 +8,16 @@ from collections.abc import Mapping
 
 from s2sad import rules
 from s2sad.diagnostics import Report
+from s2sad.infer.affine import Affine
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import FITTING, whole_number
+from s2sad.infer.laws import FITTING, INNER, whole_number
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.slices import is_whole, stand_apart
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
 from s2sad.normalize.allocations import Allocations
 from s2sad.normalize.functions import is_function
-from s2sad.normalize.guards import matching
+from s2sad.normalize.guards import equal, matching
 from s2sad.normalize.hoist import constant_index
 from s2sad.normalize.regions import composed, is_new
 from s2sad.tree import (
@@ -243,18 +244,25 @@ class Places:
         rule = rules.find_array(call_name(node))
         assert rule is not None
         given, made = rule.arguments(node), []
-        for pair in FITTING.get(rule.law, ()):
-            first, second = (self.shapes.of(given[p])[axis] if self.typing.of(given[p]).is_array else
-                             self.shapes.size(given[p]) for p, axis in pair)
+        sparse = "sparse" in rule.law
+        for pair in FITTING.get(rule.law, ()) if sparse or self.loops else ():     # NumPy tells by itself
+            first, second = (self.size_along(given[p], axis) for p, axis in pair)
             if self.shapes.same(first, second):
                 continue
             written = [copy(given[p]) if size is None else self.shapes.expression(size)
                        for (p, _), size in zip(pair, (first, second))]
             if not any(self.typing.of(w).is_array for w in written):
-                made.append(matching(written[0], written[1]))
+                made.append((matching if sparse else equal)(written[0], written[1]))
             if first is not None and second is not None:
                 self.shapes.unify(first, second)
         return made
+
+    def size_along(self, node: AST, axis: int) -> Affine | None:
+        """The size of an operand along an axis, or a number."""
+        rank = self.typing.of(node).rank
+        if not rank:
+            return self.shapes.size(node)
+        return self.shapes.of(node)[-min(rank, 2) if axis == INNER else axis]
 
     def prefix(self, node: AST) -> int:
         return len((self.viewed(node) or AMBIGUOUS)[1])
