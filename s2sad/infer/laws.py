@@ -244,7 +244,7 @@ def _joined_size(args: list[Shape], options: Options) -> Shape | None:
 
 
 # what must be equal of the operands of a function, by its law: a size along an axis, or a number
-INNER = -3                              # of a second factor the axis that a product sums over: the last but one, or only
+INNER = -3                   # of a second factor the axis that a product sums over: the last but one, or the only one
 _SAME_ENTRIES = ((("data", 0), ("rows", 0)), (("data", 0), ("columns", 0)))
 FITTING: dict[str, tuple[tuple[tuple[str, int], tuple[str, int]], ...]] = {
     "matmul": ((("a", -1), ("b", INNER)),),
