@@ -100,6 +100,10 @@ def sums_of_pythons_own(x, y, m):
     m[1] *= np.full(4, np.var(m[:, ::-1]))
 
 
+def once_and_twice_the_size(x, y, m):
+    y[0] += np.sum(np.concatenate((x, x)) ** 2) + np.sum(np.cumsum(x) * y) + np.sum(np.hstack((m, m)) * 2.0)
+
+
 def tables_of_numbers(x, y, m):
     stages = [[0, 0], [0.5, 1 / 2], (-1, 2.0)]
     half = ((1, -0.25), (0, math.pi))
@@ -145,7 +149,7 @@ KERNELS = (copies_within_expressions, parts_of_length_one_to_a_helper, joined_ma
            sizes_of_picked_elements, parts_of_picked_elements, picked_from_parts,
            parts_that_run_backwards,
            one_element_at_counters_of_several_loops, elements_of_parts_from_their_end, sums_of_pythons_own,
-           tables_of_numbers)
+           tables_of_numbers, once_and_twice_the_size)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -130,9 +130,16 @@ class Extents:
 
 def _listed(shape: AST) -> list[AST]:
     """The sizes of a shape, one after the other; the shape of an array stands for all of its own."""
-    if isinstance(shape, BinOp) and isinstance(shape.op, Add):
+    if isinstance(shape, BinOp) and _is_tuple(shape):
         return [*_listed(shape.left), *_listed(shape.right)]
     return list(shape.elts) if isinstance(shape, Tuple) else [shape]
+
+
+def _is_tuple(node: AST) -> bool:
+    """Whether sizes stand side by side: a sum of two numbers is one size, a sum of two tuples the sizes of both."""
+    if isinstance(node, BinOp):
+        return isinstance(node.op, Add) and _is_tuple(node.left) and _is_tuple(node.right)
+    return isinstance(node, Tuple) or _is_shape(node)
 
 
 def _is_shape(node: AST) -> bool:
