@@ -13,6 +13,7 @@ import numpy as np
 from s2sad.binding import same_number
 from s2sad.read import holders
 from s2sad.read.underlying import given, python_function
+from s2sad.structure import sparse_format
 
 _ABSENT = object()
 _LIBRARIES = ("numpy", "math", "builtins", "numba", "scipy")
@@ -84,6 +85,9 @@ class Watch:
             return
         if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
             self.places.append((_Content(value), "", frozen(value)))
+            return
+        if sparse_format(value) is not None:    # its arrays are hidden arguments, by their identity
+            self.places += [(vars(value), name, part) for name, part in vars(value).items()]
             return
         spaces = None if isinstance(value, FunctionType) else holders.places(value)
         if spaces is not None:

@@ -174,6 +174,43 @@ def test_sequences_are_no_arrays():
     assert "help: pick its numbers one by one, or make it a NumPy array" in str(caught.value)
 
 
+class Doubled(dict):
+    def __getitem__(self, key):
+        return 2.0 * dict.__getitem__(self, key)
+
+
+DOUBLED = Doubled(dt=0.1)
+COUNTS, GRADES = [0, 0], [[0, 0], [0, 0]]
+
+
+def items_of_its_own(x):
+    return np.sum(x) * DOUBLED["dt"]
+
+
+def stored_in_a_list(x):
+    for k in range(2):
+        COUNTS[k] = x[k]
+    return COUNTS[0] * x[1]
+
+
+def stored_in_a_row(x):
+    for i in range(2):
+        for j in range(2):
+            GRADES[i][j] += x[i] * x[j]
+    return GRADES[0][1] * x[0]
+
+
+@pytest.mark.parametrize("kernel, message", [
+    (items_of_its_own, "'DOUBLED' cannot be used in a kernel: it is a Doubled"),
+    (stored_in_a_list, "'COUNTS' cannot be used in a kernel: it is a list or tuple of the module, and written"),
+    (stored_in_a_row, "'GRADES' cannot be used in a kernel: it is a list or tuple of the module, and written"),
+])
+def test_what_is_not_taken_for_its_numbers(kernel, message):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.differentiate(kernel).adjoint_source(np.ones(3))
+    assert f"error[S201]: {message}\n" in str(caught.value)
+
+
 square = lambda x: x * x  # noqa: E731
 
 

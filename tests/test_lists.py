@@ -176,7 +176,40 @@ def joined(x):
     return np.sum(np.array(out + [x[0]]))
 
 
-REFUSED = {repeated: "the list 'out' is used as a list", joined: "the list 'out' is used as a list",
+def table_stored_into(x):
+    table = [[0, 0], [0, 0]]
+    for i in range(2):
+        for j in range(2):
+            table[i][j] = x[i] * x[j]
+    total = 0.0
+    for i in range(2):
+        for j in range(2):
+            total += table[i][j]
+    return total
+
+
+def mixed_table_added_to(x):
+    table = [[0.0, 0], [0, 0]]
+    for i in range(2):
+        for j in range(2):
+            table[i][j] += x[i] * x[j]
+    return table[0][1] * 1.0
+
+
+def rows_stored_into(x):
+    table, k = [[0, 0], [0, 0]], 0
+    for row in table:
+        row[k] = x[k]
+        k += 1
+    total = 0.0
+    for i in range(2):
+        total += table[i][i]
+    return total
+
+
+REFUSED = {table_stored_into: "an element of a list is written", rows_stored_into: "an element of a list is written",
+           mixed_table_added_to: "an element of something that is no array is written",
+           repeated: "the list 'out' is used as a list", joined: "the list 'out' is used as a list",
            unknown_length: "how long 'out' becomes", rebound_length: "how long 'out' becomes",
            not_copied: "a list holds an array that is written", written: "an element of a list is written",
            removed: "the method 'pop' of a list", from_the_end: "may count from its end",

@@ -278,6 +278,16 @@ def test_matrices_in_structures_and_outside():
     check_derivatives(held_in_a_closure(), (x,), ("u",), ("return",))
 
 
+def test_the_entries_of_a_matrix_outside_are_replaced():
+    held, x = csr_matrix(np.array([[2.0, 1.0], [0.0, 3.0]])), np.array([0.5, 2.0])
+    gradient = s2sad.gradient(s2sad.differentiate(lambda x: np.sum(held @ x), engine="numpy"))
+    np.testing.assert_allclose(gradient(x), [2.0, 4.0])
+    held.data = np.array([5.0, 7.0, 11.0])
+    np.testing.assert_allclose(gradient(x), [5.0, 18.0])
+    held.data *= 2.0
+    np.testing.assert_allclose(gradient(x), [10.0, 36.0])
+
+
 # -- an iterative solver of one's own --------------------------------------------------------------------------------
 
 def remainder(r, x, v, b):

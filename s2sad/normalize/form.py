@@ -26,7 +26,8 @@ from collections.abc import Iterator
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.tree import (
     AST, Add, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Compare, Constant, Expr, For,
-    FunctionDef, If, IfExp, List, Name, Raise, Return, Slice, Sub, Subscript, Tuple, UnaryOp, While, call_name, walk,
+    FunctionDef, If, IfExp, List, Name, Raise, Return, Slice, Sub, Subscript, Tuple, UnaryOp, While, call_name, names,
+    stored_names, walk,
 )
 
 STAGES = ("structured", "views", "rename", "atoms", "derivative")
@@ -54,8 +55,17 @@ def _faults(function: FunctionDef, level: int, derivative: bool) -> Iterator[tup
     if len(returns) > 1 or returns and function.body[-1] is not returns[0]:
         yield returns[0], "a return that is not the last statement"
     yield from _block(function.body, level, derivative, False)
+    yield from _unbound(function)
     if 2 <= level and not derivative:
         yield from _rebound(function)
+
+
+def _unbound(function: FunctionDef) -> Iterator[tuple[AST, str]]:
+    """Names that are read or written into and bound nowhere; a dotted name is of the module or a library."""
+    bound = {*(p.id for p in function.args.args), *stored_names(function.body)}
+    for name in names(function.body):
+        if name not in bound:
+            yield function, f"'{name}' is bound nowhere"
 
 
 def _block(block: list[AST], level: int, derivative: bool, tail: bool) -> Iterator[tuple[AST, str]]:

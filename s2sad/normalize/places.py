@@ -169,7 +169,10 @@ class Places:
         return name(base or array.id)
 
     def place(self, target: AST) -> Subscript:
-        base, subscripts = self.viewed(target) or ("_", ())
+        base, subscripts = self.viewed(target) or AMBIGUOUS
+        if not base and not self.report.found:
+            self.report.error("S201", "an element of something that is no array is written", target,
+                              help="make it an array: np.zeros(n), or np.array([...])")
         if base.startswith("array."):
             self.report.error("S201", f"the global array '{base[6:]}' is written", target,
                               help="pass it as an argument")

@@ -3,8 +3,9 @@
     a = [[0, 0], [0.5, 0]]          a = np.array([[0, 0], [0.5, 0]])
     u += a[s][j] * k[j]             u += a[s][j] * k[j]
 
-Requires resolved names. A name that is bound more than once, or used in any other way than by its numbers, its rows
-and its length, stays what it is.
+Requires resolved names. A name that is bound more than once, written to, or used in any other way than by its numbers,
+the numbers of its rows and its length stays what it is: an array of integers would cut what is stored in it, and a row
+is a list.
 """
 from __future__ import annotations
 
@@ -55,16 +56,35 @@ def _is_read_as_table(word: str, function: FunctionDef) -> bool:
     picked = False
     for read in reads:
         parent = parents.get(id(read))
+        if isinstance(parent, Subscript) and _is_stored(parent, parents):
+            return False
         if isinstance(parent, Subscript) and parent.value is read and not isinstance(parent.slice, (Slice, Tuple)):
             outer = parents.get(id(parent))
             whole = isinstance(outer, Subscript) and outer.value is parent and not isinstance(outer.slice, Slice)
-            if not whole and not _goes_through(outer, parent):
+            if not whole and not _goes_through(outer, parent, parents, 1):
                 return False
             picked = picked or bool(names([parent.slice, *([outer.slice] if isinstance(outer, Subscript) else [])]))
-        elif not _goes_through(parent, read):
+        elif not _goes_through(parent, read, parents, 2):
             return False
     return picked
 
 
-def _goes_through(parent: AST | None, node: AST) -> bool:
-    return isinstance(parent, For) and parent.iter is node or call_name(parent) in _THROUGH
+def _is_stored(node: AST, parents: dict[int, AST]) -> bool:
+    """Whether an element of a subscript, or what it picks itself, is stored into."""
+    while isinstance(outer := parents.get(id(node)), Subscript) and outer.value is node:
+        node = outer
+    return isinstance(node, Subscript) and isinstance(node.ctx, Store)
+
+
+def _goes_through(parent: AST | None, node: AST, parents: dict[int, AST], axes: int) -> bool:
+    """Whether a length is asked for, or a loop goes through numbers: those of a row, or of the rows one by one."""
+    if call_name(parent) == "builtins.len":
+        return True
+    loop = parents.get(id(parent)) if call_name(parent) in _THROUGH else parent
+    if not isinstance(loop, For) or loop.iter is not (node if loop is parent else parent):
+        return False
+    target = loop.target
+    if loop is not parent and call_name(parent) != "builtins.reversed":
+        place = 1 if call_name(parent) == "builtins.enumerate" else parent.args.index(node)
+        target = target.elts[place] if isinstance(target, Tuple) and len(target.elts) > place else None
+    return isinstance(target, Name if axes == 1 else Tuple)

@@ -25,7 +25,8 @@ def places(value: Any) -> list[Mapping[str, Any]] | None:
     ([{'dt': 0.1}], None, None)
     """
     if isinstance(value, dict):
-        return [value] if all(isinstance(k, str) for k in value) else None
+        plain = type(value).__getitem__ is dict.__getitem__ and all(isinstance(k, str) for k in value)
+        return [value] if plain else None
     if isinstance(value, tuple):
         names = getattr(type(value), "_fields", None)
         return None if names is None else [dict(zip(names, value))]

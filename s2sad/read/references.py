@@ -34,6 +34,7 @@ class References:
     said: set[str]
     picked: dict[int, int]
     looped: set[int]
+    stored: set[int]
 
     def _pick(self, node: AST) -> None:
         """Takes down what is picked of the values in a subscript, a loop or a call: by how many subscripts, or ALL."""
@@ -51,11 +52,13 @@ class References:
                 self.picked[id(given)] = count
                 self.looped |= {id(given)} if count == 1 else set()
         elif isinstance(node, tree.Subscript) and id(node) not in self.picked:
+            stored = not isinstance(node.ctx, tree.Load)
             count, varies = 0, False
             while isinstance(node, tree.Subscript) and not isinstance(node.slice, (tree.Slice, tree.Tuple)):
                 self.picked[id(node)] = 0
                 count, varies, node = count + 1, varies or bool(tree.names(node.slice)), node.value
             self.picked[id(node)] = count if varies else 0
+            self.stored |= {id(node)} if stored else set()
 
     def _as_array(self, node: AST, meaning: Items) -> bool:
         """Whether what is picked of a tuple or list is picked as of an array; a loop goes through a short one as it is
@@ -70,6 +73,8 @@ class References:
         if isinstance(meaning, Text):
             return tree.at(tree.Constant(meaning.value, None), node)
         called = id(node) in self.called
+        if id(node) in self.stored and isinstance(meaning, (Items, Numbers)):
+            meaning = Unusable("a list or tuple of the module, and written", "pass it as an argument, an array")
         if isinstance(meaning, Items) and not self._as_array(node, meaning):
             meaning = meaning.numbers or Unusable(meaning.what, "pick its numbers one by one, or make it a NumPy array")
         if isinstance(meaning, Numbers) and not called:

@@ -108,6 +108,7 @@ class _Resolver(References):
         self.said: set[str] = set()
         self.picked: dict[int, int] = {}
         self.looped: set[int] = set()
+        self.stored: set[int] = set()
         self.solvers: set[str] = set()      # names of functions that solve with a factorization
 
     def library(self, node: AST) -> str | None:
