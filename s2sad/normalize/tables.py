@@ -78,13 +78,14 @@ def _is_stored(node: AST, parents: dict[int, AST]) -> bool:
 
 def _goes_through(parent: AST | None, node: AST, parents: dict[int, AST], axes: int) -> bool:
     """Whether a length is asked for, or a loop goes through numbers: those of a row, or of the rows one by one."""
-    if call_name(parent) == "builtins.len":
+    word = call_name(parent)
+    if word == "builtins.len":
         return True
-    loop = parents.get(id(parent)) if call_name(parent) in _THROUGH else parent
+    loop = parents.get(id(parent)) if word in _THROUGH else parent
     if not isinstance(loop, For) or loop.iter is not (node if loop is parent else parent):
         return False
     target = loop.target
-    if loop is not parent and call_name(parent) != "builtins.reversed":
-        place = 1 if call_name(parent) == "builtins.enumerate" else parent.args.index(node)
+    if isinstance(parent, Call) and word != "builtins.reversed":
+        place = 1 if word == "builtins.enumerate" else parent.args.index(node)
         target = target.elts[place] if isinstance(target, Tuple) and len(target.elts) > place else None
     return isinstance(target, Name if axes == 1 else Tuple)

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Callable
 from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
@@ -25,7 +24,7 @@ from s2sad.read.meaning import Function
 from s2sad.read.modules import FileModule
 from s2sad.rules.given import GIVEN
 
-__all__ = ["load", "load_file", "load_watched", "python_function"]
+__all__ = ["load", "load_file", "python_function"]
 
 
 def load(function: Any, methods: tuple[Any, ...] = ()) -> Program:
@@ -35,11 +34,6 @@ def load(function: Any, methods: tuple[Any, ...] = ()) -> Program:
     Raises S2sadError: S101 without source, S104 if the source has changed, S201 for what is outside the language, S202
     for unknown names, S204 for recursion.
     """
-    return load_watched(function, methods)[0]
-
-
-def load_watched(function: Any, methods: tuple[Any, ...] = ()) -> tuple[Program, dict[str, Callable[[], Any]]]:
-    """`load`, with a function for each `const.` and `array.` name that gives its value as it is now."""
     plain = python_function(function)
     if plain is None:
         raise S2sadError(not_a_function(function))
@@ -63,7 +57,7 @@ def load_file(path: str | os.PathLike[str], function: str) -> Program:
     meaning = module.meanings.get(function) and module.lookup(function)
     if not isinstance(meaning, Function):
         raise S2sadError(_no_function(module, function))
-    return Linker().program(meaning)[0]
+    return Linker().program(meaning)
 
 
 def _no_function(module: FileModule, function: str) -> Diagnostic:

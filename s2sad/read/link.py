@@ -35,10 +35,8 @@ class Linker:
         self.found: dict[str, _Found] = {}  # callees first
         self.reports: list[Report] = []
 
-    def program(self, entry: Function, methods: tuple[Function, ...] = ()
-                ) -> tuple[Program, dict[str, Callable[[], Any]]]:
-        """The program, with kernels for the given methods, and how to look up again each number and array that it read
-        from outside."""
+    def program(self, entry: Function, methods: tuple[Function, ...] = ()) -> Program:
+        """The program, with kernels for the given methods."""
         for method in methods:
             if self.identify(method) not in self.found:
                 self.visit(method, [])
@@ -55,11 +53,9 @@ class Linker:
         constants = {n: m.value for n, m in values.items() if isinstance(m, Number)}
         arrays = {n: m.value for n, m in values.items() if isinstance(m, Array)}
         records = {n: m.value for n, m in values.items() if isinstance(m, Record)}
-        watched = {names[key]: m.current for key, m in self.outside.values()
-                   if not isinstance(m, (Function, Record)) and m.current is not None}
         program = Program(names[self.identify(entry)].partition(".")[2], kernels, constants, arrays, records,
                           {m.handle: names[self.identify(m)].partition(".")[2] for m in methods})
-        return called_once(program), watched
+        return called_once(program)
 
     def identify(self, meaning: Function | Number | Array | Record) -> str:
         """A provisional dotted name, one for each function, each number by name and value, each array."""

@@ -38,7 +38,7 @@ class LiveScope:
 
     def lookup(self, name: str) -> Meaning | None:
         try:
-            return live_meaning(name, self.value(name), lambda: self.value(name))
+            return live_meaning(name, self.value(name))
         except KeyError:
             return None
 
@@ -56,7 +56,7 @@ class ModuleScope:
         if not hasattr(self.module, name):
             return None
         value = getattr(self.module, name)
-        meaning = live_meaning(name, value, lambda: getattr(self.module, name))
+        meaning = live_meaning(name, value)
         if isinstance(meaning, Unusable) and callable(value):
             return Library(f"{self.module.__name__}.{name}")
         return meaning
@@ -65,7 +65,7 @@ class ModuleScope:
         return [n for n in dir(self.module) if not n.startswith("_")]
 
 
-def live_meaning(name: str, value: Any, current: Any = None) -> Meaning:
+def live_meaning(name: str, value: Any) -> Meaning:
     """What a live value means to a kernel that names it."""
     given = GIVEN.of(value) or GIVEN.of(named_function(value))
     if given is not None:
@@ -93,7 +93,7 @@ def live_meaning(name: str, value: Any, current: Any = None) -> Meaning:
     if holders.places(value) is not None:
         what = "a class" if isinstance(value, type) else kind_of(value)
         return Holder(name, holders.HolderScope(name, value, live_meaning), what)
-    return value_meaning(name, value, current)
+    return value_meaning(name, value)
 
 
 def _home(value: Any) -> str:

@@ -29,18 +29,16 @@ class Library:
 
 @dataclass(frozen=True)
 class Number:
-    """A number of a module or closure; `current` looks it up again."""
+    """A number of a module or closure."""
     name: str
     value: Any
-    current: Callable[[], Any] | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
 class Array:
-    """An array of a module or closure; `current` looks it up again."""
+    """An array of a module or closure."""
     name: str
     value: Any
-    current: Callable[[], Any] | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -56,32 +54,18 @@ class Record:
     """A class that only holds fields: a dataclass or a named tuple."""
     name: str
     value: type
-    current: Callable[[], Any] | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
 class Matrix:
-    """A sparse matrix of a module or closure; `current` looks it up again."""
+    """A sparse matrix of a module or closure."""
     name: str
     value: Any
-    current: Callable[[], Any] | None = field(default=None, compare=False)
 
     def parts(self) -> tuple[list[Array], list[Number]]:
         """The arrays that it is made of, and its shape."""
-        keys = SPARSE[self.value.format]
-
-        def now(key: str, axis: int | None = None) -> Callable[[], Any] | None:
-            if self.current is None:
-                return None
-            return lambda: _part(self.current and self.current(), key, axis)
-        return ([Array(f"{self.name}_{k}", getattr(self.value, k), now(k)) for k in keys[:-1]],
-                [Number(f"{self.name}_{w}", int(self.value.shape[k]), now("shape", k))
-                 for k, w in enumerate(("rows", "columns"))])
-
-
-def _part(value: Any, key: str, axis: int | None) -> Any:
-    found = getattr(value, key)
-    return found if axis is None else int(found[axis])
+        return ([Array(f"{self.name}_{k}", getattr(self.value, k)) for k in SPARSE[self.value.format][:-1]],
+                [Number(f"{self.name}_{w}", int(n)) for w, n in zip(("rows", "columns"), self.value.shape)])
 
 
 @dataclass(frozen=True)
@@ -233,15 +217,10 @@ def _count(value: Any) -> int:
     return sum(map(_count, value)) if isinstance(value, (tuple, list)) else 1
 
 
-def _numbers(name: str, value: Any, current: Callable[[], Any] | None) -> Numbers:
-    """The items of a sequence, each a number of its own; where the sequence has another length now, they are none."""
-    def item(k: int) -> Callable[[], Any] | None:
-        def now() -> Any:
-            whole = current() if current is not None else None
-            return whole[k] if isinstance(whole, (tuple, list)) and len(whole) == len(value) else None
-        return None if current is None else now
-    return Numbers(tuple(_numbers(f"{name}_{k}", v, item(k)) if isinstance(v, (tuple, list)) else
-                         Number(f"{name}_{k}", v, item(k)) for k, v in enumerate(value)))
+def _numbers(name: str, value: Any) -> Numbers:
+    """The items of a sequence, each a number of its own."""
+    return Numbers(tuple(_numbers(f"{name}_{k}", v) if isinstance(v, (tuple, list)) else Number(f"{name}_{k}", v)
+                         for k, v in enumerate(value)))
 
 
 def kind_of(value: Any) -> str:
@@ -250,12 +229,12 @@ def kind_of(value: Any) -> str:
     return f"{'an' if word[0].lower() in 'aeiou' else 'a'} {word}"
 
 
-def value_meaning(name: str, value: Any, current: Callable[[], Any] | None = None) -> Meaning:
+def value_meaning(name: str, value: Any) -> Meaning:
     """What a number, string, array or other plain value means."""
     if is_number(value):
-        return Number(name, value, current)
+        return Number(name, value)
     if isinstance(value, numpy.ndarray) and value.dtype.kind in "biufc" and value.dtype != numpy.complex64:
-        return Array(name, value, current)
+        return Array(name, value)
     if isinstance(value, str):
         return Text(value)
     if isinstance(value, (complex, numpy.complexfloating)):
@@ -263,15 +242,15 @@ def value_meaning(name: str, value: Any, current: Callable[[], Any] | None = Non
     if isinstance(value, numpy.ndarray):
         return Unusable(f"an array of {value.dtype}", "use an array of floats, integers or bools")
     if sparse_format(value) is not None:
-        return Matrix(name, value, current)
+        return Matrix(name, value)
     if isinstance(value, type) and record_fields(value) is not None:
-        return Record(name, value, current)
+        return Record(name, value)
     if isinstance(value, type):
         return Unusable("a class", "pass its fields as arguments of the kernel, numbers and arrays")
     if is_numbers(value):
-        written = _numbers(name, value, current) if _count(value) <= _WRITTEN_OUT else None
+        written = _numbers(name, value) if _count(value) <= _WRITTEN_OUT else None
         array = _as_array(value)
-        found = written if array is None else Items(name, array, current, kind_of(value), written)
+        found = written if array is None else Items(name, array, kind_of(value), written)
         return found or Unusable(kind_of(value), "make it a NumPy array")
     return Unusable(kind_of(value), "pass it as an argument, or make it a number or a NumPy array")
 
