@@ -56,6 +56,7 @@ def _faults(function: FunctionDef, level: int, derivative: bool) -> Iterator[tup
         yield returns[0], "a return that is not the last statement"
     yield from _block(function.body, level, derivative, False)
     yield from _unbound(function)
+    yield from _counters(function)
     if 2 <= level and not derivative:
         yield from _rebound(function)
 
@@ -66,6 +67,16 @@ def _unbound(function: FunctionDef) -> Iterator[tuple[AST, str]]:
     for name in names(function.body):
         if name not in bound:
             yield function, f"'{name}' is bound nowhere"
+
+
+def _counters(function: FunctionDef) -> Iterator[tuple[AST, str]]:
+    """Counters of loops that something else binds: no pass gives these another name."""
+    counters = {s.target.id: s for s in walk(function.body) if isinstance(s, For)}
+    for statement in walk(function.body):
+        if isinstance(statement, Assign):
+            for name in stored_names(statement.targets):
+                if name in counters:
+                    yield counters[name], f"the counter '{name}' is bound outside its loop, too"
 
 
 def _block(block: list[AST], level: int, derivative: bool, tail: bool) -> Iterator[tuple[AST, str]]:

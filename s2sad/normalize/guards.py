@@ -7,11 +7,12 @@
 """
 from __future__ import annotations
 
-from s2sad.tree import AST, Assert, Eq, GtE, compare, const
+from s2sad.tree import AST, Assert, Eq, Gt, GtE, Lt, compare, const, copy
 
 INSIDE = "a slice reaches out of its array, where NumPy takes less: bound it by max(..., 0) or min(..., n)"
 EQUAL = "shapes differ: a length of 1 repeats only where it is written, as in x[:, None] or x[:1], or an argument's"
 
+TRIPS = "a loop in which a number becomes an array has no trip: start with an array, np.zeros(...), not with a number"
 SPARSE = "a sparse matrix and what it meets differ in size"
 
 
@@ -23,6 +24,11 @@ def matching(a: AST, b: AST) -> Assert:
 def equal(a: AST, b: AST) -> Assert:
     """The guard that two shapes, or two sizes, are equal."""
     return Assert(compare(a, Eq(), b), const(EQUAL))
+
+
+def trips(start: AST, stop: AST, step: int) -> Assert:
+    """The guard that a loop has a trip."""
+    return Assert(compare(copy(start), Lt() if step > 0 else Gt(), copy(stop)), const(TRIPS))
 
 
 def inside(room: AST) -> Assert:

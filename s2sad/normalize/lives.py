@@ -5,8 +5,8 @@
     return r                        return r_2
 
 Requires structured form. A binding and all that may read it are one life; the first one keeps the name. What is bound
-to several types in one life is left for `infer` to refuse, but for arrays of float32 and of float64: these are of
-float64.
+to several types in one life is left for `infer` to refuse, but for numbers that become arrays in a loop
+(first_trips) and for arrays of float32 and of float64, which are of float64.
 """
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from s2sad.infer.infer import infer
 from s2sad.infer.types import Type
 from s2sad.infer.types_of_calls import CallTypes
 from s2sad.naming import Names
+from s2sad.normalize.first_trips import first_trips
 from s2sad.tree import (
     AST, Assign, AugAssign, Break, For, FunctionDef, If, Name, Raise, Return, Store, While, rebuild, walk,
 )
@@ -27,11 +28,13 @@ State = dict[str, frozenset[int]]   # the bindings that each name may have
 def lives(function: FunctionDef, types: Mapping[str, Type], call_types: CallTypes, report: Report,
           constants: Mapping[str, object], free: Names) -> tuple[FunctionDef, dict[str, Type]]:
     """The function with those names, and the types of them all."""
-    wider = False
+    wider = begun = False
     while True:
         said, confused = Report(report.source), set[str]()
         table = infer(function, types, call_types, said, constants, confused, wider)
         new = _Lives(function, confused).apart(free) if confused else None
+        if new is None and confused and not begun:
+            new, begun = first_trips(function, confused, free), True
         if new is None and (wider or not confused):
             report.found += said.found
             return function, table
