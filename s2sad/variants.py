@@ -25,6 +25,7 @@ from s2sad.rules.given import GIVEN
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
 from s2sad.run.given import given_of
 from s2sad.run.overlap import Check, Slot
+from s2sad.tree import equal
 from s2sad.watch import Watch
 
 _LOCK = threading.RLock()
@@ -204,7 +205,8 @@ class State:
 
 
 def _same_kernel(ours: Kernel, theirs: Kernel) -> bool:
-    return (ours.source == theirs.source and ours.own is theirs.own and list(ours.defaults) == list(theirs.defaults)
+    return (ours.source == theirs.source and equal(ours.tree, theirs.tree)    # a name may mean another function now
+            and ours.own is theirs.own and list(ours.defaults) == list(theirs.defaults)
             and all(same_number(v, theirs.defaults[k]) for k, v in ours.defaults.items()))
 
 

@@ -25,7 +25,6 @@ from pathlib import Path
 import numpy as np
 
 import s2sad
-from s2sad.run import compiled
 from s2sad.normalize.guards import EQUAL, INSIDE
 from tests.derivatives import UnreliableDifferences, check_derivatives, check_value
 from tests.programs import Program, random_kernel
@@ -70,24 +69,8 @@ def outputs(program: Program) -> tuple[str, ...]:
         given[names.index(o)], left[names.index(o)], equal_nan=True))
 
 
-@contextmanager
-def interpreted() -> Iterator[None]:
-    """Leaves what is written for Numba to Python."""
-    jit = compiled._jit
-    compiled._jit = lambda function, *_, **__: function
-    compiled._runtime.cache_clear()
-    try:
-        yield
-    finally:
-        compiled._jit = jit
-        compiled._runtime.cache_clear()
-
-
 def outcome(program: Program, engine: str, seed: int = 0) -> Outcome:
     """Loads, runs and checks one program."""
-    if engine == "loops":
-        with interpreted():
-            return outcome(program, "numba", seed)
     try:
         function = program.load()
         arguments = program.arguments()

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 import s2sad
+from tests.engines import running
 
 Values = dict[str, Any]
 
@@ -203,10 +204,17 @@ def check_derivatives(function: Callable, arguments: tuple, wrt: tuple[str, ...]
     Every output in `of` (an argument's final content by its name, or "return") gets a random seed. Checked:
     the dot product of tangent and adjoint, the tangent by output and the adjoint along random directions, the
     gradient of up to `coordinates` single inputs, the primal's values, and that no argument is changed.
+    The engine may also be `loops` (tests/engines.py).
     Raises AssertionError where they disagree, UnreliableDifferences where nothing can be said. float32
     arguments relax the tolerances to what float32 can hold.
     """
-    subject = Subject(function, arguments, wrt, of)
+    with running(engine) as run_under:
+        return _measured(function, Subject(function, arguments, wrt, of), run_under, rtol, dot_tol, seed, coordinates,
+                         directions)
+
+
+def _measured(function: Callable, subject: Subject, engine: str, rtol: float, dot_tol: float, seed: int,
+              coordinates: int, directions: int) -> Measured:
     if subject.is_single():
         rtol, dot_tol = max(rtol, 2e-3), max(dot_tol, 1e-4)
     if not np.all(np.isfinite(_vector(subject.outputs, subject.of))):
@@ -245,7 +253,8 @@ def check_value(function: Callable, arguments: tuple, wrt: tuple[str, ...], engi
         return
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", s2sad.S2sadWarning)
-        found, _ = s2sad.value_and_gradient(s2sad.differentiate(function, engine=engine), wrt=wrt)(*arguments)
+        with running(engine) as run_under:
+            found, _ = s2sad.value_and_gradient(s2sad.differentiate(function, engine=run_under), wrt=wrt)(*arguments)
     tolerance = 1e-4 if any(getattr(a, "dtype", None) == np.float32 for a in arguments) else 1e-9
     np.testing.assert_allclose(found, expected, rtol=tolerance, atol=1e-12, err_msg="the value beside the gradient")
 

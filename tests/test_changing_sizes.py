@@ -8,8 +8,8 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives
+from tests.engines import each
 
-ENGINES = ("numpy", "numba")
 
 
 def triangle(x):
@@ -333,8 +333,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize(("kernel", "wrt", "of"), CASES, ids=[k.__name__ for k, _, _ in CASES])
+@pytest.mark.parametrize(("kernel", "wrt", "of", "engine"), each(CASES))
 def test_changing_size(kernel, wrt, of, engine):
     rng = np.random.default_rng(5)
     names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]

@@ -6,7 +6,6 @@ import pytest
 
 import s2sad
 from tests import complex_kernels as kernels
-from tests.bulk import interpreted
 from tests.derivatives import check_derivatives
 
 RNG = np.random.default_rng(7)
@@ -34,11 +33,7 @@ pytestmark = pytest.mark.filterwarnings("error:Casting complex values")
 @pytest.mark.parametrize("case", CASES, ids=lambda c: c[0].__name__)
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
 def test_derivatives(case, engine):
-    if engine == "numpy":
-        check_derivatives(*case)
-    else:       # the text for Numba, run by Python
-        with interpreted():
-            check_derivatives(*case, engine="numba")
+    check_derivatives(*case, engine=engine)
 
 
 @pytest.mark.parametrize("case", [c for c in CASES if c[0] in (kernels.elements, kernels.mixed, kernels.helmholtz)],

@@ -6,13 +6,13 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives
+from tests.engines import each
 
 scipy_linalg = pytest.importorskip("scipy.linalg")
 from scipy.linalg import (  # noqa: E402
     cho_factor, cho_solve, lu_factor, lu_solve, solve_banded, solve_triangular,
 )
 
-ENGINES = ("numpy", "numba")
 
 
 # -- a: symmetric and positive, b: 3 x 3, x: 3; what is returned is a number -----------------------------------------
@@ -85,8 +85,7 @@ def arguments():
     return a @ a.T + np.diag([1.0, 2.0, 3.5]), 0.5 + random.random((3, 3)) + np.eye(3), 0.5 + random.random(3)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.__name__)
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
     given, left = arguments(), arguments()
     kernel(*left)

@@ -8,6 +8,7 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives
+from tests.engines import each
 
 ENGINES = ("numpy", "numba")
 
@@ -145,15 +146,26 @@ def parts_of_length_one_to_a_helper(x, y, m):
         scaled(m[i], y[i:i + 1], 0.7)
 
 
-KERNELS = (copies_within_expressions, parts_of_length_one_to_a_helper, joined_masks, numbers_spread_and_summed,
+def counters_of_a_loop_that_is_written_out(x, y, m):
+    for i, w in enumerate((0.5, 2.0)):
+        x[i] = x[i] ** 2 * w
+    for i in range(1, 3):
+        x[i] *= x[i - 1]
+    for w, i in zip((0.5, 2.0), (2, 1)):
+        y[i] = y[i] ** 2 * w * x[i]
+    for i in reversed(range(1, 3)):
+        y[i] *= y[i - 1]
+
+
+KERNELS = (counters_of_a_loop_that_is_written_out, copies_within_expressions,
+           parts_of_length_one_to_a_helper, joined_masks, numbers_spread_and_summed,
            sizes_of_picked_elements, parts_of_picked_elements, picked_from_parts,
            parts_that_run_backwards,
            one_element_at_counters_of_several_loops, elements_of_parts_from_their_end, sums_of_pythons_own,
            tables_of_numbers, once_and_twice_the_size)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.__name__)
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
     random = np.random.default_rng(5)
     given = random.uniform(-0.9, 0.9, 5), random.uniform(-0.9, 0.9, 5), random.uniform(-0.9, 0.9, (3, 4))

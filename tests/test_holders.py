@@ -211,6 +211,49 @@ def test_what_is_not_taken_for_its_numbers(kernel, message):
     assert f"error[S201]: {message}\n" in str(caught.value)
 
 
+class Linear:
+    def flux(self, u):
+        return 2.0 * u
+
+
+class Quadratic:
+    def flux(self, u):
+        return u * u
+
+
+def first_part():
+    def part(u):
+        return u ** 3
+    return part
+
+
+def second_part():
+    def part(u):
+        return 5.0 * u
+    return part
+
+
+METHOD, ACTIVATION, MODEL, PART = "square", np.tanh, Linear(), first_part()
+
+
+def of_what_is_named(x):
+    kept = x[0] ** 2 if METHOD == "square" else x[0] ** 3
+    return kept + ACTIVATION(x[1]) + MODEL.flux(x[2]) + PART(x[3])
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_a_name_means_may_change(engine, monkeypatch):
+    x = np.array([0.6, 0.8, 1.2, 0.7])
+    gradient = s2sad.gradient(s2sad.differentiate(of_what_is_named, engine=engine))
+    expected = [1.2, 1.0 / np.cosh(0.8) ** 2, 2.0, 3.0 * 0.49]
+    np.testing.assert_allclose(gradient(x), expected, rtol=1e-12)
+    for k, (name, value, slope) in enumerate((("METHOD", "cube", 3.0 * 0.36), ("ACTIVATION", np.cos, -np.sin(0.8)),
+                                              ("MODEL", Quadratic(), 2.4), ("PART", second_part(), 5.0))):
+        monkeypatch.setitem(globals(), name, value)
+        expected[k] = slope
+        np.testing.assert_allclose(gradient(x), expected, rtol=1e-12)
+
+
 square = lambda x: x * x  # noqa: E731
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.derivatives import check_derivatives
+from tests.engines import each
 
 
 def double_write(x, y):
@@ -144,8 +145,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize("engine", ["numpy", "numba"])
-@pytest.mark.parametrize(("kernel", "given", "wrt", "of"), CASES, ids=[c[0].__name__ for c in CASES])
+@pytest.mark.parametrize(("kernel", "given", "wrt", "of", "engine"), each(CASES))
 def test_least_trusted(kernel, given, wrt, of, engine):
     rng = np.random.default_rng(5)
     arguments = tuple(rng.random(a) + 0.4 if isinstance(a, tuple) else a for a in given)

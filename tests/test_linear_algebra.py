@@ -7,8 +7,8 @@ import pytest
 import s2sad
 from s2sad.runtime import cofactors
 from tests.derivatives import check_derivatives
+from tests.engines import each
 
-ENGINES = ("numpy", "numba")
 
 
 def inverted(a, b, x):
@@ -155,7 +155,6 @@ def test_a_determinant_of_zero():
     np.testing.assert_allclose(s2sad.gradient(kernel)(a), [[12, -6, 0], [-6, 3, 0], [0, 0, 0]], atol=1e-12)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.__name__)
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
     check_derivatives(kernel, arguments(), ("a", "b", "x"), outputs(kernel), engine)

@@ -6,6 +6,7 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives
+from tests.engines import each
 
 ENGINES = ("numpy", "numba")
 
@@ -55,8 +56,7 @@ KERNELS = (mask_and_row_of_one_matrix, column_by_number, mask_changed_in_while, 
            allocated_by_what_an_array_holds)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.__name__)
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
     random = np.random.default_rng(3)
     given = 0.3 + random.random((3, 3)), np.array([0.9, 1.2, 0.7])

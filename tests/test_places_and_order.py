@@ -6,6 +6,7 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives
+from tests.engines import each
 
 ENGINES = ("numpy", "numba")
 
@@ -137,8 +138,7 @@ def arguments():
     return 0.3 + 0.7 * random.random((3, 4)), 0.5 + random.random(3), 0.5 + random.random(4)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.__name__)
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
     given, left = arguments(), arguments()
     kernel(*left)

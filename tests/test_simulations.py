@@ -6,6 +6,7 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives
+from tests.engines import each
 from tests.simulations import (
     euler, finite_elements, kalman, lattice_boltzmann, level_set, multigrid, ray_march, reaction_network,
     shallow_water, wave,
@@ -76,8 +77,7 @@ PROGRAMS = (of_shallow_water, of_wave, of_euler, of_lattice_boltzmann, of_level_
             of_kalman, of_ray_march)
 
 
-@pytest.mark.parametrize("engine", ("numpy", "numba"))
-@pytest.mark.parametrize("program", PROGRAMS, ids=lambda program: program.__name__[3:])
+@pytest.mark.parametrize(("program", "engine"), each(PROGRAMS, 2))
 def test_program(program, engine):
     function, arguments, wrt, of = program(np.random.default_rng(8))
     check_derivatives(function, arguments, wrt, of, engine, coordinates=12)

@@ -8,8 +8,8 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives
+from tests.engines import each
 
-ENGINES = ("numpy", "numba")
 
 
 def index_from_a_written_array(x, y):
@@ -275,7 +275,23 @@ def sums_into_one_place_recorded(x, y):
     x *= y
 
 
+def one_or_the_other(x, y, a, c):
+    """`or` and `and` give one of their values."""
+    total = 0.0
+    for i in range(x.size):
+        total += (x[i] or 1.0) * (a and y[i])
+    z = 0.0 * x[0]
+    v = z or y[1] or c
+    w = x[2] and (z or c)
+    return total + v * w + squared(x[0] or 2.0) + (squared(z) or squared(y[2]))
+
+
+def squared(v):
+    return v * v
+
+
 CASES = [
+    (one_or_the_other, ("x", "y", "a", "c"), ("return",)),
     (sums_into_one_place_recorded, ("x", "y"), ("x", "y")),
     (arrays_computed_in_a_call, ("x", "y"), ("x", "y", "return")),
     (size_of_a_row, ("x", "m"), ("x", "return")),
@@ -307,8 +323,7 @@ def _argument(name: str, rng: np.random.Generator, small: bool) -> object:
     return {"a": 0.7, "c": 0.4, "limit": 0.6}.get(name, None) or 0.3 + rng.random(4)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize(("kernel", "wrt", "of"), CASES, ids=[k.__name__ for k, _, _ in CASES])
+@pytest.mark.parametrize(("kernel", "wrt", "of", "engine"), each(CASES))
 def test_small_kernel(kernel, wrt, of, engine):
     rng = np.random.default_rng(3)
     names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]

@@ -1,15 +1,12 @@
 """Sparse matrices of SciPy's in kernels, under both engines."""
 from __future__ import annotations
 
-
-import contextlib
-
 import numpy as np
 import pytest
 
 import s2sad
-from tests.bulk import interpreted
 from tests.derivatives import check_derivatives
+from tests.engines import running
 
 sparse = pytest.importorskip("scipy.sparse")
 from scipy.sparse import coo_matrix, csc_array, csr_array, csr_matrix, diags, eye, identity  # noqa: E402
@@ -168,8 +165,8 @@ def test_kernel(kernel, engine):
     kernel(*left)
     wrt = tuple(n for n, a in zip(names, given) if np.asarray(a).dtype.kind == "f")
     of = tuple(n for n, a, b in zip(names, given, left) if not np.array_equal(a, b))
-    with interpreted() if engine == "numba" and kernel not in COMPILED else contextlib.nullcontext():
-        check_derivatives(kernel, given, wrt, (*of, "return"), engine)
+    engine = "loops" if engine == "numba" and kernel not in COMPILED else engine
+    check_derivatives(kernel, given, wrt, (*of, "return"), engine)
 
 
 def single(v, x):
@@ -475,9 +472,9 @@ RAISES = {singular: "exactly singular", of_another_size: "differ in size", outsi
 @pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_what_raises(engine):
     given = 1.0 + np.arange(3.0), np.ones(3)
-    with interpreted() if engine == "loops" else contextlib.nullcontext():
+    with running(engine) as run_under:
         for kernel, said in RAISES.items():
-            f = s2sad.differentiate(kernel, engine="numba" if engine == "loops" else engine)
+            f = s2sad.differentiate(kernel, engine=run_under)
             with pytest.raises((ValueError, RuntimeError, AssertionError), match=said):
                 s2sad.vjp(f, given, {"return": 1.0})
     assert np.all(np.isnan(s2sad.vjp(nan_of, given, {"return": 1.0})["x"]))

@@ -15,6 +15,7 @@ from s2sad import (
     differentiate, explain, gradient, jvp, make_zero, value_and_gradient, vjp,
 )
 from tests import structure_kernels
+from tests.derivatives import check_derivatives
 
 array = np.array
 ENGINES = ["numpy", "numba"]
@@ -650,6 +651,64 @@ def left_early(s):
 
 
 U = array([1.0, 2.0])
+@dataclass
+class Counted:
+    total: float
+    count: int = 0
+    scale: float = 2.0
+
+    @property
+    def mean(self):
+        return self.total / self.count
+
+    @mean.setter
+    def mean(self, value):
+        self.total = value * self.count
+
+
+def items_that_begin_as_constants(x):
+    q, d = Counted(1.0), {"sum": 0.0, "power": 2, "last": {"x": 0.0}, "high": False}
+    best = {"value": 0.0, "place": 0}
+    for i in range(3):
+        q.total = q.total * x[i]
+        q.count += 1
+        q.count = q.count + 1
+        d["sum"] += x[i] ** d["power"]
+        d["last"]["x"] = d["last"]["x"] + d["sum"]
+        if x[i] ** 2 > best["value"]:
+            best["value"], best["place"] = x[i] ** 2, i
+            d["high"] = x[i] > 1.0
+        part = Counted(0.0)
+        part.total += x[i] * q.scale
+        q.scale = part.total
+    return q.total * q.count + d["last"]["x"] * best["value"] * x[best["place"] - 1] * q.scale * (2 if d["high"] else 3)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_items_that_begin_as_constants(engine):
+    check_derivatives(items_that_begin_as_constants, (np.array([0.5, 1.2, 0.9]),), ("x",), ("return",), engine)
+
+
+def property_assigned(q, x):
+    q.mean = x[1]
+    return q.total * x[2]
+
+
+def property_of_a_local(x):
+    q = Counted(x[0], 2)
+    q.mean = x[1]
+    return q.total * x[2]
+
+
+@pytest.mark.parametrize("kernel, arguments", [(property_assigned, (Counted(0.7, 2), np.ones(3))),
+                                               (property_of_a_local, (np.ones(3),))])
+def test_a_property_is_not_assigned(kernel, arguments):
+    with pytest.raises(S2sadError) as caught:
+        gradient(differentiate(kernel, engine="numpy"), wrt="x")(*arguments)
+    assert caught.value.diagnostics[0].message == "a property, or an item that is a constant here, is assigned"
+    assert caught.value.diagnostics[0].help == "assign the fields that it stands for, numbers and arrays"
+
+
 REFUSED = [
     (field_that_is_not_there, (state_of(),), "s.uu", "S202", "'s' has no field 'uu'",
      "its fields are u, v, t, n, log"),

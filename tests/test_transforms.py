@@ -5,7 +5,6 @@ import pytest
 import s2sad
 from s2sad import runtime
 from tests import transform_kernels as kernels
-from tests.bulk import interpreted
 from tests.derivatives import check_derivatives
 
 RNG = np.random.default_rng(11)
@@ -66,11 +65,7 @@ def test_adjoints_along_another_axis():
 @pytest.mark.parametrize("case", CASES, ids=lambda c: c[0].__name__)
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
 def test_derivatives(case, engine):
-    if engine == "numpy":
-        check_derivatives(*case)
-    else:
-        with interpreted():
-            check_derivatives(*case, engine="numba")
+    check_derivatives(*case, engine=engine)
 
 
 @pytest.mark.parametrize("case", [CASES[1], CASES[2]], ids=lambda c: c[0].__name__)

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests.bulk import interpreted
 from tests.derivatives import check_derivatives, check_value
 
 NODES, WEIGHTS = (-0.6, 0.6), [1.0, 0.5]
@@ -233,10 +232,5 @@ def test_constants_in_dicts_lists_and_classes(monkeypatch):
 def test_kernel(kernel, arguments, outputs, engine):
     code = kernel.__code__
     inputs = tuple(n for n, a in zip(code.co_varnames, arguments) if np.asarray(a).dtype.kind == "f")
-    if engine == "numpy":
-        check_derivatives(kernel, arguments, inputs, outputs)
-        check_value(kernel, arguments, inputs)
-    else:
-        with interpreted():
-            check_derivatives(kernel, arguments, inputs, outputs, "numba")
-            check_value(kernel, arguments, inputs, "numba")
+    check_derivatives(kernel, arguments, inputs, outputs, engine)
+    check_value(kernel, arguments, inputs, engine)

@@ -9,6 +9,7 @@ import pytest
 import s2sad
 from benchmarks.kernels.cases import ARRAYS
 from tests.derivatives import check_derivatives
+from tests.engines import each
 
 ENGINES = ("numpy", "numba")
 
@@ -237,8 +238,7 @@ def outputs(kernel, names):
     return changed + (("return",) if result is not None else ())
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.__name__)
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
     names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]
     check_derivatives(kernel, arguments(kernel), names, outputs(kernel, names), engine)

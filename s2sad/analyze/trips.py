@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from s2sad.analyze.dependence import range_parts
 from s2sad.analyze.structure import Structure
+from s2sad.analyze.uses import loads_of
 from s2sad.tree import (
     AST, BinOp, Call, Constant, For, Name, Sub, Subscript, call, call_name, copy, name, names, sub, walk,
 )
@@ -16,8 +17,8 @@ def trips(structure: Structure, loop: AST) -> AST | None:
     if not isinstance(loop, For) or any(type(n).__name__ == "Break" for n in walk(loop.body)):
         return None
     start, stop, step = range_parts(loop)
-    if step not in (1, -1) or any(isinstance(n, Subscript) and isinstance(n.value, Name) for n in walk(loop.iter)):
-        return None
+    if step not in (1, -1) or loads_of(loop.iter, structure.typing):
+        return None     # what an array holds may be other than when the loop around starts
     plain = isinstance(start, Constant) and start.value == 0 and step == 1
     return copy(stop) if plain and is_size(structure, stop) else call("builtins.len", copy(loop.iter))
 

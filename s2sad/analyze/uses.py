@@ -61,7 +61,7 @@ def loads_of(node: AST, typing: Typing) -> list[AST]:
 
 def sources(node: AST, typing: Typing) -> Iterator[str]:
     """The names on which an expression depends differentiably."""
-    if isinstance(node, (Compare, BoolOp, Constant)):
+    if isinstance(node, (Compare, Constant)) or isinstance(node, BoolOp) and not typing.of(node).is_inexact:
         return
     if isinstance(node, Name):
         if typing.of(node).is_inexact and not node.id.startswith(("const.", "numpy.", "math.")):
@@ -77,9 +77,9 @@ def sources(node: AST, typing: Typing) -> Iterator[str]:
         for parameter, operand in operands.items():
             if parameter not in rule.zero:
                 yield from sources(operand, typing)
-    elif isinstance(node, IfExp):
-        yield from sources(node.body, typing)
-        yield from sources(node.orelse, typing)
+    elif isinstance(node, (IfExp, BoolOp)):
+        for side in node.values if isinstance(node, BoolOp) else (node.body, node.orelse):
+            yield from sources(side, typing)
     elif isinstance(node, Call) and rules.constant_result(call_name(node) or "") is None:
         for argument in node.args:
             yield from sources(argument, typing)
@@ -97,7 +97,7 @@ def is_active(node: AST, typing: Typing, active: frozenset[str] | set[str]) -> b
         return any(is_active(o, typing, active) for p, o in operands.items() if p not in rule.zero)
     rule = rules.find_array(call_name(node))
     if rule is None:
-        lost = isinstance(node, (Call, IfExp)) and not active.isdisjoint(sources(node, typing))
+        lost = isinstance(node, (Call, IfExp, BoolOp)) and not active.isdisjoint(sources(node, typing))
         assert not lost, f"no derivative was asked for of {call_name(node) or 'a choice'}"   # never a silent zero
         return False
     return any(is_active(o, typing, active) for p, o in zip(rule.operands, node.args) if p in rule.adjoints)

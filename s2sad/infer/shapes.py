@@ -5,6 +5,7 @@ the guards that were put before. A size that is no such form is a symbol of its 
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 
 from s2sad import rules
@@ -17,6 +18,8 @@ from s2sad.tree import (
     Store, Subscript, Tuple, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of,
     walk,
 )
+
+_ALLOCATIONS = ("numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like")
 
 
 class Shapes(Slices):
@@ -144,7 +147,9 @@ class Shapes(Slices):
 
     def learn(self, statement: AST) -> None:
         """Notes what an allocation or a guard says of shapes."""
-        if isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
+        if isinstance(statement, Assign) and getattr(statement.targets[0], "id", "") in self.several:
+            self.learn_single(statement)
+        elif isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
             called, value = call_name(statement.value) or "", statement.value
             target = statement.targets[0].id
             if called in ("numpy.empty_like", "numpy.zeros_like"):
@@ -163,8 +168,15 @@ class Shapes(Slices):
                 if a is not None and b is not None:
                     self.unify(a, b)
 
+    def forget(self, statement: AST) -> None:
+        """Forgets what is equal to sizes of arrays that a statement, or one inside it, may allocate anew."""
+        for array in self.several & set(stored_names([statement])):
+            symbols = {s for k in range(self.typing.table[array].rank) for s, _ in self.own(array, k).terms}
+            self.equal = {s: f for s, f in self.equal.items() if symbols.isdisjoint({s, *(t for t, _ in f.terms)})}
+
     def learn_single(self, statement: Assign) -> None:
         """Notes the axes of length 1 of an array that is allocated anew in a loop or a branch; all else may change."""
+        self.forget(statement)
         called, value, target = call_name(statement.value) or "", statement.value, statement.targets[0].id
         if called in ("numpy.empty_like", "numpy.zeros_like"):
             found: Shape | None = self.of(value.args[0])
@@ -196,6 +208,7 @@ def _learn_block(shapes: Shapes, block: list[AST], top: bool = False) -> None:
     for statement in block:
         shapes.scopes[id(statement)] = shapes.equal
         if isinstance(statement, (For, While, If)):
+            shapes.forget(statement)
             known = shapes.equal
             for inner in (statement.body, statement.orelse):
                 _learn_block(shapes, inner)
@@ -211,7 +224,17 @@ def bare_shapes(function: FunctionDef, typing: Typing) -> Shapes:
     """The shapes of a function with resolved views of which nothing has been learnt but its counters."""
     made = Shapes(typing, single_values(function))
     made.settled = True
+    allocations = Counter(s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(
+        s.targets[0], Name) and call_name(s.value) in _ALLOCATIONS)
+    made.several = frozenset(a for a, count in allocations.items() if count > 1)
     made.counters = counters_of(function, made.values)
+    return made
+
+
+def started_shapes(function: FunctionDef, typing: Typing) -> Shapes:
+    """The shapes of which nothing has been learnt but of arrays that several statements allocate, what these share."""
+    made, settled = bare_shapes(function, typing), shapes_of(function, typing)
+    made.arrays |= {array: settled.arrays[array] for array in made.several}
     return made
 
 

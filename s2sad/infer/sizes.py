@@ -27,6 +27,7 @@ class Sizes(ABC):
         self.atoms: dict[str, AST] = {}
         self.equal: dict[str, Affine] = {}
         self.scopes: dict[int, dict[str, Affine]] = {}  # what is equal where a statement is, by its id
+        self.several: frozenset[str] = frozenset()  # arrays that more than one statement allocates
         self.serial = 0  # of the statement: an array of bools picks as many as it did only within one
         self.counters: dict[str, int] = {}  # the loop counters here, with the least that each can be
         self.required: list[Affine] = []  # sizes that must not be negative for slices to mean what they are taken for

@@ -1,22 +1,28 @@
-"""choices: `np.where` of numbers becomes a branch.
+"""choices: `np.where` of numbers becomes a branch, and so does `or` or `and` that gives a float.
 
     y[i] = 2.0 * np.where(c, a, b)      if c:
                                             choice = a
                                         else:
                                             choice = b
                                         y[i] = 2.0 * choice
+    y[i] = x[i] or 1.0                  if x[i] != 0.0:
+                                            y[i] = x[i]
+                                        else:
+                                            y[i] = 1.0
 
 Requires structured form and types; establishes that the `numpy.where` left are of arrays, or in the test of a while
 loop. NumPy computes both sides and takes one of them, so only the one that is taken is computed here.
 """
 from __future__ import annotations
 
+from functools import reduce
+
 from s2sad.infer.infer import Typing
 from s2sad.infer.promotion import promote
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Assign, AugAssign, Expr, For, FunctionDef, If, Name, Return, While, assign, at, call_name, copy, name, rebuild,
-    walk,
+    AST, Assign, AugAssign, BoolOp, Expr, For, FunctionDef, If, Name, NotEq, Or, Return, While, assign, at, call_name,
+    compare, const, copy, name, rebuild, walk,
 )
 
 
@@ -70,6 +76,8 @@ class _Choices:
         return [statement]
 
     def chooses(self, node: AST) -> bool:
+        if isinstance(node, BoolOp):
+            return self.typing.of(node).is_inexact and all(self.typing.of(v).is_number for v in node.values)
         return call_name(node) == "numpy.where" and len(node.args) == 3 and not node.keywords and all(
             self.typing.of(a).is_number for a in node.args)
 
@@ -79,7 +87,8 @@ class _Choices:
             if not self.chooses(part):
                 return None
             made = self.names.fresh("choice")
-            self.typing.table[made] = promote(*(self.typing.of(a) for a in part.args[1:]))
+            sides = part.values if isinstance(part, BoolOp) else part.args[1:]
+            self.typing.table[made] = reduce(promote, map(self.typing.of, sides))
             before.extend(self.into(name(made), part))
             return at(name(made), part)
         return rebuild(node, change)
@@ -87,8 +96,14 @@ class _Choices:
     def into(self, target: AST, node: AST) -> list[AST]:
         """The statements that leave a choice in a name or an element."""
         before: list[AST] = []
-        test = self.pure(node.args[0], before)
-        return [*before, If(test, *(self.side(target, a) for a in node.args[1:]))]
+        if isinstance(node, BoolOp):
+            first, *others = node.values
+            rest = BoolOp(node.op, others) if len(others) > 1 else others[0]
+            test, sides = compare(copy(first), NotEq(), const(0)), [first, rest]
+            sides = sides if isinstance(node.op, Or) else sides[::-1]
+        else:
+            test, *sides = node.args
+        return [*before, If(self.pure(test, before), *(self.side(target, a) for a in sides))]
 
     def side(self, target: AST, value: AST) -> list[AST]:
         if self.chooses(value):

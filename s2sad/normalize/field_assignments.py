@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from s2sad.normalize.field_decisions import NO
 from s2sad.normalize.field_values import Values
-from s2sad.normalize.groups import Group, Leaf, nothing, usable
+from s2sad.normalize.groups import Group, Leaf, Plain, nothing, usable
 from s2sad.normalize.sparse_groups import PLACES, is_matrix
 from s2sad.tree import (
     AST, Add, Attribute, BoolOp, Compare, Constant, Mult, Name, Not, Store, Sub, Subscript, UnaryOp, at, const, index,
@@ -34,10 +34,14 @@ class Assignments(Values):
                             BOTH_PARTS if node.attr in ("real", "imag") else _KEPT_LOCALLY)
                 return at(Name("_", Store(), None, None), node)
             return None
+        said = len(self.report.found)
         read = type(node)(*[getattr(node, f) for f in node._fields[:-1]], name("x").ctx)
         found = self.field_of if isinstance(node, Attribute) else self.item_of
         item = found(base, at(read, node))  # pyright: ignore[reportArgumentType]
         dummy = at(Name("_", Store(), None, None), node)
+        if isinstance(item, Plain) and len(self.report.found) == said:
+            self.refuse(node, "a property, or an item that is a constant here, is assigned",
+                        "assign the fields that it stands for, numbers and arrays")
         if not isinstance(item, Leaf) or not self._assignable(base, item, node, augmented):
             if isinstance(item, Group):
                 self.refuse(node, f"'{item.path}' is {item.form}, which is replaced by another value",

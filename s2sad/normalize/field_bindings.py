@@ -46,6 +46,9 @@ class Bindings(Assignments):
         self.rebound = {n for n in stores if stores.count(n) > 1 or n in kernel.parameters}
         loops = [s for s in walk(kernel.tree.body) if isinstance(s, (For, While))]
         self.changing = self.rebound | set(stored_names(loops))
+        stored = [n for n in walk(kernel.tree.body) if isinstance(n, (Attribute, Subscript)) and isinstance(
+            n.ctx, Store)]
+        self.assigned_keys = {n.attr if isinstance(n, Attribute) else getattr(n.slice, "value", None) for n in stored}
 
     # -- values --------------------------------------------------------------------------------------------------------
 
@@ -183,9 +186,8 @@ class Bindings(Assignments):
                 inner, part = self._kept(item, origin, path, copying, constants)
                 pairs += inner
                 items.append(part)
-            elif isinstance(item, Plain) and (constants and not nothing(item) or not isinstance(item.node, Constant)) \
-                    or isinstance(item, Leaf) and usable(item) and (
-                        copying or (constants or item.is_cell) and group.path == SPELLED):
+            elif isinstance(item, Plain) and not self._stays(group, key, item, constants) or isinstance(
+                    item, Leaf) and usable(item) and (copying or (constants or item.is_cell) and group.path == SPELLED):
                 held = self.fresh(path)
                 pairs.append((name(held), spelled(item, origin) or const(0.0)))
                 items.append(Leaf(held, path, UNKNOWN))
@@ -193,6 +195,12 @@ class Bindings(Assignments):
                 items.append(item)
         path = wanted if group.path == SPELLED or copying else group.path
         return pairs, replace(group, items=tuple(items), path=path)
+
+    def _stays(self, group: Group, key: object, item: Plain, constants: bool) -> bool:
+        """Whether an item is a constant that it remains: nothing is assigned to it."""
+        assigned = not group.form.fixed and key in self.assigned_keys
+        return isinstance(item.node, Constant) and (nothing(item) or isinstance(item.node.value, str) or not (
+            constants or assigned))
 
     def settled(self, value: Value) -> bool:
         """Whether the shape of a sparse matrix is the same wherever it stands: made of sizes and names bound once."""

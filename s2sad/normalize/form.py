@@ -56,7 +56,8 @@ def _faults(function: FunctionDef, level: int, derivative: bool) -> Iterator[tup
         yield returns[0], "a return that is not the last statement"
     yield from _block(function.body, level, derivative, False)
     yield from _unbound(function)
-    yield from _counters(function)
+    if not derivative:
+        yield from _counters(function)
     if 2 <= level and not derivative:
         yield from _rebound(function)
 

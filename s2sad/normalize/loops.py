@@ -13,6 +13,8 @@ Requires what jumps establishes. A sequence that is spelled out (`for w in (u, v
 """
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from s2sad.normalize.exits import BREAK, exits
 from s2sad.normalize.indices import IndexLoops, is_index_loop
 from s2sad.normalize.live import live_after_loops
@@ -43,7 +45,7 @@ class _Loops:
         self._scope = scope
         self._bound = list(bindings(tree))
         self._live = live_after_loops(tree.body)
-        self._copied = _copied(tree, self._live)
+        self._copied = _copied(tree, self._live, lambda loop: self._spelled_out(loop.iter) is not None)
 
     def block(self, statements: list[AST]) -> list[AST]:
         new: list[AST] = []
@@ -143,7 +145,7 @@ def _counter_of(node: For) -> str | None:
     return first.id if plain and isinstance(first, Name) else None
 
 
-def _copied(tree: FunctionDef, live: dict[int, set[str]]) -> set[str]:
+def _copied(tree: FunctionDef, live: dict[int, set[str]], written_out: Callable[[For], bool]) -> set[str]:
     """The names that something other than a loop's count binds, or that are read after their loop."""
     found = set(parameters(tree))
     for node in walk(tree.body):
@@ -151,7 +153,8 @@ def _copied(tree: FunctionDef, live: dict[int, set[str]]) -> set[str]:
             found |= set(stored_names(node))
         elif isinstance(node, For):
             targets = stored_names(node.target)
-            counting = targets if is_index_loop(node) else [n for n in [_counter_of(node)] if n is not None]
+            counter = None if written_out(node) else _counter_of(node)
+            counting = targets if is_index_loop(node) else [] if counter is None else [counter]
             found |= {n for n in targets if n not in counting or targets.count(n) > 1}
             found |= set(counting) & (live[id(node)] | set(stored_names(node.body)))
     return found

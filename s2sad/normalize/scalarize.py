@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from s2sad.blocks import with_blocks
 from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
-from s2sad.infer.shapes import Shapes, bare_shapes, shape_expression
+from s2sad.infer.shapes import Shapes, started_shapes, shape_expression
 from s2sad.infer.slices import scattered
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
@@ -73,7 +73,7 @@ class Walked:
 def scalarize(function: FunctionDef, typing: Typing, free: Names, final: bool = False) -> FunctionDef:
     """The function without whole-array statements; the table of `typing` gains the new counters."""
     new = copy(function)
-    shapes = bare_shapes(function, typing)
+    shapes = started_shapes(function, typing)
     new.body = Scalarize(typing, free, shapes, final).block(function.body)
     return new
 
@@ -81,7 +81,7 @@ def scalarize(function: FunctionDef, typing: Typing, free: Names, final: bool = 
 def scatter(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
     """The function with loops for the stores through arrays of integers alone: the last store to a cell counts."""
     new = copy(function)
-    shapes = bare_shapes(function, typing)
+    shapes = started_shapes(function, typing)
     new.body = Scalarize(typing, free, shapes, False, only=True).block(function.body)
     return new
 
@@ -107,6 +107,7 @@ class Scalarize:
 
     def statement(self, statement: AST) -> list[AST]:
         if isinstance(statement, (For, If, While)):
+            self.shapes.forget(statement)
             return [with_blocks(statement, self.block)]
         if isinstance(statement, (Assign, AugAssign)):
             return self.store(statement)

@@ -11,8 +11,8 @@ from collections import Counter
 
 from s2sad.infer.affine import Affine, combined
 from s2sad.tree import (
-    AST, Add, Assert, Assign, Attribute, BinOp, Compare, Constant, Eq, FunctionDef, Name, Subscript, Tuple,
-    UnaryOp, USub, call_name, stored_names, walk,
+    AST, Add, Assert, Assign, Attribute, BinOp, Compare, Constant, Eq, FunctionDef, Name, Store, Subscript, Tuple,
+    UnaryOp, USub, call_name, walk,
 )
 
 Size = tuple[str, int]
@@ -25,7 +25,7 @@ class Extents:
     """The sizes that a function's own statements tell. `learn` is told of assertions, as they are passed."""
 
     def __init__(self, function: FunctionDef):
-        bound = Counter(stored_names(function.body))
+        bound = Counter(n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store))
         parameters = {p.id for p in function.args.args}
         self.fixed = {p for p in parameters if not bound[p]}
         self.numbers: dict[str, AST] = {}

@@ -1,0 +1,43 @@
+"""The engines that tests run kernels under: `numpy`, `numba`, and `loops`, the text for Numba run by Python.
+
+What is wrong with a text shows under `loops` in a tenth of the time that compiling it takes; what Numba cannot compile,
+or compiles to something else, shows under `numba` alone.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+from s2sad.run import compiled
+
+EVERY = 3
+
+
+@contextmanager
+def running(engine: str) -> Iterator[str]:
+    """The name of the engine for s2sad, which leaves to Python inside what is written for Numba if it is `loops`."""
+    if engine != "loops":
+        yield engine
+        return
+    jit, key = compiled._jit, compiled._key
+    compiled._jit = lambda function, *_, **__: function
+    compiled._key = lambda bounds: f"{key(bounds)}-loops"       # modules of their own
+    compiled._runtime.cache_clear()
+    try:
+        yield "numba"
+    finally:
+        compiled._jit, compiled._key = jit, key
+        compiled._runtime.cache_clear()
+
+
+def each(cases: Iterable[Any], every: int = EVERY) -> list[Any]:
+    """Every case under NumPy and as the text for Numba, which is compiled for one in `every`."""
+    made = []
+    for k, case in enumerate(cases):
+        given = case if isinstance(case, tuple) else (case,)
+        for engine in ("numpy", "loops" if k % every else "numba"):
+            made.append(pytest.param(*given, engine, id=f"{getattr(given[0], '__name__', k)}-{engine}"))
+    return made
