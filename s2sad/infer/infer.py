@@ -18,8 +18,8 @@ from s2sad.infer.types_of_calls import LISTED, CallTypes, TypesOfCalls
 from s2sad.infer.written import is_single, keeps
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
-    FunctionDef, If, IfExp, LShift, List, Mult, Name, Not, RShift, Return, Slice, Subscript, Tuple, UnaryOp, While,
-    call_name, indices, is_unset,
+    FunctionDef, If, IfExp, LShift, List, Mult, Name, Not, Pow, RShift, Return, Slice, Subscript, Tuple, USub,
+    UnaryOp, While, call_name, indices, is_unset,
 )
 
 
@@ -147,7 +147,8 @@ class Typing(TypesOfCalls):
             if isinstance(node.op, (BitAnd, BitOr, BitXor)) or result.is_array and isinstance(node.op, (Add, Mult)):
                 return result
             result = Type(result.kind, "int64", result.rank)
-        if isinstance(node.op, Div) and not result.is_inexact and result.dtype:
+        if not result.is_inexact and result.dtype and (isinstance(node.op, Div) or isinstance(
+                node.op, Pow) and result.is_number and is_inverted(node.right)):
             return Type(result.kind, "float64", result.rank)
         if isinstance(node.op, (LShift, RShift)):
             return left
@@ -242,6 +243,12 @@ def _statement(statement: AST, typing: Typing) -> None:
         _block(statement.orelse, typing)
     elif typing.final and isinstance(statement, Return) and statement.value is not None:
         typing.of(statement.value)
+
+
+def is_inverted(power: AST) -> bool:
+    """Whether an exponent is written with a minus: of two integers the power is a float, `2 ** -k`."""
+    return isinstance(power, UnaryOp) and isinstance(power.op, USub) or isinstance(
+        power, Constant) and type(power.value) is int and power.value < 0
 
 
 def _assignment(statement: Assign, typing: Typing) -> None:

@@ -15,7 +15,8 @@ from s2sad.infer.infer import Typing
 from s2sad.rules.given import ROOM
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, Call, Expr, FunctionDef, Raise, Subscript, call_name, children, walk,
+    AST, Assert, Assign, Attribute, AugAssign, Call, Expr, FunctionDef, Raise, Subscript, UnaryOp, USub, call_name,
+    children, walk,
 )
 
 _COPIES = frozenset({"numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array"})
@@ -78,6 +79,9 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
     if isinstance(node, Attribute) and node.attr not in _OF_ARRAYS and typing.of(node.value).is_array:
         report.error("S201", f"the attribute '{node.attr}' of an array", node, help="write it with the array itself: "
                      "x[i, j], x[...], x.shape, x.size")
+    if isinstance(node, UnaryOp) and isinstance(node.op, USub) and typing.of(node.operand).dtype.startswith("uint"):
+        report.error("S201", f"the negative of {typing.of(node.operand).dtype}, which wraps around", node,
+                     help="convert first: k.astype(np.int64), or int(k[i])")
     if isinstance(node, (Assign, AugAssign)) and any(
             isinstance(t, Subscript) and typing.of(t.value).kind == "tuple" for t in targets(node)):
         report.error("S201", "an element of a list is written", node, help="make it an array: np.zeros(n), or "

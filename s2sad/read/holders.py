@@ -57,6 +57,9 @@ class HolderScope:
         if found is None:
             return None
         own_class = isinstance(self.value, type)
+        of_class = next((space[key] for space in spaces[1:] if key in space), None)
+        if isinstance(of_class, property) and not own_class:     # it comes before what the object itself holds
+            return Unusable("a property", "write it as a method or a function")
         value, own = found[key], found is spaces[0] and not own_class
         if isinstance(value, staticmethod):
             value = value.__func__

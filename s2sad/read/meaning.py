@@ -91,6 +91,7 @@ class Unusable:
     help: str
 
 
+_SCALARS = (numpy.int32, numpy.int64, numpy.longlong, numpy.float32, numpy.float64)
 _WRITTEN_OUT = 64   # items of a sequence from outside: more are an array's
 
 
@@ -204,7 +205,11 @@ def dotted(meaning: Meaning | None) -> str | None:
 
 
 def is_number(value: Any) -> bool:
-    return isinstance(value, (bool, int, float, numpy.bool_, numpy.integer, numpy.floating)) or isinstance(
+    """Whether a value is computed with as Python's and NumPy's numbers of 64 bits are; a float32 counts as one."""
+    kind = type(value)
+    own = isinstance(value, (int, float)) and any(
+        getattr(kind, f) not in (getattr(int, f), getattr(float, f)) for f in ("__add__", "__mul__", "__rmul__"))
+    return kind in _SCALARS or isinstance(value, (int, float)) and not own or isinstance(
         value, complex) and bool(numpy.isfinite(value))
 
 
@@ -233,6 +238,8 @@ def value_meaning(name: str, value: Any) -> Meaning:
     """What a number, string, array or other plain value means."""
     if is_number(value):
         return Number(name, value)
+    if isinstance(value, numpy.ndarray) and type(value) not in (numpy.ndarray, numpy.memmap):
+        return Unusable(kind_of(value), "make it a plain array: np.array(...)")
     if isinstance(value, numpy.ndarray) and value.dtype.kind in "biufc" and value.dtype != numpy.complex64:
         return Array(name, value)
     if isinstance(value, str):

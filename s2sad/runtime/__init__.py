@@ -20,7 +20,9 @@ from s2sad.runtime.matrices import (
     power_change, singular_values, singular_values_change, singular_values_gain, to_lower,
 )
 from s2sad.runtime.places import places, sought
-from s2sad.runtime.scalars import comb, factorial, heaviside, isclose, isqrt, lcm, perm, product, remainder
+from s2sad.runtime.scalars import (
+    comb, factorial, heaviside, isclose, isqrt, lcm, perm, product, remainder, whole_power, whole_product,
+)
 from s2sad.runtime.spans import element, position, position_down
 from s2sad.runtime.sparse_matrices import (
     sparse_dense, sparse_diagonal, sparse_diagonal_gain, sparse_entries, sparse_factors,
@@ -44,18 +46,19 @@ from s2sad.runtime.triangles import (
 __all__ = [
     "added", "apart", "bands_gain", "bands_times", "bands_transposed", "blocked_sum", "both_parts_gain", "cg",
     "cholesky_change", "cholesky_gain", "cofactors", "comb", "dense", "det_sign", "digamma", "eigenvalues_change",
-    "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain", "element", "ends", "exponential",
-    "exponential_change", "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain", "fft",
-    "fft_adjoint", "fitted", "from_lower", "gmres", "grow", "half_lower", "heaviside", "ifft", "ifft_adjoint",
-    "irfft", "irfft_adjoint", "isclose", "isqrt", "lcm", "least_squares", "least_squares_change", "left_vectors",
-    "left_vectors_change", "left_vectors_gain", "log_det", "of_matrix", "opposite", "orthogonal_part",
-    "orthogonal_part_change", "orthogonal_part_gain", "over_squares", "pairwise_sum", "perm", "places", "position",
-    "position_down", "power_change", "product", "remainder", "rfft", "rfft_adjoint", "right_vectors",
-    "right_vectors_change", "right_vectors_gain", "scattered", "singular_values", "singular_values_change",
-    "singular_values_gain", "sized", "solve_banded", "solve_triangular", "solved", "solved_by", "solved_transposed",
-    "sought", "sparse_dense", "sparse_diagonal", "sparse_diagonal_gain", "sparse_entries", "sparse_factors",
-    "sparse_fits", "sparse_gain", "sparse_gain_in_loops", "sparse_joined", "sparse_left_product",
-    "sparse_left_product_in_loops", "sparse_product", "sparse_product_in_loops", "sparse_rows", "sparse_solve",
-    "sparse_span", "spread", "take_row", "to_lower", "to_matrix", "triangle", "triangle_gain", "triangle_times",
-    "triangular_part", "triangular_part_change", "triangular_part_gain", "update_rest",
+    "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain", "element", "ends",
+    "exponential", "exponential_change", "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain",
+    "fft", "fft_adjoint", "fitted", "from_lower", "gmres", "grow", "half_lower", "heaviside", "ifft",
+    "ifft_adjoint", "irfft", "irfft_adjoint", "isclose", "isqrt", "lcm", "least_squares", "least_squares_change",
+    "left_vectors", "left_vectors_change", "left_vectors_gain", "log_det", "of_matrix", "opposite",
+    "orthogonal_part", "orthogonal_part_change", "orthogonal_part_gain", "over_squares", "pairwise_sum", "perm",
+    "places", "position", "position_down", "power_change", "product", "remainder", "rfft", "rfft_adjoint",
+    "right_vectors", "right_vectors_change", "right_vectors_gain", "scattered", "singular_values",
+    "singular_values_change", "singular_values_gain", "sized", "solve_banded", "solve_triangular", "solved",
+    "solved_by", "solved_transposed", "sought", "sparse_dense", "sparse_diagonal", "sparse_diagonal_gain",
+    "sparse_entries", "sparse_factors", "sparse_fits", "sparse_gain", "sparse_gain_in_loops", "sparse_joined",
+    "sparse_left_product", "sparse_left_product_in_loops", "sparse_product", "sparse_product_in_loops",
+    "sparse_rows", "sparse_solve", "sparse_span", "spread", "take_row", "to_lower", "to_matrix", "triangle",
+    "triangle_gain", "triangle_times", "triangular_part", "triangular_part_change", "triangular_part_gain",
+    "update_rest", "whole_power", "whole_product",
 ]

@@ -118,6 +118,33 @@ def product(a, b):
     return a * b
 
 
+def whole_product(a, b):
+    """a * b of integers; OverflowError where it does not fit 64 bits.
+
+    >>> whole_product(-6, 7), whole_product(0, 7)
+    (-42, 0)
+    """
+    if b != 0 and abs(a) > 9223372036854775807 // abs(b):
+        raise OverflowError("an integer that does not fit 64 bits: begin with a float, 1.0, not 1")
+    return a * b
+
+
+def whole_power(a, n):
+    """a ** n of integers; ValueError where it is no integer, OverflowError where it does not fit 64 bits.
+
+    >>> whole_power(2, 10), whole_power(-1, 3), whole_power(0, 0)
+    (1024, -1, 1)
+    """
+    if n < 0:
+        raise ValueError("an integer to a negative power is no integer: write float(a) ** n")
+    if -1 <= a <= 1:
+        return 1 if n % 2 == 0 and a != 0 or n == 0 else a
+    made = 1
+    for _ in range(n):
+        made = whole_product(made, a)
+    return made
+
+
 def isclose(a, b, relative, absolute):
     """`math.isclose(a, b, rel_tol=relative, abs_tol=absolute)`.
 

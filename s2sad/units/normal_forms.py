@@ -27,6 +27,7 @@ from s2sad.normalize.inlined import Helpers, inlined, returned
 from s2sad.normalize.parts import parts
 from s2sad.normalize.pieces import pieces
 from s2sad.normalize.rename import rename
+from s2sad.normalize.integers import integers
 from s2sad.normalize.lives import lives
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.rotated import rotated
@@ -129,6 +130,7 @@ class NormalForms(Calls):
         """The kernel with whole-array statements over arrays and parts of them by their own names, and whether guards
         of shapes were added."""
         report = typing.report
+        tree = integers(tree, typing) if self.engine == "numba" else tree
         tree = stacked(rotated(tree, typing, names), typing)
         tree = rows(tree, typing, Memory(tree, self.program), report)
         report.finish()

@@ -1,0 +1,95 @@
+"""Integers and bools: what Python and NumPy compute with them, under both engines."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+
+ENGINES = ("numpy", "numba")
+BIG = 10 ** 20
+WORD, FLAG = np.uint8(3), np.bool_(True)
+
+
+def whole_numbers(x, level):
+    h, fact, seed = 1.0 / 2 ** level, 1, 12345
+    total = x[0] * 2 ** (-level) + x[1] * 10 ** -level * h
+    for n in range(1, 2 ** level):
+        fact *= n
+        seed = (1103515245 * seed + 12345) % 2147483648
+        total += (-1) ** n * x[0] ** n / fact * x[seed % 3]
+    sides = (x > 0.5) + (x < 0.2)
+    both = (x > 0.5) * (x < 0.8)
+    return total + np.sum(sides * x ** 2) + np.sum(both * x) + np.sum(x[sides])
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_whole_numbers(engine):
+    check_derivatives(whole_numbers, (np.array([0.6, 0.1, 0.9]), 3), ("x",), ("return",), engine)
+
+
+def grown(x, n):
+    fact = 1
+    for k in range(1, n):
+        fact *= k
+    return x[0] / fact
+
+
+def raised(x, n):
+    return x[0] * 10 ** n
+
+
+def lowered(x, n):
+    total = 0.0
+    for i in range(-n, 1):
+        total += x[0] * 2 ** i
+    return total
+
+
+@pytest.mark.parametrize("kernel, error, message", [
+    (grown, OverflowError, "an integer that does not fit 64 bits: begin with a float, 1.0, not 1"),
+    (raised, OverflowError, "an integer that does not fit 64 bits: begin with a float, 1.0, not 1"),
+    (lowered, ValueError, "an integer to a negative power is no integer: write float(a) ** n")])
+def test_what_numba_would_wrap_around_raises(kernel, error, message):
+    with pytest.raises(error) as caught:
+        s2sad.gradient(s2sad.differentiate(kernel, engine="numba"), wrt="x")(np.ones(1), 30)
+    assert str(caught.value) == message
+    assert s2sad.gradient(s2sad.differentiate(lowered, engine="numpy"), wrt="x")(np.ones(1), 2)[0] == 1.75
+
+
+def of_few_bits(x, k):
+    return x[0] * (k[0] + k[1])
+
+
+def negative(x, k):
+    return x[0] * -k[0]
+
+
+def two_bools(x, k):
+    return x[0] * ((x[0] > 0.0) + (x[1] > 0.0))
+
+
+def too_big(x, k):
+    return x[0] * BIG
+
+
+def word(x, k):
+    return x[0] * WORD
+
+
+def flag(x, k):
+    return x[0] * FLAG
+
+
+@pytest.mark.parametrize("kernel, engine, message", [
+    (of_few_bits, "numba", "arithmetic of uint8, which wraps around"),
+    (negative, "numpy", "the negative of uint8, which wraps around"),
+    (two_bools, "numba", "the sum of two bools, which is a bool for NumPy's and a number for Python's"),
+    (too_big, "numba", "an integer that does not fit 64 bits"),
+    (word, "numpy", "'WORD' cannot be used in a kernel: it is an uint8"),
+    (flag, "numpy", "'FLAG' cannot be used in a kernel: it is a bool")])
+def test_refused(kernel, engine, message):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(s2sad.differentiate(kernel, engine=engine), wrt="x")(np.ones(2), np.array([200, 100], "uint8"))
+    assert caught.value.diagnostics[0].message == message
