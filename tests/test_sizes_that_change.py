@@ -4,6 +4,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
 
@@ -88,3 +89,23 @@ def test_kernel(kernel, steps, engine):
     kernel(*left)
     of = tuple(n for n, a, b in zip("uv", given, left) if not np.array_equal(a, b))
     check_derivatives(kernel, given, ("u", "v"), (*of, "return"), engine)
+
+
+def last_row(u, v):
+    for k in range(2):
+        row = u[k:k + 2]
+    return np.sum(row * v[:2])
+
+
+def searched_row(u, v):
+    rows = np.outer(u, v)
+    for row in rows:
+        if row[0] > 0.5:
+            break
+    return row[1] * u[0]
+
+
+@pytest.mark.parametrize("kernel", (last_row, searched_row))
+def test_a_part_at_a_counter_ends_with_its_loop(kernel):
+    with pytest.raises(s2sad.S2sadError, match="'row' may stand for different arrays here"):
+        s2sad.gradient(kernel, wrt="u")(np.ones(4), np.ones(4))

@@ -14,9 +14,8 @@ from s2sad.tree import AST, Constant, List, Tuple, UnaryOp, USub
 Shape = tuple["Affine | None", ...]
 Options = Mapping[str, AST]
 ONE = Affine((), 1)
-LEAST = Affine((), -1)  # stands for the least size of the first argument
-# stand for the sizes that arguments of these names are
-GIVEN = {Affine((), -2): "m", Affine((), -3): "n", Affine((), -4): "size"}
+LEAST = Affine.symbol("the least")  # stands for the least size of the first argument
+GIVEN = {Affine.symbol(f"the argument {n}"): n for n in ("m", "n", "size")}    # stand for sizes that are arguments
 _M, _N, _SIZE = GIVEN
 
 

@@ -100,8 +100,9 @@ class Carried(Branches):
         self.late, self.buffers, self.altered = outer, outer_buffers, outer_altered
         self.aliases.end()
         lost = set(buffers.values())    # filled again since another name came to stand for them
-        self.seen = {n: v if n not in inside or n not in before and v[0] not in lost else AMBIGUOUS
-                     for n, v in self.seen.items()}
+        counter = statement.target.id if isinstance(statement, For) else ""     # has no value after its loop
+        self.seen = {n: v if (n not in inside or n not in before and v[0] not in lost) and counter not in names(
+            list(v[1])) else AMBIGUOUS for n, v in self.seen.items()}
         self.seen |= {n: (b, ()) for n, b in [*buffers.items(), *late.items()]}
         return [*start, new]
 
