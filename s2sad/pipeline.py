@@ -71,7 +71,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
                            for p, t in zip(unit.function.args.args, unit.types))
         functions = primal_functions(units, [unit.title])
         if request.level == "fast" and request.engine == "numba":
-            functions = list(map(turned, functions))
+            functions = [turned(f, None, _writing(f, units)) for f in functions]
         if request.engine == "numba":
             functions = in_dialect(functions, units)
         text = module_text(functions, header=[f"The primal of {unit.kernel.name}."], constants=program.constants,
@@ -109,16 +109,26 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
 def in_loops(derived: Derived, units: Units) -> FunctionDef:
     """An adjoint with its innermost loops transformed; a tangent with indices that do not go around."""
     tape = derived.made.tape
+    writing = _writing(derived.function, units)
     if tape is None:
-        return turned(derived.function)
+        return turned(derived.function, None, writing)
     family = derived.unit.family
     sums = {f"{family.get(p, p)}_bar" for p in derived.made.shadows} - {*family, *family.values()}
     numbers = {n.id for n in walk(derived.function.body) if isinstance(n, Name) and shadow_of(n.id) in sums
                and n.id not in family}
     arrays = {s for s in derived.made.shadows.values() if derived.types[s].is_array}
-    function = faster(turned(derived.function), derived.types, {s.array for s in tape.stacks.values()}, arrays, numbers)
+    function = faster(turned(derived.function, None, writing), derived.types, {s.array for s in tape.stacks.values()},
+                      arrays, numbers, writing)
     read = {n for n, role, _ in derived.made.parameters if role == "shadow"}
     return dead(function, read, units.effects.writes, units.effects.pure, units.effects.unread)
+
+
+def _writing(function: FunctionDef, units: Units) -> set[str]:
+    """The functions that a function calls and that write arrays."""
+    called = {n for n in walk(function.body) if isinstance(n, Call) and (call_name(n) or "").startswith("user.")}
+    kernels = {f"user.{title}" for title, unit in units.titled.items() if unit.summary.written}
+    return {call_name(n) or "" for n in called if units.effects.writes(n)} | {
+        call_name(n) or "" for n in called} & kernels
 
 
 def given_twice(units: Units) -> set[str]:

@@ -134,7 +134,88 @@ def shifted_twice(u, c):
         a = here
 
 
+def squared_in_place(w, a):
+    for i in range(w.shape[0]):
+        w[i] = w[i] * a * w[i]
+
+
+def grown_in_place(w, a):
+    for i in range(w.shape[0]):
+        w[i] = w[i] * 2.0 + a
+
+
+def same_before_and_after_a_call(x, w, a):
+    # repeated: a function of a shadow that the adjoint of a call writes in between
+    w[...] += np.exp(x)
+    squared_in_place(w, a)
+    w[...] += np.exp(x)
+
+
+def gain_behind_a_call(x, w, a):
+    # merge: a gain of what a call's adjoint has not written yet
+    w[0] += 3.0 * x[0]
+    grown_in_place(w, a)
+    x[0] = x[1] * 2.0
+
+
+def nests_with_calls(x, m, a):
+    # joined: the second loop writes rows of what the first one adds to
+    for i in range(m.shape[0] - 1):
+        m[i + 1, 0] += 3.0 * x[i]
+    for i in range(m.shape[0] - 1):
+        grown_in_place(m[i], a)
+
+
+def counting(k, v):
+    k[0] += 1
+    return v * 2.0
+
+
+def remainder_of_what_a_call_writes(x, y, k):
+    # turned: a remainder that is not the same in all iterations
+    n = x.shape[0]
+    for i in range(n):
+        v = counting(k, x[i])
+        y[i] = v + x[k[0] % n] ** 2
+
+
+def solution_overwritten(m, b, x, z):
+    # again: what a solve gave is read by its adjoint, though a loop that runs again writes over it
+    y = np.linalg.solve(m, b)
+    for i in range(2):
+        t = x[i] * x[i]
+        for j in range(3):
+            t = t * x[j] * np.sin(t)
+        y[i] = np.sin(t) * t
+    for i in range(m.shape[0]):
+        z[i] = y[i] * 3.0
+
+
+def cut_when_stored(x, k, y):
+    # placement: a number does not come back from an array of another dtype
+    for i in range(3):
+        t = k[i] * x[i]
+        k[i] = t
+        y[i] = t ** 2
+
+
+def masks_times_numbers(x, y, z):
+    # promotion, algebra: a mask times a number is of integers, and their sum is a sum
+    twice = (x > 0.7) * 2
+    z[...] = z * ((x > 0.7) * 1 + (y > 0.7) * 1)
+    for i in range(x.shape[0]):
+        z[i] = z[i] ** 2 * ((x[i] > 0.7) * 1 + (y[i] > 0.7) * 1) * (1 + twice[i] * x[i])
+
+
+MATRIX = np.eye(5) * 4.0 + np.arange(25.0).reshape(5, 5) / 25.0
 CASES = [
+    (same_before_and_after_a_call, ((5,), (5,), 1.3), ("x", "w", "a"), ("w",)),
+    (gain_behind_a_call, ((5,), (5,), 1.3), ("x", "w", "a"), ("x", "w")),
+    (nests_with_calls, ((5,), MATRIX, 1.3), ("x", "m", "a"), ("m",)),
+    (remainder_of_what_a_call_writes, ((5,), (5,), np.array([0])), ("x",), ("y",)),
+    (solution_overwritten, (MATRIX, (5,), (5,), (5,)), ("m", "b", "x"), ("z",)),
+    (cut_when_stored, ((5,), np.array([2, 5, 3]), (5,)), ("x",), ("y",)),
+    (masks_times_numbers, ((5,), (5,), (5,)), ("x", "z"), ("z",)),
     (double_write, ((5,), (5,)), ("x", "y"), ("x",)),
     (rerun_left_over, ((4,), (3,), (3,)), ("x", "y", "work"), ("return", "work")),
     (free_order, ((5,), (5,), np.array([1, 1, 3, 0, 3])), ("x", "y"), ("x", "y")),

@@ -77,7 +77,7 @@ PROGRAMS = (of_shallow_water, of_wave, of_euler, of_lattice_boltzmann, of_level_
             of_kalman, of_ray_march)
 
 
-@pytest.mark.parametrize(("program", "engine"), each(PROGRAMS, 2))
+@pytest.mark.parametrize(("program", "engine"), each(PROGRAMS))
 def test_program(program, engine):
     function, arguments, wrt, of = program(np.random.default_rng(8))
     check_derivatives(function, arguments, wrt, of, engine, coordinates=12)

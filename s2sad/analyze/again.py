@@ -62,7 +62,8 @@ def _private(array: str, loop: For, inner: list[Place], question: Question) -> b
     loads = [(p, x) for p in structure.places.values() if not is_allocation(p.statement)
              for x in reads(p.statement, typing) if base_name(x) == array]
     outside = [p for p, _ in loads if p not in inner and (around or p.order < start)]
-    if outside:
+    if outside or any(_gives(p.statement, array) for p in structure.places.values()
+                      if p not in inner and (around or p.order < start)):
         return False
     inside = [(p, x) for p, x in loads if p in inner]
     if not inside:
@@ -73,6 +74,12 @@ def _private(array: str, loop: For, inner: list[Place], question: Question) -> b
                     target, place, loop, question):
                 return all(p.order > place.order and _after(p, x, place, target, loop) for p, x in inside)
     return False
+
+
+def _gives(statement: AST, array: str) -> bool:
+    """Whether an array is what a function of arrays gives, which its adjoint may read: `y[...] = solve(a, b)`."""
+    return (isinstance(statement, Assign) and base_name(statement.targets[0]) == array
+            and rules.find_array(call_name(statement.value)) is not None and not is_allocation(statement))
 
 
 def _after(reader: Place, load: AST, place: Place, target: AST, loop: For) -> bool:

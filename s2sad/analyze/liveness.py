@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Pass, Raise,
-    Return, Store, Subscript, Tuple, While, call_name, children, forgotten, walk,
+    Return, Store, Subscript, Tuple, While, call_name, children, forgotten, names, walk,
 )
 
 Writes = Callable[[Call], list[str]]
@@ -28,6 +28,15 @@ def targets(statement: AST) -> list[AST]:
         target = statement.targets[0]
         return list(target.elts) if isinstance(target, Tuple) else [target]
     return [statement.target] if isinstance(statement, (AugAssign, For)) else []
+
+
+def touched(statement: AST) -> set[str]:
+    """The names that a statement may write: what it binds or stores into, and what it gives to a kernel."""
+    found = {base_name(t) for part in walk(statement) for t in targets(part)}
+    for part in walk(statement):
+        if (call_name(part) or "").startswith("user."):
+            found |= {n for a in part.args for n in names(a)}
+    return found
 
 
 _SHAPES = {"builtins.len", "numpy.zeros_like", "numpy.empty_like"}

@@ -104,7 +104,8 @@ class Placement(Needs):
             if (isinstance(statement, Assign) and isinstance(statement.value, Name) and not store.whole
                     and statement.value.id == value.name and place.block == home.block
                     and place.branches == home.branches):
-                return statement
+                typing = self.structure.typing      # an array of another dtype holds another number
+                return statement if typing.of(statement.targets[0]).dtype == typing.of(statement.value).dtype else None
         return None
 
     def chain(self, value: Value, seen: set[str]) -> list[tuple[AST, AST]]:

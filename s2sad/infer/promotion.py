@@ -54,6 +54,8 @@ def promote(a: Type, b: Type) -> Type:
     if a.is_array != b.is_array:
         arr, number = (a, b) if a.is_array else (b, a)
         kind = arr.dtype if arr.is_inexact or not number.is_inexact else "float64"
+        if arr.dtype == "bool" and number.is_integer:
+            kind = number.dtype     # a mask times 2 is of integers
         if number.is_complex and not arr.is_complex:
             kind = "complex64" if arr.dtype == "float32" else "complex128"
         return array(kind, arr.rank)

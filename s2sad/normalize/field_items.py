@@ -134,7 +134,12 @@ class Items:
         if base.form.kind in ("record", "named", "either"):
             if node.attr in base.form.keys:
                 return base.item(node.attr)
-            self._absent(base, node, f"{spoken(base)} has no field '{node.attr}'", node.attr, "fields")
+            made = base.form.made
+            if made is not None and hasattr(made, node.attr):
+                self.refuse(node, f"'{node.attr}' is an attribute of the class of {spoken(base)}, and no field",
+                            "make it a field, or pass it as an argument", "S202")
+            else:
+                self._absent(base, node, f"{spoken(base)} has no field '{node.attr}'", node.attr, "fields")
         else:
             numbers = all(isinstance(i, Leaf) and i.type.kind in ("number", CELL) for i in base.items)
             help = f"write {base.path}[{node.attr!r}]" if node.attr in base.form.keys else (

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from s2sad.simplify.signs import gained, signed
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, Constant, Expr, For, FunctionDef, If, IfExp, Mult, Pow, Return, Sub, UnaryOp,
-    USub, While, at, augment, call_name, const, copy, equal, walk,
+    AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Constant, Expr, For, FunctionDef, If, IfExp,
+    Mult, Pow, Return, Sub, USub, UnaryOp, While, at, augment, call_name, const, copy, equal, walk,
 )
 
 
@@ -84,10 +84,19 @@ def _binary(node: BinOp, integers: bool) -> AST:
     if isinstance(node.op, Mult) and left is not None and right is not None:
         return const(left * right)
     if isinstance(node.op, Mult) and (left == 1 or right == 1):
-        return node.right if left == 1 else node.left
+        other = node.right if left == 1 else node.left
+        return other if integers or not _may_be_bool(other) else node
     if isinstance(node.op, Pow) and right == 1:
         return node.left
     return node
+
+
+def _may_be_bool(node: AST) -> bool:
+    """Whether an expression may be a bool, which times 1 is a number: a sum of two bools is a bool."""
+    if isinstance(node, BinOp):
+        return isinstance(node.op, (BitAnd, BitOr, BitXor, Add, Mult)) and _may_be_bool(node.left) and _may_be_bool(
+            node.right)
+    return not isinstance(node, (Constant, Call)) or (call_name(node) or "").startswith("numpy.")
 
 
 def _sum(node: BinOp, left: int | None, right: int | None) -> AST:

@@ -4,7 +4,7 @@ Affine forms over names and shapes that a loop does not change; a form that is n
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 
 from s2sad.infer.affine import Affine, combined
@@ -99,10 +99,11 @@ def shifted_by(node: AST, counter: str) -> int | None:
     return form.constant if form is not None and form.terms == ((counter, 1),) else None
 
 
-def is_straight(block: list[AST]) -> bool:
-    """Whether a block has only bindings, stores and branches of these."""
-    return all(is_comment(s) or isinstance(s, (Assign, AugAssign))
-               or isinstance(s, If) and is_straight(s.body) and is_straight(s.orelse) for s in block)
+def is_straight(block: list[AST], writing: Set[str] = frozenset()) -> bool:
+    """Whether a block has only bindings, stores and branches of these, and calls none of the functions of these names,
+    which write arrays."""
+    return all(is_comment(s) or isinstance(s, (Assign, AugAssign)) and not any(call_name(n) in writing for n in walk(s))
+               or isinstance(s, If) and is_straight(s.body, writing) and is_straight(s.orelse, writing) for s in block)
 
 
 def stores(block: list[AST]) -> list[Subscript]:

@@ -8,6 +8,7 @@ Only arrays and numbers that are bound once, outside of loops and branches, have
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Set
 
 from s2sad.infer.affine import Affine, combined
 from s2sad.tree import (
@@ -22,9 +23,11 @@ _MAKERS = {*_FILLED, *_LIKE, "runtime.sized"}
 
 
 class Extents:
-    """The sizes that a function's own statements tell. `learn` is told of assertions, as they are passed."""
+    """The sizes that a function's own statements tell. `learn` is told of assertions, as they are passed; `writing` are
+    the functions that write arrays."""
 
-    def __init__(self, function: FunctionDef):
+    def __init__(self, function: FunctionDef, writing: Set[str] = frozenset()):
+        self.writing = writing
         bound = Counter(n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store))
         parameters = {p.id for p in function.args.args}
         self.fixed = {p for p in parameters if not bound[p]}

@@ -32,18 +32,21 @@ _LONGEST = 60
 
 
 def faster(function: FunctionDef, types: Mapping[str, Type], stacks: Set[str], shadows: Set[str],
-           sums: Set[str]) -> FunctionDef:
-    """The adjoint with its loops transformed; `shadows` are those of arrays, `sums` those of numbers."""
+           sums: Set[str], writing: Set[str] = frozenset()) -> FunctionDef:
+    """The adjoint with its loops transformed; `shadows` are those of arrays, `sums` those of numbers, `writing` the
+    functions that write arrays."""
     free = Names({n.id for n in walk(function) if isinstance(n, Name)} | set(types))
-    function = joined(function, sums, types, free)
+    function = joined(function, sums, types, free, writing)
     new = copy(function)
-    new.body = _Faster({s: types[s] for s in shadows}, free, stacks, sums).block(function.body, {}, None)
+    new.body = _Faster({s: types[s] for s in shadows}, free, stacks, sums, writing).block(function.body, {}, None)
     return new
 
 
 class _Faster:
-    def __init__(self, shadows: Mapping[str, Type], free: Names, stacks: Set[str], sums: Set[str]):
+    def __init__(self, shadows: Mapping[str, Type], free: Names, stacks: Set[str], sums: Set[str],
+                 writing: Set[str]):
         self.shadows, self.free, self.stacks, self.sums = shadows, free, stacks, set(sums)
+        self.writing = writing
         self.waiting: list[Assign] = []     # allocations on their way out of the loops
 
     def block(self, block: list[AST], least: dict[str, int], bound: set[str] | None) -> list[AST]:
@@ -62,7 +65,7 @@ class _Faster:
         inside = dict(least)
         if isinstance(statement, For):
             inside.pop(statement.target.id, None)
-        if bounds is not None and is_straight(statement.body):
+        if bounds is not None and is_straight(statement.body, self.writing):
             return self.loop(statement, inside)
         ends = bounds.ends() if bounds else None
         if bounds and ends and not ends[0].terms:

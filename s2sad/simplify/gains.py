@@ -9,7 +9,7 @@ Compilers cannot do it: for all they know a store to a shadow changes what the o
 """
 from __future__ import annotations
 
-from s2sad.analyze.liveness import base_name, targets
+from s2sad.analyze.liveness import base_name, touched
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, FunctionDef, IfExp, Sub, Subscript, at, augment, call_name, copy, dump,
@@ -68,7 +68,7 @@ def _partner(run: list[AST], position: int) -> int | None:
         statement = run[later]
         if _is_gain(statement) and dump(statement.target) == dump(gain.target):
             return later
-        stored = {base_name(t) for t in targets(statement)}
+        stored = touched(statement)
         touches = array in names(statement) or array in stored
         if touches and not (_is_gain(statement) and base_name(statement.target) == array):
             return None

@@ -31,10 +31,12 @@ from s2sad.tree import (
 _LONGEST, _MOST_PAIRS = 48, 60
 
 
-def joined(function: FunctionDef, sums: Set[str], types: Mapping[str, Type], free: Names) -> FunctionDef:
-    """The function with its nests joined; `sums` are numbers whose gains come in any order."""
+def joined(function: FunctionDef, sums: Set[str], types: Mapping[str, Type], free: Names,
+           writing: Set[str] = frozenset()) -> FunctionDef:
+    """The function with its nests joined; `sums` are numbers whose gains come in any order, `writing`
+    the functions that write arrays."""
     new = copy(function)
-    extents = Extents(function)
+    extents = Extents(function, writing)
     new.body = _Joined(extents, sums, Passed(function, extents, types, free)).block(function.body)
     return new
 

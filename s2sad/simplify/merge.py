@@ -8,7 +8,7 @@
 """
 from __future__ import annotations
 
-from s2sad.analyze.liveness import base_name, targets
+from s2sad.analyze.liveness import base_name, touched
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, Break, Constant, FunctionDef, If, Name, Return, Store, Sub, Subscript, assign, at,
@@ -70,7 +70,7 @@ def _refilled(block: list[AST], position: int) -> list[AST]:
                 return [*block[:position], *block[position + 1:first], new, *block[first:k], *block[k + 1:]]
         elif not isinstance(item, (Assign, AugAssign)):
             return block
-        bound |= {base_name(t) for t in targets(item)} - {array}
+        bound |= touched(item) - {array}
     return block
 
 

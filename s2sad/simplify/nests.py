@@ -51,4 +51,4 @@ def nest_of(statement: AST, extents: Extents) -> Nest | None:
         found.starts.append(start)
         found.runs.append(stop.plus(start, -1))
         found.body = loop.body
-    return found if found.loops and is_straight(found.body) else None
+    return found if found.loops and is_straight(found.body, extents.writing) else None

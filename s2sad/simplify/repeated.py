@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from s2sad.analyze.liveness import base_name, targets
+from s2sad.analyze.liveness import touched
 from s2sad.blocks import with_blocks
 from s2sad.infer.infer import Typing
 from s2sad.naming import Names
@@ -66,7 +66,7 @@ def _most(block: list[AST], typing: Typing) -> _Found | None:
     for position, statement in enumerate(block):
         if isinstance(statement, (Assign, AugAssign)):
             _visit(statement.value, lambda n, k=position: _note(known, n, k), typing)
-            stored = {base_name(t) for t in targets(statement)}
+            stored = touched(statement)
         elif is_comment(statement):
             continue
         else:

@@ -19,6 +19,8 @@ same iterations in the same order. A remainder takes as long as ten sums, and ke
 """
 from __future__ import annotations
 
+from collections.abc import Set
+
 from s2sad.analyze.liveness import base_name
 from s2sad.blocks import with_blocks
 from s2sad.naming import Names
@@ -33,10 +35,10 @@ from s2sad.tree import (
 _FURTHEST = 4
 
 
-def turned(function: FunctionDef, free: Names | None = None) -> FunctionDef:
-    """The function with such loops as several."""
+def turned(function: FunctionDef, free: Names | None = None, writing: Set[str] = frozenset()) -> FunctionDef:
+    """The function with such loops as several; those that call one of the `writing` functions stay."""
     free = free or Names({n.id for n in walk(function) if isinstance(n, Name)})
-    extents = Extents(function)
+    extents = Extents(function, writing)
 
     def block(statements: list[AST]) -> list[AST]:
         known = dict(extents.equal)
@@ -44,7 +46,7 @@ def turned(function: FunctionDef, free: Names | None = None) -> FunctionDef:
         for statement in statements:
             extents.learn(statement)
             inner = with_blocks(statement, block)
-            loop, before = _first(inner, free)
+            loop, before = _first(inner, free, writing)
             loops = _split(loop, extents, free) or [loop]
             made += [_if_run(loop, [*before, *loops])] if before else loops
         extents.equal = known
@@ -54,10 +56,10 @@ def turned(function: FunctionDef, free: Names | None = None) -> FunctionDef:
     return new
 
 
-def _first(loop: AST, free: Names) -> tuple[AST, list[AST]]:
+def _first(loop: AST, free: Names, writing: Set[str]) -> tuple[AST, list[AST]]:
     """An innermost loop, and what binds the remainders that are the same for all of its iterations."""
     bounds = counted(loop)
-    if not isinstance(loop, For) or bounds is None or not is_straight(loop.body):
+    if not isinstance(loop, For) or bounds is None or not is_straight(loop.body, writing):
         return loop, []
     bound = {bounds.counter, *changed(loop.body), *(base_name(t) for t in stores(loop.body))}
     found = {dump(n): n for s in walk(loop.body) if isinstance(s, Subscript) for n in walk(s.slice)
@@ -82,7 +84,7 @@ def _split(loop: AST, extents: Extents, free: Names) -> list[AST] | None:
     """The loops for an innermost loop along an axis around which an index goes, None for any other statement."""
     bounds = counted(loop)
     if not isinstance(loop, For) or bounds is None or bounds.step < 0 or integer(bounds.start) != 0 or not is_straight(
-            loop.body):
+            loop.body, extents.writing):
         return None
     around = {dump(n): n for n in walk(loop.body) if isinstance(n, BinOp) and isinstance(n.op, Mod)
               and bounds.counter in names(n.left)}
