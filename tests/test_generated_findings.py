@@ -157,7 +157,17 @@ def counters_of_a_loop_that_is_written_out(x, y, m):
         y[i] *= y[i - 1]
 
 
-KERNELS = (counters_of_a_loop_that_is_written_out, copies_within_expressions,
+def asked_of_whole_arrays(x, y, m):
+    flags, k = x > 0.0, np.array([2, 1, 3, 0, 2])
+    y[...] = x ** 2 * np.any(flags) + x * np.all(flags) + y * np.any(y > 0.2)
+    x += np.where(np.any(x > 0.5), x ** 2, y) * np.size(m) * np.ndim(m)
+    y[1:] *= x[1:] * np.argmin(k) * k.max() * np.count_nonzero(k > 1) + flags.argmax()
+    y[flags] = x[flags] * float(np.any(flags)) * np.minimum(2.0, np.any(k > 2))
+    m *= np.searchsorted(np.arange(4), 2) * np.all(np.diff(k) > -5) * np.allclose(x, x)
+    m[1] -= x[:4] * np.any(m > 0.3)
+
+
+KERNELS = (asked_of_whole_arrays, counters_of_a_loop_that_is_written_out, copies_within_expressions,
            parts_of_length_one_to_a_helper, joined_masks, numbers_spread_and_summed,
            sizes_of_picked_elements, parts_of_picked_elements, picked_from_parts,
            parts_that_run_backwards,

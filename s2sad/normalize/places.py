@@ -328,8 +328,8 @@ def array_operands(node: AST, typing: Typing) -> list[AST]:
     """The array references (whole or partly indexed) that an elementwise expression reads, outermost only."""
     if isinstance(node, (Name, Subscript)) and typing.of(node).is_array:
         return [node]
-    if isinstance(node, (Attribute, Name, Constant, Subscript)) or call_name(node) in ("numpy.sum", "builtins.len"):
-        return []
+    if isinstance(node, (Attribute, Name, Constant, Subscript)) or isinstance(node, Call) and typing.of(node).is_number:
+        return []   # what is asked of a whole array is no matter of its shape
     children = [c for f in node._fields for c in _children(getattr(node, f, None))]
     return [part for c in children for part in array_operands(c, typing)]
 

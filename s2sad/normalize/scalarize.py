@@ -35,8 +35,8 @@ from s2sad.normalize.places import array_operands
 from s2sad.normalize.regions import is_new
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While, assign,
-    at, augment, call, call_name, const, copy, counted_for, index, indices, name, rebuild, sub, walk,
+    AST, Add, Assign, AugAssign, BinOp, Call, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While,
+    assign, at, augment, call, call_name, const, copy, counted_for, index, indices, name, rebuild, sub, walk,
 )
 
 
@@ -130,6 +130,8 @@ class Scalarize:
             return self.picked(target, value)
         before: list[AST] = []
         value = self.sums(value, before)
+        if self.typing.of(value).is_array or isinstance(target, Subscript) and self.typing.of(target).is_array:
+            value = self.asked(value, before)
         if isinstance(target, Subscript) and self.typing.of(target).is_array:
             held = self.held(value, base_name(target), before)
             place = at(Subscript(target.value, self.held(target.slice, base_name(target), before), target.ctx), target)
@@ -268,6 +270,17 @@ class Scalarize:
                 before.extend(self.reduced.total(total, operand, kind))
                 return name(total)
             return None
+        return rebuild(value, change)
+
+    def asked(self, value: AST, before: list[AST]) -> AST:
+        """The value with what is asked of whole arrays in it, `np.any(m)`, named before: no element has it."""
+        def change(n: AST) -> AST | None:
+            if not isinstance(n, Call) or not self.typing.of(n).is_number or not any(
+                    self.typing.of(a).is_array for a in n.args) or call_name(n) == "builtins.len":
+                return None
+            made = self.number("asked", self.typing.of(n))
+            before.append(assign(made, copy(n)))
+            return name(made)
         return rebuild(value, change)
 
     def alike(self, node: AST) -> bool:
