@@ -283,6 +283,7 @@ def one_or_the_other(x, y, a, c):
     z = 0.0 * x[0]
     v = z or y[1] or c
     w = x[2] and (z or c)
+    w += (x[1] and x[3] or y[0]) * (a and x[0] or np.where(x[1] or c, y[2], 1.0))
     return total + v * w + squared(x[0] or 2.0) + (squared(z) or squared(y[2]))
 
 

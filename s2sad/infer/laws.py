@@ -14,6 +14,7 @@ from s2sad.tree import AST, Constant, List, Tuple, UnaryOp, USub
 Shape = tuple["Affine | None", ...]
 Options = Mapping[str, AST]
 ONE = Affine((), 1)
+_UNSAID = Constant(None, None)
 LEAST = Affine.symbol("the least")  # stands for the least size of the first argument
 GIVEN = {Affine.symbol(f"the argument {n}"): n for n in ("m", "n", "size")}    # stand for sizes that are arguments
 _M, _N, _SIZE = GIVEN
@@ -64,7 +65,8 @@ def paired_axes(node: AST | None, ranks: list[int]) -> list[tuple[int, int]] | N
 
 
 def is_true(node: AST | None) -> bool:
-    return isinstance(node, Constant) and node.value is True
+    """Whether an option is written, and true."""
+    return isinstance(node, Constant) and bool(node.value)
 
 
 def of_rank(kind: Type, rank: int) -> Type:
@@ -78,7 +80,7 @@ def _widened(kind: Type) -> Type:
 
 def _reduced_type(args: list[Type], options: Options) -> Type:
     axes = axes_of(options["axis"], args[0].rank)
-    if axes is None or not args[0].is_array:
+    if axes is None or not args[0].is_array or not isinstance(options.get("keepdims", _UNSAID), Constant):
         return UNKNOWN
     return of_rank(args[0], args[0].rank if is_true(options.get("keepdims")) else args[0].rank - len(axes))
 

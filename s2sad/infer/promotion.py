@@ -80,7 +80,9 @@ def join(a: Type, b: Type) -> Type | None:
 def common(args: list[Type]) -> str:
     """The dtype that arrays and numbers have together."""
     arrays = [a for a in args if a.is_array] or args
-    return max((a.dtype for a in arrays), key=lambda d: ORDER.index(d) if d in ORDER else len(ORDER), default="")
+    found = max((a.dtype for a in arrays), key=lambda d: ORDER.index(d) if d in ORDER else len(ORDER), default="")
+    whole = found.startswith(("int", "uint", "bool"))
+    return "float64" if whole and any(a.is_number and a.is_float for a in args) else found
 
 
 def known_array(args: list[Type]) -> bool:

@@ -23,6 +23,7 @@ _LIKES = {"numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")  # without an axis
 _OF_ARGUMENTS = {"builtins.abs", "builtins.min", "builtins.max", "numpy.abs", "numpy.absolute", "numpy.minimum",
                  "numpy.maximum", "numpy.square", "numpy.conj", "numpy.conjugate", "numpy.real", "numpy.imag"}
+_FLOATS = ("math.pow", "math.fmod", "numpy.float_power", "numpy.rint")    # of integers, too
 _COMPARED = ("numpy.allclose", "numpy.array_equal")
 
 
@@ -94,6 +95,10 @@ class TypesOfCalls(ABC):
         for other in types[1:]:
             result = promote(result, other)
         kind = rules.constant_result(name)
+        if name in _FLOATS and not result.is_inexact and result.dtype:
+            return Type(result.kind, "float64", result.rank)
+        if name == "builtins.round" and len(types) > 1:
+            return types[0]
         if result.is_complex and (rule := rules.find(name)) is not None and rule.plane is not None:
             return result.real if rule.plane.kind == "gradient" else result
         if name in _COMPARED or name in _REDUCED and len(types) == 1 and not keywords:

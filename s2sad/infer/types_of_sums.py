@@ -77,11 +77,14 @@ def _trapezoid(args: list[Type], options: Arguments) -> Type:
 
 def _gradient(args: list[Type], options: Arguments) -> Type:
     axis = options["axis"]
+    if not is_none(options["third"]):
+        return UNKNOWN
     if not is_none(options["part"]) and known_array(args):
         number, several = whole_number(options["part"]) or 0, args[0].rank > 1 and is_none(axis)
         if several and number < args[0].rank and (is_none(options["second"]) or args[0].rank == 2):
             return _float(args[0])
-        return UNKNOWN if several or args[0].rank == 0 else _float(of_rank(args[0], args[0].rank - 1))
+        one = is_none(axis) or one_axis(axis, args[0].rank) is not None
+        return UNKNOWN if several or args[0].rank == 0 or not one else _float(of_rank(args[0], args[0].rank - 1))
     if not is_none(options["second"]):
         return UNKNOWN
     fits = known_array(args) and (is_none(axis) and args[0].rank == 1 or one_axis(axis, args[0].rank) is not None)

@@ -103,7 +103,8 @@ class _Choices:
             sides = sides if isinstance(node.op, Or) else sides[::-1]
         else:
             test, *sides = node.args
-        return [*before, If(self.pure(test, before), *(self.side(target, a) for a in sides))]
+        test = self.pure(test, before)
+        return [*before, If(test, *(self.side(target, a) for a in sides))]
 
     def side(self, target: AST, value: AST) -> list[AST]:
         if self.chooses(value):

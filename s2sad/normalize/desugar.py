@@ -23,9 +23,9 @@ from s2sad.normalize.in_place import UNSUPPORTED, stored_by_call, stored_out
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.unpack import unpack
 from s2sad.tree import (
-    AST, And, AnnAssign, Assert, Assign, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr,
-    For, FunctionDef, If, IfExp, Name, Not, Pass, Raise, Return, Subscript, UnaryOp, While, assign, at,
-    call_name, const, copy, function, name, walk,
+    AST, And, AnnAssign, Assert, Assign, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr, For,
+    FunctionDef, If, IfExp, Name, Not, Pass, Raise, Return, Subscript, UnaryOp, While, assign, at, call_name, const,
+    copy, function, name, walk,
 )
 
 
@@ -47,15 +47,12 @@ def _block(statements: list[AST], scope: Scope) -> list[AST]:
 
 
 def _assign(node: Assign, scope: Scope) -> list[AST]:
-    stored = stored_out(node.value)
-    if stored is not None:
-        filled, value = stored
-        return [*unpack([filled], value, scope), *unpack(node.targets, copy(filled.value), scope)]
-    return unpack(node.targets, node.value, scope)
+    before, value = hoist(node.value, scope) if stored_out(node.value) is not None else ([], node.value)
+    return [*before, *unpack(node.targets, value, scope)]
 
 
 def _annotated(node: AnnAssign, scope: Scope) -> list[AST]:
-    return [] if node.value is None else unpack([node.target], node.value, scope)
+    return [] if node.value is None else _assign(at(Assign([node.target], node.value, None), node), scope)
 
 
 def _augmented(node: AugAssign, scope: Scope) -> list[AST]:

@@ -15,16 +15,17 @@ from __future__ import annotations
 
 from s2sad.normalize.calls import bound_arguments, leaves, nested, result_structure, user_call
 from s2sad.normalize.memory import walk_children
+from s2sad.normalize.in_place import stored_out
 from s2sad.normalize.scope import Scope, atomic
 from s2sad.tree import (
     AST, And, Attribute, BoolOp, Call, Compare, Constant, If, IfExp, Name, Not, Slice, Starred, Subscript, Tuple,
-    UnaryOp, USub, assign, copy, indices, keyword, name, names, rebuild, tuple_of, walk,
+    USub, UnaryOp, assign, const, copy, dump, expr, index, indices, keyword, name, names, rebuild, tuple_of, walk,
 )
 
 
 def impure(node: AST | list[AST]) -> bool:
     """Whether an expression needs statements of its own."""
-    return any(isinstance(n, IfExp) or user_call(n) is not None for n in walk(node))
+    return any(isinstance(n, IfExp) or user_call(n) is not None or stored_out(n) is not None for n in walk(node))
 
 
 def hoist(node: AST, scope: Scope) -> tuple[list[AST], AST]:
@@ -45,7 +46,7 @@ def hoist(node: AST, scope: Scope) -> tuple[list[AST], AST]:
         return before, _like(node, Compare(left, node.ops, [middle, *node.comparators[1:]]))
     if user_call(node) is not None:
         return _called(node, scope)
-    return _operands(node, scope)
+    return _operands(node, scope) if stored_out(node) is None else _stored(node, scope)
 
 
 def hoist_all(nodes: list[AST], scope: Scope) -> tuple[list[AST], list[AST]]:
@@ -107,6 +108,16 @@ def _called(node: Call, scope: Scope) -> tuple[list[AST], AST]:
         return [*before, assign(results[0], bound)], results[0]
     value = nested(results, structure, lambda items: tuple_of(*items))
     return [*before, assign(tuple_of(*results), bound)], _like(node, value)
+
+
+def _stored(node: AST, scope: Scope) -> tuple[list[AST], AST]:
+    """What fills the array that a call is given for its result, and the array: one that is made here has a name."""
+    filled, value = stored_out(node) or (index(node, const(...)), node)
+    before, place = hoist(filled.value, scope)
+    if not isinstance(place, Name):
+        text, place = dump(filled.value), scope.held(place, "filled", before)
+        value = rebuild(value, lambda n: copy(place) if isinstance(n, expr) and dump(n) == text else None)
+    return [*before, *into(index(place, const(...)), value, scope)], copy(place)
 
 
 def _short_circuit(target: Name, node: BoolOp, scope: Scope) -> list[AST]:

@@ -18,9 +18,12 @@ import numpy
 
 from s2sad.read.meaning import library_value
 from s2sad.rules.composed import WRITING
-from s2sad.tree import AST, Attribute, Call, Tuple, at, call, call_name, const, copy, index, name
+from s2sad.tree import AST, Attribute, Call, Constant, Tuple, at, call, call_name, const, copy, index, name
 
-_POSITIONAL = {"numpy.dot": 2, "numpy.matmul": 2, "numpy.clip": 3}  # where `out` stands; after the operands of ufuncs
+# where `out` stands; after the operands of ufuncs
+_POSITIONAL = {"numpy.dot": 2, "numpy.matmul": 2, "numpy.clip": 3, "numpy.max": 2, "numpy.min": 2, "numpy.amax": 2,
+               "numpy.amin": 2, "numpy.round": 2, "numpy.around": 2, "numpy.any": 2, "numpy.all": 2, "numpy.sum": 3,
+               "numpy.mean": 3, "numpy.prod": 3, "numpy.cumsum": 3, "numpy.cumprod": 3, "numpy.var": 3, "numpy.std": 3}
 # what NumPy writes by the number of an element in the order of rows: said, and what to write instead
 UNSUPPORTED = {"numpy.put": "write x[places] = values", "numpy.place": "write x[mask] = values",
                "numpy.putmask": "write x[...] = np.where(mask, values, x)",
@@ -55,9 +58,10 @@ def stored_out(node: AST) -> tuple[AST, AST] | None:
         out = out.elts[0]
     if out is None and place is not None and len(args) == place + 1:
         args, out = args[:place], args[place]
-    if out is None:
+    if out is None or isinstance(out, Constant) and out.value is None:
         return None
-    where = given.pop("where", None)
+    elementwise = isinstance(library_value(called), numpy.ufunc)    # of a reduction `where` picks what is reduced
+    where = given.pop("where", None) if elementwise else None
     keywords = [k for k in node.keywords if k.arg in given]
     value = at(Call(node.func, args, keywords), node)
     return _whole(out), value if where is None else at(call("numpy.where", where, value, copy(out)), node)

@@ -14,7 +14,7 @@ from s2sad.infer.infer import Typing, is_inverted
 from s2sad.infer.laws import whole_number
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, Constant, For, FunctionDef, If, Mult, Name, Pow, Sub, UnaryOp,
-    USub, While, assign, at, call, copy, name, names, rebuild, stored_names,
+    USub, While, assign, at, call, call_name, copy, name, names, rebuild, stored_names,
 )
 
 _NARROW = ("int8", "int16", "uint8", "uint16", "uint32", "uint64")
@@ -66,6 +66,8 @@ class _Integers:
         """An expression, or a simple statement, with calls for its powers, and masks joined as NumPy joins them."""
         def change(part: AST) -> AST | None:
             self.refuse(part)
+            if call_name(part) == "builtins.float" and part.args and self.typing.of(part.args[0]).dtype == "bool":
+                return at(call("builtins.float", call("builtins.int", rebuild(part.args[0], change))), part)
             if not isinstance(part, BinOp):
                 return None
             whole = self.is_whole(part.left) and self.is_whole(part.right)

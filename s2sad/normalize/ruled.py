@@ -29,6 +29,10 @@ _OTHER = frozenset({
 _FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to",
                    "runtime.sparse_rows", "runtime.sparse_span", "runtime.sparse_joined"})
 _SUMS = ("numpy.sum",)
+_OPTIONS = {**dict.fromkeys(("numpy.empty", "numpy.zeros", "numpy.ones"), ("shape", "dtype", "order")),
+            **dict.fromkeys(("numpy.empty_like", "numpy.zeros_like", "numpy.ones_like"), ("dtype", "order")),
+            "numpy.full": ("shape", "fill_value", "dtype", "order"),
+            "numpy.full_like": ("fill_value", "dtype", "order"), **dict.fromkeys(_COPIES, ("dtype", "order"))}
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
 _HELP = {
     "numpy.squeeze": "name the axis: np.squeeze(x, axis=0), or write x[0]",
@@ -102,8 +106,23 @@ def _alone(node: AST, typing: Typing, report: Report) -> None:
                          "expression", part, help="give what it returns a name, in a statement of its own")
 
 
+def _unknown_option(name: str, node: Call) -> str:
+    """An option of a function that makes an array, or that has no derivative, and that would be passed over."""
+    given = [k.arg or "**" for k in node.keywords]
+    known = _OPTIONS.get(name)
+    refused = ("out", "where", "casting", "subok", "signature") if known is None and rules.constant_result(name) else ()
+    if name.endswith(".solve_triangular") and any(k.arg == "trans" and getattr(k.value, "value", None) not in (0, 1)
+                                                  for k in node.keywords):
+        return "a trans that is not written out"
+    return next((f"{k}=" for k in given if known is not None and k not in known or k in refused), "")
+
+
 def _call(node: Call, typing: Typing, report: Report) -> None:
     name = call_name(node)
+    other = _unknown_option(name or "", node)
+    if other:
+        report.error("S301", f"no derivative rule for {name} with {other}", node, help=_LOOP)
+        return
     if name in _REDUCED and len(node.args) + len(node.keywords) != 1:
         report.error("S301", f"no derivative rule for {name} with more than the array", node, help=_LOOP)
         return

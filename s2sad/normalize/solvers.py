@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from s2sad.diagnostics import Report
 from s2sad.tree import (
     AST, Assign, Call, Constant, FunctionDef, List, Name, Store, Subscript, Tuple, at, call, call_name, const, copy,
-    rebuild, walk,
+    keyword, rebuild, walk,
 )
 
 _SCIPY = "scipy.linalg."
@@ -50,10 +50,12 @@ def _plain(node: AST) -> AST | None:
     if not isinstance(node, Call) or not called.startswith(_SCIPY):
         return None
     keywords = [rebuild(k, _plain) for k in node.keywords if k.arg not in _IGNORED]
+    args = [rebuild(a, _plain) for a in node.args]
+    if called == f"{_SCIPY}solve_triangular" and len(args) == 3:
+        keywords.append(keyword("trans", args.pop()))
     for k in keywords:
         if k.arg == "trans" and isinstance(k.value, Constant):
             k.value = const(_TRANS.get(k.value.value, k.value.value))
-    args = [rebuild(a, _plain) for a in node.args]
     if called == f"{_SCIPY}cholesky" and (lower := _flag(args[1:], keywords)) is not None:
         return at(_cholesky(args[0], lower), node)
     written = args and isinstance(args[0], (Tuple, List)) and len(args[0].elts) == 2

@@ -216,7 +216,7 @@ def _in_blocks(node: Call) -> AST | None:
 
 def _bounded(node: Call) -> AST | None:
     """`np.clip` by name, or with one bound: the other one is None."""
-    if call_name(node) != "numpy.clip" or not node.args:
+    if call_name(node) != "numpy.clip" or not 1 <= len(node.args) <= 3:
         return None
     given: dict[str, AST] = dict(zip(("low", "high"), node.args[1:]))
     spelling = {"a_min": "low", "a_max": "high", "min": "low", "max": "high"}

@@ -59,7 +59,8 @@ for _text in (
         "numpy.minimum.outer(a, b)", "numpy.cross(a, b)", "numpy.vander(x, N=None, increasing=False)",
         "numpy.polyval(p, x)", "numpy.correlate(a, v, mode='valid')",
         "numpy.vdot(a, b)", "numpy.inner(a, b)", "numpy.trapezoid(y, x=None, dx=1.0, axis=-1)",
-        "numpy.gradient(f, spacing=1.0, second=None, axis=None, part=None)", "numpy.convolve(a, v, mode='full')",
+        "numpy.gradient(f, spacing=1.0, second=None, third=None, axis=None, part=None)",
+        "numpy.convolve(a, v, mode='full')",
         "numpy.interp(x, xp, fp)",
         # transforms
         *(f"numpy.fft.{_f}2(x, s=None, axes=(-2, -1), norm=None)" for _f in ("fft", "ifft", "rfft", "irfft")),

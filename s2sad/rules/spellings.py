@@ -85,5 +85,5 @@ for _function in ("fftshift", "ifftshift"):
     same(f"scipy.fft.{_function}(x, axes=None)", f"numpy.fft.{_function}(x, axes=axes)")
 same("numpy.flatnonzero(a)", "numpy.nonzero(numpy.ravel(a), part=0)")
 same("numpy.ediff1d(a)", "numpy.diff(numpy.ravel(a))")
-same("numpy.extract(condition, array)", "array[condition]")
+same("numpy.extract(condition, array)", "array[condition != 0]")
 same("numpy.flatten(a)", "numpy.copy(numpy.ravel(a))")  # the method

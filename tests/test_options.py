@@ -1,0 +1,82 @@
+"""Options of NumPy's functions: taken as NumPy takes them, or refused."""
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+from tests.engines import each
+
+
+def filled_where(x, y, a):
+    """The array for a result is made in the call, a part, or one of two names."""
+    z = np.divide(x, y, out=np.zeros_like(x), where=y > 0.5)
+    e = np.exp(x, out=np.empty(5))
+    w: np.ndarray = np.sin(y, out=np.empty(5))
+    p = q = np.multiply(x, y, out=x.copy())
+    p[0] = 3.0 * z[0]
+    s = np.sum(a, axis=0, out=np.zeros(5))
+    y[1:] = np.maximum(np.add(x[1:], y[1:], out=s[1:]), 0.1)
+    return np.sum(z * w + e * q) + np.sum(np.divide(x, y, out=np.ones_like(x), where=x > 0.6) ** 2) + np.sum(s ** 2)
+
+
+def returned(x, y, a):
+    return np.divide(x, y, out=np.zeros_like(x), where=y > 0.5)
+
+
+def positions(x, y, a):
+    """Where `out` stands by position; options that are true and not written True."""
+    b = np.zeros(2)
+    np.max(a, 1, b)
+    z = np.round(x * 10.0, 0, y)
+    c = a / np.sum(a ** 2, axis=1, keepdims=1)
+    return np.sum(b ** 2) + np.sum(z * x) + np.sum(c * np.linspace(x[0], x[1], 5, endpoint=1)) + np.sum(
+        np.vander(x, 3, increasing=1))
+
+
+def dtypes(x, y, a):
+    """Results of integers that are floats."""
+    k = np.array([3, 1, 4])
+    w = np.full(5, round(x[0], 1)) + math.pow(2, -1)
+    v, u = np.full(3, math.fmod(5, 3)), np.rint(k)
+    v[0], u[1] = x[0] ** 2, x[1] ** 2
+    h = np.hstack((k, x[2]))
+    mask = (x > 0.7) * 2
+    mask[0] += 3
+    return np.sum(w * x) + np.sum(v * u) + np.sum(h ** 2) * np.sum(np.append(k, y[0])) + np.sum(mask * y) + np.sum(
+        np.extract(np.array([2, 0, 1, 0, 3]), x))
+
+
+CASES = [(filled_where, ("y", "return")), (returned, ("return",)), (positions, ("return",)), (dtypes, ("return",))]
+
+
+@pytest.mark.parametrize(("kernel", "of", "engine"), each(CASES, 2))
+def test_kernel(kernel, of, engine):
+    random = np.random.default_rng(3)
+    given = 0.2 + random.random(5), 0.2 + random.random(5), 0.2 + random.random((2, 5))
+    check_derivatives(kernel, given, ("x", "y", "a"), of, engine)
+
+
+REFUSED = {
+    "np.zeros_like(x, shape=(2, 3))": "no derivative rule for numpy.zeros_like with shape=",
+    "np.array(x, copy=False)": "no derivative rule for numpy.array with copy=",
+    "np.array(x, ndmin=2)": "no derivative rule for numpy.array with ndmin=",
+    "np.sum(x, keepdims=flag)": "the type of 'y' cannot be inferred",
+    "np.sum(np.outer(x, x), axis=0, out=np.zeros(3), where=x > 0.0)":
+        "no derivative rule for numpy.sum with more than the array",
+    "np.sign(x, casting='unsafe')": "no derivative rule for numpy.sign with casting=",
+}
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_refused(text, tmp_path):
+    path = tmp_path / "kernel.py"
+    path.write_text(f"import numpy as np\n\n\ndef kernel(x, flag):\n    y = {text}\n    return np.sum(y * y)\n")
+    spaces = {}
+    exec(compile(path.read_text(), str(path), "exec"), spaces)
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(spaces["kernel"], wrt="x")(np.ones(3), True)
+    assert caught.value.diagnostics[0].message == REFUSED[text]
