@@ -75,6 +75,23 @@ def guarded(seed: AST, term: Term, whole: bool) -> Term:
     return Term(made, term.negative)
 
 
+def picked(tangent: Term, partial: AST) -> Term | None:
+    """The product with a partial that is a choice between something and zero: zero there, whatever the tangent is."""
+    if isinstance(partial, IfExp):
+        test, sides = partial.test, [partial.body, partial.orelse]
+    elif call_name(partial) == "numpy.where" and len(partial.args) == 3:
+        test, *sides = partial.args
+    else:
+        return None
+    zero = [isinstance(s, Constant) and type(s.value) is float and s.value == 0.0 for s in sides]
+    if zero[0] == zero[1]:
+        return None
+    made = tangent.times(sides[zero.index(False)])
+    left, right = (const(0.0), made.tree) if zero[0] else (made.tree, const(0.0))
+    return Term(IfExp(test, left, right) if isinstance(partial, IfExp) else call("numpy.where", test, left, right),
+                made.negative)
+
+
 def scalar_choices(node: AST, chosen: Callable[[AST], bool] = lambda n: True) -> AST:
     """`numpy.where(c, a, b)` on numbers as `a if c else b`, where it is `chosen`."""
     def change(n: AST) -> AST | None:

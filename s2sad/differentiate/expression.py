@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from s2sad import rules
 from s2sad.analyze.uses import is_active, operated
-from s2sad.differentiate.arithmetic import Term, guarded, is_plain, scalar_choices, total, unsigned
+from s2sad.differentiate.arithmetic import Term, guarded, is_plain, picked, scalar_choices, total, unsigned
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import ONE
 from s2sad.infer.shapes import Shapes, shape_expression
@@ -246,7 +246,7 @@ class Pushforward:
         if rule.kind == "gradient":
             made = inner.times(conjugated(partial, self.typing))
             return Term(call("numpy.real", made.tree), made.negative)
-        return inner.times(partial)
+        return picked(inner, partial) or inner.times(partial)
 
     def function(self, node: AST, result: AST | None) -> Term | None:
         """The tangent of a function of whole arrays."""

@@ -6,7 +6,7 @@ Engine: NumPy. Level: plain. Arguments:
     top: float64, in
 """
 
-# ruff: noqa: FURB136, SIM210, SIM211, RUF100
+# ruff: noqa: FURB136, RUF100
 
 import numpy as np
 
@@ -15,8 +15,8 @@ def kernel_tangent(y, y_dot, x, x_dot, top, top_dot):
     for i in range(x.size):
         y_dot[i] = (
             abs(x[i]) * (
-                (0.0 if top < max(x[i], 0.1) else 1.0) * ((0.0 if 0.1 > x[i] else 1.0) * x_dot[i]) +
-                (1.0 if top < max(x[i], 0.1) else 0.0) * top_dot
+                (0.0 if top < max(x[i], 0.1) else 0.0 if 0.1 > x[i] else x_dot[i]) +
+                (top_dot if top < max(x[i], 0.1) else 0.0)
             ) + min(max(x[i], 0.1), top) * (np.sign(x[i]) * x_dot[i])
         )
         y[i] = min(max(x[i], 0.1), top) * abs(x[i])

@@ -24,7 +24,7 @@ def kernel_tangent(x, x_dot):
     radius, angle, count, radius_dot, angle_dot = polar_tangent(x[0], x_dot[0], x[1], x_dot[1])
     return (
         angle * (
-            (0.0 if count == 0 else count * radius ** (count - 1)) * radius_dot if radius_dot != 0.0
+            (0.0 if count == 0 else count * radius ** (count - 1) * radius_dot) if radius_dot != 0.0
             else 0.0
         ) + radius ** count * angle_dot,
     )
