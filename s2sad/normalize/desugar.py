@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.normalize.calls import user_call
-from s2sad.normalize.hoist import bound_call, hoist, hoist_all, impure, operands, replace_operands
+from s2sad.normalize.hoist import bound_call, hoist, hoist_all, impure, operands, replace_operands, stored
 from s2sad.normalize.in_place import UNSUPPORTED, stored_by_call, stored_out
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.unpack import unpack
@@ -47,7 +47,7 @@ def _block(statements: list[AST], scope: Scope) -> list[AST]:
 
 
 def _assign(node: Assign, scope: Scope) -> list[AST]:
-    before, value = hoist(node.value, scope) if stored_out(node.value) is not None else ([], node.value)
+    before, value = stored(node.value, scope) if stored_out(node.value) is not None else ([], node.value)
     return [*before, *unpack(node.targets, value, scope)]
 
 

@@ -25,7 +25,7 @@ from s2sad.tree import (
 
 def impure(node: AST | list[AST]) -> bool:
     """Whether an expression needs statements of its own."""
-    return any(isinstance(n, IfExp) or user_call(n) is not None or stored_out(n) is not None for n in walk(node))
+    return any(isinstance(n, IfExp) or user_call(n) is not None or _fills(n) for n in walk(node))
 
 
 def hoist(node: AST, scope: Scope) -> tuple[list[AST], AST]:
@@ -46,7 +46,7 @@ def hoist(node: AST, scope: Scope) -> tuple[list[AST], AST]:
         return before, _like(node, Compare(left, node.ops, [middle, *node.comparators[1:]]))
     if user_call(node) is not None:
         return _called(node, scope)
-    return _operands(node, scope) if stored_out(node) is None else _stored(node, scope)
+    return stored(node, scope) if _fills(node) else _operands(node, scope)
 
 
 def hoist_all(nodes: list[AST], scope: Scope) -> tuple[list[AST], list[AST]]:
@@ -110,7 +110,12 @@ def _called(node: Call, scope: Scope) -> tuple[list[AST], AST]:
     return [*before, assign(tuple_of(*results), bound)], _like(node, value)
 
 
-def _stored(node: AST, scope: Scope) -> tuple[list[AST], AST]:
+def _fills(node: AST) -> bool:
+    """Whether a call inside an expression names the array for its result; one by position may be a mistake."""
+    return stored_out(node) is not None and any(k.arg == "out" for k in node.keywords)
+
+
+def stored(node: AST, scope: Scope) -> tuple[list[AST], AST]:
     """What fills the array that a call is given for its result, and the array: one that is made here has a name."""
     filled, value = stored_out(node) or (index(node, const(...)), node)
     before, place = hoist(filled.value, scope)
