@@ -157,6 +157,11 @@ def counters_of_a_loop_that_is_written_out(x, y, m):
         y[i] *= y[i - 1]
 
 
+def extremes_of_no_rows(x, y, m):
+    for j in range(3):
+        m[:j, 1] -= np.max(x[-1] * np.ones((j, 2)), axis=1) * np.min(y[:2] * np.ones((j, 2)), axis=1)
+
+
 def asked_of_whole_arrays(x, y, m):
     flags, k = x > 0.0, np.array([2, 1, 3, 0, 2])
     y[...] = x ** 2 * np.any(flags) + x * np.all(flags) + y * np.any(y > 0.2)
@@ -167,7 +172,8 @@ def asked_of_whole_arrays(x, y, m):
     m[1] -= x[:4] * np.any(m > 0.3)
 
 
-KERNELS = (asked_of_whole_arrays, counters_of_a_loop_that_is_written_out, copies_within_expressions,
+KERNELS = (extremes_of_no_rows, asked_of_whole_arrays, counters_of_a_loop_that_is_written_out,
+           copies_within_expressions,
            parts_of_length_one_to_a_helper, joined_masks, numbers_spread_and_summed,
            sizes_of_picked_elements, parts_of_picked_elements, picked_from_parts,
            parts_that_run_backwards,

@@ -27,6 +27,8 @@ def extreme_mask(x, y, axis=None, keepdims=False):
         if x.size:
             first.reshape(-1)[np.argmax(x == y if y == y else x != x)] = 1
         return first
+    if not x.size:
+        return np.zeros(x.shape, x.dtype)
     best = spread(y, x.shape, axis, keepdims)
     found = (x == best) | ((x != x) & (best != best))
     axes = tuple(range(x.ndim)) if axis is None else axis if isinstance(axis, tuple) else (axis,)
