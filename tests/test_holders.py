@@ -200,7 +200,52 @@ def stored_in_a_row(x):
     return GRADES[0][1] * x[0]
 
 
+class Hidden:
+    def __init__(self):
+        self.__dict__["scale"] = 100.0
+
+    @property
+    def scale(self):
+        return 3.0
+
+
+class Metres(float):
+    def __mul__(self, other):
+        return Metres(2.0 * float(self) * other)
+
+    __rmul__ = __mul__
+
+
+HIDDEN, LENGTH, TABLE, MASKED, HALF = (
+    Hidden(), Metres(1.5), np.matrix([[1.0, 2.0], [3.0, 4.0]]), np.ma.masked_array([1.0, 2.0, 3.0]), np.float16(0.5))
+
+
+def property_before_a_field(x):
+    return x[0] * HIDDEN.scale
+
+
+def float_of_its_own(x):
+    return x[0] * LENGTH
+
+
+def matrix(x):
+    return np.sum(TABLE * TABLE * x[0])
+
+
+def masked(x):
+    return np.sum(MASKED * x)
+
+
+def half(x):
+    return x[0] * HALF
+
+
 @pytest.mark.parametrize("kernel, message", [
+    (property_before_a_field, "'HIDDEN.scale' cannot be used in a kernel: it is a property"),
+    (float_of_its_own, "'LENGTH' cannot be used in a kernel: it is a Metres"),
+    (matrix, "'TABLE' cannot be used in a kernel: it is a matrix"),
+    (masked, "'MASKED' cannot be used in a kernel: it is a MaskedArray"),
+    (half, "'HALF' cannot be used in a kernel: it is a float16"),
     (items_of_its_own, "'DOUBLED' cannot be used in a kernel: it is a Doubled"),
     (stored_in_a_list, "'COUNTS' cannot be used in a kernel: it is a list or tuple of the module, and written"),
     (stored_in_a_row, "'GRADES' cannot be used in a kernel: it is a list or tuple of the module, and written"),

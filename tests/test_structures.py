@@ -709,6 +709,24 @@ def test_a_property_is_not_assigned(kernel, arguments):
     assert caught.value.diagnostics[0].help == "assign the fields that it stands for, numbers and arrays"
 
 
+@dataclass
+class Sized:
+    a: float
+
+    def __len__(self):
+        return 0
+
+
+def truth_of_its_own(q, x):
+    return x[0] if q else x[1] * q.a
+
+
+def test_the_truth_of_an_object_that_defines_it():
+    with pytest.raises(S2sadError) as caught:
+        gradient(differentiate(truth_of_its_own, engine="numpy"), wrt="x")(Sized(0.3), np.ones(2))
+    assert caught.value.diagnostics[0].message == "the truth of 'q', which its class defines"
+
+
 REFUSED = [
     (field_that_is_not_there, (state_of(),), "s.uu", "S202", "'s' has no field 'uu'",
      "its fields are u, v, t, n, log"),
