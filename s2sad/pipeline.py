@@ -125,10 +125,7 @@ def in_loops(derived: Derived, units: Units) -> FunctionDef:
 
 def _writing(function: FunctionDef, units: Units) -> set[str]:
     """The functions that a function calls and that write arrays."""
-    called = {n for n in walk(function.body) if isinstance(n, Call) and (call_name(n) or "").startswith("user.")}
-    kernels = {f"user.{title}" for title, unit in units.titled.items() if unit.summary.written}
-    return {call_name(n) or "" for n in called if units.effects.writes(n)} | {
-        call_name(n) or "" for n in called} & kernels
+    return {call_name(n) or "" for n in walk(function.body) if isinstance(n, Call) and units.effects.writes(n)}
 
 
 def given_twice(units: Units) -> set[str]:

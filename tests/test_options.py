@@ -50,7 +50,16 @@ def dtypes(x, y, a):
         np.extract(np.array([2, 0, 1, 0, 3]), x))
 
 
-CASES = [(filled_where, ("y", "return")), (returned, ("return",)), (positions, ("return",)), (dtypes, ("return",))]
+def copied(x, y, a):
+    """Powers and products of bools are numbers; a copy is one."""
+    b = np.array(x, copy=True)
+    b[0] = y[0] * x[1]
+    m = (x > 0.7) ** 1 + (y > 0.5) ** 1
+    return np.sum(b * x * m) + x[0] * (True * 1 + 1 * True)
+
+
+CASES = [(copied, ("return",)),
+         (filled_where, ("y", "return")), (returned, ("return",)), (positions, ("return",)), (dtypes, ("return",))]
 
 
 @pytest.mark.parametrize(("kernel", "of", "engine"), each(CASES, 2))
@@ -80,6 +89,23 @@ def test_refused(text, tmp_path):
     with pytest.raises(s2sad.S2sadError) as caught:
         s2sad.gradient(spaces["kernel"], wrt="x")(np.ones(3), True)
     assert caught.value.diagnostics[0].message == REFUSED[text]
+
+
+def own(x):
+    x[0] *= 2.0
+    return x[1]
+
+
+def beside_a_call(x):
+    return np.sum(np.multiply(own(x), x, out=x.copy(), where=x > 0.5))
+
+
+def test_an_array_that_is_made_beside_a_call():
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(beside_a_call)(np.ones(3))
+    assert caught.value.diagnostics[0].message == (
+        "the array for a result is made, or a part, beside a call of a kernel")
+    assert caught.value.diagnostics[0].help == "give the array a name of its own before"
 
 
 def not_chosen(a, y):

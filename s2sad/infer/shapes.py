@@ -19,7 +19,7 @@ from s2sad.tree import (
     walk,
 )
 
-_ALLOCATIONS = ("numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like")
+ALLOCATIONS = frozenset({"numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like"})
 
 
 class Shapes(Slices):
@@ -225,7 +225,7 @@ def bare_shapes(function: FunctionDef, typing: Typing) -> Shapes:
     made = Shapes(typing, single_values(function))
     made.settled = True
     allocations = Counter(s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(
-        s.targets[0], Name) and call_name(s.value) in _ALLOCATIONS)
+        s.targets[0], Name) and call_name(s.value) in ALLOCATIONS)
     made.several = frozenset(a for a, count in allocations.items() if count > 1)
     made.counters = counters_of(function, made.values)
     return made

@@ -24,6 +24,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.infer.shapes import ALLOCATIONS
 from s2sad.tree import (
     AST, Add, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Compare, Constant, Expr, For,
     FunctionDef, If, IfExp, List, Name, Raise, Return, Slice, Sub, Subscript, Tuple, UnaryOp, While, call_name, names,
@@ -31,7 +32,6 @@ from s2sad.tree import (
 )
 
 STAGES = ("structured", "views", "rename", "atoms", "derivative")
-ALLOCATIONS = frozenset({"numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like"})
 _MADE = frozenset({"numpy.copy", "numpy.array", "numpy.asarray", "numpy.ascontiguousarray"})
 _EXPRESSIONS = (Attribute, BinOp, BoolOp, Call, Compare, Constant, IfExp, List, Name, Slice, Subscript, Tuple, UnaryOp)
 

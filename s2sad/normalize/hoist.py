@@ -118,8 +118,12 @@ def _fills(node: AST) -> bool:
 def stored(node: AST, scope: Scope) -> tuple[list[AST], AST]:
     """What fills the array that a call is given for its result, and the array: one that is made here has a name."""
     filled, value = stored_out(node) or (index(node, const(...)), node)
+    made = not isinstance(filled.value, Name)
+    if made and any(user_call(n) is not None for n in walk([*node.args, *node.keywords])):
+        scope.refuse(node, "the array for a result is made, or a part, beside a call of a kernel",
+                     help="give the array a name of its own before")
     before, place = hoist(filled.value, scope)
-    if not isinstance(place, Name):
+    if made:
         text, place = dump(filled.value), scope.held(place, "filled", before)
         value = rebuild(value, lambda n: copy(place) if isinstance(n, expr) and dump(n) == text else None)
     return [*before, *into(index(place, const(...)), value, scope)], copy(place)

@@ -110,6 +110,9 @@ def _unknown_option(name: str, node: Call) -> str:
     """An option of a function that makes an array, or that has no derivative, and that would be passed over."""
     given = [k.arg or "**" for k in node.keywords]
     known = _OPTIONS.get(name)
+    copied = [k for k in node.keywords if k.arg == "copy" and getattr(k.value, "value", None) is True]
+    if name == "numpy.array" and copied:
+        given.remove("copy")    # that is what it does
     refused = ("out", "where", "casting", "subok", "signature") if known is None and rules.constant_result(name) else ()
     if name.endswith(".solve_triangular") and any(k.arg == "trans" and getattr(k.value, "value", None) not in (0, 1)
                                                   for k in node.keywords):

@@ -86,7 +86,7 @@ def _binary(node: BinOp, integers: bool) -> AST:
     if isinstance(node.op, Mult) and (left == 1 or right == 1):
         other = node.right if left == 1 else node.left
         return other if integers or not _may_be_bool(other) else node
-    if isinstance(node.op, Pow) and right == 1:
+    if isinstance(node.op, Pow) and right == 1 and (integers or not _may_be_bool(node.left)):
         return node.left
     return node
 
@@ -96,7 +96,9 @@ def _may_be_bool(node: AST) -> bool:
     if isinstance(node, BinOp):
         return isinstance(node.op, (BitAnd, BitOr, BitXor, Add, Mult)) and _may_be_bool(node.left) and _may_be_bool(
             node.right)
-    return not isinstance(node, (Constant, Call)) or (call_name(node) or "").startswith("numpy.")
+    if isinstance(node, Constant):
+        return isinstance(node.value, bool)
+    return not isinstance(node, Call) or (call_name(node) or "").startswith("numpy.")
 
 
 def _sum(node: BinOp, left: int | None, right: int | None) -> AST:
