@@ -10,6 +10,8 @@ import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each, running
 
+linalg = pytest.importorskip("scipy.linalg")
+
 
 def filled_where(x, y, a):
     """The array for a result is made in the call, a part, or one of two names."""
@@ -89,6 +91,33 @@ def test_refused(text, tmp_path):
     with pytest.raises(s2sad.S2sadError) as caught:
         s2sad.gradient(spaces["kernel"], wrt="x")(np.ones(3), True)
     assert caught.value.diagnostics[0].message == REFUSED[text]
+
+
+def transposed(x, y, a):
+    m = np.diag(x) + np.triu(np.outer(x, y), 1) + np.eye(5) * 2.0
+    return np.sum(linalg.solve_triangular(m, y, 2) * x) + np.sum(linalg.solve_triangular(m, y, "T") ** 2)
+
+
+def along_both(x, y, a):
+    g, h = np.gradient(np.outer(x, y), axis=(0, 1))
+    return np.sum(g * h)
+
+
+def three_spacings(x, y, a):
+    f, g, h = np.gradient(x[:, None, None] * y[:, None] * y, 1, 1, 1)
+    return np.sum(f * g * h)
+
+
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
+def test_a_transposition_by_position(engine):
+    given = 0.2 + np.arange(5.0) / 5.0, 1.0 - np.arange(5.0) / 7.0, np.ones(1)
+    check_derivatives(transposed, given, ("x", "y"), ("return",), engine)
+
+
+@pytest.mark.parametrize("kernel", (along_both, three_spacings))
+def test_parts_of_a_gradient_along_axes_that_are_not_told_apart(kernel):
+    with pytest.raises(s2sad.S2sadError, match="the type of 'gradient_0' cannot be inferred"):
+        s2sad.gradient(kernel, wrt="x")(np.ones(5), np.ones(5), np.ones(1))
 
 
 def own(x):
