@@ -30,6 +30,7 @@ from s2sad.program import Generated, Parameter, Program, Request
 from s2sad.run.given import compilable
 from s2sad.simplify import Watch, unwatched
 from s2sad.simplify.dead import dead
+from s2sad.simplify.exponentials import exponentials
 from s2sad.simplify.faster import faster
 from s2sad.simplify.turned import turned
 from s2sad.tree import Call, FunctionDef, Name, call_name, walk
@@ -120,7 +121,8 @@ def in_loops(derived: Derived, units: Units) -> FunctionDef:
     function = faster(turned(derived.function, None, writing), derived.types, {s.array for s in tape.stacks.values()},
                       arrays, numbers, writing)
     read = {n for n, role, _ in derived.made.parameters if role == "shadow"}
-    return dead(function, read, units.effects.writes, units.effects.pure, units.effects.unread)
+    return exponentials(dead(function, read, units.effects.writes, units.effects.pure, units.effects.unread),
+                        derived.types)
 
 
 def _writing(function: FunctionDef, units: Units) -> set[str]:

@@ -12,11 +12,15 @@ from s2sad import S2sadError, pipeline, read
 from s2sad.emit import layout
 from s2sad.infer.types import of_value
 from s2sad.program import Generated, Request
+from s2sad.runtime import exponentials
 from s2sad.simplify.bounds import counted
 from s2sad.simplify.peel import peeled
 from s2sad.tree import Compare, rename, statements, walk
 from tests.derivatives import check_derivatives
 from tests.programs import random_kernel
+
+
+ELEMENTARY = ("exp", "expm1", "sinh", "cosh", "tanh")
 
 
 def three_points(x, y):
@@ -103,6 +107,7 @@ def same(case: Case) -> None:
     for generated in texts(case.function, case.arguments("small"), case.wrt, case.of):
         space: dict = {}
         exec(generated.text, space)
+        space |= {n: getattr(np, n) for n in ELEMENTARY if space.get(n) is getattr(exponentials, n)}
         arguments = given(generated, case)
         result = space[generated.entry](*arguments)
         found.append(([a for a, p in zip(arguments, generated.parameters) if p.role == "shadow"], result or ()))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from s2sad import runtime
-from s2sad.runtime import scalars, special, stacks, sums
+from s2sad.runtime import exponentials, scalars, special, stacks, sums
 
 
 def _compiled(module) -> dict:
@@ -29,6 +29,30 @@ def functions(request):
         return {"grow": runtime.grow, "pairwise_sum": runtime.pairwise_sum, "blocked_sum": runtime.blocked_sum,
                 "digamma": runtime.digamma}
     return {**_compiled(stacks), **_compiled(sums), **_compiled(special)}
+
+
+@pytest.fixture(scope="module", params=["numpy", "numba"])
+def elementary(request):
+    return vars(exponentials) if request.param == "numpy" else _compiled(exponentials)
+
+
+@pytest.mark.parametrize("name", ["exp", "expm1", "sinh", "cosh", "tanh"])
+def test_exponentials_are_right_to_the_last_digits(elementary, name):
+    """Against NumPy in extended precision where it has it, at most 3 units in the last place off."""
+    rng = np.random.default_rng(3)
+    inside = 709.7 if name in ("exp", "expm1") else 710.4
+    for x in np.concatenate([rng.standard_normal(200), 1e-4 * rng.standard_normal(50), rng.uniform(-0.7, 0.7, 200),
+                             rng.uniform(-inside, inside, 200), [-708.4, 1e-300, 5e-324, -1e-9, 22.5, -19.1, inside]]):
+        exact = getattr(np, name)(np.longdouble(x))
+        assert abs(elementary[name](x) - exact) <= 3 * np.spacing(np.abs(np.float64(exact))), x
+
+
+@pytest.mark.parametrize("name", ["exp", "expm1", "sinh", "cosh", "tanh"])
+@pytest.mark.parametrize("x", [0.0, -0.0, np.inf, -np.inf, np.nan, 720.0, -800.0, 1e300])
+@pytest.mark.filterwarnings("ignore:overflow")
+def test_exponentials_at_the_ends(elementary, name, x):
+    found, expected = elementary[name](x), getattr(np, name)(x)
+    assert np.array_equal(found, expected, equal_nan=True) and np.signbit(found) == np.signbit(expected)
 
 
 GROWN = [(shape, "float64") for shape in ((3,), (2, 3), (2, 3, 2), (2, 1, 2, 2), (2, 0))] + [
@@ -93,8 +117,8 @@ def test_imports_nothing_of_ours():
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.strip() == str(["s2sad", "s2sad.runtime", *(
         f"s2sad.runtime.{room}" for room in (
-            "decompositions", "factors", "matrices", "places", "scalars", "spans", "sparse_matrices", "special",
-            "spread", "stacks", "sums", "systems", "transforms", "triangles"))])
+            "decompositions", "exponentials", "factors", "matrices", "places", "scalars", "spans", "sparse_matrices",
+            "special", "spread", "stacks", "sums", "systems", "transforms", "triangles"))])
 
 
 @pytest.fixture(scope="module", params=["numpy", "numba"])

@@ -22,13 +22,15 @@ What an array of bools picks stands alone, too, but in a statement that fills wh
 from __future__ import annotations
 
 from s2sad import rules
+from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import axes_of
 from s2sad.naming import Names
+from s2sad.normalize.elements import moves
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, List, Name, Return, Slice,
     Subscript, Tuple, UnaryOp, While, assign, at, attribute, augment, call, call_name, const, copy, dump, index,
-    indices, keyword, name, rebuild, walk,
+    indices, keyword, name, names, rebuild, walk,
 )
 
 _SUMMED = ("summed", "averaged")
@@ -39,11 +41,13 @@ _FILLED = {"numpy.full": 1, "numpy.full_like": 1, "numpy.array": 0, "numpy.copy"
            "numpy.ascontiguousarray": 0}       # where the argument is that an array is filled with
 
 
-def functions(function: FunctionDef, typing: Typing, free: Names, loops: bool = False) -> FunctionDef:
+def functions(function: FunctionDef, typing: Typing, free: Names, loops: bool = False,
+              added: bool = False) -> FunctionDef:
     """The function with those names; the table of `typing` gains them. Where loops take their place (`loops`), what
-    grows side by side in a loop of the kernel grows in an array of its own: its steps are not recorded."""
+    grows side by side in a loop of the kernel grows in an array of its own: its steps are not recorded. With `added`,
+    a function that only moves elements needs no name where its elements are added to those of another array."""
     new = copy(function)
-    new.body = _Functions(typing, free, loops).block(function.body)
+    new.body = _Functions(typing, free, loops, added).block(function.body)
     return new
 
 
@@ -55,8 +59,8 @@ def is_function(node: AST) -> bool:
 
 
 class _Functions:
-    def __init__(self, typing: Typing, free: Names, loops: bool):
-        self.typing, self.free, self.loops = typing, free, loops
+    def __init__(self, typing: Typing, free: Names, loops: bool, added: bool):
+        self.typing, self.free, self.loops, self.added = typing, free, loops, added
         self.kept = ""  # the array of bools that the statement's target is picked by
         self.depth = 0
 
@@ -107,7 +111,8 @@ class _Functions:
         elif isinstance(target, Subscript):
             target = self.moved(target, before)
         if isinstance(statement, AugAssign):
-            value = self.moved(statement.value, before)
+            alone = self.added and moves(statement.value) and base_name(target) not in names(statement.value)
+            value = self.operands(statement.value, before) if alone else self.moved(statement.value, before)
             return [*before, augment(target, statement.op, value)]
         if self.grows(statement.value):
             made = name(self.bind(statement.value, self.root(statement.value, before), before))

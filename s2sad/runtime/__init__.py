@@ -11,6 +11,7 @@ from s2sad.runtime.decompositions import (
     orthogonal_part, orthogonal_part_change, orthogonal_part_gain, over_squares, right_vectors,
     right_vectors_change, right_vectors_gain, triangular_part, triangular_part_change, triangular_part_gain,
 )
+from s2sad.runtime.exponentials import cosh, exp, exp_less_one, expm1, exponent, less_one, scaled, sinh, tanh
 from s2sad.runtime.factors import (
     factor_panel, factored, factors_gain, of_matrix, solved, solved_transposed, take_row, to_matrix, update_rest,
 )
@@ -45,20 +46,20 @@ from s2sad.runtime.triangles import (
 
 __all__ = [
     "added", "apart", "bands_gain", "bands_times", "bands_transposed", "blocked_sum", "both_parts_gain", "cg",
-    "cholesky_change", "cholesky_gain", "cofactors", "comb", "dense", "det_sign", "digamma", "eigenvalues_change",
-    "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain", "element", "ends",
-    "exponential", "exponential_change", "extreme_mask", "factor_panel", "factored", "factorial", "factors_gain",
-    "fft", "fft_adjoint", "fitted", "from_lower", "gmres", "grow", "half_lower", "heaviside", "ifft",
-    "ifft_adjoint", "irfft", "irfft_adjoint", "isclose", "isqrt", "lcm", "least_squares", "least_squares_change",
-    "left_vectors", "left_vectors_change", "left_vectors_gain", "log_det", "of_matrix", "opposite",
-    "orthogonal_part", "orthogonal_part_change", "orthogonal_part_gain", "over_squares", "pairwise_sum", "perm",
-    "places", "position", "position_down", "power_change", "product", "remainder", "rfft", "rfft_adjoint",
-    "right_vectors", "right_vectors_change", "right_vectors_gain", "scattered", "singular_values",
-    "singular_values_change", "singular_values_gain", "sized", "solve_banded", "solve_triangular", "solved",
-    "solved_by", "solved_transposed", "sought", "sparse_dense", "sparse_diagonal", "sparse_diagonal_gain",
-    "sparse_entries", "sparse_factors", "sparse_fits", "sparse_gain", "sparse_gain_in_loops", "sparse_joined",
-    "sparse_left_product", "sparse_left_product_in_loops", "sparse_product", "sparse_product_in_loops",
-    "sparse_rows", "sparse_solve", "sparse_span", "spread", "take_row", "to_lower", "to_matrix", "triangle",
+    "cholesky_change", "cholesky_gain", "cofactors", "comb", "cosh", "dense", "det_sign", "digamma",
+    "eigenvalues_change", "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain", "element",
+    "ends", "exp", "exp_less_one", "expm1", "exponent", "exponential", "exponential_change", "extreme_mask",
+    "factor_panel", "factored", "factorial", "factors_gain", "fft", "fft_adjoint", "fitted", "from_lower", "gmres",
+    "grow", "half_lower", "heaviside", "ifft", "ifft_adjoint", "irfft", "irfft_adjoint", "isclose", "isqrt", "lcm",
+    "least_squares", "least_squares_change", "left_vectors", "left_vectors_change", "left_vectors_gain", "less_one",
+    "log_det", "of_matrix", "opposite", "orthogonal_part", "orthogonal_part_change", "orthogonal_part_gain",
+    "over_squares", "pairwise_sum", "perm", "places", "position", "position_down", "power_change", "product",
+    "remainder", "rfft", "rfft_adjoint", "right_vectors", "right_vectors_change", "right_vectors_gain", "scaled",
+    "scattered", "singular_values", "singular_values_change", "singular_values_gain", "sinh", "sized", "solve_banded",
+    "solve_triangular", "solved", "solved_by", "solved_transposed", "sought", "sparse_dense", "sparse_diagonal",
+    "sparse_diagonal_gain", "sparse_entries", "sparse_factors", "sparse_fits", "sparse_gain", "sparse_gain_in_loops",
+    "sparse_joined", "sparse_left_product", "sparse_left_product_in_loops", "sparse_product", "sparse_product_in_loops",
+    "sparse_rows", "sparse_solve", "sparse_span", "spread", "take_row", "tanh", "to_lower", "to_matrix", "triangle",
     "triangle_gain", "triangle_times", "triangular_part", "triangular_part_change", "triangular_part_gain",
     "update_rest", "whole_power", "whole_product",
 ]

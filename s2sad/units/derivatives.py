@@ -186,7 +186,8 @@ class Units(NormalForms):
         if self.engine == "numba":
             function = dead(function, self._live_out(made, typing, plan is None), self.effects.writes,
                             self.effects.pure, self.effects.unread)
-            function = with_choices(scalarize(functions(function, typing, names), typing, names, final=True), typing)
+            alone = functions(function, typing, names, added=True)
+            function = with_choices(scalarize(alone, typing, names, final=True), typing)
         arrays = self._live_out(made, typing, plan is None)
         family = {**unit.family, **{s: f"{unit.family.get(p, p)}_{'bar' if plan else 'dot'}"
                                     for p, s in made.shadows.items() if typing.table[s].is_number}}
