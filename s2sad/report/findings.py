@@ -132,6 +132,9 @@ def _verdicts(derived: Derived) -> Iterator[Verdict]:
     versions: dict[str, list[str]] = {}
     for version, variable in unit.family.items():
         versions.setdefault(variable, []).append(version)
+    for version in table:
+        if (variable := _variable(version, unit)) in unit.numbers.values() and version != variable:
+            versions.setdefault(variable, [variable]).append(version)
     own = [*unit.kernel.parameters, *stored_names(unit.kernel.tree.body)]
     present = set(names(unit.function.body)) | set(stored_names(unit.function.body)) | set(unit.kernel.parameters)
     for variable in dict.fromkeys(own):
@@ -140,6 +143,12 @@ def _verdicts(derived: Derived) -> Iterator[Verdict]:
             yield _replaced(variable, derived)
             continue
         yield Verdict(variable, str(table[found[0]]), *_verdict(found, derived))
+
+
+def _variable(version: str, unit: Unit) -> str:
+    """The variable of the user's for which a name stands, itself or as the number in an array's place."""
+    variable = unit.family.get(version, version)
+    return unit.numbers.get(variable, variable)
 
 
 def _replaced(variable: str, derived: Derived) -> Verdict:
@@ -191,8 +200,8 @@ def _again(derived: Derived) -> Iterator[Again]:
     found = []
     for key in keys:
         value = plan.values[key]
-        variable = unit.family.get(value.name)
-        if variable is None or variable not in set(stored_names(unit.kernel.tree.body)):
+        variable = _variable(value.name, unit)
+        if variable not in set(stored_names(unit.kernel.tree.body)):
             continue
         stored = plan.reloaded.get(key)
         how = "computed again" if stored is None else f"read back from where `{place_of(stored, unit).text}` stored it"

@@ -1,6 +1,6 @@
 """stages: a program as it is after each pass, printed as Python.
 
-    structured  views  workspace  scalarize  rename  atoms              the kernels on their way to normal form
+    structured  views  workspace  scalarize  handed  rename  atoms       the kernels on their way to normal form
     differentiate  merge  dead  coalesce  fold  algebra  select  final  the derivatives
 """
 from __future__ import annotations
@@ -13,7 +13,7 @@ from s2sad.blocks import with_blocks
 from s2sad.tree import AST, FunctionDef, Pass, copy, forgotten
 from s2sad.units import Units
 
-NORMALIZE = ("structured", "views", "workspace", "scalarize", "rename", "atoms")
+NORMALIZE = ("structured", "views", "workspace", "scalarize", "handed", "rename", "atoms")
 DERIVE = ("differentiate", "merge", "dead", "undone", "coalesce", "branches", "fold", "algebra", "select", "gains",
           "final")
 STAGES = (*NORMALIZE, *DERIVE)

@@ -7,9 +7,9 @@
 
 Each element goes through memory once for all of them, and `passed` keeps in names what nothing else reads.
 
-Requires a finished derivative for Numba. An array that one nest writes and the other mentions is mentioned at one
-element for each iteration only, so that nothing moves from one iteration to another; numbers do not either, but for
-sums whose order is free. (Loop fusion: Kennedy, McKinley, 1993.)
+Requires a finished derivative for Numba (`handed` joins nests of a kernel). An array that one nest writes and the other
+mentions is mentioned at one element for each iteration only, so that nothing moves from one iteration to another;
+numbers do not either, but for sums whose order is free. (Loop fusion: Kennedy, McKinley, 1993.)
 """
 from __future__ import annotations
 
@@ -37,13 +37,15 @@ def joined(function: FunctionDef, sums: Set[str], types: Mapping[str, Type], fre
     the functions that write arrays."""
     new = copy(function)
     extents = Extents(function, writing)
-    new.body = _Joined(extents, sums, Passed(function, extents, types, free)).block(function.body)
+    new.body = Joining(extents, sums, Passed(function, extents, types, free)).block(function.body)
     return new
 
 
-class _Joined:
-    def __init__(self, extents: Extents, sums: Set[str], between: Passed):
-        self.extents, self.sums, self.between = extents, sums, between
+class Joining:
+    """The pass over one function; with `handing` only nests are joined of which one hands the other an array."""
+
+    def __init__(self, extents: Extents, sums: Set[str], between: Passed, handing: bool = False):
+        self.extents, self.sums, self.between, self.handing = extents, sums, between, handing
         self.passed: dict[tuple[str, ...], list[Assert]] = {}   # what every iteration has asserted, by the loops around
         self.around: tuple[str, ...] | None = ()                # their bounds; None inside of a branch
 
@@ -85,21 +87,22 @@ class _Joined:
         return [s.around(s.body) if isinstance(s, Nest) else s for s in made]
 
     def both(self, first: Nest, second: Nest) -> Nest | None:
-        """Two nests as one, with the counters of the first; None if they have to stay apart."""
+        """Two nests as one, with the counters of the first; None if they have to stay apart. What is handed on has no
+        extent of its own: then the second nest's bounds are those that count."""
         runs = list(map(self.extents.reduced, first.runs))
         if runs != second.runs or _size(first.body) + _size(second.body) > _LONGEST:
             return None
         if {*changed(first.body), *first.counters} & second.bounds or changed(second.body) & first.bounds:
             return None
-        if any(a != b and a in names(second.body) for a, b in zip(first.counters, second.counters)):
+        if self.handing and first.starts == second.starts:
+            given, body = _with_counters(second, first), second.body
+            first = Nest(second.loops, second.starts, second.runs, given or [])
+        else:
+            given, body = first.body, _with_counters(first, second)
+        if given is None or body is None or not self.is_free(first, body) or _pairs(
+                [*first.body, *body]) > _MOST_PAIRS:
             return None
-        there = {b: simple(shifted(name(a), t.constant - s.constant), integers=True)
-                 for a, b, s, t in zip(first.counters, second.counters, first.starts, second.starts)}
-
-        def change(node: AST) -> AST | None:
-            return copy(there[node.id]) if isinstance(node, Name) and node.id in there else None
-        body = [simple(rebuild(s, change), integers=False) for s in second.body]
-        if not self.is_free(first, body) or _pairs([*first.body, *body]) > _MOST_PAIRS:
+        if self.handing and not self.between.is_handed(first.body, body):
             return None
         return Nest(first.loops, first.starts, first.runs, [*first.body, *body])
 
@@ -128,6 +131,18 @@ class _Joined:
         bound = changed(first.body) | changed(body)
         return (len(texts) == 1 and set(first.counters) <= set(counters) and not bound & set(names(subscripts))
                 and is_only_places(array, [*first.body, *body]))
+
+
+def _with_counters(nest: Nest, other: Nest) -> list[AST] | None:
+    """The body of another nest with the counters of a nest; None if it has names of its own like these."""
+    if any(a != b and a in names(other.body) for a, b in zip(nest.counters, other.counters)):
+        return None
+    there = {b: simple(shifted(name(a), t.constant - s.constant), integers=True)
+             for a, b, s, t in zip(nest.counters, other.counters, nest.starts, other.starts)}
+
+    def change(node: AST) -> AST | None:
+        return copy(there[node.id]) if isinstance(node, Name) and node.id in there else None
+    return [simple(rebuild(s, change), integers=False) for s in other.body]
 
 
 def _size(body: list[AST]) -> int:
@@ -175,4 +190,4 @@ def _pairs(body: list[AST]) -> int:
     return len(written) * (len(written) - 1) // 2 + len(written) * len(others)
 
 
-__all__ = ["joined"]
+__all__ = ["Joining", "joined"]

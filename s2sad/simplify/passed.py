@@ -28,11 +28,12 @@ from s2sad.simplify.bounds import changed, shifted_by
 from s2sad.simplify.extents import Extents
 from s2sad.simplify.nests import Nest
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, Constant, FunctionDef, If, Name, Sub, Subscript, assign, at, augment, call_name,
-    const, copy, dump, indices, name, names, negate, rebuild, walk,
+    AST, Assign, Attribute, AugAssign, Call, Constant, FunctionDef, If, Name, Sub, Subscript, assign, at, augment,
+    call_name, const, copy, dump, indices, name, names, negate, rebuild, walk,
 )
 
-_MADE = {"numpy.empty", "numpy.empty_like", "numpy.zeros", "numpy.zeros_like"}
+_LIKE = {"numpy.empty_like", "numpy.zeros_like"}
+_MADE = {"numpy.empty", "numpy.zeros"} | _LIKE
 
 
 class Passed:
@@ -40,6 +41,7 @@ class Passed:
 
     def __init__(self, function: FunctionDef, extents: Extents, types: Mapping[str, Type], free: Names):
         self.free = free
+        self.numbers: dict[str, str] = {}   # the array of which a number is an element
         parameters = {p.id for p in function.args.args}
         self.made = {n.targets[0].id: call_name(n.value) or "" for n in function.body if isinstance(n, Assign)
                      and isinstance(n.targets[0], Name) and call_name(n.value) in _MADE}
@@ -61,6 +63,16 @@ class Passed:
             elif len(users) == 2 and self.made[array].startswith("numpy.zeros"):
                 self.handed(array, users[0][0], users[1][0], extents)
 
+    def is_handed(self, first: list[AST], second: list[AST]) -> bool:
+        """Whether one body fills an array of which nothing but the other one reads, at the same element."""
+        for array, total in self.places.items():
+            given, taken = _places(array, first), _places(array, second)
+            if given and taken and len(given) + len(taken) == total and len(
+                    {dump(p.slice) for p in (*given, *taken)}) == 1 and _fills(
+                    next(s for s in first if _places(array, [s])), array):
+                return True
+        return False
+
     def number(self, array: str, nest: Nest, places: list[Subscript]) -> None:
         """An array of one nest as a number."""
         if changed(nest.body) & set(names(places[0].slice)):
@@ -73,6 +85,7 @@ class Passed:
             body = [s for s in body if s is not using[-1]]
             before = [0.0]
         here = self.free.fresh(f"{array}_here")
+        self.numbers[here] = array
 
         def change(node: AST) -> AST | None:
             return name(here) if isinstance(node, Subscript) and base_name(node) == array else None
@@ -135,8 +148,9 @@ def _bound(statement: AST) -> AST:
 
 def is_only_places(array: str, body: list[AST], bound: int = 0) -> bool:
     """Whether an array is mentioned by its elements and its shape only, but for so many times where it is bound."""
-    inside = sum(isinstance(n, (Subscript, Attribute)) and isinstance(n.value, Name) and n.value.id == array
-                 for n in walk(body))
+    holders = [n.value if isinstance(n, (Subscript, Attribute)) else n.args[0] for n in walk(body)
+               if isinstance(n, (Subscript, Attribute)) or isinstance(n, Call) and call_name(n) in _LIKE]
+    inside = sum(isinstance(h, Name) and h.id == array for h in holders)
     return inside + bound == sum(isinstance(n, Name) and n.id == array for n in walk(body))
 
 

@@ -1,6 +1,7 @@
 """Kernels become units: the passes of `normalize` and `infer`, for each set of argument types once.
 
-    a kernel, types -> structured -> functions -> pieces -> views -> workspace -> scalarize -> rename -> atoms: Unit
+    a kernel, types -> structured -> functions -> pieces -> views -> workspace -> scalarize -> handed
+    -> rename -> atoms: Unit
 """
 from __future__ import annotations
 
@@ -44,6 +45,7 @@ from s2sad.normalize.views import views
 from s2sad.normalize.workspace import workspace
 from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects, Watch, unwatched
+from s2sad.simplify.handed import handed
 from s2sad.simplify.quotients import quotients
 from s2sad.tree import Assert, Call, FunctionDef, Name, Raise, call_name, copy, name, stored_names, walk
 from s2sad.units.calls import Calls, written_arrays
@@ -93,7 +95,7 @@ class NormalForms(Calls):
         names = Names()
         kernel, tree, typing = self._typed(kernel, types, names)
         tree, guarded = self._over_arrays(tree, typing, names)
-        tree, lowered = self._for_engine(tree, typing, names)
+        tree, lowered, numbers = self._for_engine(tree, typing, names)
         renamed = rename(tree, typing.table, names, self.call_writes)
         self.watch("rename", verify(renamed.function, "rename", "rename"))
         given, report = dict(zip((p.id for p in tree.args.args), types)), typing.report
@@ -106,7 +108,7 @@ class NormalForms(Calls):
         typing.runs_once = self.runs_once
         once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
-                    self._summary(tree, typing, kernel), guarded, once=once)
+                    self._summary(tree, typing, kernel), guarded, once=once, numbers=numbers)
 
     def _typed(self, kernel: Kernel, types: tuple[Type, ...], names: Names) -> tuple[Kernel, FunctionDef, Typing]:
         """The kernel in structured form, with the types of its names; what it calls that returns arrays is in it."""
@@ -153,17 +155,24 @@ class NormalForms(Calls):
         self.watch("workspace", tree)
         return tree, guarded
 
-    def _for_engine(self, tree: FunctionDef, typing: Typing, names: Names) -> tuple[FunctionDef, FunctionDef]:
-        """The form that is differentiated, and the primal: for Numba whole-array statements are loops."""
+    def _for_engine(self, tree: FunctionDef, typing: Typing,
+                    names: Names) -> tuple[FunctionDef, FunctionDef, dict[str, str]]:
+        """The form that is differentiated, the primal, and the arrays in whose place the form has numbers: for Numba
+        whole-array statements are loops."""
         if self.engine == "numba":
             apart = self.apart(typing)
             lowered = scalarize(tree, apart, Names(names.taken), final=True)
             lowered = quotients(with_choices(lowered, apart), apart)
             tree = verify(scalarize(factored(tree, typing, names), typing, names), "views", "scalarize")
-        else:
-            tree = lowered = verify(scatter(tree, typing, names), "views", "scatter")
+            writing = {call_name(n) or "" for n in walk(tree.body) if isinstance(n, Call) and self.call_writes(n)}
+            self.watch("scalarize", tree)
+            tree, numbers = handed(tree, typing.table, names, writing)
+            typing.table.update(dict.fromkeys(numbers, FLOAT))
+            self.watch("handed", verify(tree, "views", "handed"))
+            return tree, lowered, numbers
+        tree = verify(scatter(tree, typing, names), "views", "scatter")
         self.watch("scalarize", tree)
-        return tree, lowered
+        return tree, tree, {}
 
     def _unread(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
         """The unit of a function that is called as it is, of which is known what the user says."""

@@ -1,7 +1,7 @@
 """A kernel for given types, and the summary of what a call of it does."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from s2sad.analyze.liveness import Liveness
 from s2sad.analyze.structure import Structure
@@ -25,7 +25,7 @@ class Summary:
 
 @dataclass
 class Unit:
-    """A kernel for given types, in normal form."""
+    """A kernel for given types, in normal form; `numbers` says of which array a number has taken the place."""
     kernel: Kernel
     title: str
     types: tuple[Type, ...]
@@ -39,6 +39,7 @@ class Unit:
     guarded: bool = False
     pairs: tuple[tuple[int, int], ...] = ()
     once: bool = False
+    numbers: dict[str, str] = field(default_factory=dict)
 
     @property
     def owner(self) -> Owner:
