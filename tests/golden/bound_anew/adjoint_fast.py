@@ -29,10 +29,10 @@ def kernel_adjoint_taped(u, u_bar, rate, n, result_bar, u_1_stack):
     for _ in range(n):
         for i in range(u_1_2.shape[0]):
             u_1_here = u_1[i]
-            u_1_2[i] = u_1_here - rate * u_1_here ** 2
+            u_1_2_here_ = u_1_here - rate * u_1_here ** 2
             before[i] = u_1[i]
             u_1_stack[_, i] = u_1[i]
-            u_1[i] = u_1_2[i]
+            u_1[i] = u_1_2_here_
     returned = np.empty_like(u_1)
     assert returned.shape == result_bar.shape, "result_bar does not have the shape of the result"
     # reverse sweep
