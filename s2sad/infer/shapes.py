@@ -126,7 +126,9 @@ class Shapes(Slices):
                 (symbol, _), = own.terms
                 self.equal.pop(symbol, None)
                 known = self.reduced(size)
-                if symbol not in dict(known.terms):
+                if len(known.terms) == 1 and known.terms[0][0] in self.passing and known.terms[0][1] == 1:
+                    self.equal[known.terms[0][0]] = own.shift(-known.constant)
+                elif symbol not in dict(known.terms):
                     self.equal[symbol] = known
 
     def like(self, array: str, other: str) -> None:

@@ -11,8 +11,8 @@ from s2sad.infer.affine import Affine
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import Shape, whole_number
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Mod, Mult, Name, Sub, Subscript, USub, UnaryOp, attribute, call_name, children, const,
-    copy, dump, index, name, names,
+    AST, Add, Attribute, BinOp, Call, Mod, Mult, Name, Sub, Subscript, USub, UnaryOp, attribute, call_name, children,
+    const, copy, dump, index, name, names,
 )
 
 
@@ -29,6 +29,7 @@ class Sizes(ABC):
         self.scopes: dict[int, dict[str, Affine]] = {}  # what is equal where a statement is, by its id
         self.several: frozenset[str] = frozenset()  # arrays that more than one statement allocates
         self.serial = 0  # of the statement: an array of bools picks as many as it did only within one
+        self.passing: set[str] = set()  # the symbols that stand for a size within one statement only
         self.counters: dict[str, int] = {}  # the loop counters here, with the least that each can be
         self.required: list[Affine] = []  # sizes that must not be negative for slices to mean what they are taken for
 
@@ -114,7 +115,8 @@ class Sizes(ABC):
         """Whether an expression is the same wherever it stands: its names are bound once, and it reads no array."""
         if any(n not in self.values for n in names(node) if not self.typing.table[n].is_array):
             return False
-        return not any(isinstance(n, Subscript) and self.typing.of(n.value).is_array for n in _content(node))
+        return not any(isinstance(n, Name) and n.id in self.typing.table and self.typing.table[n.id].is_array
+                       or isinstance(n, Call) and (call_name(n) or "").startswith("user.") for n in _content(node))
 
     def is_counted(self, node: AST) -> bool:
         """Whether an integer expression is known not to be negative: made of counters and sizes."""

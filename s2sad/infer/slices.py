@@ -30,10 +30,15 @@ class Slices(Sizes):
                 found.append(self.sliced(subscript, base[axis]))
             elif (kind := self.typing.of(subscript)).is_array and not picked:
                 picked = True
-                found += [self.symbol(call("numpy.count_nonzero", subscript), f"{dump(subscript)} {self.serial}")] \
-                    if kind.dtype == "bool" else self.picked(node)
+                found += [self.chosen(subscript)] if kind.dtype == "bool" else self.picked(node)
             axis += self.width(subscript)
         return tuple(found)
+
+    def chosen(self, mask: AST) -> Affine:
+        """How many elements an array of bools picks in this statement."""
+        key = f"{dump(mask)} {self.serial}"
+        self.passing.add(key)
+        return self.symbol(call("numpy.count_nonzero", mask), key)
 
     def picked(self, node: Subscript) -> Shape:
         """The shape of the elements that arrays of integers pick."""

@@ -59,11 +59,11 @@ class Allocations:
                               help="allocate it with np.empty and write it in a loop")
             return []
         guards = [] if is_function(value) else self.operands_fit(value, shape)
-        self.shapes.allocated(target, shape)
         model = next((n for n in walk(value) if isinstance(n, Name) and self.typing.of(n) == kind
                       and self.shapes.of(n) == shape), None)
         made = call("numpy.empty_like", model) if model is not None else call(
             "numpy.empty", shape_expression(self.shapes, shape), *dtype_of(kind))
+        self.shapes.allocated(target, shape)
         return [*guards, assign(target, made), assign(index(name(target), const(...)), value)]
 
     def operands_fit(self, value: AST, shape: Shape) -> list[AST]:
@@ -127,8 +127,9 @@ class Allocations:
         if None in shape:
             self.report.error("S201", "an array in the shape of a part whose bounds change", model,
                               help="give the bounds names that are bound once")
+        made = assign(target, call(f"numpy.{start}", shape_expression(self.shapes, shape), *dtype_of(kind)))
         self.shapes.allocated(target, shape)
-        return assign(target, call(f"numpy.{start}", shape_expression(self.shapes, shape), *dtype_of(kind)))
+        return made
 
     def _listed(self, target: str, kind: Type, value: AST) -> list[AST]:
         entries: list[tuple[list[AST], AST]] = []

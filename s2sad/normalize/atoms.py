@@ -3,7 +3,8 @@
 Requires one name a binding; establishes that in every statement which computes floats
 - a load from an array that the function writes is a statement of its own (a copy of the element),
 - an operation whose partial reads its own result (a quotient, exp, sqrt, ...) is the root of its statement,
-- a sum over an array, a kernel's call and the test of a branch have names.
+- a sum over an array, a kernel's call and the test of a branch have names, and so has an integer or a bool that asks
+  an array as a whole which the function writes (`np.argmax(a)`).
 
     a[i, j] = a[i, j] / a[j, j]     held = a[i, j]
                                     pivot = a[j, j]
@@ -22,9 +23,9 @@ from s2sad.infer.types import BOOL
 from s2sad.naming import Names
 from s2sad.normalize.functions import is_function
 from s2sad.tree import (
-    AST, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Expr, For, FunctionDef, If, Name, Pow, Return,
-    Subscript, Tuple, UnaryOp, USub, While, assign, at, augment, call, call_name, copy,
-    dump, index, indices, name, walk,
+    AST, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Expr, For, FunctionDef, If, Name,
+    Pow, Return, Subscript, Tuple, UnaryOp, USub, While, assign, at, augment, call, call_name, copy,
+    dump, index, indices, name, names, walk,
 )
 
 
@@ -120,7 +121,7 @@ class _Atoms:
 
     def call(self, node: Call, before: list[AST]) -> Call:
         args = [self.simple(a, before, "argument") if self.is_float(a) and not self.typing.of(a).is_array else
-                self.indexed(a, before) for a in node.args]
+                self.asked(self.indexed(a, before), before) for a in node.args]
         return Call(node.func, args, [])
 
     def simple(self, node: AST, before: list[AST], wanted: str) -> AST:
@@ -132,7 +133,7 @@ class _Atoms:
 
     def inner(self, node: AST, before: list[AST]) -> AST:
         """The expression with everything that wants a name replaced by one, left to right."""
-        kind = self.typing.of(node)
+        kind, node = self.typing.of(node), self.asked(node, before)
         if isinstance(node, (Compare, BoolOp)) or not (kind.is_inexact or kind.dtype):
             return node
         if isinstance(node, Subscript):
@@ -165,7 +166,20 @@ class _Atoms:
                                    for s in indices(node)))
 
     def reads_written(self, node: AST) -> bool:
-        return any(isinstance(n, Subscript) and base_name(n) in self.written for n in walk(node))
+        """Whether an expression reads elements of an array that is written; one that asks it as a whole is a number."""
+        if self.typing.of(node).is_array:
+            return any(isinstance(n, Subscript) and base_name(n) in self.written for n in walk(node))
+        shapes = {id(n.value) for n in walk(node) if isinstance(n, Attribute)} | {
+            id(n.args[0]) for n in walk(node) if call_name(n) in ("builtins.len", "numpy.size")}
+        return any(isinstance(n, Name) and n.id in self.written and id(n) not in shapes for n in walk(node))
+
+    def asked(self, node: AST, before: list[AST]) -> AST:
+        """A name for an integer or a bool that asks such an array as a whole; anything else as it is."""
+        kind = self.typing.of(node)
+        asks = kind.is_number and not kind.is_inexact and not isinstance(node, (Name, Constant)) and any(
+            isinstance(n, Call) and any(self.typing.of(a).is_array and self.written & set(names(a)) for a in n.args)
+            for n in walk(node))
+        return name(self.held("asked", node, before)) if asks else node
 
     def load(self, node: Subscript, before: list[AST]) -> str:
         return self.held(f"{base_name(node)}_here", node, before)

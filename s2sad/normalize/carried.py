@@ -131,10 +131,10 @@ class Carried(Branches):
             if shape is None:
                 del late[n]
             elif all(d is not None and self.is_older(d) for d in shape):
-                kind = self.typing.table[buffer]
+                sizes = shape_expression(self.shapes, shape)
                 self.shapes.allocated(buffer, shape)
                 self.home[buffer] = self.depth
-                made.append(assign(buffer, call("numpy.empty", shape_expression(self.shapes, shape), *dtype_of(kind))))
+                made.append(assign(buffer, call("numpy.empty", sizes, *dtype_of(self.typing.table[buffer]))))
             else:
                 self.report.error("S201", "an array of a size that a loop makes is returned from inside it",
                                   self.bound_at.get(n, origin), help="bind it to a name, break, and return it after")

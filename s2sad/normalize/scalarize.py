@@ -134,7 +134,8 @@ class Scalarize:
             value = self.asked(value, before)
         if isinstance(target, Subscript) and self.typing.of(target).is_array:
             held = self.held(value, base_name(target), before)
-            place = at(Subscript(target.value, self.held(target.slice, base_name(target), before), target.ctx), target)
+            places = self.held(self.asked(target.slice, before), base_name(target), before)
+            place = at(Subscript(target.value, places, target.ctx), target)
             return before + self.filled(statement, place, held)
         if isinstance(target, Name) and isinstance(statement, Assign) and (made := self.allocated(target, value)):
             return before + [made, *self.filled(statement, index(name(target.id), const(...)), value)]
