@@ -202,7 +202,7 @@ def size_of(region: AST, shapes: Shapes) -> AST:
     """How many elements an array expression has."""
     if isinstance(region, (Name, Subscript)):
         return attribute(copy(region), "size")
-    sizes = [shapes.expression(d) for d in shapes.of(region) if d is not None]
+    sizes = [shapes.extent(d) for d in shapes.of(region) if d is not None]
     made = sizes[0]
     for size in sizes[1:]:
         made = BinOp(made, Mult(), size)

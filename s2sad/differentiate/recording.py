@@ -53,7 +53,7 @@ class Recording:
         if isinstance(place.slice, Constant) and place.slice.value is Ellipsis:
             return attribute(copy(place.value), "shape")
         shape = self.shapes.of(place)
-        return None if None in shape else tuple_of(*(self.shapes.expression(d) for d in shape if d is not None))
+        return None if None in shape else tuple_of(*(self.shapes.extent(d) for d in shape if d is not None))
 
     def store_stack(self, store: Store) -> Stack:
         kept = self.snapshot(store)

@@ -84,12 +84,19 @@ class Shapes(Slices):
             return None if left is None or right is None else left + right
         if not isinstance(shape, Tuple) and self.typing.of(shape).kind == "tuple":
             return None
-        found = [self.size(p) for p in parts]
+        found = [self.length(p) for p in parts]
         for k, part in enumerate(parts):
             if whole_number(part) == -1:
                 others = [d for j, d in enumerate(found) if j != k]
                 found[k] = None if None in others or None in old else self._rest(old, others)
         return tuple(found)
+
+    def length(self, node: AST) -> Affine | None:
+        """The size that an argument spells; one that would be negative is none, as of a slice: `max(n - 2, 0)`."""
+        clipped = call_name(node) == "builtins.max" and len(node.args) == 2 and whole_number(node.args[1]) == 0
+        inner = node.args[0] if clipped else node
+        asked = self.asked(inner)
+        return self.size(inner) if asked is None else asked
 
     def _rest(self, old: Shape, others: list[Affine | None]) -> Affine | None:
         """The size that is left when the elements of the old shape are put into rows of the others."""
@@ -194,7 +201,7 @@ class Shapes(Slices):
 
 def shape_expression(shapes: Shapes, shape: Shape) -> AST:
     """A shape as an expression: a size, or a tuple of them."""
-    parts = [shapes.expression(d) for d in shape if d is not None]
+    parts = [shapes.extent(d) for d in shape if d is not None]
     return parts[0] if len(parts) == 1 else tuple_of(*parts)
 
 

@@ -9,10 +9,10 @@ from collections.abc import Iterable, Mapping
 
 from s2sad.infer.affine import Affine
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import Shape, whole_number
+from s2sad.infer.laws import ONE, Shape, whole_number
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Mod, Mult, Name, Sub, Subscript, USub, UnaryOp, attribute, call_name, children,
-    const, copy, dump, index, name, names,
+    AST, Add, Attribute, BinOp, Call, Mod, Mult, Name, Sub, Subscript, USub, UnaryOp, attribute, call, call_name,
+    children, const, copy, dump, index, name, names,
 )
 
 
@@ -82,8 +82,8 @@ class Sizes(ABC):
             inner = None if value is None else self.size(value, depth + 1)
             if inner is not None:
                 return inner
-        asked = self._asked(node)
-        if asked is not None:
+        asked = self.asked(node)
+        if asked is not None and self.is_extent(asked):
             return asked
         return self.symbol(node) if self.stable(node) else None
 
@@ -97,7 +97,11 @@ class Sizes(ABC):
             return right.times(left.constant) if not left.terms else left.times(right.constant)
         return left.plus(right, 1 if isinstance(node.op, Add) else -1)
 
-    def _asked(self, node: AST) -> Affine | None:
+    def is_extent(self, size: Affine) -> bool:
+        """Whether a form is what it is taken for as part of a sum as well: it is not negative."""
+        return size == ONE or not size.terms and size.constant >= 0 or self.is_place(self.reduced(size))
+
+    def asked(self, node: AST) -> Affine | None:
         """The size of an axis of an array that an expression asks for."""
         if isinstance(node, Subscript) and isinstance(node.value, Attribute) and node.value.attr == "shape":
             axis, base = whole_number(node.slice), node.value.value
@@ -148,6 +152,12 @@ class Sizes(ABC):
         if not size.constant:
             return made
         return BinOp(made, Add() if size.constant > 0 else Sub(), const(abs(size.constant)))
+
+    def extent(self, size: Affine) -> AST:
+        """The size as an expression that is 0 where the form is negative: a slice takes no elements then."""
+        form, made = self.reduced(size), self.expression(size)
+        below = form.constant < 0 or any(c < 0 for _, c in form.terms)
+        return call("builtins.max", made, const(0)) if below else made
 
     def own(self, base: str, axis: int) -> Affine:
         """The size of an array's axis, by its own name."""

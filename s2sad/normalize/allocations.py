@@ -96,7 +96,7 @@ class Allocations:
                 self.report.error("S201", "the size of this part of an array changes", part,
                                   help="give its bounds names that are bound once")
             elif y != ONE and not self.shapes.same(x, y):
-                made.append(equal(self.shapes.expression(x), self.shapes.expression(y)))
+                made.append(equal(self.shapes.extent(x), self.shapes.extent(y)))
                 self.shapes.unify(x, y)
         return made
 

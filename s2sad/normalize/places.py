@@ -252,7 +252,7 @@ class Places:
             first, second = (self.size_along(given[p], axis) for p, axis in pair)
             if self.shapes.same(first, second):
                 continue
-            written = [copy(given[p]) if size is None else self.shapes.expression(size)
+            written = [copy(given[p]) if size is None else self.shapes.extent(size)
                        for (p, _), size in zip(pair, (first, second))]
             if not any(self.typing.of(w).is_array for w in written):
                 made.append((matching if sparse else equal)(written[0], written[1]))
@@ -279,7 +279,7 @@ class Places:
             self.report.error("S201", "the size of a part of an array whose bounds change", node,
                               help="give the bounds names that are bound once")
             return const(0)
-        return self.shapes.expression(size)
+        return self.shapes.extent(size)
 
     def attribute(self, node: Attribute) -> AST | None:
         skip, rank = self.prefix(node.value), self.typing.of(node.value).rank

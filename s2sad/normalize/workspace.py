@@ -95,7 +95,8 @@ def _possible(item: Assign) -> Assign:
     shape, allocation = item.value.args[0], call_name(item.value) or ""
     if "like" in allocation:
         return item
-    sizes = [call("builtins.max", s, const(0)) if any(isinstance(n, (Sub, USub)) for n in walk(s)) else s
+    sizes = [call("builtins.max", s, const(0)) if call_name(s) != "builtins.max" and any(
+                 isinstance(n, (Sub, USub)) for n in walk(s)) else s
              for s in (shape.elts if isinstance(shape, Tuple) else [shape])]
     new = tuple_of(*sizes) if isinstance(shape, Tuple) else sizes[0]
     return assign(item.targets[0], call(allocation, new, *item.value.args[1:]))

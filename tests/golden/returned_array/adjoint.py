@@ -16,7 +16,7 @@ def kernel_adjoint(u, u_bar, a, result_0_bar, result_1_bar, result_2_bar):
     for i in range(1, u.size):
         out[i] = u[i] - u[i - 1]
     slope = np.empty_like(out)
-    returned = np.empty(u.shape[0] - 1)
+    returned = np.empty(max(u.shape[0] - 1, 0))
     assert slope.shape == result_0_bar.shape, "result_0_bar does not have the shape of the result"
     assert returned.shape == result_1_bar.shape, (
         "result_1_bar does not have the shape of the result"

@@ -9,6 +9,6 @@ def kernel(u, a):
         out[i] = u[i] - u[i - 1]
     slope = np.empty_like(out)
     slope[...] = a * out
-    returned = np.empty(u.shape[0] - 1)
+    returned = np.empty(max(u.shape[0] - 1, 0))
     returned[...] = u[1:]
     return slope, returned, slope

@@ -17,7 +17,7 @@ def kernel_tangent(u, u_dot, a, a_dot):
     slope = np.empty_like(out)
     slope_dot = np.zeros_like(slope)
     slope_dot[...] = out * a_dot + a * out_dot
-    returned = np.empty(u.shape[0] - 1)
+    returned = np.empty(max(u.shape[0] - 1, 0))
     returned_dot = np.zeros_like(returned)
     returned_dot[...] = u_dot[1:]
     return slope_dot, returned_dot, slope_dot
