@@ -76,7 +76,8 @@ def guarded(seed: AST, term: Term, whole: bool) -> Term:
 
 
 def picked(tangent: Term, partial: AST) -> Term | None:
-    """The product with a partial that is a choice between something and zero: zero there, whatever the tangent is."""
+    """The product of a tangent or a seed with a partial that is a choice between something and zero: zero there,
+    whatever the other is."""
     if isinstance(partial, IfExp):
         test, sides = partial.test, [partial.body, partial.orelse]
     elif call_name(partial) == "numpy.where" and len(partial.args) == 3:

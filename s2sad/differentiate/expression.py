@@ -96,7 +96,8 @@ class Pullback:
         """What an operand gains: the product of the seed with the conjugate of the partial."""
         if rule.kind == "conjugate":
             return Term(conjugated(seed.tree, self.typing), seed.negative)
-        return seed.times(partial if rule.kind == "gradient" else conjugated(partial, self.typing))
+        factor = partial if rule.kind == "gradient" else conjugated(partial, self.typing)
+        return picked(seed, factor) or seed.times(factor)
 
     def real(self, node: AST, seed: Term) -> Term:
         """The one place where the imaginary part of a seed is dropped: what meets complex numbers but is real itself

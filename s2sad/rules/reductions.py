@@ -11,7 +11,8 @@ arrays("numpy.mean(x, axis=None, keepdims=False)", law="averaged", x=f"{_SPREAD}
 # at a tie the first element is the one that is followed
 for _name in ("max", "min"):
     arrays(f"numpy.{_name}(x, axis=None, keepdims=False)", law="reduced", also=(f"numpy.a{_name}",),
-           x=f"{_SPREAD} * {_FIRST}", tangent=f"numpy.sum(x_dot * {_FIRST}, axis=axis, keepdims=keepdims)")
+           x=f"numpy.where({_FIRST} != 0, {_SPREAD}, 0.0)",
+           tangent=f"numpy.sum(numpy.where({_FIRST} != 0, x_dot, 0.0), axis=axis, keepdims=keepdims)")
 
 # places, not values: no derivative
 arrays("numpy.argsort(x, axis=-1)", law="places")

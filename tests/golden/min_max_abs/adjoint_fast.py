@@ -8,7 +8,7 @@ Engine: Numba. Level: fast. Arguments:
 It records nothing.
 """
 
-# ruff: noqa: FURB136, SIM210, SIM211, RUF100
+# ruff: noqa: FURB136, RUF100
 
 import numpy as np
 
@@ -24,8 +24,8 @@ def kernel_adjoint(y, y_bar, x, x_bar, top):
         y_bar[i] = 0.0
         seed_2 = abs(x[i]) * seed
         x_bar[i] += (
-            (0.0 if 0.1 > x[i] else 1.0) * ((0.0 if top < max(x[i], 0.1) else 1.0) * seed_2) +
+            (0.0 if 0.1 > x[i] else 0.0 if top < max(x[i], 0.1) else seed_2) +
             np.sign(x[i]) * (min(max(x[i], 0.1), top) * seed)
         )
-        top_bar = added(top_bar, (1.0 if top < max(x[i], 0.1) else 0.0) * seed_2)
+        top_bar = added(top_bar, seed_2 if top < max(x[i], 0.1) else 0.0)
     return (top_bar,)

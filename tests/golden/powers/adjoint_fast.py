@@ -21,9 +21,9 @@ def kernel_adjoint(a, b, n, result_bar):
     a_bar = 2.0 * a * result_bar + 3.0 * a ** 2 * (power * result_bar)
     power_bar = a ** 3 * result_bar
     a_bar += 0.5 * result_bar / a ** 0.5 if result_bar != 0.0 else 0.0
-    a_bar += (0.0 if n == 0 else n * a ** (n - 1)) * result_bar if result_bar != 0.0 else 0.0
+    a_bar += (0.0 if n == 0 else n * a ** (n - 1) * result_bar) if result_bar != 0.0 else 0.0
     a_bar += 2.0 ** a * np.log(2.0) * result_bar if result_bar != 0.0 else 0.0
-    b_bar = (0.0 if a == 0 else a * b ** (a - 1)) * result_bar if result_bar != 0.0 else 0.0
+    b_bar = (0.0 if a == 0 else a * b ** (a - 1) * result_bar) if result_bar != 0.0 else 0.0
     a_bar += b ** a * np.log(1.0 if b == 0 else b) * result_bar if result_bar != 0.0 else 0.0
     b_bar -= 1.5 * power * power_bar / b if power_bar != 0.0 else 0.0
     return a_bar, b_bar

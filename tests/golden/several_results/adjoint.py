@@ -38,7 +38,7 @@ def kernel_adjoint(x, x_bar, result_bar):
     power_bar = angle * result_bar
     angle_bar = radius ** count * result_bar
     radius_bar = (
-        (0.0 if count == 0 else count * radius ** (count - 1)) * power_bar if power_bar != 0.0
+        (0.0 if count == 0 else count * radius ** (count - 1) * power_bar) if power_bar != 0.0
         else 0.0
     )
     # radius, angle, count = polar(x[0], x[1])
