@@ -195,8 +195,11 @@ class _Functions:
     def named(self, node: Subscript, before: list[AST]) -> Subscript:
         """The subscript with names for the arrays in it."""
         arrays = self.arrays(node)
+        base = self.moved(node.value, before)
+        if not isinstance(base, (Name, Subscript)):
+            base = name(self.bind(node.value, base, before))
         parts = [self.places(s, before) if s in arrays else self.moved(s, before) for s in indices(node)]
-        return at(Subscript(self.moved(node.value, before), index(node.value, *parts).slice, node.ctx), node)
+        return at(Subscript(base, index(node.value, *parts).slice, node.ctx), node)
 
     def places(self, array: AST, before: list[AST]) -> AST:
         """A name for an array of subscripts; a part of an array is copied."""

@@ -6,21 +6,26 @@
                                             break
                                         ...
     raise ValueError(f"at {t:.3f}") raise ValueError("at {t:.3f}")
+    raise ValueError("at %g" % t)   raise ValueError("'at %g' % t")
     print(f"{k}: {r:.2e}")          print(k, ":", r)
+    print("r = %g" % r)             print("r = %g", r)
+    with np.errstate(all="ignore"): y = x / z
+        y = x / z
     del work                        pass
     for i in range(n)[::-1]:        for i in reversed(range(n)):
     if k in (1, m):                 if k == 1 or k == m:
 
-The text of an error is none that a derivative computes: it shows what stands between the braces. An assignment inside
+The text of an error is none that a derivative computes: it shows what stands between the braces. What NumPy warns of
+is no matter of a derivative either. An assignment inside
 an expression moves before its statement where nothing is evaluated before it but names and numbers; any other is left
 for the fence to refuse, as are strings in any other place.
 """
 from __future__ import annotations
 
 from s2sad.tree import (
-    AST, And, Assert, Assign, Attribute, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, IfExp,
-    In, List, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Subscript, Tuple, UnaryOp, While, at, children,
-    const, copy, name, rebuild, walk, written,
+    AST, Add, And, Assert, Assign, Attribute, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For, FunctionDef,
+    If, IfExp, In, List, Mod, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Subscript, Tuple, UnaryOp, While,
+    at, children, const, copy, name, rebuild, walk, written,
 )
 
 _EXPRESSIONS = {Assign: "value", Expr: "value", Return: "value", If: "test", While: "test", For: "iter", Assert: "test"}
@@ -57,6 +62,8 @@ def _blocks(node: AST) -> None:
 
 def _statement(statement: AST) -> list[AST]:
     _blocks(statement)
+    if _is_quieting(statement):
+        return statement.body
     if type(statement).__name__ == "Delete" and all(isinstance(t, Name) for t in statement.targets):
         return [Pass()]
     if isinstance(statement, (Raise, Assert)):
@@ -70,6 +77,13 @@ def _statement(statement: AST) -> list[AST]:
     if field is None or value is None or not any(map(_is_walrus, walk(value))):
         return [statement]
     return _moved(statement, field, value)
+
+
+def _is_quieting(statement: AST) -> bool:
+    """Whether a block only says what NumPy is to warn of: `with np.errstate(...)`."""
+    return type(statement).__name__ == "With" and all(
+        item.optional_vars is None and isinstance(item.context_expr, Call)
+        and written(item.context_expr.func) in ("np.errstate", "numpy.errstate") for item in statement.items)
 
 
 def _is_walrus(node: AST) -> bool:
@@ -163,8 +177,24 @@ def _said(statement: AST) -> AST:
     def change(n: AST) -> AST | None:
         if any(n is p for p in children(statement)) and not any(n is p for p in parts):
             return n
-        return at(const(_template(n)), n) if type(n).__name__ == "JoinedStr" else None
+        if type(n).__name__ == "JoinedStr":
+            return at(const(_template(n)), n)
+        return at(const(written(n)), n) if _is_text(n) else None
     return rebuild(statement, change)
+
+
+def _is_text(node: AST) -> bool:
+    """Whether an expression makes a string: of one that is written, or of a value."""
+    if isinstance(node, BinOp) and isinstance(node.op, (Add, Mod)):
+        return any(_is_text(n) or _is_string(n) for n in (node.left, node.right))
+    if not isinstance(node, Call):
+        return False
+    made = isinstance(node.func, Name) and node.func.id in ("str", "repr")
+    return made or isinstance(node.func, Attribute) and _is_string(node.func.value)
+
+
+def _is_string(node: AST) -> bool:
+    return type(node).__name__ == "JoinedStr" or isinstance(node, Constant) and isinstance(node.value, str)
 
 
 def _template(node: AST) -> str:
@@ -180,7 +210,12 @@ def _template(node: AST) -> str:
 
 
 def _printed(node: AST) -> list[AST]:
-    """What print is given, an f-string in its parts."""
+    """What print is given, an f-string and other texts in their parts."""
+    if _is_text(node):
+        parts = [node.left, node.right] if isinstance(node, BinOp) else [*node.args, *(k.value for k in node.keywords)]
+        if isinstance(node, Call) and isinstance(node.func, Attribute):
+            parts = [node.func.value, *parts]
+        return [p for part in parts for q in (part.elts if isinstance(part, Tuple) else [part]) for p in _printed(q)]
     if type(node).__name__ != "JoinedStr":
         return [node]
     parts = [at(const(p.value.strip()), p) if isinstance(p, Constant) else p.value for p in node.values]
