@@ -4,10 +4,13 @@
     us[us_count] = 2.0 * u              us[us_count] = 2.0 * u
 
 Requires structured form and types. A row's sizes are those of an array in what is stored first, which must be there
-where the list is made. A list holds arrays themselves, not copies: where one is written later, it is refused.
+where the list is made, itself or, as a name that is bound anew in a loop, another array of these sizes: a row
+of other sizes is an error when it is stored. A list holds arrays themselves, not copies: where one is written later, it
+is refused.
 """
 from __future__ import annotations
 
+from s2sad import rules
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import whole_number
@@ -18,6 +21,10 @@ from s2sad.tree import (
     AST, Assign, Attribute, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, assign, at, attribute, call,
     call_name, children, const, copy, index, indices, rebuild, tuple_of, walk,
 )
+
+
+_KEEPING = ("numpy.cumsum", "numpy.cumprod", "numpy.sort")     # of the sizes of their argument, if it has as many axes
+_SHAPED = ("numpy.zeros", "numpy.ones", "numpy.empty", "numpy.full")
 
 
 def rows(function: FunctionDef, typing: Typing, memory: Memory, report: Report) -> FunctionDef:
@@ -76,10 +83,29 @@ class _Rows:
             return None if inner is None else [const(len(value.args[0].elts)), *inner]
         if isinstance(value, (Name, Subscript)):
             return self.of_part(value, rank, place, depth)
+        if call_name(value) in _SHAPED:
+            shape = value.args[0]
+            parts = list(shape.elts) if isinstance(shape, Tuple) else [shape]
+            return list(map(copy, parts)) if len(parts) == rank and self.there(shape, place) and all(
+                self.typing.of(p).is_number for p in parts) else None
+        rule = rules.find_array(call_name(value))
+        if rule is not None and rule.law != "same" and rule.name not in _KEEPING:
+            return self.of_product(value, rank, place, depth) if rule.law in ("matmul", "dot") else None
         for child in children(value):
             if self.typing.of(child).is_array and (found := self.sizes(child, rank, place, depth)) is not None:
                 return found
         return None
+
+    def of_product(self, value: AST, rank: int, place: AST, depth: int) -> list[AST] | None:
+        """The sizes of a product of matrices and vectors: the rows of the first, the columns of the second."""
+        made: list[AST] = []
+        for operand, axis in zip(value.args, (0, -1)):
+            inner = self.typing.of(operand).rank
+            found = self.sizes(operand, inner, place, depth + 1) if inner == 2 else []
+            if found is None or inner > 2:
+                return None
+            made += [found[axis]] if found else []
+        return made if len(made) == rank else None
 
     def of_part(self, value: AST, rank: int, place: AST, depth: int) -> list[AST] | None:
         base = value.value if isinstance(value, Subscript) else value
@@ -91,10 +117,15 @@ class _Rows:
         if any(isinstance(s, Slice) or self.typing.of(s).is_array or self.typing.of(s).kind == "unknown"
                for s in subscripts):
             return None
-        if self.there(base, place):
+        if self.there(base, place) or not subscripts and self.is_bound_before(base.id, place):
             return [index(attribute(base, "shape"), const(len(subscripts) + k)) for k in range(rank)]
         made = [s.value for s in self.bound if s.targets[0].id == base.id]
-        return self.sizes(made[0], rank, place, depth + 1) if len(made) == 1 and not subscripts else None
+        return self.sizes(made[0], rank, place, depth + 1) if made and not subscripts else None
+
+    def is_bound_before(self, identifier: str, place: AST) -> bool:
+        """Whether a name stands for an array before a statement, which a row that it stands for later has to fit."""
+        return any(isinstance(s, Assign) and isinstance(s.targets[0], Name) and s.targets[0].id == identifier
+                   and self.order[id(s)] < self.order[id(place)] for s in self.function.body)
 
     def there(self, node: AST, place: AST) -> bool:
         """Whether all names of an expression are bound before a statement, each once."""
