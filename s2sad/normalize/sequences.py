@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from s2sad.normalize.scope import Scope, atomic
 from s2sad.tree import (
-    AST, Call, Constant, List, Starred, Tuple, UnaryOp, USub, add, call, call_name, const,
+    AST, Call, Constant, List, Slice, Starred, Subscript, Tuple, UnaryOp, USub, add, call, call_name, const,
     copy, dump, index, mult, negate, sub, tuple_of,
 )
 
@@ -30,6 +30,11 @@ def literal(iterable: AST) -> list[AST] | None:
     """The items that are spelled out, or None if the sequence is not a literal one."""
     if isinstance(iterable, (Tuple, List)):
         return None if any(isinstance(item, Starred) for item in iterable.elts) else list(iterable.elts)
+    if isinstance(iterable, Subscript) and isinstance(iterable.slice, Slice):
+        items, part = literal(iterable.value), iterable.slice
+        bounds = [p if p is None else _number(p) for p in (part.lower, part.upper, part.step)]
+        known = all(b is not None or p is None for b, p in zip(bounds, (part.lower, part.upper, part.step)))
+        return items[slice(*bounds)] if items is not None and known and bounds[2] != 0 else None
     called, parts = call_name(iterable), getattr(iterable, "args", [])
     if called in ("builtins.reversed", "builtins.list", "builtins.tuple") and len(parts) == 1:
         items = literal(parts[0])
@@ -91,6 +96,8 @@ def _column(node: AST, hold: Hold, scope: Scope) -> tuple[AST, Callable[[AST], A
             scope.refuse(node, "reversed() of this", help="reverse a range or an array")
             return None
         return inner[0], lambda k: inner[1](sub(sub(copy(inner[0]), const(1)), k))
+    if isinstance(node, (Tuple, List)) and any(_is_number(item) for item in node.elts):
+        return _rows(hold(call("numpy.array", List(list(node.elts), node.ctx)), "items"))
     if (called or "").startswith("builtins.") or isinstance(node, (Tuple, List, Constant)):
         scope.refuse(node, "this cannot be looped over here", help="loop over a range, an array, enumerate or zip")
         return None
@@ -140,6 +147,11 @@ def _number(node: AST) -> int | None:
         return None if inner is None else -inner
     whole = isinstance(node, Constant) and isinstance(node.value, int) and not isinstance(node.value, bool)
     return node.value if whole else None
+
+
+def _is_number(node: AST) -> bool:
+    inner = node.operand if isinstance(node, UnaryOp) and isinstance(node.op, USub) else node
+    return isinstance(inner, Constant) and isinstance(inner.value, (int, float)) and not isinstance(inner.value, bool)
 
 
 def _plus(a: AST, b: AST) -> AST:
