@@ -7,18 +7,22 @@ values that are known only when it runs.
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from s2sad.analyze.liveness import base_name
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
+from s2sad.infer.shapes import Shapes
 from s2sad.program import Kernel
 from s2sad.tree import (
-    AST, Call, Constant, Name, Store, Subscript, assign, at, copy, dump, function, indices, name, rename, walk,
+    AST, Add, BinOp, Call, Name, Slice, Store, Subscript, assign, at, const, copy, dump, function, indices, name,
+    rename, walk,
 )
 
 
-def shared(node: Call, written: tuple[int, ...], typing: Typing, report: Report) -> tuple[tuple[int, int], ...]:
+def shared(node: Call, written: tuple[int, ...], typing: Typing, shapes: Callable[[], Shapes],
+           report: Report) -> tuple[tuple[int, int], ...]:
     """The pairs (position, earlier position) of a call's arguments that are one array, where it is written."""
     arrays = [k for k, a in enumerate(node.args) if typing.of(a).is_array]
     pairs: list[tuple[int, int]] = []
@@ -29,19 +33,42 @@ def shared(node: Call, written: tuple[int, ...], typing: Typing, report: Report)
             if dump(node.args[k]) == dump(node.args[first]):
                 if all(p != k for p, _ in pairs):
                     pairs.append((k, first))
-            elif not _apart(node.args[k], node.args[first]):
+            elif not _apart(node.args[k], node.args[first], shapes()):
                 report.error("S404", f"two arguments that may share elements of '{base_name(node.args[k])}', one of "
                              "which is written", node, help="copy one of them first")
     return tuple(pairs)
 
 
-def _apart(a: AST, b: AST) -> bool:
-    """Whether two parts of one array are known to share nothing: one of their subscripts is a different number."""
-    if not isinstance(a, Subscript) or not isinstance(b, Subscript):
+def _apart(a: AST, b: AST, shapes: Shapes) -> bool:
+    """Whether two parts of one array are known to share nothing: they lie apart on one axis."""
+    return isinstance(a, Subscript) and isinstance(b, Subscript) and any(
+        _ends_before(x, y, shapes) or _ends_before(y, x, shapes)
+        for x, y in zip(_axes(a, shapes.typing), _axes(b, shapes.typing)))
+
+
+def _axes(part: Subscript, typing: Typing) -> Iterator[AST]:
+    """The subscripts that stand for the first axes of an array: slices and numbers."""
+    for subscript in indices(part):
+        if not isinstance(subscript, Slice) and typing.of(subscript).dtype != "int64":
+            return
+        yield subscript
+
+
+def _ends_before(first: AST, second: AST, shapes: Shapes) -> bool:
+    """Whether a slice or a number along an axis takes elements before those of another one only."""
+    if any(isinstance(s, Slice) and s.step is not None for s in (first, second)):
         return False
-    numbers = [(x.value, y.value) for x, y in zip(indices(a), indices(b))
-               if isinstance(x, Constant) and isinstance(y, Constant)]
-    return any(x != y for x, y in numbers)
+    end = first.upper if isinstance(first, Slice) else BinOp(first, Add(), const(1))
+    start = second.lower if isinstance(second, Slice) else second
+    if end is None or start is None:
+        return False
+    if isinstance(first, Slice) and isinstance(second, Slice) and dump(end) == dump(start):
+        return True
+    own, last, begin = (shapes.size(s) for s in (end if isinstance(first, Slice) else first, end, start))
+    if own is None or last is None or begin is None or not shapes.is_place(begin.plus(last, -1)):
+        return False
+    from_the_end = not own.terms and not begin.terms and own.constant < 0 and begin.constant < 0
+    return shapes.is_place(own) or from_the_end
 
 
 def specialised(kernel: Kernel, pairs: tuple[tuple[int, int], ...]) -> Kernel:

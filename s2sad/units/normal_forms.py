@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 from s2sad.analyze.activity import activity, reach
 from s2sad.analyze.liveness import base_name
@@ -14,6 +15,7 @@ from s2sad.diagnostics import Report
 from s2sad.differentiate.arithmetic import scalar_choices
 from s2sad.differentiate.own import own_edges
 from s2sad.infer.infer import Typing, infer
+from s2sad.infer.shapes import shapes_of
 from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
 from s2sad.normalize import structured
@@ -234,11 +236,12 @@ class NormalForms(Calls):
     def with_titles(self, tree: FunctionDef, typing: Typing, report: Report) -> FunctionDef:
         """The tree with every kernel's call naming the unit for its arguments: their types, and which are one array."""
         new = copy(tree)
+        shapes = cache(lambda: shapes_of(tree, typing))
         for node in walk(new.body):
             if not isinstance(node, Call) or not (call_name(node) or "").startswith("user."):
                 continue
             unit = self.of_call(node, typing)
-            pairs = shared(node, unit.summary.written, typing, report)
+            pairs = shared(node, unit.summary.written, typing, shapes, report)
             if pairs:
                 node.args = [a for k, a in enumerate(node.args) if all(k != gone for gone, _ in pairs)]
                 unit = self.unit(unit.kernel.name, tuple(map(typing.argument, node.args)), pairs)
