@@ -538,3 +538,25 @@ def test_command(tmp_path):
 @pytest.mark.parametrize("engine", ["numpy", "numba"])
 def test_an_argument_may_take_turns_with_another_array(engine):
     check_derivatives(double_buffer_of_an_argument, (Y.copy(), U.copy(), 3), ("u",), ("y", "u"), engine)
+
+
+def turn(axis, a):
+    c, s = np.cos(a), np.sin(a)
+    if axis == "x":
+        return np.array([[1.0, 0, 0], [0, c, -s], [0, s, c]])
+    elif axis == "z":
+        return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
+    raise ValueError("no such axis")
+
+
+def turned(a, n):
+    m = np.eye(3)
+    for k in range(n):
+        m = turn("x", a * k) @ m
+        m = turn("z", a) @ m
+    return np.sum(m[0] * np.array([1.0, 2.0, 3.0]))
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_a_branch_is_decided_by_what_is_given(engine):
+    check_derivatives(turned, (0.7, 3), ("a",), ("return",), engine)

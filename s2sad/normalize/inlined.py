@@ -25,8 +25,8 @@ from s2sad.normalize.lives import lives
 from s2sad.normalize.rotated import rotated
 from s2sad.program import Kernel, Program
 from s2sad.tree import (
-    AST, Assign, Call, Constant, Expr, For, FunctionDef, If, Name, Return, Tuple, While, assign, at, call_name, copy,
-    function, name, names, rebuild, stored_names, walk,
+    AST, Assign, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, Name, Not, NotEq, Return, Tuple, UnaryOp,
+    While, assign, at, call_name, copy, function, name, names, rebuild, stored_names, walk,
 )
 
 Structured = Callable[[Kernel, Names, Program], FunctionDef]
@@ -142,7 +142,7 @@ class _Inlined:
                 before.append(at(assign(held, argument), statement))
         local = [n for n in dict.fromkeys([*bound, *names(tree.body)]) if n not in given]
         given |= {n: name(self.free.numbered(n)) for n in sorted(local, key=_first_place(tree))}
-        body = [_renamed(s, given) for s in tree.body]
+        body = _decided([_renamed(s, given) for s in tree.body])
         last = body.pop()
         assert isinstance(last, Return)  # it returns an array
         return [*before, *body, *self.results(statement, last)]
@@ -186,6 +186,29 @@ def _renamed(node: AST, given: Mapping[str, AST]) -> AST:
             setattr(new, field, getattr(n, field, None))
         return new
     return rebuild(node, change)
+
+
+def _decided(block: list[AST]) -> list[AST]:
+    """The block without the branches that are not for what is given: `"x" == "z"`."""
+    made: list[AST] = []
+    for statement in block:
+        taken = _truth(statement.test) if isinstance(statement, If) else None
+        made += [with_blocks(statement, _decided)] if taken is None else _decided(
+            statement.body if taken else statement.orelse)
+    return made
+
+
+def _truth(test: AST) -> bool | None:
+    """What a test of written numbers and strings says."""
+    if isinstance(test, UnaryOp) and isinstance(test.op, Not):
+        inner = _truth(test.operand)
+        return None if inner is None else not inner
+    if not isinstance(test, Compare) or len(test.ops) != 1 or not isinstance(test.ops[0], (Eq, NotEq)):
+        return test.value if isinstance(test, Constant) and isinstance(test.value, bool) else None
+    sides = (test.left, test.comparators[0])
+    if not all(isinstance(s, Constant) for s in sides):
+        return None
+    return (sides[0].value == sides[1].value) == isinstance(test.ops[0], Eq)
 
 
 def _first_place(tree: FunctionDef) -> Callable[[str], int]:
