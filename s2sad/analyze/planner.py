@@ -13,7 +13,7 @@ from s2sad.analyze.structure import Structure
 from s2sad.analyze.uses import loads_of
 from s2sad.analyze.values import Value
 from s2sad.normalize.workspace import is_allocation
-from s2sad.tree import AST, Assign, AugAssign, Expr
+from s2sad.tree import AST, Assign, AugAssign, Expr, dump
 
 
 def plan_for(question: Question, rerun: frozenset[int], snapshots: tuple[Snapshot, ...],
@@ -131,8 +131,7 @@ class Planner(Placement):
 
     def choose(self, mandatory: list[tuple[AST, AST]]) -> None:
         """The cut, and what of the rest is computed again and where."""
-        forced = {s.key for s in self.stores for load, statement in mandatory
-                  if self.conflict(s, load, statement, self.spoils(statement))}
+        forced = {s.key for s in self.stores for load, statement in mandatory if self.destroys(s, load, statement)}
         forced |= {s.key for s in self.stores for place, _ in self.rerun_places()
                    for load in reads(place.statement, self.typing)
                    if self.conflict(s, load, place.statement, again=True)}
@@ -160,8 +159,7 @@ class Planner(Placement):
         waiting, seen = [key], {key}
         store = self.result.stores.get(key)
         if store is not None:
-            found += [s for load, s in mandatory
-                      if self.conflict(store, load, s, self.spoils(s))]
+            found += [s for load, s in mandatory if self.destroys(store, load, s)]
             found += [p.statement for p, _ in self.rerun_places() for load in reads(p.statement, self.typing)
                       if self.conflict(store, load, p.statement, again=True)]
             waiting = [k for k, v in self.result.values.items() if self.placement[k] != "lost"
@@ -195,6 +193,14 @@ class Planner(Placement):
                 if inner is not None and inner.key in self.result.values:
                     waiting.append(inner.key)
         return list(seen)
+
+    def destroys(self, store: Store, load: AST, statement: AST) -> bool:
+        """Whether a store must be undone for a load of a statement's adjoint: what the statement itself overwrites is
+        put back as it was before it, whatever was stored there since."""
+        if not self.conflict(store, load, statement, self.spoils(statement)):
+            return False
+        own = next((s for s in self.stores if s.statement is statement and dump(s.place) == dump(load)), None)
+        return own is None or own is store or not self.conflict(own, load, statement, self.spoils(statement))
 
     def spoils(self, statement: AST) -> bool:
         """Whether a statement's own store can destroy what its adjoint reads."""

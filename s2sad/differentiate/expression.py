@@ -21,8 +21,8 @@ from s2sad.rules.array import RESULT, SEED
 from s2sad.rules.complexes import HOLOMORPHIC
 from s2sad.rules.rule import Rule
 from s2sad.tree import (
-    AST, BinOp, Call, Constant, Div, Mult, Name, Subscript, UnaryOp, USub, assign, attribute, call, call_name, const,
-    copy, dump, name, names, substitute, tuple_of,
+    AST, Attribute, BinOp, Call, Constant, Div, Mult, Name, Subscript, UnaryOp, USub, assign, attribute, call,
+    call_name, const, copy, dump, name, names, rebuild, substitute, tuple_of, walk,
 )
 
 
@@ -130,11 +130,24 @@ class Pullback:
             filled[wanted] = name(held)
         for parameter in flowing:
             operand = arguments[parameter]
-            gain, negative = unsigned(substitute(rule.gain(parameter, ranks, arguments), filled))
+            gain, negative = unsigned(self.sized(substitute(rule.gain(parameter, ranks, arguments), filled)))
             term = Term(gain, seed.negative != negative)
             if self.leaves(operand) > 1:
                 term = self.shared(operand, term, found)
             self.pull(operand, term, None, operand, found)
+
+    def sized(self, gain: AST) -> AST:
+        """A gain that asks names for sizes, not expressions, which would be computed for that."""
+        def change(n: AST) -> AST | None:
+            if not isinstance(n, Attribute) or n.attr != "shape" or isinstance(n.value, (Name, Subscript)):
+                return None
+            whole = self.shapes.of(n.value)
+            like = next((m for m in walk(n.value) if isinstance(m, Name) and m.id in self.typing.table
+                         and self.typing.of(m).is_array and self.shapes.of(m) == whole), None)
+            if like is not None:
+                return attribute(copy(like), "shape")
+            return None if None in whole else tuple_of(*(self.shapes.extent(d) for d in whole if d is not None))
+        return rebuild(gain, change)
 
     def leaves(self, node: AST) -> int:
         """How often a derivative leaves an expression, up to two."""
