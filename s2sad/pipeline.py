@@ -32,7 +32,9 @@ from s2sad.simplify import Watch, unwatched
 from s2sad.simplify.dead import dead
 from s2sad.simplify.exponentials import exponentials
 from s2sad.simplify.faster import faster
+from s2sad.simplify.powers import powers
 from s2sad.simplify.turned import turned
+from s2sad.simplify.unguarded import unguarded
 from s2sad.tree import Call, FunctionDef, Name, call_name, walk
 from s2sad.units import Derived, Unit, Units
 
@@ -87,8 +89,9 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
     sharing = given_twice(units)
 
     def final(d: Derived) -> FunctionDef:
-        fast = request.level == "fast" and units.engine == "numba" and d.function.name not in sharing
-        return in_loops(d, units) if fast else d.function
+        if request.level != "fast" or d.function.name in sharing:
+            return d.function
+        return in_loops(d, units) if units.engine == "numba" else unguarded(powers(d.function, d.types), d.types)
     functions = primal_functions(units, kernels_called(made, units)) + [
         f for d in units.derived.values() for f in (
             *d.beside, *([] if d is derived else [documented(with_origins(final(d), d.unit.kernel.source), d)]))]

@@ -544,7 +544,7 @@ def turn(axis, a):
     c, s = np.cos(a), np.sin(a)
     if axis == "x":
         return np.array([[1.0, 0, 0], [0, c, -s], [0, s, c]])
-    elif axis == "z":
+    if axis == "z":
         return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
     raise ValueError("no such axis")
 

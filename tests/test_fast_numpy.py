@@ -1,0 +1,46 @@
+"""The fast text for NumPy: squares for powers, and no look at each element for a quotient by a number."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from s2sad import differentiate
+from tests.derivatives import check_derivatives
+
+X = np.array([0.3, -1.2, 0.8, 2.0])
+
+
+def cubes(x, y):
+    y[:] = x ** 3 + x[::-1] ** 5 - x ** 2 + x ** 8 / 10 + x ** -3
+
+
+def slopes(x, dx):
+    return np.sum((x[1:] - x[:-1]) / dx * x[1:])
+
+
+def linear(x, dx):
+    return np.sum((x[1:] - x[:-1]) / dx)
+
+
+@pytest.mark.parametrize(("kernel", "arguments", "wrt", "of"), [
+    (cubes, (X, np.zeros(4)), ("x",), ("y",)), (slopes, (X, 0.5), ("x", "dx"), ("return",))])
+def test_gradients(kernel, arguments, wrt, of):
+    check_derivatives(kernel, arguments, wrt, of)
+
+
+def test_texts():
+    text = differentiate(cubes, engine="numpy").adjoint_source(X, np.zeros(4), level="fast")
+    assert "(x[::-1] ** 2) ** 2" in text and "** 4" not in text and "** 7" not in text and "x ** -3" in text
+    text = differentiate(slopes, engine="numpy", wrt=("x",)).adjoint_source(X, 0.5, level="fast")
+    assert "if abs(dx) > 0.0 else np.where" in " ".join(text.split())
+    for kernel, arguments in ((cubes, (X, np.zeros(4))), (slopes, (X, 0.5))):
+        text = differentiate(kernel, engine="numpy").adjoint_source(*arguments)
+        assert "abs(" not in text and "** 2) ** 2" not in text
+
+
+@pytest.mark.filterwarnings("ignore:divide by zero", "ignore:invalid value")
+@pytest.mark.parametrize("dx", [0.0, np.nan])
+def test_a_zero_seed_stays_zero(dx):
+    found = s2sad.vjp(differentiate(linear, engine="numpy"), (X, dx), {"return": 0.0}, wrt="x")["x"]
+    assert np.array_equal(found, np.zeros(4))
