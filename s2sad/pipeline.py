@@ -26,6 +26,7 @@ from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
 from s2sad.normalize.calls import Structure, result_structure
 from s2sad.normalize.hidden import hidden, hidden_name
+from s2sad.normalize.numbered import numbered
 from s2sad.program import Generated, Parameter, Program, Request
 from s2sad.run.given import compilable
 from s2sad.simplify import Watch, unwatched
@@ -168,7 +169,7 @@ def kept_tape(derived: Derived, function: FunctionDef, units: Units) -> Taped | 
 
 def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch = unwatched) -> tuple[Units, Unit]:
     """The units of a program and the one of its entry; arrays from outside have become parameters."""
-    program = hidden(program)
+    program = numbered(hidden(program))
     units = Units(program, engine, watch=watch)
     outside = tuple(of_value(a) for a in program.arrays.values())
     return units, units.unit(program.entry, types + outside)

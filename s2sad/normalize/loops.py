@@ -21,6 +21,7 @@ from s2sad.normalize.live import live_after_loops
 from s2sad.normalize.memory import Memory, bindings, parameters
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.sequences import literal, sequence
+from s2sad.normalize.settled import in_round
 from s2sad.normalize.unpack import unpack
 from s2sad.tree import (
     AST, Assign, AugAssign, Break, Constant, For, FunctionDef, If, Name, Not, Tuple, UnaryOp, While, assign, at,
@@ -114,7 +115,8 @@ class _Loops:
         rest: list[AST] = []
         for item in reversed(items):
             bound = [at(s, node) for s in unpack([copy(node.target)], copy(item), self._scope)]
-            this_round = [*bound, *(_flagged(copy(body), stopped) if stopped else copy(body))]
+            again = in_round(copy(body), node.target, item)
+            this_round = [*bound, *(_flagged(again, stopped) if stopped else again)]
             rest = [*this_round, at(If(UnaryOp(Not(), name(stopped)), rest, []), node)] if stopped and rest \
                 else this_round + rest
         return [*before, *([assign(stopped, const(False))] if stopped else []), *rest]

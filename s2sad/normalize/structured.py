@@ -1,9 +1,10 @@
 """A kernel in structured form: the first half of normalize.
 
 Requires a fenced tree with resolved names. Establishes, in this order: NumPy's functions are given by place what
-they must be given (signatures), tables of numbers are arrays (tables), slices have no names (sliced), lists that grow
-are arrays (lists), no name holds several results (bundles), one target per assignment and pure expressions (desugar),
-control flow with one return and breaks in tail position (jumps), loops that count (loops).
+they must be given (signatures), options are numbers (settled), tables of numbers are arrays (tables), slices have no
+names (sliced), lists that grow are arrays (lists), no name holds several results (bundles), one target per assignment
+and pure expressions (desugar), control flow with one return and breaks in tail position (jumps), loops that count
+(loops).
 """
 from __future__ import annotations
 
@@ -15,6 +16,7 @@ from s2sad.normalize.lists import lists
 from s2sad.normalize.loops import loops
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.scope import Scope
+from s2sad.normalize.settled import settled
 from s2sad.normalize.signatures import signatures
 from s2sad.normalize.sliced import sliced
 from s2sad.normalize.tables import tables
@@ -28,7 +30,7 @@ def structured(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
     names.taken |= {node.id for node in walk(tree) if isinstance(node, Name)}
     scope = Scope(kernel, names, program, Memory(tree, program))
     flat(tree, scope)
-    for step in (signatures, tables, sliced, lists, bundles, desugar, jumps, loops):
+    for step in (signatures, settled, tables, sliced, lists, bundles, desugar, jumps, loops):
         tree = step(tree, scope)
         scope.report.finish()
     return tree

@@ -37,6 +37,7 @@ from s2sad.normalize.rotated import rotated
 from s2sad.normalize.rows import rows
 from s2sad.normalize.ruled import ruled
 from s2sad.normalize.scalarize import scalarize, scatter
+from s2sad.normalize.settled import unsettled
 from s2sad.normalize.sharing import shared, specialised
 from s2sad.normalize.solvers import solvers
 from s2sad.normalize.sought import sought
@@ -254,7 +255,10 @@ def plain_form(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
     report = Report(kernel.source)
     tree = solvers(structured(kernel, names, program), report)
     report.finish()
-    return spelled(contracted(parts(tree, names)))
+    tree = spelled(contracted(parts(tree, names)))
+    unsettled(tree, report)
+    report.finish()
+    return tree
 
 
 def with_choices(function: FunctionDef, typing: Typing) -> FunctionDef:

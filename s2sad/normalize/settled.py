@@ -1,0 +1,216 @@
+"""settled: an option that a name spells is the number that the name is bound to.
+
+    axis = 1                        axis = 1
+    s = np.sum(a, axis=axis)        s = np.sum(a, axis=1)
+    for d in range(2):              for d in (0, 1):
+        b += np.roll(a, 1, d)           b += np.roll(a, 1, d)
+
+Requires resolved names. Of a kernel is known what it binds once, to a number that is written; a number of its module;
+and a parameter that every call in the program gives the same number. A loop over axes goes through numbers that are
+written out, and `loops` puts each in its place.
+"""
+from __future__ import annotations
+
+import inspect
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Any
+
+from s2sad import rules
+from s2sad.diagnostics import Report
+from s2sad.infer.laws import whole_number
+from s2sad.normalize.memory import parameters
+from s2sad.normalize.scope import Scope
+from s2sad.program import Kernel, Program
+from s2sad.read.meaning import library_value
+from s2sad.tree import (
+    AST, Add, Assign, Attribute, BinOp, Call, Constant, For, FunctionDef, List, Mult, Name, Store, Sub, Tuple, USub,
+    UnaryOp, at, call_name, copy, keyword, literal, names, rebuild, stored_names, tuple_of, walk,
+)
+
+AXES = ("axis", "axis1", "axis2", "axes", "source", "destination")
+_OPTIONS = frozenset({*AXES, "keepdims", "ord", "norm", "mode", "pad_width", "reps", "side", "indexing", "dtype"})
+_LONGEST = 16
+UNKNOWN = object()
+Numbers = Mapping[str, Any]     # what names are bound to: whole numbers, bools, texts, None
+
+
+def settled(function: FunctionDef, scope: Scope) -> FunctionDef:
+    known = known_names(function, scope.kernel, scope.program, ())
+
+    def walked(node: AST) -> AST | None:
+        """Loops over axes."""
+        if not isinstance(node, For):
+            return None
+        new = copy(node)
+        new.body = [rebuild(s, walked) for s in node.body]
+        new.orelse = [rebuild(s, walked) for s in node.orelse]
+        counted = _counted(node.iter, known)
+        if counted is not None and isinstance(node.target, Name) and _is_option(node.target.id, node.body):
+            new.iter = at(tuple_of(*[at(Constant(k, None), node.iter) for k in counted]), node.iter)
+        return new
+    new = copy(function)
+    new.body = [rebuild(in_options(statement, known), walked) for statement in function.body]
+    return new
+
+
+def in_options(node: AST, known: Numbers) -> AST:
+    """The node with numbers in place of their names where they are options of functions."""
+    def change(n: AST) -> AST | None:
+        if not isinstance(n, Call):
+            return None
+        places = _parameters(n)
+        args = [_written(a, known) if p in _OPTIONS else rebuild(a, change) for p, a in zip(places, n.args)]
+        args += [rebuild(a, change) for a in n.args[len(args):]]
+        values = [_written(k.value, known) if k.arg in _OPTIONS else rebuild(k.value, change) for k in n.keywords]
+        given = [at(keyword(k.arg, v), k.value) for k, v in zip(n.keywords, values)]
+        return at(Call(rebuild(n.func, change), args, given), n)
+    return rebuild(node, change)
+
+
+def in_round(block: list[AST], target: AST, item: AST) -> list[AST]:
+    """The statements of a loop that is written out, for one item."""
+    value = _value(item, {})
+    known = isinstance(target, Name) and value is not UNKNOWN and target.id not in stored_names(block)
+    return [in_options(s, {target.id: value}) for s in block] if known else block
+
+
+def unsettled(function: FunctionDef, report: Report) -> None:
+    """Refuses axes that are not known. Requires calls in the spelling that has a rule."""
+    for node in walk(function.body):
+        rule = rules.find_array(call_name(node))
+        if rule is None or not len(rule.operands) <= len(node.args) <= len(rule.operands) + len(rule.options):
+            continue
+        for option, given in rule.arguments(node).items():
+            if option in AXES and not _is_written(given):
+                called = "axis" if option.startswith("axis") else "axes" if option == "axes" else f"{option} axes"
+                report.error("S301", f"the {called} of {rule.name.removesuffix('.along')} must be a number that is "
+                             "written in the kernel", given if getattr(given, "lineno", None) else node,
+                             help="write it, or a name that is bound once, to a number: np.sum(x, axis=1)")
+
+
+def _is_written(node: AST) -> bool:
+    parts = node.elts if isinstance(node, (Tuple, List)) else [node]
+    return all(whole_number(p) is not None or isinstance(p, Constant) and p.value is None for p in parts)
+
+
+def _is_option(identifier: str, block: list[AST]) -> bool:
+    """Whether a name is read in an option of a call."""
+    return identifier in names(options(block)) and identifier not in stored_names(block)
+
+
+def _parameters(node: Call) -> tuple[str, ...]:
+    """The parameters of a function of NumPy's that the arguments by place stand for."""
+    called = call_name(node)
+    if called is not None:
+        return _signature(called)
+    return _signature(f"numpy.{node.func.attr}")[1:] if isinstance(node.func, Attribute) else ()
+
+
+@cache
+def _signature(path: str) -> tuple[str, ...]:
+    if not path.startswith("numpy."):
+        return ()
+    try:
+        found = inspect.signature(library_value(path)).parameters.values()
+    except (TypeError, ValueError):
+        return ()
+    return tuple(p.name for p in found if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD))
+
+
+def known_names(function: FunctionDef, kernel: Kernel, program: Program, seen: tuple[str, ...] = ()) -> dict[str, Any]:
+    """What the names of a kernel are known to be."""
+    known: dict[str, Any] = {f"const.{n}": v for n, v in program.constants.items() if _is_plain(v)}
+    stores = Counter(n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store))
+    known |= {p: v for p in parameters(function) if p not in stores
+              and (v := _given(kernel, p, program, (*seen, kernel.name))) is not UNKNOWN}
+    for bound, what in _bindings(function):
+        found = _value(what, known)
+        if stores[bound.id] == 1 and bound.id not in parameters(function) and found is not UNKNOWN:
+            known[bound.id] = found
+    return known
+
+
+def _bindings(function: FunctionDef) -> Iterator[tuple[Name, AST]]:
+    """The names that assignments bind, those of tuples one by one."""
+    for node in walk(function.body):
+        for target in getattr(node, "targets", []) if isinstance(node, Assign) else []:
+            if isinstance(target, Name):
+                yield target, node.value
+            elif isinstance(target, Tuple) and isinstance(node.value, Tuple) and (
+                    len(target.elts) == len(node.value.elts)):
+                yield from ((t, v) for t, v in zip(target.elts, node.value.elts) if isinstance(t, Name))
+
+
+def _given(kernel: Kernel, parameter: str, program: Program, seen: tuple[str, ...]) -> Any:
+    """What all calls of a kernel give a parameter."""
+    if kernel.name == program.entry or kernel.own is not None or kernel.name in seen[:-1]:
+        return UNKNOWN
+    found: list[Any] = []
+    for caller in program.kernels.values():
+        calls = [n for n in walk(caller.tree.body) if call_name(n) == f"user.{kernel.name}"]
+        known = known_names(caller.tree, caller, program, seen) if calls else {}
+        found += [argument(node, kernel, parameter, known) for node in calls]
+    same = found and all(type(v) is type(found[0]) and v == found[0] for v in found)
+    return found[0] if same else UNKNOWN
+
+
+def argument(node: Call, kernel: Kernel, parameter: str, known: Numbers) -> Any:
+    """What a call gives a parameter."""
+    given = {**dict(zip(kernel.parameters, node.args)), **{str(k.arg): k.value for k in node.keywords}}
+    default = kernel.defaults.get(parameter, UNKNOWN)
+    return _value(given[parameter], known) if parameter in given else default if _is_plain(default) else UNKNOWN
+
+
+def options(block: list[AST]) -> list[AST]:
+    """The arguments of calls that are options."""
+    found: list[AST] = []
+    for node in walk(block):
+        if isinstance(node, Call):
+            found += [a for p, a in zip(_parameters(node), node.args) if p in _OPTIONS]
+            found += [k.value for k in node.keywords if k.arg in _OPTIONS]
+    return found
+
+
+def _is_plain(value: Any) -> bool:
+    return value is None or type(value) in (int, bool, str) or type(value) is tuple and all(map(_is_plain, value))
+
+
+def _counted(iterable: AST, known: Numbers) -> range | None:
+    """The numbers of a short range of which all bounds are known."""
+    if call_name(iterable) != "builtins.range" or iterable.keywords or not 1 <= len(iterable.args) <= 3:
+        return None
+    bounds = [_value(a, known) for a in iterable.args]
+    if any(type(b) is not int for b in bounds) or bounds[2:] == [0]:
+        return None
+    return found if len(found := range(*bounds)) <= _LONGEST else None
+
+
+def _written(node: AST, known: Numbers) -> AST:
+    """An option with its number written out, if it is known."""
+    if isinstance(node, Constant):
+        return node
+    value = _value(node, known)
+    made = None if value is UNKNOWN else literal(value)
+    return rebuild(node, lambda n: None) if made is None else at(made, node)
+
+
+def _value(node: AST, known: Numbers) -> Any:
+    """What an expression of known names is."""
+    if isinstance(node, Constant):
+        return node.value if _is_plain(node.value) else UNKNOWN
+    if isinstance(node, Name):
+        return known.get(node.id, UNKNOWN)
+    if isinstance(node, Tuple):
+        items = tuple(_value(i, known) for i in node.elts)
+        return UNKNOWN if any(i is UNKNOWN for i in items) else items
+    if isinstance(node, UnaryOp) and isinstance(node.op, USub):
+        operand = _value(node.operand, known)
+        return -operand if type(operand) is int else UNKNOWN
+    if isinstance(node, BinOp) and isinstance(node.op, (Add, Sub, Mult)):
+        left, right = _value(node.left, known), _value(node.right, known)
+        if type(left) is type(right) is int:
+            return left + right if isinstance(node.op, Add) else left - right if isinstance(
+                node.op, Sub) else left * right
+    return UNKNOWN

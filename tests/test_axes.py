@@ -1,0 +1,110 @@
+"""Axes and other options that names stand for: known before types are, or refused; one axis for another is a wrong
+gradient."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+from tests.engines import each
+
+ROWS, KEEP = 1, True
+
+
+def along(a, axis=0):
+    return np.sum(a * np.roll(a, 1, axis=axis), axis)
+
+
+def along_rows(a, axis):
+    return np.max(np.cumsum(a, axis=axis) ** 2)
+
+
+def slope(a, axis):
+    return 0.5 * (np.roll(a, -1, axis=axis) - np.roll(a, 1, axis))
+
+
+def energy(a, axis):
+    return np.sum(slope(a, axis) ** 2)
+
+
+def both_axes(a, b):
+    """One helper for each axis that it is called with."""
+    return np.sum(slope(a, 0) * slope(b, 1) + slope(a * b, 0)) + energy(a, 1) + energy(b, axis=0)
+
+
+def counters(a, b):
+    """The counter of a short loop, and a name for it."""
+    total = 0.0
+    for d in range(2):
+        total += np.sum(b * np.roll(a, 1, axis=d) ** 2) + np.sum(np.roll(b, -1, d) * np.flip(a, axis=d))
+    for axis in (1, 0):
+        if total < 0.0:
+            break
+        total += np.sum(np.sum(a * b, axis) ** 2)
+    return total
+
+
+def bound_once(a, b):
+    """A local name, one of several, a module's."""
+    axis, last, mode = 1, -1, "edge"
+    other, both = 1 - axis, (0, axis)
+    c = np.roll(b, 1, axis=axis) + b.cumsum(other) + np.flip(a, axis=last) + np.roll(a, (1, 2), axis=both)
+    return np.sum(np.mean(c * a, axis=ROWS, keepdims=KEEP) * b) + np.sum(
+        c.max(last) ** 2) + np.sum(np.pad(a[0], 2, mode=mode) ** 2) + np.sum(np.expand_dims(c[0], other) * a[0])
+
+
+def helpers(a, b):
+    return np.sum(along(a) ** 2) + np.sum(along(b) * a[0]) + along_rows(a * b, axis=1)
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each((counters, bound_once, helpers, both_axes), 4))
+def test_known(kernel, engine):
+    random = np.random.default_rng(3)
+    check_derivatives(kernel, (0.2 + random.random((3, 4)), random.random((3, 4))), ("a", "b"), ("return",), engine)
+
+
+def test_a_number_of_the_module_that_is_changed(monkeypatch):
+    f = s2sad.gradient(of_the_module)
+    a = np.arange(6.0).reshape(2, 3)
+    first = f(a)
+    monkeypatch.setitem(globals(), "ROWS", 0)
+    np.testing.assert_allclose(first, 2.0 * np.roll(np.roll(a, 1, 1), -1, 1) * np.sum(a * 0.0 + 1.0) / 6.0)
+    assert not np.allclose(f(np.cumsum(a, axis=0)), first)
+
+
+def of_the_module(a):
+    return np.sum(np.roll(a, 1, axis=ROWS) ** 2)
+
+
+def of_an_argument(a, axis):
+    return np.sum(np.roll(a, 1, axis=axis) * a)
+
+
+def bound_twice(a, axis):
+    d = 0
+    if axis > 0:
+        d = 1
+    return np.sum(a * np.flip(a, axis=d))
+
+
+def long_loop(a, axis):
+    total = 0.0
+    for d in range(axis):
+        total += np.sum(np.sum(a, axis=d) ** 2)
+    return total
+
+
+def of_a_helper(a, axis):
+    return np.sum(slope(a, axis)) + np.sum(slope(a, 1))
+
+
+REFUSED = {of_an_argument: "numpy.roll", bound_twice: "numpy.flip", long_loop: "numpy.sum", of_a_helper: "numpy.roll"}
+
+
+@pytest.mark.parametrize("kernel", REFUSED)
+def test_refused(kernel):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(kernel, wrt="a")(np.ones((2, 3)), 1)
+    assert caught.value.diagnostics[0].message == (
+        f"the axis of {REFUSED[kernel]} must be a number that is written in the kernel")
