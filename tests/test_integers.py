@@ -1,6 +1,8 @@
 """Integers and bools: what Python and NumPy compute with them, under both engines."""
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -93,3 +95,15 @@ def test_refused(kernel, engine, message):
     with pytest.raises(s2sad.S2sadError) as caught:
         s2sad.gradient(s2sad.differentiate(kernel, engine=engine), wrt="x")(np.ones(2), np.array([200, 100], "uint8"))
     assert caught.value.diagnostics[0].message == message
+
+
+def remainders(x, k, n):
+    """Of the dividend's sign."""
+    signed = np.fmod(k, 3)
+    total = np.sum(signed * x) + math.fmod(n, 3) * x[0] + np.fmod(n, 4) * x[1] + math.fmod(n, x[2])
+    return total + x[k[np.fmod(n, 2)]] * np.fmod(k[0], -2) + np.sum(np.fmod(k, 2.5) * x)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_remainders(engine):
+    check_derivatives(remainders, (np.array([0.6, 0.3, 0.9]), np.array([-7, 2, 1]), -7), ("x",), ("return",), engine)

@@ -4,6 +4,7 @@
     h = 2 ** -level             h = float(2) ** -level
     fact *= n                   fact = whole_product(fact, n)       in a loop: raises where it does not fit
     mask + other                mask | other                        of arrays of bools, as NumPy has it
+    np.fmod(i, n)               np.sign(i) * (np.abs(i) % np.abs(n))    Numba computes Python's %
 
 Requires structured form and types. Sums of two single bools, and arithmetic of integers of few bits, which wraps around
 in NumPy, are refused.
@@ -13,8 +14,8 @@ from __future__ import annotations
 from s2sad.infer.infer import Typing, is_inverted
 from s2sad.infer.laws import whole_number
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, Constant, For, FunctionDef, If, Mult, Name, Pow, Sub, UnaryOp,
-    USub, While, assign, at, call, call_name, copy, name, names, rebuild, stored_names,
+    AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, Constant, For, FunctionDef, If, Mod, Mult, Name, Pow, Sub,
+    UnaryOp, USub, While, assign, at, call, call_name, copy, mult, name, names, rebuild, stored_names,
 )
 
 _NARROW = ("int8", "int16", "uint8", "uint16", "uint32", "uint64")
@@ -58,6 +59,10 @@ class _Integers:
         kind = self.typing.of(node)
         return kind.is_number and kind.is_integer
 
+    def are_whole(self, nodes: list[AST]) -> bool:
+        """Whether the operands of a function of two are integers, or arrays of them."""
+        return len(nodes) == 2 and all(self.typing.of(n).dtype.startswith(("int", "uint", "bool")) for n in nodes)
+
     def is_mask(self, node: AST) -> bool:
         kind = self.typing.of(node)
         return kind.is_array and kind.dtype == "bool"
@@ -68,6 +73,8 @@ class _Integers:
             self.refuse(part)
             if call_name(part) == "builtins.float" and part.args and self.typing.of(part.args[0]).dtype == "bool":
                 return at(call("builtins.float", call("builtins.int", rebuild(part.args[0], change))), part)
+            if call_name(part) in ("math.fmod", "numpy.fmod") and self.are_whole(part.args):
+                return at(_truncated(call_name(part) or "", [rebuild(a, change) for a in part.args]), part)
             if not isinstance(part, BinOp):
                 return None
             whole = self.is_whole(part.left) and self.is_whole(part.right)
@@ -109,3 +116,11 @@ class _Integers:
         if bools and isinstance(node.op, Add) and not set(names(node)) <= self.given:
             self.typing.report.error("S201", "the sum of two bools, which is a bool for NumPy's and a number for "
                                      "Python's", node, help="write int(a) + int(b), or a or b")
+
+
+def _truncated(function: str, operands: list[AST]) -> AST:
+    """The remainder of two integers that has the first one's sign."""
+    a, b = operands
+    if function == "math.fmod":
+        return call(function, call("builtins.float", a), b)
+    return mult(call("numpy.sign", a), BinOp(call("numpy.abs", copy(a)), Mod(), call("numpy.abs", b)))
