@@ -26,7 +26,7 @@ ARRAY |= {"numpy.searchsorted": "x, 0.5", "numpy.array_equal": "x, x", "numpy.al
 INTEGER = dict.fromkeys(("numpy.bitwise_not", "numpy.invert", "math.factorial", "math.isqrt"), "k")
 INTEGER |= dict.fromkeys(("numpy.bitwise_and", "numpy.bitwise_or", "numpy.bitwise_xor", "numpy.left_shift",
                           "numpy.right_shift", "math.gcd", "math.lcm", "math.comb", "math.perm"), "7, k")
-TWO = {"numpy.floor_divide", "numpy.heaviside", "numpy.greater", "numpy.greater_equal", "numpy.less",
+TWO = {"numpy.floor_divide", "numpy.greater", "numpy.greater_equal", "numpy.less",
        "numpy.less_equal", "numpy.equal", "numpy.not_equal", "numpy.logical_and", "numpy.logical_or",
        "numpy.logical_xor", "math.isclose", "numpy.isclose", "a // b"}
 

@@ -118,7 +118,7 @@ class TypesOfCalls(ABC):
         if not isinstance(node.func, Attribute):
             return UNKNOWN
         base = self.of(node.func.value)
-        if node.func.attr in ("copy",):
+        if node.func.attr in ("copy", "conj", "conjugate"):
             return base
         return UNKNOWN if node.func.attr != "fill" else NONE
 

@@ -203,6 +203,7 @@ def _along(args: list[Type], options: Arguments) -> Type:
 
 SHAPES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.diff": _diff, "numpy.concatenate": _concatenate, "numpy.stack": _stack, "numpy.hstack": _hstack,
+    "numpy.r_": _hstack,
     "numpy.vstack": _vstack, "numpy.column_stack": _columns, "numpy.append": _append, "numpy.expand_dims": _expanded,
     "numpy.squeeze": _squeezed, "numpy.swapaxes": _swapped, "numpy.tile": _tiled, "numpy.repeat": _repeated,
     "numpy.pad": _padded, "numpy.diag": _diag, "numpy.diagonal": _diagonal, "numpy.tril": _triangle,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from s2sad.infer.laws import axes_of, is_true, of_rank, whole_number
+from s2sad.infer.laws import axes_of, is_true, of_rank, whole_number, written_axes
 from s2sad.infer.options import Arguments, is_none, norm_order, one_axis, text_of
 from s2sad.infer.promotion import ORDER, common, known_array
 from s2sad.infer.types import UNKNOWN, Type, array
@@ -18,6 +18,17 @@ def _float(kind: Type) -> Type:
 
 def _averaged(args: list[Type], options: Arguments) -> Type:
     return _float(_reduced(args, options))
+
+
+def _average(args: list[Type], options: Arguments) -> Type:
+    """Weights are of the array's own shape, or of that of the axes in their order."""
+    made, weights = _averaged(args, options), args[2]
+    if is_none(options["weights"]) or made.kind == "unknown":
+        return made
+    order = None if is_none(options["axis"]) else written_axes(options["axis"], args[0].rank)
+    along = order is not None and order == sorted(order) and weights.rank == len(order)
+    fits = weights.is_array and (weights.rank == args[0].rank or along)
+    return replace(made, dtype=common([made, weights])) if fits and weights.dtype in ORDER else UNKNOWN
 
 
 def _reduced(args: list[Type], options: Arguments) -> Type:
@@ -135,7 +146,7 @@ def _running_extreme(args: list[Type], options: Arguments) -> Type:
 
 SUMS: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.var": _averaged, "numpy.std": _averaged, "numpy.prod": _product, "numpy.cumprod": _running,
-    "numpy.cumsum": _running, "numpy.average": _averaged, "numpy.linalg.norm": _norm,
+    "numpy.cumsum": _running, "numpy.average": _average, "numpy.linalg.norm": _norm,
     "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.trapezoid": _trapezoid, "numpy.trapz": _trapezoid,
     "numpy.ptp": _reduced, "numpy.nansum": _summed,
     "numpy.maximum.accumulate": _running_extreme, "numpy.minimum.accumulate": _running_extreme,

@@ -61,12 +61,12 @@ def _append(asked: Asked) -> str:
     return _joined(parts, 0, [])
 
 
-def _hstack(asked: Asked) -> str:
+def _hstack(asked: Asked, axis: int = 1) -> str:
     if asked.rank("x"):
         return _rows(asked, 1)
     before: list[str] = []
     parts = [(text, found or ["1"], kind) for text, found, kind in _given(asked, before)]
-    return _joined(parts, 0 if len(parts[0][1]) == 1 else 1, before)
+    return _joined(parts, 0 if len(parts[0][1]) == 1 else axis, before)
 
 
 def _vstack(asked: Asked) -> str:
@@ -110,6 +110,7 @@ def _dstack(asked: Asked) -> str:
 
 
 JOINS: dict[str, Callable[[Asked], str]] = {
-    "numpy.concatenate": _concatenate, "numpy.append": _append, "numpy.hstack": _hstack, "numpy.vstack": _vstack,
+    "numpy.concatenate": _concatenate, "numpy.append": _append, "numpy.hstack": _hstack,
+    "numpy.r_": lambda asked: _hstack(asked, 0), "numpy.vstack": _vstack,
     "numpy.column_stack": _column_stack, "numpy.stack": _stack, "numpy.dstack": _dstack,
 }

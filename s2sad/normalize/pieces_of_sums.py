@@ -75,9 +75,9 @@ def _average(asked: Asked) -> str:
     if not asked.given("weights"):
         return f"result = numpy.mean(x{options})"
     weights = "weights"
-    if asked.rank("weights") == 1 and rank > 1:
-        axis = asked.axis(rank)
-        weights = f"weights[{', '.join(':' if k == axis else 'None' for k in range(rank))}]"
+    if asked.rank("weights") < rank:
+        axes = asked.axes(rank)
+        weights = f"weights[{', '.join(':' if k in axes else 'None' for k in range(rank))}]"
         return f"result = numpy.sum(x * {weights}{options}) / numpy.sum(weights)"
     return f"result = numpy.sum(x * weights{options}) / numpy.sum(weights{options})"
 

@@ -6,7 +6,7 @@
     x.reshape(n, m)     np.reshape(x, (n, m))
     x.T                 np.transpose(x)
     x.copy()            np.copy(x)
-    z.real, z.conj()    np.real(z), np.conj(z)
+    z.real              np.real(z)
     complex(a, b)       a + 1j * b
     x.transpose(2, 0, 1)    np.moveaxis(x, (2, 0, 1), (0, 1, 2))
     np.any(x > 1, axis=0)   np.sum((x > 1) != 0, axis=0) > 0
@@ -16,7 +16,7 @@
     np.roll(x, (1, 2), axis=(0, 1))     np.roll(np.roll(x, 1, axis=0), 2, axis=1)
     math.prod((a, b))   a * b
     np.sum([a, b])      np.sum(np.array([a, b]))
-    np.r_[a, 1:3]       np.hstack((a, np.arange(1, 3)))
+    np.r_[a, 1:3]       np.r_((a, np.arange(1, 3)))     which joins along the first axis
     K[np.ix_(i, j)]     K[i[:, None], j]
 """
 from __future__ import annotations
@@ -24,6 +24,7 @@ from __future__ import annotations
 from functools import reduce
 
 from s2sad import rules
+from s2sad.normalize.told import CONJUGATING, start
 from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Pow,
@@ -34,7 +35,7 @@ from s2sad.tree import (
 _PAIRED = {"builtins.min", "builtins.max"}
 _METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot", "var", "std", "prod", "cumsum",
             "cumprod", "squeeze", "swapaxes", "repeat", "diagonal", "trace", "copy",
-            "conj", "conjugate", "flatten", "take", "ptp", "astype", "argsort", "clip", "round", "searchsorted"}
+            "flatten", "take", "ptp", "astype", "argsort", "clip", "round", "searchsorted"}
 _QUESTIONS = {"any", "all", "argmax", "argmin"}
 _REDUCING = {"linalg.norm", "median", "sort", "diff", "count_nonzero"}
 _LISTED = {"diag", "diagflat", "tril", "triu", "roll", "flip", "interp", "polyval", "searchsorted", "convolve",
@@ -78,6 +79,8 @@ def _plain(node: AST) -> AST | None:
     if any(isinstance(a, (Tuple, List)) for a in whole):
         made = [call("numpy.array", a) if isinstance(a, (Tuple, List)) else a for a in whole]
         return rebuild(at(Call(node.func, [*made, *node.args[len(made):]], node.keywords), node), _plain)
+    if isinstance(node.func, Attribute) and node.func.attr in CONJUGATING:
+        return None     # `told` knows whether it is the array itself
     if isinstance(node.func, Attribute) and node.func.attr in _METHODS:
         called = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], node.keywords), node)
         return rebuild(called, _plain)
@@ -93,7 +96,7 @@ def _plain(node: AST) -> AST | None:
 
 def _joined(node: Subscript) -> AST | None:
     """`np.r_` and `np.c_` of arrays, numbers and ranges, as a call that joins them."""
-    joins = {"numpy.r_": "numpy.hstack", "numpy.c_": "numpy.column_stack"}
+    joins = {"numpy.r_": "numpy.r_", "numpy.c_": "numpy.column_stack"}
     if not isinstance(node.value, Name) or node.value.id not in joins:
         return None
     parts: list[AST] = []
@@ -254,12 +257,16 @@ def _rolled(node: Call) -> AST | None:
     return reduce(lambda made, by: call("numpy.roll", made, copy(by[0]), axis=by[1]), zip(shifts, axes.elts), start)
 
 
+def _added(a: AST, b: AST) -> AST:
+    return BinOp(a, Add(), b)
+
+
 def _of_items(node: Call) -> AST:
     """The least, the greatest or the sum of the items of one sequence; Python's sum adds rows."""
     sums = call_name(node) == "builtins.sum"
     items = node.args[0].elts if isinstance(node.args[0], (Tuple, List)) else []
-    if len(items) > 1 and not any(isinstance(item, Starred) for item in items):
-        joined = reduce(lambda a, b: BinOp(a, Add(), b), items) if sums else Call(node.func, items, [])
+    if len(items) > (not sums) and not any(isinstance(item, Starred) for item in items):
+        joined = reduce(_added, items, start()) if sums else Call(node.func, items, [])
         return rebuild(at(joined, node), _plain)
     if sums:
         return rebuild(at(call("numpy.sum", node.args[0], axis=const(0)), node), _plain)
@@ -274,8 +281,11 @@ def _scalar_call(node: Call) -> AST | None:
     if function in {*_PAIRED, "builtins.sum"} and len(node.args) == 1:
         return _of_items(node)
     if function == "builtins.sum" and len(node.args) == 2:
-        total = _of_items(at(Call(node.func, node.args[:1], []), node))
-        return at(BinOp(rebuild(node.args[1], _plain), Add(), total), node)
+        several, first = node.args
+        if isinstance(several, (Tuple, List)) and not any(isinstance(item, Starred) for item in several.elts):
+            return rebuild(at(reduce(_added, several.elts, first), node), _plain)
+        total = _of_items(at(Call(node.func, [several], []), node))
+        return at(_added(rebuild(first, _plain), total), node)
     args = [rebuild(a, _plain) for a in node.args]
     if function in _PAIRED and len(args) > 2:
         return at(reduce(lambda a, b: call(function, a, b), args), node)

@@ -16,7 +16,7 @@ WRITING = frozenset({"numpy.fill_diagonal", *(f"numpy.{f}.at" for f in (
 for _text in (
         # shaping
         "numpy.diff(x, n=1, axis=-1)",
-        "numpy.concatenate(x, axis=0)", "numpy.stack(x, axis=0)", "numpy.hstack(x)", "numpy.vstack(x)",
+        "numpy.concatenate(x, axis=0)", "numpy.stack(x, axis=0)", "numpy.hstack(x)", "numpy.vstack(x)", "numpy.r_(x)",
         "numpy.column_stack(x)", "numpy.append(x, values)",
         "numpy.expand_dims(x, axis)", "numpy.squeeze(x, axis)", "numpy.swapaxes(x, axis1, axis2)",
         "numpy.tile(x, reps)", "numpy.repeat(x, repeats, axis=None)",

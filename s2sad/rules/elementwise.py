@@ -55,6 +55,9 @@ elementwise("numpy.angle(x)", x="0.0", singular=("x",), plane=("gradient", {"x":
 _ABS = "the derivative of abs at 0 is taken as 0"
 elementwise("numpy.absolute(x)", x="numpy.sign(x)", also=("numpy.abs", "builtins.abs"), result="same", kink=_ABS,
             plane=("gradient", {"x": "x / numpy.where(y == 0, 1.0, y)"}))
+elementwise("numpy.heaviside(x, h)", x="0.0", h="numpy.where(x != x, x, numpy.where(x == 0.0, 1.0, 0.0))",
+            also=("runtime.heaviside",),
+            kink="heaviside(x, h) jumps where x is 0")
 elementwise("numpy.fabs(x)", x="numpy.sign(x)", also=("math.fabs",), kink=_ABS)
 elementwise("numpy.copysign(a, b)", a="numpy.sign(a) * numpy.copysign(1.0, b)", b="0.0", also=("math.copysign",),
             domain={"a": (0.2, 2.0), "b": (0.2, 2.0)}, kink="the derivative of copysign(0, b) is taken as 0")

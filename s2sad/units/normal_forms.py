@@ -43,6 +43,7 @@ from s2sad.normalize.solvers import solvers
 from s2sad.normalize.sought import sought
 from s2sad.normalize.spelled import spelled
 from s2sad.normalize.stacked import stacked
+from s2sad.normalize.told import told
 from s2sad.normalize.viewing import viewing
 from s2sad.normalize.views import views
 from s2sad.normalize.workspace import workspace
@@ -123,6 +124,7 @@ class NormalForms(Calls):
         self.watch("structured", tree)
         tree, table = lives(tree, given, self.call_types, report, values, names)
         typing = Typing({**table, **given}, self.call_types, first := Report(source), values)
+        tree = told(tree, typing)
         complexes(tree, typing, first)      # says more than that a type cannot be inferred
         of_its_own(kernel, types, first)
         first.finish()

@@ -1,0 +1,33 @@
+"""told: what a spelling leaves open is decided by types.
+
+    sum((a, b))         `spelled`: 0 + a + b        a + b, but of bools, whose sum from 0 is an integer
+    r = a.conj()                                    r = a, of an array that is real; else np.conj(a)
+
+Requires structured form and types; changes no type.
+"""
+from __future__ import annotations
+
+from s2sad.infer.infer import Typing
+from s2sad.tree import AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, at, call, copy, rebuild
+
+CONJUGATING = ("conj", "conjugate")     # methods
+
+
+def start() -> Constant:
+    """The 0 that Python's sum begins with."""
+    return Constant(0, "start")
+
+
+def told(function: FunctionDef, typing: Typing) -> FunctionDef:
+    def change(node: AST) -> AST | None:
+        if isinstance(node, BinOp) and isinstance(node.op, Add) and isinstance(
+                node.left, Constant) and node.left.kind == "start":
+            right = rebuild(node.right, change)
+            return at(BinOp(Constant(0, None), Add(), right), node) if typing.of(node.right).dtype == "bool" else right
+        if isinstance(node, Call) and isinstance(node.func, Attribute) and node.func.attr in CONJUGATING:
+            kind, inner = typing.of(node.func.value), rebuild(node.func.value, change)
+            return inner if kind.is_array and not kind.is_complex else at(call("numpy.conj", inner), node)
+        return None
+    new = copy(function)
+    new.body = [rebuild(statement, change) for statement in function.body]
+    return new

@@ -1,0 +1,71 @@
+"""What NumPy's functions and Python's mean where it is told by types or ranks: weights of several axes, joins of
+matrices, sums of bools, conjugates of what is real, steps."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+from tests.engines import each
+
+random = np.random.default_rng(5)
+A, X, Y = (0.2 + random.random(shape) for shape in ((3, 3, 3), (3, 3), 3))
+MIXED = np.array([-1.0, 0.0, 2.0])
+
+
+def weighted(a, x, y):
+    """Weights of two axes, of one, of all."""
+    first = np.average(a, axis=(0, 1), weights=x) * np.average(a, axis=(0, 2), weights=x)
+    second = np.average(a, axis=-1, weights=y) * np.average(x, weights=x * x)
+    return np.sum(first * y) + np.sum(second ** 2) + np.sum(np.average(a, weights=a ** 2, axis=(1, 2)) * y)
+
+
+def joined(a, x, y):
+    """Matrices one below the other."""
+    rows = np.r_[x, a[0]]
+    return np.sum(rows[:, :2] ** 2 * np.arange(12.0).reshape(6, 2)) + np.sum(
+        np.r_[y, y[0], 0:2] ** 2 * np.arange(6.0)) + np.sum(np.c_[x, y][:, 2:] ** 2 * np.arange(6.0).reshape(3, 2))
+
+
+def added(a, x, y):
+    """From 0 on, as integers; numbers and arrays as they are."""
+    m = y > 0.1
+    s, t = sum((m[0], m[1])), sum([m[0], m[1]], 1)
+    both = sum((m, m))
+    return y[0] * s ** 2 + t * y[1] + np.sum(both * y ** 2) + sum((y[0], y[1])) ** 2 + np.sum(sum([x[0], x[1]], y) ** 2)
+
+
+def conjugated(a, x, y):
+    """The method of a real array gives itself, the function a copy."""
+    r, q, f = y.conj(), x.conjugate(), np.conj(x[0])
+    r[0] = 5.0 * y[1]
+    q[1, 1] *= 2.0
+    f[0] *= 3.0
+    return np.sum(y ** 2) + np.sum(r * y) + np.sum(x ** 2) + np.sum(f * x[0]) + x[0, 0].conj() * y[0]
+
+
+def stepped(a, x, y):
+    h = np.heaviside(MIXED, y) + np.heaviside(MIXED - 2.0, x[0])
+    return np.sum(np.heaviside(MIXED, y * x[1]) * y) + np.sum(h * y) + np.heaviside(0.0, y[0] * y[1]) + np.max(
+        np.heaviside(MIXED, 0.5) * y)
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each((stepped, weighted, joined, added, conjugated), 5))
+def test_kernel(kernel, engine):
+    check_derivatives(kernel, (A, X, Y), ("a", "x", "y"), ("return",), engine)
+
+
+def along_others(a, x, y):
+    return np.sum(np.average(a, axis=(1, 0), weights=x))
+
+
+def along_all(a, x, y):
+    return np.average(x, weights=y)
+
+
+@pytest.mark.parametrize("kernel", (along_others, along_all))
+def test_weights_refused(kernel):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(kernel, wrt="x")(A, X, Y)
+    assert caught.value.diagnostics[0].message == "no derivative rule for numpy.average"
