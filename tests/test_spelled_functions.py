@@ -69,3 +69,82 @@ def test_weights_refused(kernel):
     with pytest.raises(s2sad.S2sadError) as caught:
         s2sad.gradient(kernel, wrt="x")(A, X, Y)
     assert caught.value.diagnostics[0].message == "no derivative rule for numpy.average"
+
+
+WHOLE = np.array([[1, 2, 3], [0, -1, 2], [3, 1, 1]])
+
+
+def padded(a, x, n):
+    """Widths that names stand for."""
+    g = 3
+    b, c = np.pad(x[0], n, mode="edge"), np.pad(x, ((n, n - 1), (0, g)), mode="edge")
+    return np.sum(b ** 2 * np.arange(3.0 + 2 * n)) + np.sum(c ** 2 * np.arange(6.0)) + np.sum(
+        np.pad(x, g, mode="wrap") ** 2) + np.sum(np.pad(x, ((n, 0), (0, 1))) * np.arange(4.0))
+
+
+def whole(a, x, n):
+    """Products of integers and of bools."""
+    k = WHOLE * n
+    m = k > 2
+    y = np.sum(a, axis=0) * (k @ WHOLE) + x * np.dot(m, m) + np.inner(k, k[0]) * (m @ m[1])
+    return np.sum(y) + x[0, 0] * np.dot(k[0], k[1]) + np.vdot(k[1], k[2]) * x[0, 1] + np.sum(x * np.inner(m[0], m[1]))
+
+
+def shaped(a, x, n):
+    """A shape in an expression; shifts that are added; options behind those for the result."""
+    b = x * np.shape(x)[0] + np.roll(x, (1, 2)) * np.arange(3.0) + np.roll(x, (1, n), axis=1)
+    c = np.zeros(3)
+    np.max(x, 1, c)
+    return np.sum(b ** 2 * x) + np.sum(np.sum(x, 0, None) ** 2 + c) + np.sum(np.var(x, 1, None, None, 1)) + np.sum(
+        x.std(1, None, None, 1)) + np.mean(x, None, None) * np.sum(np.max(x, 1, None, True) * b + np.cumsum(x, 1, None))
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each((whole, padded, shaped), 3))
+def test_of_numbers(kernel, engine):
+    check_derivatives(kernel, (A, X, 2), ("a", "x"), ("return",), engine)
+
+
+def wider(a, x, n):
+    return np.sum(np.pad(x, 4, mode="wrap"))
+
+
+def reflected(a, x, n):
+    return np.sum(np.pad(x, 3, mode="reflect"))
+
+
+def shorter_first(a, x, n):
+    return np.sum(np.correlate(x[0, :2], x[0], "same"))
+
+
+def fewer(a, x, n):
+    y = x.copy()
+    np.fill_diagonal(y, x[0, :2])
+    return np.sum(y * y)
+
+
+WRONG = {wider: "np.pad adds more than the array has along an axis: take the elements by index",
+         reflected: "np.pad adds more than the array has along an axis: take the elements by index",
+         shorter_first: "np.correlate with the shorter array first: np.correlate(v, a)[::-1]",
+         fewer: "np.fill_diagonal with fewer values than the diagonal has"}
+
+
+@pytest.mark.parametrize("kernel", WRONG)
+def test_sizes_that_do_not_fit(kernel):
+    with pytest.raises(AssertionError) as caught:
+        s2sad.gradient(kernel, wrt="x")(A, X, 2)
+    assert str(caught.value) == WRONG[kernel]
+
+
+def stacks(a, x, n):
+    return np.sum(np.linalg.solve(a, a))
+
+
+def no_axis(a, x, n):
+    return np.sum(np.max(a, axis=()))
+
+
+@pytest.mark.parametrize(("kernel", "function"), [(stacks, "linalg.solve"), (no_axis, "max")])
+def test_refused(kernel, function):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(kernel, wrt="a")(A, X, 2)
+    assert caught.value.diagnostics[0].message == f"no derivative rule for numpy.{function}"

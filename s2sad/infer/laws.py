@@ -80,7 +80,7 @@ def _widened(kind: Type) -> Type:
 
 def _reduced_type(args: list[Type], options: Options) -> Type:
     axes = axes_of(options["axis"], args[0].rank)
-    if axes is None or not args[0].is_array or not isinstance(options.get("keepdims", _UNSAID), Constant):
+    if not axes or not args[0].is_array or not isinstance(options.get("keepdims", _UNSAID), Constant):
         return UNKNOWN
     return of_rank(args[0], args[0].rank if is_true(options.get("keepdims")) else args[0].rank - len(axes))
 
@@ -139,6 +139,8 @@ def _outer_type(args: list[Type], options: Options) -> Type:
 
 def _solved_type(args: list[Type], options: Options) -> Type:
     dtype = _common(args)
+    if args[0].rank != 2 or args[1].rank not in (1, 2):
+        return UNKNOWN      # stacks of matrices
     return array(dtype if dtype == "float32" or dtype.startswith("complex") else "float64", args[1].rank)
 
 

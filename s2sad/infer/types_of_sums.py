@@ -36,7 +36,7 @@ def _reduced(args: list[Type], options: Arguments) -> Type:
     kept = options.get("keepdims")
     if kept is not None and not (isinstance(kept, Constant) and isinstance(kept.value, bool)):
         return UNKNOWN
-    if axes is None or is_true(options.get("keepdims")) and is_none(options["axis"]):
+    if not axes or is_true(options.get("keepdims")) and is_none(options["axis"]):
         return UNKNOWN
     return of_rank(args[0], args[0].rank if is_true(options.get("keepdims")) else args[0].rank - len(axes))
 
@@ -72,7 +72,8 @@ def _norm(args: list[Type], options: Arguments) -> Type:
 
 def _vdot(args: list[Type], options: Arguments) -> Type:
     a, b = args
-    return Type("number", common(args)) if a.is_array and b.is_array and a.rank == b.rank and a.is_inexact else UNKNOWN
+    fits = a.is_array and b.is_array and a.rank == b.rank and a.dtype in ORDER
+    return Type("number", common(args)) if fits else UNKNOWN
 
 
 def _inner(args: list[Type], options: Arguments) -> Type:

@@ -55,6 +55,11 @@ def lines(*parts: str) -> str:
     return "\n".join(p for p in parts if p)
 
 
+def guard(test: str, message: str) -> str:
+    """The text of an assertion that says what to do."""
+    return f"assert {test}, {message!r}"
+
+
 def part(array: str, axis: int, taken: str) -> str:
     """The text of a part of an array along an axis."""
     return f"{array}[{':, ' * axis}{taken}]"

@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.infer.laws import axes_of
-from s2sad.normalize.asked import Asked, empty, lines, part, size, sizes, zeros
+from s2sad.normalize.asked import Asked, empty, guard, lines, part, size, sizes, zeros
 from s2sad.tree import List, Tuple, call
 
 _SIGNS = {"add": "+=", "subtract": "-=", "multiply": "*=", "divide": "/="}
@@ -45,7 +45,8 @@ def _fill_diagonal(asked: Asked) -> str:
     count = f"min({size('x', 0)}, {size('x', 1)})"
     if not asked.rank("values"):
         return lines(f"for place in range({count}):", "    x[place, place] = values")
-    return lines("held = numpy.copy(values)", f"assert {size('held', 0)} >= {count}", f"for place in range({count}):",
+    fits = guard(f"{size('held', 0)} >= {count}", "np.fill_diagonal with fewer values than the diagonal has")
+    return lines("held = numpy.copy(values)", fits, f"for place in range({count}):",
                  "    x[place, place] = held[place]")
 
 

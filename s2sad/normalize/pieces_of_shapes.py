@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.infer.options import astype_dtype, widths_of
-from s2sad.normalize.asked import Asked, empty, lines, part, size, sizes, zeros
+from s2sad.normalize.asked import Asked, empty, guard, lines, part, size, sizes, zeros
 from s2sad.tree import List, Tuple
 
 
@@ -100,6 +100,9 @@ def _repeat(asked: Asked) -> str:
                  f"result = numpy.reshape(rows, ({', '.join(whole)},))")
 
 
+_WIDE = "np.pad adds more than the array has along an axis: take the elements by index"
+
+
 def _pad(asked: Asked) -> str:
     rank, mode = asked.rank("x"), asked.text("mode")
     widths = [(asked.let("low", a), asked.let("high", b)) for a, b in
@@ -122,14 +125,15 @@ def _borders(mode: str, axis: int, a: str, b: str, n: str) -> list[str]:
     def taken(start: str, stop: str) -> str:
         return part("result", axis, f"{start}:{stop}")
     if mode == "edge":
-        return [f"{low} = {taken(a, f'{a} + 1')}", f"{high} = {taken(f'{a} + {n} - 1', f'{a} + {n}')}"]
+        first, last = (part("result", axis, f"{k}, None") for k in (a, f"{a} + {n} - 1"))
+        return [f"{low} = {first}", f"{high} = {last}"]
     if mode == "wrap":
-        return [f"assert {a} <= {n} and {b} <= {n}", f"{low} = {taken(n, f'{n} + {a}')}",
+        return [guard(f"{a} <= {n} and {b} <= {n}", _WIDE), f"{low} = {taken(n, f'{n} + {a}')}",
                 f"{high} = {taken(a, f'{a} + {b}')}"]
     skip = 1 if mode == "reflect" else 0
     below = taken(f"{a} + {skip}", f"2 * {a} + {skip}")
     above = taken(f"{a} + {n} - {b} - {skip}", f"{a} + {n} - {skip}")
-    return [f"assert {a} + {skip} <= {n} and {b} + {skip} <= {n}", f"{low} = numpy.flip({below}, axis={axis})",
+    return [guard(f"{a} + {skip} <= {n} and {b} + {skip} <= {n}", _WIDE), f"{low} = numpy.flip({below}, axis={axis})",
             f"{high} = numpy.flip({above}, axis={axis})"]
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from s2sad.infer.options import norm_order
 from s2sad.infer.promotion import common
-from s2sad.normalize.asked import Asked, empty, lines, made, part, size, sizes, zeros
+from s2sad.normalize.asked import Asked, empty, guard, lines, made, part, size, sizes, zeros
 
 
 def _options(asked: Asked, rank: int) -> str:
@@ -190,7 +190,8 @@ def _polyval(asked: Asked) -> str:
 
 def _correlate(asked: Asked) -> str:
     mode = asked.text("mode")
-    fits = "" if mode == "full" else f"assert {size('a', 0)} >= {size('v', 0)}"
+    fits = "" if mode == "full" else guard(
+        f"{size('a', 0)} >= {size('v', 0)}", "np.correlate with the shorter array first: np.correlate(v, a)[::-1]")
     return lines(fits, "turned = numpy.flip(v)", f"result = numpy.convolve(a, turned, mode='{mode}')")
 
 

@@ -30,6 +30,7 @@ from s2sad.tree import (
 
 _SUMS = {"numpy.sum", "numpy.mean"}
 _EXTREMES = {"numpy.max": Gt, "numpy.amax": Gt, "numpy.min": Lt, "numpy.amin": Lt}
+_PRODUCTS = ("numpy.matmul", "numpy.dot")
 _BLOCK = 128
 
 
@@ -78,6 +79,34 @@ class Reduced:
             augment(part, Add(), self.elements.element(operand, [name(counter)]))])
         return counted_for(start, [const(0), size, const(_BLOCK)], [
             assign(part, _zero(number)), inner, augment(target, Add(), name(part))])
+
+    # -- products of integers, which compiled code has none of ---------------------------------------------------------
+
+    def is_whole_product(self, node: AST) -> bool:
+        """Whether an expression is a product of vectors or matrices of integers or bools."""
+        return call_name(node) in _PRODUCTS and isinstance(node, Call) and not any(
+            self.typing.of(a).is_inexact for a in node.args)
+
+    def whole_product(self, target: AST, node: AST) -> list[AST]:
+        """The loops that bind or fill the target with such a product; of bools it says whether there is one."""
+        assert isinstance(node, Call)
+        a, b = node.args
+        left, right = self.bounds(a), self.bounds(b)
+        counters = self.counters(len(left) + len(right) - 1)
+        rows, columns, inner = counters[:len(left) - 1], counters[len(left) - 1:-1], counters[-1]
+        factors = [self.elements.element(a, list(map(name, [*rows, inner]))),
+                   self.elements.element(b, list(map(name, [inner, *columns])))]
+        part = self.number("row_total", INT)
+        total: AST = name(part)
+        if all(self.typing.of(o).dtype == "bool" for o in (a, b)):
+            factors, total = [call("builtins.int", f) for f in factors], compare(total, Gt(), const(0))
+        cell = index(target.value, *map(name, [*rows, *columns])) if isinstance(target, Subscript) and (
+            self.typing.of(target).is_array) else target
+        body = [assign(part, const(0)),
+                counted_for(inner, [left[-1]], [augment(part, Add(), BinOp(factors[0], Mult(), factors[1]))]),
+                assign(cell, total)]
+        sizes = [*left[:-1], *right[1:]]
+        return [_nest([*rows, *columns], sizes, body)] if sizes else body
 
     # -- along axes --------------------------------------------------------------------------------------------------
 

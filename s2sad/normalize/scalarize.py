@@ -152,6 +152,8 @@ class Scalarize:
         value = statement.value
         if is_reduction(value) and isinstance(statement, Assign):
             return self.reduced.statements(target, value)
+        if self.reduced.is_whole_product(value) and isinstance(statement, Assign):
+            return self.reduced.whole_product(target, value)
         if not self.final or isinstance(target, Name):
             return [statement]
         made = self.free.fresh(f"{(call_name(value) or '').rpartition('.')[2]}_value")

@@ -3,6 +3,7 @@
     np.full(shape=n, fill_value=c)      np.full(n, c)
     np.sum(a=x, axis=0)                 np.sum(x, axis=0)
     (*x.shape, 2)                       x.shape + (2,)
+    np.var(x, 0, None, None, 1)         np.var(x, 0, ddof=1)
 
 Requires resolved names. Establishes: of NumPy's functions the parameters that must be given are given by place.
 """
@@ -14,7 +15,8 @@ from functools import reduce, cache
 from s2sad.normalize.scope import Scope
 from s2sad.read.meaning import library_value
 from s2sad.tree import (
-    AST, Add, BinOp, Call, FunctionDef, Load, Starred, Tuple, at, call_name, copy, rebuild, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, Load, Starred, Tuple, at, call_name, copy, keyword,
+    rebuild, tuple_of,
 )
 
 # functions whose own signature is not there, or says less than how they are called
@@ -31,7 +33,13 @@ def signatures(function: FunctionDef, scope: Scope) -> FunctionDef:
     return new
 
 
+# functions and methods of which a dtype and an array for the result stand before other options
+_REDUCING = frozenset("sum prod mean var std max min amax amin ptp cumsum cumprod nansum any all argmax argmin".split())
+
+
 def _changed(node: AST) -> AST | None:
+    if isinstance(node, Call) and (named := _by_name(node)) is not None:
+        return rebuild(named, _changed)
     if isinstance(node, Tuple) and isinstance(node.ctx, Load) and any(isinstance(i, Starred) for i in node.elts):
         return rebuild(at(_summed(node.elts), node), _changed)
     if not isinstance(node, Call) or not node.keywords or not (call_name(node) or "").startswith("numpy."):
@@ -72,3 +80,22 @@ def leading(path: str) -> tuple[str, ...]:
         return ()
     return tuple(p.name for p in found if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
                  and p.default is p.empty)
+
+
+def _by_name(node: Call) -> Call | None:
+    """A reduction with the options behind its axis by name, without a dtype and an array that are None."""
+    function = call_name(node) or ""
+    method = node.func.attr if isinstance(node.func, Attribute) else ""
+    word = method or function.removeprefix("numpy.")
+    if word not in _REDUCING or not (method or function.startswith("numpy.")):
+        return None
+    places = list(inspect.signature(library_value(f"numpy.{word}")).parameters)[bool(method):]
+    first = 1 if method else 2
+    if len(node.args) > len(places):
+        return None
+    given = [*zip(places[first:], node.args[first:]), *((k.arg, k.value) for k in node.keywords)]
+    kept = [(p, v) for p, v in given if not (
+        p in ("dtype", "out") and isinstance(v, Constant) and v.value is None)]
+    if len(node.args) <= first and len(kept) == len(node.keywords):
+        return None
+    return at(Call(node.func, node.args[:first], [at(keyword(str(p), v), v) for p, v in kept]), node)

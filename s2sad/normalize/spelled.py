@@ -28,8 +28,8 @@ from s2sad.normalize.told import CONJUGATING, start
 from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Pow,
-    Slice, Starred, Store, Sub, Subscript, Tuple, at, call, call_name, compare, const, copy, index, indices, mult, name,
-    rebuild, tuple_of, walk,
+    Slice, Starred, Store, Sub, Subscript, Tuple, at, attribute, call, call_name, compare, const, copy, index, indices,
+    mult, name, rebuild, tuple_of, walk,
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
@@ -75,6 +75,8 @@ def _plain(node: AST) -> AST | None:
         return at(call(f"numpy.{node.attr}", rebuild(node.value, _plain)), node)
     if not isinstance(node, Call):
         return None
+    if call_name(node) == "numpy.shape" and len(node.args) == 1 and isinstance(node.args[0], Name):
+        return at(attribute(node.args[0], "shape"), node)
     whole = _whole_operands(node)
     if any(isinstance(a, (Tuple, List)) for a in whole):
         made = [call("numpy.array", a) if isinstance(a, (Tuple, List)) else a for a in whole]
@@ -247,9 +249,11 @@ def _multiplied(node: Call) -> AST | None:
 def _rolled(node: Call) -> AST | None:
     """Shifts along several axes, one after the other."""
     axes = {k.arg: k.value for k in node.keywords}.get("axis")
-    if not isinstance(axes, (Tuple, List)):
-        return None
     x, shift = node.args
+    if not isinstance(axes, (Tuple, List)):
+        if not isinstance(shift, (Tuple, List)) or not shift.elts:
+            return None
+        return Call(node.func, [rebuild(x, _plain), reduce(_added, shift.elts)], node.keywords)
     shifts = shift.elts if isinstance(shift, (Tuple, List)) else [shift] * len(axes.elts)
     if len(shifts) != len(axes.elts):
         return None
