@@ -261,6 +261,8 @@ LAWS: dict[str, Law] = {
     "places": Law(_places_type, lambda args, options: args[0]),
     "counted": Law(lambda args, options: array("int64", 1), lambda args, options: None),
     "sought": Law(lambda args, options: array("int64", args[1].rank), lambda args, options: args[1]),
+    "along": Law(lambda args, options: UNKNOWN if axes_of(options["axis"], args[0].rank) is None else args[0],
+                 lambda args, options: args[0]),
     "same": Law(_same_type, lambda args, options: args[0]),
     "reduced": Law(_reduced_type, _reduced_shape),
     "summed": Law(lambda args, options: _widened(_reduced_type(args, options)), _reduced_shape),

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from s2sad.infer.laws import of_rank, whole_number
 from s2sad.infer.options import Arguments, astype_dtype, is_none, one_axis, text_of, widths_of
-from s2sad.infer.promotion import ORDER, common, known_array, promote
+from s2sad.infer.promotion import ORDER, RANKS, common, known_array, promote
 from s2sad.infer.types import UNKNOWN, Type, array
 from s2sad.tree import Constant, List, Tuple
 
@@ -39,6 +39,8 @@ def _concatenate(args: list[Type], options: Arguments) -> Type:
         return of_rank(rows, rows.rank - 1) if rows.rank > 1 else UNKNOWN
     parts = _parts(options, args)
     ranks = {p.rank for p in parts}
+    if is_none(options["axis"]) and parts and all(p.is_array for p in parts):
+        return array(common(parts), 1)
     if len(ranks) != 1 or 0 in ranks or one_axis(options["axis"], max(ranks)) is None:
         return UNKNOWN
     return array(common(parts), ranks.pop())
@@ -135,7 +137,8 @@ def _trace(args: list[Type], options: Arguments) -> Type:
 
 
 def _eye(args: list[Type], options: Arguments) -> Type:
-    return array("float64", 2) if args[0].is_integer else UNKNOWN
+    dtype = astype_dtype(options) if "dtype" in options else "float64"
+    return array(dtype, 2) if args[0].is_integer and dtype else UNKNOWN
 
 
 def _linspace(args: list[Type], options: Arguments) -> Type:
@@ -148,14 +151,16 @@ def _diagflat(args: list[Type], options: Arguments) -> Type:
 
 
 def _arange(args: list[Type], options: Arguments) -> Type:
-    given = [a for a in args if a.kind != "none"]
-    return array("float64" if any(a.is_float for a in given) else "int64", 1) if all(
-        a.is_number for a in given) else UNKNOWN
+    given = [a for a in args[:3] if a.kind != "none"]
+    own = "float64" if any(a.is_float for a in given) else "int64"
+    dtype = own if is_none(options["dtype"]) else astype_dtype(options)
+    fits = all(a.is_number for a in given) and dtype in (own, "float64")
+    return array(dtype, 1) if fits else UNKNOWN
 
 
 def _cast(args: list[Type], options: Arguments) -> Type:
     dtype = astype_dtype(options)
-    return array(dtype, args[0].rank) if known_array(args) and dtype else UNKNOWN
+    return array(dtype, args[0].rank) if args[0].is_array and args[0].dtype in RANKS and dtype else UNKNOWN
 
 
 def _at_least(rank: int) -> Callable[[list[Type], Arguments], Type]:

@@ -12,6 +12,9 @@ from s2sad.infer.types import UNKNOWN, Type, array
 from s2sad.tree import Constant, List, Tuple
 
 
+_WHOLE = ("bool", "int8", "int16", "int32", "int64")     # whose sums and products are of int64
+
+
 def _float(kind: Type) -> Type:
     return kind if kind.is_inexact or kind.kind == "unknown" else replace(kind, dtype="float64")
 
@@ -41,17 +44,25 @@ def _reduced(args: list[Type], options: Arguments) -> Type:
     return of_rank(args[0], args[0].rank if is_true(options.get("keepdims")) else args[0].rank - len(axes))
 
 
+def _numbered(args: list[Type], options: Arguments) -> Type:
+    return args[0] if known_array(args) and args[0].is_float else UNKNOWN
+
+
 def _summed(args: list[Type], options: Arguments) -> Type:
     return _reduced(args, options) if args[0].is_float else UNKNOWN
 
 
 def _product(args: list[Type], options: Arguments) -> Type:
     one = is_none(options["axis"]) or known_array(args) and one_axis(options["axis"], args[0].rank) is not None
-    return _reduced(args, options) if one and args[0].is_float else UNKNOWN
+    if args[0].dtype in _WHOLE and args[0].is_array:
+        args = [replace(args[0], dtype="int64"), *args[1:]]
+    return _reduced(args, options) if one and (args[0].is_float or args[0].dtype == "int64") else UNKNOWN
 
 
 def _running(args: list[Type], options: Arguments) -> Type:
-    if not known_array(args) or not args[0].is_inexact:
+    if args[0].dtype in _WHOLE and args[0].is_array:
+        args = [replace(args[0], dtype="int64"), *args[1:]]
+    if not known_array(args):
         return UNKNOWN
     if is_none(options["axis"]):
         return array(args[0].dtype, 1)
@@ -149,7 +160,7 @@ SUMS: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.var": _averaged, "numpy.std": _averaged, "numpy.prod": _product, "numpy.cumprod": _running,
     "numpy.cumsum": _running, "numpy.average": _average, "numpy.linalg.norm": _norm,
     "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.trapezoid": _trapezoid, "numpy.trapz": _trapezoid,
-    "numpy.ptp": _reduced, "numpy.nansum": _summed,
+    "numpy.ptp": _reduced, "numpy.nansum": _summed, "numpy.nan_to_num": _numbered,
     "numpy.maximum.accumulate": _running_extreme, "numpy.minimum.accumulate": _running_extreme,
     **{f"numpy.{f}.outer": _outer for f in ("add", "subtract", "multiply", "power", "maximum", "minimum")},
     "numpy.divide.outer": _quotient, "numpy.cross": _crossed, "numpy.vander": _powers, "numpy.polyval": _polynomial,

@@ -53,6 +53,9 @@ def _concatenate(asked: Asked) -> str:
         return _rows(asked, asked.rank("x") - 1)
     before: list[str] = []
     parts = _given(asked, before)
+    if not asked.given("axis"):
+        before += [f"flat{k} = numpy.ravel({text})" for k, (text, _, _) in enumerate(parts)]
+        return _joined([(f"flat{k}", sizes(f"flat{k}", 1), kind) for k, (_, _, kind) in enumerate(parts)], 0, before)
     return _joined(parts, asked.axis(parts[0][2].rank), before)
 
 

@@ -131,11 +131,19 @@ def _sort(asked: Asked) -> str:
 
 def _argsort(asked: Asked) -> str:
     rank = asked.rank("x")
+    kind = ", kind='mergesort'" if asked.given("kind") else ""
     axis = asked.axis(rank)
     counters, bounds = _others("x", rank, axis)
     row = _along(rank, axis, ":")
     return lines(f"result = {empty(sizes('x', rank), 'int64')}", *_nest(counters, bounds, [
-        f"row = numpy.copy(x[{row}])", "order = numpy.argsort(row)", f"result[{row}] = order"]))
+        f"row = numpy.copy(x[{row}])", f"order = numpy.argsort(row{kind})", f"result[{row}] = order"]))
+
+
+def _nan_to_num(asked: Asked) -> str:
+    largest = "3.4028234663852886e+38" if asked.type("x").dtype == "float32" else "1.7976931348623157e+308"
+    high, low = ("posinf" if asked.given("posinf") else largest, "neginf" if asked.given("neginf") else f"-{largest}")
+    return lines(f"high = numpy.where(x > {largest}, {high}, x)", f"low = numpy.where(x < -{largest}, {low}, high)",
+                 "result = numpy.where(numpy.isnan(x), nan, low)")
 
 
 def _taken(asked: Asked) -> str:
@@ -236,7 +244,7 @@ PLACES: dict[str, Callable[[Asked], str]] = {
     "numpy.searchsorted.each": _sought, "numpy.argmax.along": lambda asked: _extreme_place(asked, "argmax"),
     "numpy.argmin.along": lambda asked: _extreme_place(asked, "argmin"),
     "numpy.argsort.along": _argsort, "numpy.fill_diagonal": _fill_diagonal, "numpy.nonzero": _nonzero,
-    "numpy.sort": _sort,
+    "numpy.sort": _sort, "numpy.nan_to_num": _nan_to_num,
     "numpy.take": _taken,
     "numpy.take_along_axis": _take_along_axis, "numpy.select": _select, "numpy.meshgrid": _meshgrid,
     "numpy.indices": _indices, "numpy.unravel_index": _unravel_index, "numpy.bincount": _bincount,

@@ -185,12 +185,15 @@ def _tri(asked: Asked) -> str:
 
 def _eye(asked: Asked) -> str:
     columns = "M" if asked.given("M") else "N"
-    return lines(f"result = {zeros(['N', columns], 'float64')}",
-                 f"for place in range(max(0, -k), min(N, {columns} - k)):", "    result[place, place + k] = 1.0")
+    dtype = astype_dtype(asked.arguments)
+    one = {"bool": "True", "int64": "1"}.get(dtype, "1.0")
+    return lines(f"result = {zeros(['N', columns], dtype)}",
+                 f"for place in range(max(0, -k), min(N, {columns} - k)):", f"    result[place, place + k] = {one}")
 
 
 def _identity(asked: Asked) -> str:
-    return "result = numpy.eye(n)"
+    dtype = astype_dtype(asked.arguments)
+    return f"result = numpy.eye(n, dtype=numpy.{dtype if dtype != 'bool' else 'bool_'})"
 
 
 def _linspace(asked: Asked) -> str:
@@ -209,6 +212,7 @@ def _arange(asked: Asked) -> str:
         count, dtype = f"max(0, {high} - {low})" if low != "0" else high, "int64"
     else:
         count, dtype = f"len(range({low}, {high}, step))", "int64"
+    dtype = dtype if not asked.given("dtype") else astype_dtype(asked.arguments)
     value = "place" if low == "0" and asked.number("step") == 1 else f"{low} + place * step"
     return lines(f"count = {count}", f"result = {empty(['count'], dtype)}", "for place in range(count):",
                  f"    result[place] = {value}")

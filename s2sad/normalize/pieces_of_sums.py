@@ -91,13 +91,21 @@ def _prod(asked: Asked) -> str:
     if not asked.given("axis") or rank == 1 and not kept:
         counters = [f"place{k}" for k in range(rank)]
         nest = [f"{'    ' * k}for {c} in range({size('x', k)}):" for k, c in enumerate(counters)]
-        return lines("result = 1.0", *nest, f"{'    ' * rank}result *= x[{', '.join(counters)}]")
+        whole = not asked.type("x").is_inexact
+        factor = f"x[{', '.join(counters)}]"
+        return lines(f"result = {1 if whole else 1.0}", *nest,
+                     f"{'    ' * rank}result *= {f'int({factor})' if whole else factor}")
     axis = asked.axis(rank)
     found = sizes("x", rank)
     found[axis:axis + 1] = ["1"] if kept else []
     factor = part("x", axis, "place:place + 1" if kept else "place")
-    return lines(f"result = {made('ones', found, asked.type('x').dtype)}", f"for place in range({size('x', axis)}):",
+    return lines(f"result = {made('ones', found, _widened(asked))}", f"for place in range({size('x', axis)}):",
                  f"    result *= {factor}")
+
+
+def _widened(asked: Asked) -> str:
+    """The dtype of sums and products: of integers and bools int64."""
+    return asked.type("x").dtype if asked.type("x").is_inexact else "int64"
 
 
 def _running(asked: Asked, sign: str, start: str, again: str) -> str:
@@ -106,8 +114,8 @@ def _running(asked: Asked, sign: str, start: str, again: str) -> str:
     if rank > 1 and not asked.given("axis"):
         return lines("flat = numpy.ravel(x)", f"result = {again}(flat)")
     axis = asked.axis(rank) if asked.given("axis") else 0
-    new = f"result = {empty(sizes('x', rank), asked.type('x').dtype)}"
-    if rank == 1:
+    new = f"result = {empty(sizes('x', rank), _widened(asked))}"
+    if rank == 1 and asked.type("x").is_inexact:
         return lines(new, f"so_far = {start}", f"for place in range({size('x', 0)}):",
                      f"    so_far = so_far {sign} x[place]", "    result[place] = so_far")
     return lines(new, f"{part('result', axis, ':1')} = {part('x', axis, ':1')}",

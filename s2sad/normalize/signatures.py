@@ -4,6 +4,7 @@
     np.sum(a=x, axis=0)                 np.sum(x, axis=0)
     (*x.shape, 2)                       x.shape + (2,)
     np.var(x, 0, None, None, 1)         np.var(x, 0, ddof=1)
+    np.argsort(x, kind="stable")        np.argsort(x, kind="mergesort")     which compiled code has, too
 
 Requires resolved names. Establishes: of NumPy's functions the parameters that must be given are given by place.
 """
@@ -15,8 +16,8 @@ from functools import reduce, cache
 from s2sad.normalize.scope import Scope
 from s2sad.read.meaning import library_value
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, Load, Starred, Tuple, at, call_name, copy, keyword,
-    rebuild, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, Load, Starred, Tuple, at, call_name, copy, dump,
+    keyword, rebuild, tuple_of,
 )
 
 # functions whose own signature is not there, or says less than how they are called
@@ -34,7 +35,8 @@ def signatures(function: FunctionDef, scope: Scope) -> FunctionDef:
 
 
 # functions and methods of which a dtype and an array for the result stand before other options
-_REDUCING = frozenset("sum prod mean var std max min amax amin ptp cumsum cumprod nansum any all argmax argmin".split())
+_REDUCING = frozenset("sum prod mean var std max min amax amin ptp cumsum cumprod nansum any all argmax argmin "
+                      "argsort".split())
 
 
 def _changed(node: AST) -> AST | None:
@@ -82,12 +84,15 @@ def leading(path: str) -> tuple[str, ...]:
                  and p.default is p.empty)
 
 
+_KINDS = {"kind": ("stable", "mergesort", "quicksort", "heapsort", None), "stable": (True, False, None)}
+
+
 def _by_name(node: Call) -> Call | None:
     """A reduction with the options behind its axis by name, without a dtype and an array that are None."""
     function = call_name(node) or ""
     method = node.func.attr if isinstance(node.func, Attribute) else ""
     word = method or function.removeprefix("numpy.")
-    if word not in _REDUCING or not (method or function.startswith("numpy.")):
+    if word not in _REDUCING and function != "numpy.sort" or not (method or function.startswith("numpy.")):
         return None
     places = list(inspect.signature(library_value(f"numpy.{word}")).parameters)[bool(method):]
     first = 1 if method else 2
@@ -96,6 +101,17 @@ def _by_name(node: Call) -> Call | None:
     given = [*zip(places[first:], node.args[first:]), *((k.arg, k.value) for k in node.keywords)]
     kept = [(p, v) for p, v in given if not (
         p in ("dtype", "out") and isinstance(v, Constant) and v.value is None)]
-    if len(node.args) <= first and len(kept) == len(node.keywords):
+    kept = _ordered(kept, word) if word.endswith("sort") else kept
+    if len(node.args) <= first and [(p, dump(v)) for p, v in kept] == [(p, dump(v)) for p, v in given]:
         return None
     return at(Call(node.func, node.args[:first], [at(keyword(str(p), v), v) for p, v in kept]), node)
+
+
+def _ordered(given: list[tuple[str | None, AST]], function: str) -> list[tuple[str | None, AST]]:
+    """The options of an order, the kind of one that keeps equals in theirs under the name that both engines know."""
+    kinds = [(p, getattr(v, "value", None)) for p, v in given if p in ("kind", "stable")]
+    if not all(k in _KINDS[p or ""] for p, k in kinds):
+        return given
+    left = [(p, v) for p, v in given if p not in ("kind", "stable")]
+    keeps = any(k in ("stable", "mergesort", True) for _, k in kinds) and function == "argsort"
+    return [*left, ("kind", Constant("mergesort", None))] if keeps else left

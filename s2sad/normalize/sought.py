@@ -27,8 +27,8 @@ def _each(node: Call, typing: Typing, loops: bool) -> AST | None:
     if called == "numpy.searchsorted" and len(node.args) > 1 and typing.of(node.args[1]).is_array:
         return _bound(node, "numpy.searchsorted.each")
     if called == "numpy.argsort" and node.args and (rank := typing.of(node.args[0]).rank):
-        if rank == 1 and node.keywords:
-            return call(called, node.args[0])
+        if rank == 1 and any(k.arg == "axis" for k in node.keywords):
+            return call(called, node.args[0], **{str(k.arg): k.value for k in node.keywords if k.arg != "axis"})
         return _bound(node, "numpy.argsort.along") if rank > 1 and loops else None
     return None
 

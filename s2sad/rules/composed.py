@@ -34,7 +34,7 @@ for _text in (
         "numpy.maximum.at(x, places, values)", "numpy.minimum.at(x, places, values)",
         # places, order, selection
         "numpy.searchsorted.each(a, v, side='left')", "numpy.argmax.along(x, axis=None)",
-        "numpy.argsort.along(x, axis=-1)",
+        "numpy.argsort.along(x, axis=-1, kind=None)",
         "numpy.argmin.along(x, axis=None)", "numpy.nonzero(x, part=None)", "numpy.sort(x, axis=-1)",
         "numpy.take(x, places, axis=None)", "numpy.take_along_axis(x, places, axis)",
         "numpy.select(conditions, choices, default=0)",
@@ -44,14 +44,16 @@ for _text in (
         "numpy.bincount(x, weights=None, minlength=0)", "numpy.median(x, axis=None, keepdims=False)",
         "numpy.percentile(x, q, axis=None)", "numpy.quantile(x, q, axis=None)",
         # arrays of numbers
-        "numpy.tri(N, M=None, k=0)", "numpy.eye(N, M=None, k=0)", "numpy.identity(n)",
+        "numpy.tri(N, M=None, k=0)", "numpy.eye(N, M=None, k=0, dtype=numpy.float64)",
+        "numpy.identity(n, dtype=numpy.float64)",
         "numpy.linspace(start, stop, num=50, endpoint=True)",
-        "numpy.arange(start, stop=None, step=1)",
+        "numpy.arange(start, stop=None, step=1, dtype=None)",
         # reductions and running sums
         "numpy.var(x, axis=None, ddof=0, keepdims=False)", "numpy.std(x, axis=None, ddof=0, keepdims=False)",
         "numpy.prod(x, axis=None, keepdims=False)", "numpy.cumprod(x, axis=None)", "numpy.cumsum(x, axis=None)",
         "numpy.average(x, axis=None, weights=None)", "numpy.linalg.norm(x, ord=None, axis=None, keepdims=False)",
         "numpy.ptp(x, axis=None, keepdims=False)", "numpy.nansum(x, axis=None, keepdims=False)",
+        "numpy.nan_to_num(x, copy=True, nan=0.0, posinf=None, neginf=None)",
         "numpy.maximum.accumulate(x, axis=0)", "numpy.minimum.accumulate(x, axis=0)",
         # products, differences, sums
         "numpy.add.outer(a, b)", "numpy.subtract.outer(a, b)", "numpy.multiply.outer(a, b)",

@@ -15,7 +15,7 @@ for _name in ("max", "min"):
            tangent=f"numpy.sum(numpy.where({_FIRST} != 0, x_dot, 0.0), axis=axis, keepdims=keepdims)")
 
 # places, not values: no derivative
-arrays("numpy.argsort(x, axis=-1)", law="places")
+arrays("numpy.argsort(x, axis=-1, kind=None)", law="places")
 arrays("runtime.places(x, shape, part)", law="counted")
 arrays("runtime.sought(a, v, right)", law="sought")
 arrays("runtime.spread(x, shape, axis=None, keepdims=False)", law="spread")

@@ -86,4 +86,6 @@ for _function in ("fftshift", "ifftshift"):
 same("numpy.flatnonzero(a)", "numpy.nonzero(numpy.ravel(a), part=0)")
 same("numpy.ediff1d(a)", "numpy.diff(numpy.ravel(a))")
 same("numpy.extract(condition, array)", "array[condition != 0]")
+same("numpy.fliplr(m)", "numpy.flip(m, axis=1)")
+same("numpy.flipud(m)", "numpy.flip(m, axis=0)")
 same("numpy.flatten(a)", "numpy.copy(numpy.ravel(a))")  # the method

@@ -1,0 +1,70 @@
+"""Functions that convert, count up and put in order: integers of few bits, masks, dtypes, kinds of orders."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+from tests.engines import each
+
+random = np.random.default_rng(5)
+X, A = 0.2 + random.random(5), 0.2 + random.random((3, 4))
+FEW, SMALL = np.array([1, 2, -3, 0, 4], dtype=np.int32), np.array([200, 100, 3, 4, 250], dtype=np.uint8)
+TIES = np.array([1, 0, 1, 0, 1, 1, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0, 1, 0, 1, 0, 1, 0, 0, 1])
+
+
+def converted(x, a, k, u):
+    w = u.astype(np.int64)
+    return np.sum((w + w) * x) + np.sum(u.astype(float) * x) + np.sum(k.astype("float64") ** 2 * x) + np.sum(
+        k.astype(int) * x)
+
+
+def counted_up(x, a, k, u):
+    """Sums and products of integers and of masks."""
+    m = a > 0.5
+    both = np.cumsum(m, axis=1) * np.cumsum(a, axis=0) + np.prod(m, axis=0) * a
+    return np.sum(np.cumsum(k) * x) + np.prod(k[:3]) * x[0] + np.sum(np.cumsum(x > 0.5) * x) + np.sum(both) + np.sum(
+        np.cumprod(k - 5) * x) + np.prod(m) * a[0, 0] + np.sum(np.cumsum(m)[:4] * a)
+
+
+def made(x, a, k, u):
+    """Arrays of numbers in a dtype; every element of several arrays; what is no number."""
+    n = x.size
+    ramp = np.arange(n, dtype=float) + np.arange(1, 6, dtype=np.float64) + np.arange(0, 5, 1, int)
+    eyes = np.eye(3, 4, dtype=int) + np.eye(3, 4, k=1) * np.eye(3, 4, 1, bool)
+    logs = np.nan_to_num(np.log(x - 0.5)) + np.nan_to_num(np.log(x * 0.0), neginf=2.0) + np.nan_to_num(
+        np.where(x > 0.5, x, np.nan), nan=0.5)
+    return np.sum(ramp * x) + np.sum(eyes * a) + np.sum(np.identity(5, dtype=int) * x) + np.sum(logs * x) + np.sum(
+        np.concatenate((a, x), axis=None) ** 2 * np.arange(17.0)) + np.sum(np.fliplr(a) * np.flipud(a) ** 2 * x[:4])
+
+
+def ordered(x, a, k, u):
+    """Equal numbers keep their order where that is asked for."""
+    w, o = np.arange(24.0) ** 2, np.argsort(a, axis=1, kind="stable")
+    s = np.sum(w[np.argsort(TIES, kind="stable")] * np.arange(24.0)) - np.sum(
+        w[np.argsort(TIES, stable=True)] * np.arange(24.0, 0.0, -1.0))
+    return x[0] * s / 1e4 + np.sum(np.sort(a, 1, "stable") * np.arange(4.0)) + np.sum(
+        np.take_along_axis(a, o, axis=1) ** 2 * np.arange(4.0)) + np.sum(
+        x[x.argsort(kind="quicksort")] * np.arange(5.0))
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each((converted, ordered, counted_up, made), 2))
+@pytest.mark.filterwarnings("ignore")
+def test_kernel(kernel, engine):
+    check_derivatives(kernel, (X, A, FEW, SMALL), ("x", "a"), ("return",), engine)
+
+
+def out_of_range(x):
+    return np.sum(np.flip(x, axis=1))
+
+
+def of_unsigned(x):
+    return np.sum(x * np.cumsum(SMALL))
+
+
+@pytest.mark.parametrize(("kernel", "function"), [(out_of_range, "flip"), (of_unsigned, "cumsum")])
+def test_refused(kernel, function):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(kernel)(X)
+    assert caught.value.diagnostics[0].message == f"no derivative rule for numpy.{function}"
