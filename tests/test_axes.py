@@ -30,7 +30,12 @@ def energy(a, axis):
 
 def both_axes(a, b):
     """One helper for each axis that it is called with."""
-    return np.sum(slope(a, 0) * slope(b, 1) + slope(a * b, 0)) + energy(a, 1) + energy(b, axis=0)
+    total = np.sum(slope(a, 0) * slope(b, 1) + slope(a * b, 0)) + energy(a, 1) + energy(b, axis=0)
+    for d in range(2):
+        if d < 2:
+            total += energy(a * b, d) * (1 + d)
+        b = slope(b, axis=d)
+    return total + np.sum(b * a)
 
 
 def counters(a, b):

@@ -3,6 +3,10 @@
     def slope(u, axis):             def slope(u, axis): ...
         return np.roll(u, -1, axis) - u
     slope(u, 0) * slope(u, 1)       slope(u, 0) * slope_2(u, 1)
+    for d in range(2):              d = 0
+        e += energy(u, d)           e += energy(u, 0)
+                                    d = 1
+                                    e += energy_2(u, 1)
 
 Requires resolved names; `settled` then knows the number in each.
 """
@@ -11,9 +15,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from s2sad.normalize.settled import UNKNOWN, argument, known_names, options
+from s2sad.normalize.exits import BREAK, CONTINUE, exits
+from s2sad.normalize.settled import UNKNOWN, argument, counted, in_round, known_names, options
 from s2sad.program import Kernel, Program
-from s2sad.tree import AST, Call, call_name, copy, name, names, rebuild, stored_names, walk
+from s2sad.tree import (
+    AST, Call, For, If, Name, While, assign, at, call_name, const, copy, keyword, name, names,
+    rebuild, stored_names, walk,
+)
 
 _MOST = 32      # helpers that are made
 
@@ -21,6 +29,8 @@ _MOST = 32      # helpers that are made
 def numbered(program: Program) -> Program:
     """The program with such helpers."""
     asked = _asked(program)
+    if asked:
+        program = replace(program, kernels={t: _written_out(k, program, asked) for t, k in program.kernels.items()})
     for _ in range(_MOST if asked else 0):
         new = _apart(program, asked)
         if new is None:
@@ -44,6 +54,61 @@ def _asked(program: Program) -> dict[str, list[str]]:
         if mine and title != program.entry and kernel.own is None:
             found[title] = mine
     return found
+
+
+def _written_out(kernel: Kernel, program: Program, asked: Mapping[str, list[str]]) -> Kernel:
+    """The kernel without loops whose counter is an option of what it calls."""
+    known = known_names(kernel.tree, kernel, program)
+
+    def given(block: list[AST], counter: str, number: int) -> list[AST]:
+        def change(node: AST) -> AST | None:
+            parameters = asked.get((call_name(node) or "").partition("user.")[2], [])
+            if not parameters:
+                return None
+            places = program.kernels[(call_name(node) or "").partition("user.")[2]].parameters
+            args = [_number(a, counter, number) if p in parameters else rebuild(a, change)
+                    for p, a in zip(places, node.args)]
+            options = [at(keyword(k.arg, _number(k.value, counter, number) if k.arg in parameters
+                                  else rebuild(k.value, change)), k.value) for k in node.keywords]
+            return at(Call(node.func, [*args, *node.args[len(args):]], options), node)
+        return in_round([rebuild(s, change) for s in block], name(counter), const(number))
+
+    def through(block: list[AST]) -> list[AST]:
+        made: list[AST] = []
+        for old in block:
+            statement = copy(old)
+            for field in ("body", "orelse"):
+                if isinstance(statement, (For, If, While)):
+                    setattr(statement, field, through(getattr(statement, field)))
+            numbers = counted(statement.iter, known) if isinstance(statement, For) else None
+            if numbers is not None and _picks(statement, program, asked):
+                for k in numbers:
+                    made += [at(assign(copy(statement.target), const(k)), statement),
+                             *given(copy(statement.body), statement.target.id, k)]
+            else:
+                made.append(statement)
+        return made
+    tree = copy(kernel.tree)
+    tree.body = through(kernel.tree.body)
+    return replace(kernel, tree=tree)
+
+
+def _number(node: AST, counter: str, number: int) -> AST:
+    return at(const(number), node) if isinstance(node, Name) and node.id == counter else node
+
+
+def _picks(loop: For, program: Program, asked: Mapping[str, list[str]]) -> bool:
+    """Whether a loop that is not left early gives its counter to a helper for an option."""
+    if not isinstance(loop.target, Name) or loop.orelse or {BREAK, CONTINUE} & exits(loop.body) or (
+            loop.target.id in stored_names(loop.body)):
+        return False
+    for node in walk(loop.body):
+        callee = (call_name(node) or "").partition("user.")[2]
+        if callee in asked and isinstance(node, Call):
+            given = [*zip(program.kernels[callee].parameters, node.args), *((k.arg, k.value) for k in node.keywords)]
+            if any(p in asked[callee] and isinstance(v, Name) and v.id == loop.target.id for p, v in given):
+                return True
+    return False
 
 
 def _apart(program: Program, asked: Mapping[str, list[str]]) -> Program | None:

@@ -46,9 +46,9 @@ def settled(function: FunctionDef, scope: Scope) -> FunctionDef:
         new = copy(node)
         new.body = [rebuild(s, walked) for s in node.body]
         new.orelse = [rebuild(s, walked) for s in node.orelse]
-        counted = _counted(node.iter, known)
-        if counted is not None and isinstance(node.target, Name) and _is_option(node.target.id, node.body):
-            new.iter = at(tuple_of(*[at(Constant(k, None), node.iter) for k in counted]), node.iter)
+        numbers = counted(node.iter, known)
+        if numbers is not None and isinstance(node.target, Name) and _is_option(node.target.id, node.body):
+            new.iter = at(tuple_of(*[at(Constant(k, None), node.iter) for k in numbers]), node.iter)
         return new
     new = copy(function)
     new.body = [rebuild(in_options(statement, known), walked) for statement in function.body]
@@ -91,8 +91,9 @@ def unsettled(function: FunctionDef, report: Report) -> None:
 
 
 def _is_written(node: AST) -> bool:
-    parts = node.elts if isinstance(node, (Tuple, List)) else [node]
-    return all(whole_number(p) is not None or isinstance(p, Constant) and p.value is None for p in parts)
+    if isinstance(node, (Tuple, List)):
+        return all(map(_is_written, node.elts))
+    return whole_number(node) is not None or isinstance(node, Constant) and node.value is None
 
 
 def _is_option(identifier: str, block: list[AST]) -> bool:
@@ -177,7 +178,7 @@ def _is_plain(value: Any) -> bool:
     return value is None or type(value) in (int, bool, str) or type(value) is tuple and all(map(_is_plain, value))
 
 
-def _counted(iterable: AST, known: Numbers) -> range | None:
+def counted(iterable: AST, known: Numbers) -> range | None:
     """The numbers of a short range of which all bounds are known."""
     if call_name(iterable) != "builtins.range" or iterable.keywords or not 1 <= len(iterable.args) <= 3:
         return None

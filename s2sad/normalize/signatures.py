@@ -98,7 +98,8 @@ def _by_name(node: Call) -> Call | None:
     first = 1 if method else 2
     if len(node.args) > len(places):
         return None
-    given = [*zip(places[first:], node.args[first:]), *((k.arg, k.value) for k in node.keywords)]
+    given: list[tuple[str | None, AST]] = [*zip(places[first:], node.args[first:])]
+    given += [(k.arg, k.value) for k in node.keywords]
     kept = [(p, v) for p, v in given if not (
         p in ("dtype", "out") and isinstance(v, Constant) and v.value is None)]
     kept = _ordered(kept, word) if word.endswith("sort") else kept
