@@ -49,6 +49,19 @@ def ordered(x, a, k, u):
         x[x.argsort(kind="quicksort")] * np.arange(5.0))
 
 
+def squeezed(x, a, k, u):
+    """The axes that are written, or an argument's."""
+    b = np.squeeze(x[:, None]) * np.squeeze(x[None, :, None])
+    return np.sum(b * x[None].squeeze()) + np.sum(np.squeeze(k) ** 2 * np.arange(4.0))
+
+
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
+def test_squeeze_without_an_axis(engine):
+    check_derivatives(squeezed, (X, A, 1.0 + A[:1], SMALL), ("x", "k"), ("return",), engine)
+    with pytest.raises(AssertionError, match="leaves out every axis of length 1: name it"):
+        s2sad.gradient(lambda x: np.sum(np.squeeze(x[:, None])))(X[:1])
+
+
 @pytest.mark.parametrize(("kernel", "engine"), each((converted, ordered, counted_up, made), 2))
 @pytest.mark.filterwarnings("ignore")
 def test_kernel(kernel, engine):
@@ -59,11 +72,16 @@ def out_of_range(x):
     return np.sum(np.flip(x, axis=1))
 
 
+def by_an_array(x):
+    return np.sum(np.roll(x, FEW[:2]) * x)
+
+
 def of_unsigned(x):
     return np.sum(x * np.cumsum(SMALL))
 
 
-@pytest.mark.parametrize(("kernel", "function"), [(out_of_range, "flip"), (of_unsigned, "cumsum")])
+@pytest.mark.parametrize(("kernel", "function"), [
+    (out_of_range, "flip"), (by_an_array, "roll"), (of_unsigned, "cumsum")])
 def test_refused(kernel, function):
     with pytest.raises(s2sad.S2sadError) as caught:
         s2sad.gradient(kernel)(X)

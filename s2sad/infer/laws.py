@@ -175,6 +175,11 @@ def _spread_type(args: list[Type], options: Options) -> Type:
     return array(args[0].dtype, len(args[1].items)) if args[1].kind == "tuple" else array(args[0].dtype, 1)
 
 
+def _along_type(args: list[Type], options: Options) -> Type:
+    fits = axes_of(options["axis"], args[0].rank) is not None and not any(a.is_array for a in args[1:])
+    return args[0] if fits else UNKNOWN
+
+
 def _same_type(args: list[Type], options: Options) -> Type:
     return args[0]
 
@@ -261,8 +266,7 @@ LAWS: dict[str, Law] = {
     "places": Law(_places_type, lambda args, options: args[0]),
     "counted": Law(lambda args, options: array("int64", 1), lambda args, options: None),
     "sought": Law(lambda args, options: array("int64", args[1].rank), lambda args, options: args[1]),
-    "along": Law(lambda args, options: UNKNOWN if axes_of(options["axis"], args[0].rank) is None else args[0],
-                 lambda args, options: args[0]),
+    "along": Law(_along_type, lambda args, options: args[0]),
     "same": Law(_same_type, lambda args, options: args[0]),
     "reduced": Law(_reduced_type, _reduced_shape),
     "summed": Law(lambda args, options: _widened(_reduced_type(args, options)), _reduced_shape),

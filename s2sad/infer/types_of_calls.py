@@ -76,6 +76,8 @@ class TypesOfCalls(ABC):
     def _array_function(self, rule: rules.ArrayRule, node: Call, types: list[Type]) -> Type:
         if rule.name.startswith("runtime."):    # a rule's own text names no options
             types = types[:len(rule.operands)]
+        if rule.name == "numpy.squeeze":
+            types = list(map(self.argument, node.args))     # which axes have length 1
         if any(t.kind == "unknown" for t in types) or len(types) != len(rule.operands):
             return UNKNOWN
         arguments = rule.arguments(node)

@@ -88,8 +88,10 @@ def _expanded(args: list[Type], options: Arguments) -> Type:
 
 
 def _squeezed(args: list[Type], options: Arguments) -> Type:
-    found = known_array(args) and one_axis(options["axis"], args[0].rank) is not None
-    return of_rank(args[0], args[0].rank - 1) if found else UNKNOWN
+    if not known_array(args):
+        return UNKNOWN
+    gone = len(args[0].ones) if is_none(options["axis"]) else one_axis(options["axis"], args[0].rank) is not None
+    return of_rank(args[0], args[0].rank - gone) if gone else UNKNOWN
 
 
 def _swapped(args: list[Type], options: Arguments) -> Type:

@@ -21,6 +21,11 @@ def _expand_dims(asked: Asked) -> str:
 
 
 def _squeeze(asked: Asked) -> str:
+    if not asked.given("axis"):
+        rank, gone = asked.rank("x"), asked.typing.argument(asked.arguments["x"]).ones
+        more = [guard(f"{size('x', k)} != 1", "np.squeeze without an axis leaves out every axis of length 1: name it")
+                for k in range(rank) if k not in gone]
+        return lines(*more, f"result = x[{', '.join('0' if k in gone else ':' for k in range(rank))}]")
     axis = asked.axis(asked.rank("x"))
     return lines(f"assert {size('x', axis)} == 1", f"result = {part('x', axis, '0')}")
 

@@ -18,7 +18,7 @@ for _text in (
         "numpy.diff(x, n=1, axis=-1)",
         "numpy.concatenate(x, axis=0)", "numpy.stack(x, axis=0)", "numpy.hstack(x)", "numpy.vstack(x)", "numpy.r_(x)",
         "numpy.column_stack(x)", "numpy.append(x, values)",
-        "numpy.expand_dims(x, axis)", "numpy.squeeze(x, axis)", "numpy.swapaxes(x, axis1, axis2)",
+        "numpy.expand_dims(x, axis)", "numpy.squeeze(x, axis=None)", "numpy.swapaxes(x, axis1, axis2)",
         "numpy.tile(x, reps)", "numpy.repeat(x, repeats, axis=None)",
         "numpy.pad(x, pad_width, mode='constant', constant_values=0.0)",
         "numpy.diag(x, k=0)", "numpy.diagonal(x, offset=0)", "numpy.tril(x, k=0)", "numpy.triu(x, k=0)",
