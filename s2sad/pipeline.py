@@ -75,7 +75,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
                            for p, t in zip(unit.function.args.args, unit.types))
         functions = primal_functions(units, [unit.title])
         if request.level == "fast" and request.engine == "numba":
-            functions = [turned(f, None, _writing(f, units)) for f in functions]
+            functions = [turned(f, units.titled[f.name].lowered_types, None, _writing(f, units)) for f in functions]
         if request.engine == "numba":
             functions = in_dialect(functions, units)
         text = module_text(functions, header=[f"The primal of {unit.kernel.name}."], constants=program.constants,
@@ -116,13 +116,13 @@ def in_loops(derived: Derived, units: Units) -> FunctionDef:
     tape = derived.made.tape
     writing = _writing(derived.function, units)
     if tape is None:
-        return turned(derived.function, None, writing)
+        return turned(derived.function, derived.types, None, writing)
     family = derived.unit.family
     sums = {f"{family.get(p, p)}_bar" for p in derived.made.shadows} - {*family, *family.values()}
     numbers = {n.id for n in walk(derived.function.body) if isinstance(n, Name) and shadow_of(n.id) in sums
                and n.id not in family}
     arrays = {s for s in derived.made.shadows.values() if derived.types[s].is_array}
-    function = faster(turned(derived.function, None, writing), derived.types, {s.array for s in tape.stacks.values()},
+    function = faster(turned(derived.function, derived.types, None, writing), derived.types, {s.array for s in tape.stacks.values()},
                       arrays, numbers, writing)
     read = {n for n, role, _ in derived.made.parameters if role == "shadow"}
     return exponentials(dead(function, read, units.effects.writes, units.effects.pure, units.effects.unread),

@@ -121,7 +121,7 @@ def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], l
     function = split(function, set(_temporaries(typing, names, set(family) | fixed)), names, typing, REVERSE)
     function = fold(function, fixed | {renamed.get(n, n) for n in kept}, effects.writes)
     watch("fold", function)
-    function = merge(algebra(function))
+    function = merge(algebra(function, typing.table))
     watch("algebra", function)
     if choices:
         function = merge(select(function))

@@ -8,28 +8,40 @@ Only what is exact in floating point: integers are computed, factors one and dou
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from s2sad.infer.types import Type
 from s2sad.simplify.signs import gained, signed
+from s2sad.simplify.whole import is_whole, with_counters
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Constant, Expr, For, FunctionDef, If, IfExp,
-    Mult, Pow, Return, Sub, USub, UnaryOp, While, at, augment, call_name, const, copy, equal, walk,
+    Mult, Pow, Return, Slice, Sub, Tuple, USub, UnaryOp, While, at, augment, call_name, const, copy, equal, walk,
 )
 
+_ALIKE = ("builtins.max", "builtins.min")
+_SUMS = (BinOp, UnaryOp, Slice, Tuple)
 
-def algebra(function: FunctionDef) -> FunctionDef:
+
+def algebra(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDef:
     """The function with simple arithmetic."""
+    types = with_counters(types, function)
     new = copy(function)
-    new.body = [_statement(s) for s in function.body]
+    new.body = [_statement(s, types) for s in function.body]
     return new
 
 
-def _statement(statement: AST) -> AST:
+def _statement(statement: AST, types: Mapping[str, Type]) -> AST:
+    def simple(node: AST) -> AST:
+        return simplified(node, types)
+
+    def block(statements: list[AST]) -> list[AST]:
+        return [_statement(s, types) for s in statements]
     if isinstance(statement, For):
-        made: AST = For(statement.target, simple(statement.iter), list(map(_statement, statement.body)), [], None)
+        made: AST = For(statement.target, simple(statement.iter), block(statement.body), [], None)
     elif isinstance(statement, While):
-        made = While(simple(statement.test), list(map(_statement, statement.body)), [])
+        made = While(simple(statement.test), block(statement.body), [])
     elif isinstance(statement, If):
-        made = If(simple(statement.test), list(map(_statement, statement.body)),
-                  list(map(_statement, statement.orelse)))
+        made = If(simple(statement.test), block(statement.body), block(statement.orelse))
     elif isinstance(statement, AugAssign):
         made = gained(augment(simple(statement.target), statement.op, simple(statement.value)))
     elif isinstance(statement, (Assign, Return, Expr)):
@@ -53,15 +65,23 @@ def integer(node: AST) -> int | None:
 
 
 def simple(node: AST, integers: bool = False) -> AST:
-    """The expression with its arithmetic done, innermost first; sums are reordered only among integers."""
-    integers = integers or call_name(node) == "builtins.range"
-    new = type(node)(*[_field(getattr(node, f), integers or f == "slice") for f in node._fields])
+    """`simplified` for what a transformation of loops has made of bounds and subscripts, whose names are integers."""
+    return simplified(node, None, integers)
+
+
+def simplified(node: AST, types: Mapping[str, Type] | None, integers: bool = False) -> AST:
+    """The expression with its arithmetic done, innermost first; sums are reordered only among integers: where
+    `integers` are meant, what is_whole by its types."""
+    called = call_name(node)
+    integers = called == "builtins.range" or integers and (
+        types is not None or called in _ALIKE or isinstance(node, _SUMS))
+    new = type(node)(*[_field(getattr(node, f), types, integers or f == "slice") for f in node._fields])
     if hasattr(node, "lineno"):
         at(new, node)
     new = signed(new)
     if isinstance(new, IfExp) and equal(new.body, new.orelse) and not _calls(new.test):
         return new.body
-    return _binary(new, integers) if isinstance(new, BinOp) else new
+    return _binary(new, types, integers) if isinstance(new, BinOp) else new
 
 
 def _calls(node: AST) -> bool:
@@ -69,15 +89,16 @@ def _calls(node: AST) -> bool:
     return any((call_name(n) or "").startswith("user.") for n in walk(node))
 
 
-def _field(value: object, integers: bool) -> object:
+def _field(value: object, types: Mapping[str, Type] | None, integers: bool) -> object:
     if isinstance(value, list):
-        return [_field(v, integers) for v in value]
-    return simple(value, integers) if isinstance(value, AST) else value
+        return [_field(v, types, integers) for v in value]
+    return simplified(value, types, integers) if isinstance(value, AST) else value
 
 
-def _binary(node: BinOp, integers: bool) -> AST:
+def _binary(node: BinOp, types: Mapping[str, Type] | None, integers: bool) -> AST:
     left, right = integer(node.left), integer(node.right)
-    if isinstance(node.op, (Add, Sub)) and (integers or left is not None and right is not None):
+    if isinstance(node.op, (Add, Sub)) and (
+            left is not None and right is not None or integers and is_whole(node, types)):
         return _sum(node, left, right)
     if isinstance(node.op, (Add, Sub)):
         return _signed(node)
@@ -85,8 +106,9 @@ def _binary(node: BinOp, integers: bool) -> AST:
         return const(left * right)
     if isinstance(node.op, Mult) and (left == 1 or right == 1):
         other = node.right if left == 1 else node.left
-        return other if integers or not _may_be_bool(other) else node
-    if isinstance(node.op, Pow) and right == 1 and (integers or not _may_be_bool(node.left)):
+        return other if integers and is_whole(other, types) or not _may_be_bool(other) else node
+    if isinstance(node.op, Pow) and right == 1 and (
+            integers and is_whole(node.left, types) or not _may_be_bool(node.left)):
         return node.left
     return node
 

@@ -19,58 +19,104 @@ same iterations in the same order. A remainder takes as long as ten sums, and ke
 """
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Iterator, Mapping, Set
+from dataclasses import dataclass
 
 from s2sad.analyze.liveness import base_name
 from s2sad.blocks import with_blocks
+from s2sad.infer.affine import Affine
+from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.simplify.algebra import integer, shifted, simple
 from s2sad.simplify.bounds import Counted, changed, counted, is_straight, shifted_by, stores
 from s2sad.simplify.extents import Extents
+from s2sad.simplify.whole import is_whole, with_counters
 from s2sad.tree import (
-    AST, BinOp, Call, For, FunctionDef, Gt, If, Lt, Mod, Name, Subscript, add, assign, at, call, compare, const, copy,
-    counted_for, dump, name, names, rebuild, sub, walk,
+    AST, BinOp, BoolOp, Call, Compare, For, FunctionDef, Gt, If, IfExp, Lt, Mod, Name, Subscript, add, assign, at, call,
+    children, compare, const, copy, counted_for, dump, name, names, rebuild, sub, walk,
 )
 
 _FURTHEST = 4
 
 
-def turned(function: FunctionDef, free: Names | None = None, writing: Set[str] = frozenset()) -> FunctionDef:
+def turned(function: FunctionDef, types: Mapping[str, Type], free: Names | None = None,
+           writing: Set[str] = frozenset()) -> FunctionDef:
     """The function with such loops as several; those that call one of the `writing` functions stay."""
     free = free or Names({n.id for n in walk(function) if isinstance(n, Name)})
-    extents = Extents(function, writing)
+    extents, types = Extents(function, writing), with_counters(types, function)
 
-    def block(statements: list[AST]) -> list[AST]:
+    def block(statements: list[AST], positive: list[Affine]) -> list[AST]:
         known = dict(extents.equal)
         made: list[AST] = []
         for statement in statements:
             extents.learn(statement)
-            inner = with_blocks(statement, block)
-            loop, before = _first(inner, free, writing)
-            loops = _split(loop, extents, free) or [loop]
+            inside = positive + _positive(statement, extents)
+            inner = with_blocks(statement, lambda inner, inside=inside: block(inner, inside))
+            loop, before = _first(inner, free, types, Signs(extents, inside))
+            loops = _split(loop, extents, free, types) or [loop]
             made += [_if_run(loop, [*before, *loops])] if before else loops
         extents.equal = known
         return made
     new = copy(function)
-    new.body = block(function.body)
+    new.body = block(function.body, [])
     return new
 
 
-def _first(loop: AST, free: Names, writing: Set[str]) -> tuple[AST, list[AST]]:
-    """An innermost loop, and what binds the remainders that are the same for all of its iterations."""
+@dataclass(frozen=True)
+class Signs:
+    """What is known of the sign of an integer in a loop: `positive` are the ends of the loops around, which run."""
+    extents: Extents
+    positive: list[Affine]
+
+    def never_negative(self, node: AST) -> bool:
+        form = self.extents.form(node)
+        if form is None:
+            return False
+        sizes = all(c > 0 and s.endswith("]") and ".shape[" in s for s, c in form.terms) and form.constant >= 0
+        return sizes or any(form == self.extents.reduced(p) for p in self.positive)
+
+
+def _positive(statement: AST, extents: Extents) -> list[Affine]:
+    """The end of a loop that counts upwards from 0 or more: it is positive where the body runs."""
+    bounds = counted(statement)
+    start = integer(bounds.start) if bounds and bounds.step > 0 else None
+    if bounds is None or start is None or start < 0:
+        return []
+    form = extents.form(bounds.stop)
+    return [] if form is None else [form]
+
+
+def _first(loop: AST, free: Names, types: Mapping[str, Type], signs: Signs) -> tuple[AST, list[AST]]:
+    """An innermost loop, and what binds the remainders that are the same for all of its iterations, and that each of
+    them computes: by a divisor that is 0 none may be had where the loop has none."""
     bounds = counted(loop)
-    if not isinstance(loop, For) or bounds is None or not is_straight(loop.body, writing):
+    if not isinstance(loop, For) or bounds is None or not is_straight(loop.body, signs.extents.writing):
         return loop, []
     bound = {bounds.counter, *changed(loop.body), *(base_name(t) for t in stores(loop.body))}
-    found = {dump(n): n for s in walk(loop.body) if isinstance(s, Subscript) for n in walk(s.slice)
-             if isinstance(n, BinOp) and isinstance(n.op, Mod) and not bound & set(names(n))
-             and not any(isinstance(m, Call) for m in walk(n))}
+    always = {dump(n) for s in loop.body if not isinstance(s, If) for n in _always(s)}
+    found = {text: n for s in walk(loop.body) if isinstance(s, Subscript) for n in walk(s.slice)
+             if isinstance(n, BinOp) and isinstance(n.op, Mod) and is_whole(n, types) and not bound & set(names(n))
+             and not any(isinstance(m, Call) for m in walk(n))
+             and ((text := dump(n)) in always or integer(n.right) not in (None, 0))}
     held = {text: free.fresh("around") for text in found}
 
     def change(node: AST) -> AST | None:
         return name(held[text]) if isinstance(node, BinOp) and (text := dump(node)) in held else None
-    before = [at(assign(held[text], call("builtins.max", copy(n), const(0))), loop) for text, n in found.items()]
+
+    def value(around: BinOp) -> AST:
+        return call("builtins.max", copy(around), const(0)) if signs.never_negative(around.right) else copy(around)
+    before = [at(assign(held[text], value(n)), loop) for text, n in found.items()]
     return at(For(loop.target, loop.iter, rebuild(loop.body, change), [], None), loop) if held else loop, before
+
+
+def _always(node: AST) -> Iterator[AST]:
+    """The expressions in a statement that are computed whenever it runs."""
+    yield node
+    below = [node.test] if isinstance(node, IfExp) else children(node)
+    if isinstance(node, BoolOp) or isinstance(node, Compare) and len(node.ops) > 1:
+        below = below[:1]
+    for child in below:
+        yield from _always(child)
 
 
 def _if_run(loop: AST, body: list[AST]) -> AST:
@@ -80,7 +126,7 @@ def _if_run(loop: AST, body: list[AST]) -> AST:
     return at(If(compare(copy(bounds.start), Lt() if bounds.step > 0 else Gt(), copy(bounds.stop)), body, []), loop)
 
 
-def _split(loop: AST, extents: Extents, free: Names) -> list[AST] | None:
+def _split(loop: AST, extents: Extents, free: Names, types: Mapping[str, Type]) -> list[AST] | None:
     """The loops for an innermost loop along an axis around which an index goes, None for any other statement."""
     bounds = counted(loop)
     if not isinstance(loop, For) or bounds is None or bounds.step < 0 or integer(bounds.start) != 0 or not is_straight(
@@ -89,7 +135,8 @@ def _split(loop: AST, extents: Extents, free: Names) -> list[AST] | None:
     around = {dump(n): n for n in walk(loop.body) if isinstance(n, BinOp) and isinstance(n.op, Mod)
               and bounds.counter in names(n.left)}
     stop = extents.form(bounds.stop)
-    if not around or stop is None or any(extents.form(n.right) != stop for n in around.values()):
+    if not around or stop is None or not all(
+            extents.form(n.right) == stop and is_whole(n, types) for n in around.values()):
         return None
     shifts = [shifted_by(n.left, bounds.counter) for n in around.values()]
     known = [s for s in shifts if s is not None]

@@ -99,7 +99,7 @@ class NormalForms(Calls):
         names = Names()
         kernel, tree, typing = self._typed(kernel, types, names)
         tree, guarded = self._over_arrays(tree, typing, names)
-        tree, lowered, numbers = self._for_engine(tree, typing, names)
+        tree, lowered, numbers, lowered_types = self._for_engine(tree, typing, names)
         renamed = rename(tree, typing.table, names, self.call_writes)
         self.watch("rename", verify(renamed.function, "rename", "rename"))
         given, report = dict(zip((p.id for p in tree.args.args), types)), typing.report
@@ -112,7 +112,8 @@ class NormalForms(Calls):
         typing.runs_once = self.runs_once
         once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
-                    self._summary(tree, typing, kernel), guarded, once=once, numbers=numbers)
+                    self._summary(tree, typing, kernel), guarded, once=once, numbers=numbers,
+                    lowered_types=lowered_types)
 
     def _typed(self, kernel: Kernel, types: tuple[Type, ...], names: Names) -> tuple[Kernel, FunctionDef, Typing]:
         """The kernel in structured form, with the types of its names; what it calls that returns arrays is in it."""
@@ -161,11 +162,11 @@ class NormalForms(Calls):
         return tree, guarded
 
     def _for_engine(self, tree: FunctionDef, typing: Typing,
-                    names: Names) -> tuple[FunctionDef, FunctionDef, dict[str, str]]:
-        """The form that is differentiated, the primal, and the arrays in whose place the form has numbers: for Numba
-        whole-array statements are loops."""
+                    names: Names) -> tuple[FunctionDef, FunctionDef, dict[str, str], dict[str, Type]]:
+        """The form that is differentiated, the primal, the arrays in whose place the form has numbers, and the types of
+        the primal's names: for Numba whole-array statements are loops."""
+        apart = self.apart(typing)
         if self.engine == "numba":
-            apart = self.apart(typing)
             lowered = scalarize(tree, apart, Names(names.taken), final=True)
             lowered = quotients(with_choices(lowered, apart), apart)
             tree = verify(scalarize(factored(tree, typing, names), typing, names), "views", "scalarize")
@@ -174,10 +175,10 @@ class NormalForms(Calls):
             tree, numbers = handed(tree, typing.table, names, writing)
             typing.table.update(dict.fromkeys(numbers, FLOAT))
             self.watch("handed", verify(tree, "views", "handed"))
-            return tree, lowered, numbers
+            return tree, lowered, numbers, apart.table
         tree = verify(scatter(tree, typing, names), "views", "scatter")
         self.watch("scalarize", tree)
-        return tree, tree, {}
+        return tree, tree, {}, apart.table
 
     def _unread(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
         """The unit of a function that is called as it is, of which is known what the user says."""

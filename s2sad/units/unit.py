@@ -40,6 +40,7 @@ class Unit:
     pairs: tuple[tuple[int, int], ...] = ()
     once: bool = False
     numbers: dict[str, str] = field(default_factory=dict)
+    lowered_types: dict[str, Type] = field(default_factory=dict)
 
     @property
     def owner(self) -> Owner:

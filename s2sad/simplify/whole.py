@@ -1,0 +1,45 @@
+"""whole: whether an expression is sure to be an integer, which may be reordered, or a bool or a float, which may not."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from s2sad.infer.types import INT, Type
+from s2sad.tree import (
+    AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, For, FunctionDef, Mod, Mult, Name, Not, Sub, Subscript, UnaryOp,
+    call_name, walk,
+)
+
+_ALIKE = ("builtins.max", "builtins.min", "builtins.abs", "numpy.maximum", "numpy.minimum")
+
+
+def is_whole(node: AST, types: Mapping[str, Type] | None) -> bool:
+    """Whether an expression is an integer, or an array of integers, by the types of its names; never of a bool.
+    Without types names are taken for integers: for what bounds and subscripts are sums of."""
+    if isinstance(node, Constant):
+        return type(node.value) is int
+    if isinstance(node, Name):
+        return types is None or node.id in types and _is_integer(types[node.id])
+    if isinstance(node, UnaryOp):
+        return not isinstance(node.op, Not) and is_whole(node.operand, types)
+    if isinstance(node, BinOp):
+        return isinstance(node.op, (Add, Sub, Mult, FloorDiv, Mod)) and is_whole(node.left, types) and is_whole(
+            node.right, types)
+    if isinstance(node, Attribute):
+        return node.attr in ("size", "ndim")
+    if isinstance(node, Subscript):
+        return isinstance(node.value, Attribute) and node.value.attr == "shape" or types is not None and is_whole(
+            node.value, types)
+    if isinstance(node, Call):
+        called = call_name(node)
+        return called in ("builtins.int", "builtins.len") or called in _ALIKE and all(
+            is_whole(a, types) for a in node.args)
+    return False
+
+
+def with_counters(types: Mapping[str, Type], function: FunctionDef) -> dict[str, Type]:
+    """The types of a function's names, with those of its loops' counters."""
+    return {**types, **{n.target.id: INT for n in walk(function.body) if isinstance(n, For)}}
+
+
+def _is_integer(kind: Type) -> bool:
+    return kind.kind in ("number", "array") and kind.dtype.startswith(("int", "uint"))

@@ -1,0 +1,62 @@
+"""Subscripts, ranges and remainders: what is simplified, hoisted or split is an integer, by its type."""
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.derivatives import check_derivatives
+
+X5, X6 = np.array([0.3, 0.7, 1.1, 2.5, 0.9]), np.array([0.31, -0.72, 1.13, 2.54, 0.95, -1.6])
+
+
+def negative_divisor(x, n, k):
+    s = 0.0
+    for j in range(n):
+        s += x[j] * x[k % -3]
+    return s
+
+
+def divisor_that_may_be_zero(x, n, k, m):
+    s = 0.0
+    for j in range(n):
+        if m != 0:
+            s += x[j] * x[k % m]
+        s += x[j] if m == 0 else x[k % m]
+    return s
+
+
+def remainder_of_floats(x, y, a, n):
+    for j in range(n):
+        y[j] = x[j] * ((j + a) % n)
+    for j in range(n):
+        y[j] += x[j] * ((j + 0.5) % n) * x[int(a % 3.0)]
+
+
+def sum_of_floats(x, y, a):
+    y[0] = x[int(math.floor(a + 1 - 1))] * a
+
+
+def bools(x, m, y):
+    flag = x[0] > 0.0
+    y[flag * 1] = x[1] * x[1]
+    y[flag + 2] = x[2] * x[1]
+    y[flag + 0] += x[1] * x[2]
+    y[flag ** 1] *= x[2]
+    for i in range(2):
+        y[m[i] * 1] += x[1] * x[i]
+    for i in range(flag * 1):
+        y[i] *= x[1] * x[1]
+    for i in range(flag + 1 - 1):
+        y[i + 1 - 1] *= x[1] * x[3]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel, arguments, of", [
+    (negative_divisor, (X5, 4, 5), "return"), (divisor_that_may_be_zero, (X5, 4, 5, 0), "return"),
+    (divisor_that_may_be_zero, (X5, 4, 5, -3), "return"), (remainder_of_floats, (X5, X6, 0.3, 5), "y"),
+    (sum_of_floats, (X5, np.zeros(1), 0.9999999999999999), "y"),
+    (bools, (X5, np.array([True, False]), np.zeros(4)), "y")])
+def test_places(kernel, arguments, of, engine):
+    check_derivatives(kernel, arguments, ("x",), (of,), engine)
