@@ -122,8 +122,8 @@ def in_loops(derived: Derived, units: Units) -> FunctionDef:
     numbers = {n.id for n in walk(derived.function.body) if isinstance(n, Name) and shadow_of(n.id) in sums
                and n.id not in family}
     arrays = {s for s in derived.made.shadows.values() if derived.types[s].is_array}
-    function = faster(turned(derived.function, derived.types, None, writing), derived.types, {s.array for s in tape.stacks.values()},
-                      arrays, numbers, writing)
+    function = faster(turned(derived.function, derived.types, None, writing), derived.types,
+                      {s.array for s in tape.stacks.values()}, arrays, numbers, writing)
     read = {n for n, role, _ in derived.made.parameters if role == "shadow"}
     return exponentials(dead(function, read, units.effects.writes, units.effects.pure, units.effects.unread),
                         derived.types)

@@ -52,11 +52,30 @@ def bools(x, m, y):
         y[i + 1 - 1] *= x[1] * x[3]
 
 
+def stored_into_itself(x, p, y):
+    p[p] = np.arange(4)
+    y[0] = np.sum(x[p] * y)
+
+
+def stored_from_itself(x, p, y):
+    p[p] = p[::-1]
+    y[0] = np.sum(x[p] * y)
+    p[p] += 1
+    y[1] = np.sum(x[p] * y)
+    p[...] = p % 4
+    q = p
+    p[:2][q[:2] % 2] = 3
+    p[p[1:3]] = p[:2]
+    y[2] = np.sum(x[p] * y)
+
+
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
 @pytest.mark.parametrize("kernel, arguments, of", [
     (negative_divisor, (X5, 4, 5), "return"), (divisor_that_may_be_zero, (X5, 4, 5, 0), "return"),
     (divisor_that_may_be_zero, (X5, 4, 5, -3), "return"), (remainder_of_floats, (X5, X6, 0.3, 5), "y"),
     (sum_of_floats, (X5, np.zeros(1), 0.9999999999999999), "y"),
-    (bools, (X5, np.array([True, False]), np.zeros(4)), "y")])
+    (bools, (X5, np.array([True, False]), np.zeros(4)), "y"),
+    (stored_into_itself, (X5, np.array([1, 2, 0, 3]), np.arange(1.0, 5.0)), "y"),
+    (stored_from_itself, (X5, np.array([1, 2, 0, 3]), np.arange(1.0, 5.0)), "y")])
 def test_places(kernel, arguments, of, engine):
     check_derivatives(kernel, arguments, ("x",), (of,), engine)

@@ -176,8 +176,18 @@ class Places:
         if base.startswith("array."):
             self.report.error("S201", f"the global array '{base[6:]}' is written", target,
                               help="pass it as an argument")
-        new = index(name(base), *(subscripts or (const(...),)))
+        new = index(name(base), *([self.kept(s, base, target) for s in subscripts] or (const(...),)))
         return at(new, target) if hasattr(target, "lineno") else new
+
+    def kept(self, subscript: AST, base: str, target: AST) -> AST:
+        """A subscript of a store; an array of integers that picks what is stored into itself is copied before."""
+        kind = self.typing.of(subscript) if isinstance(subscript, Name) and subscript.id == base else None
+        if kind is None or not kind.is_array or kind.dtype == "bool":
+            return subscript
+        held = self.free.fresh("places")
+        self.typing.table[held] = kind
+        self.before += self.allocations.allocate(held, kind, call("numpy.copy", name(base)), target)
+        return name(held)
 
     def is_region(self, place: Subscript) -> bool:
         return self.typing.of(place).is_array

@@ -1,12 +1,12 @@
-"""whole: whether an expression is sure to be an integer, which may be reordered, or a bool or a float, which may not."""
+"""whole: whether an expression is sure to be an integer: sums of integers may be reordered, not of bools or floats."""
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 from s2sad.infer.types import INT, Type
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, For, FunctionDef, Mod, Mult, Name, Not, Sub, Subscript, UnaryOp,
-    call_name, walk,
+    AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, For, FunctionDef, Mod, Mult, Name, Not, Sub, Subscript,
+    UnaryOp, call_name, walk,
 )
 
 _ALIKE = ("builtins.max", "builtins.min", "builtins.abs", "numpy.maximum", "numpy.minimum")
