@@ -96,12 +96,21 @@ def scaled_twice(u, v):
     v += w
 
 
+def asserted_between(u, v):
+    w = u * u
+    assert w[1, 1] > -1.0
+    z = w * v
+    assert np.sum(z) > -100.0
+    v += z * z
+
+
 KERNELS = [(relaxed, (RNG.random((3, 4, 5)), U, V, 0.3), ("f", "u", "v", "rate"), ("f",)),
            (read_later, (U, V), ("u", "v"), ("v", "return")), (of_neighbours, (U, V), ("u", "v"), ("u", "v")),
            (of_itself, (U, V), ("u", "v"), ("u",)), (kept_between, (U, V), ("u", "v"), ("v",)),
            (in_loops, (U, V), ("u", "v"), ("v",)), (one_after_the_other, (U, V), ("u", "v"), ("v",)),
            (picked, (U, V), ("u", "v"), ("v",)), (in_a_branch, (U, V), ("u", "v"), ("u", "v")),
-           (changed_between, (U, V, 0.7), ("u", "v", "a"), ("v",)), (scaled_twice, (U, V), ("u", "v"), ("v",))]
+           (changed_between, (U, V, 0.7), ("u", "v", "a"), ("v",)), (scaled_twice, (U, V), ("u", "v"), ("v",)),
+           (asserted_between, (U, V), ("u", "v"), ("v",))]
 
 
 @pytest.mark.parametrize(("kernel", "arguments", "wrt", "of", "engine"), each(KERNELS, every=4))

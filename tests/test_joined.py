@@ -114,6 +114,22 @@ def f(u, v, n):
     for i in range(n - 1):
         v[i] = 3.0
 """),
+    "an assertion that reads what the first one writes": (2, """
+def f(u, v):
+    for i in range(u.shape[0]):
+        u[i] = 2.0
+    assert u[1] > 1.0
+    for i in range(u.shape[0]):
+        v[i] = 3.0
+"""),
+    "an assertion that reads something else": (1, """
+def f(u, v, w):
+    for i in range(u.shape[0]):
+        u[i] = 2.0
+    assert w[u.shape[0]] > 1.0
+    for i in range(u.shape[0]):
+        v[i] = 3.0
+"""),
     "an array under another name": (2, """
 def f(u, v):
     w = u

@@ -66,12 +66,14 @@ def batched(function: FunctionDef, typing: Typing) -> FunctionDef:
 
 def blocks(node: AST, typing: Typing) -> AST | None:
     """`np.kron` of two vectors or matrices that have names: a product of elements in another shape."""
-    a, b = node.args
+    a, b = (n.args[0] if call_name(n) == "numpy.astype" else n for n in node.args)
     rank = typing.of(a).rank
     if not (isinstance(a, Name) and isinstance(b, Name)) or typing.of(b).rank != rank or rank not in (1, 2):
         return None
     whole, new = Slice(None, None, None), const(None)
-    product = mult(index(a, *[whole, new] * rank), index(b, *[new, whole] * rank))
+    left, right = index(a, *[whole, new] * rank), index(b, *[new, whole] * rank)
+    product = mult(*(part if given is o else Call(given.func, [part], given.keywords)
+                     for given, o, part in zip(node.args, (a, b), (left, right))))
     sizes = [mult(*(index(attribute(copy(o), "shape"), const(k)) for o in (a, b))) for k in range(rank)]
     return at(call("numpy.reshape", product, tuple_of(*sizes)), node)
 

@@ -24,8 +24,8 @@ from s2sad.simplify.extents import Extents
 from s2sad.simplify.nests import Nest, nest_of
 from s2sad.simplify.passed import Passed, is_only_places
 from s2sad.tree import (
-    AST, Add, Assert, Assign, AugAssign, Break, FunctionDef, If, Name, Return, Sub, Subscript, copy, dump, indices,
-    is_comment, name, names, rebuild, walk,
+    AST, Add, Assert, Assign, Attribute, AugAssign, Break, FunctionDef, If, Name, Return, Sub, Subscript, copy, dump,
+    indices, is_comment, name, names, rebuild, walk,
 )
 
 _LONGEST, _MOST_PAIRS = 48, 60
@@ -74,7 +74,8 @@ class Joining:
             nest = nest_of(statement, self.extents)
             if nest is None:
                 made.append(self.inside(statement))
-                last = last if isinstance(statement, Assert) or is_comment(statement) else None
+                between = is_comment(statement) or last is not None and _is_passed(statement, made[last])
+                last = last if between else None
                 continue
             first = made[last] if last is not None else None
             both = self.both(first, nest) if isinstance(first, Nest) else None
@@ -131,6 +132,15 @@ class Joining:
         bound = changed(first.body) | changed(body)
         return (len(texts) == 1 and set(first.counters) <= set(counters) and not bound & set(names(subscripts))
                 and is_only_places(array, [*first.body, *body]))
+
+
+def _is_passed(statement: AST, nest: AST | Nest) -> bool:
+    """Whether a nest may run behind a statement: an assertion that reads nothing that the nest binds or stores."""
+    if not isinstance(statement, Assert) or not isinstance(nest, Nest):
+        return False
+    sizes = {id(n.value) for n in walk(statement) if isinstance(n, Attribute)}
+    read = {n.id for n in walk(statement) if isinstance(n, Name) and id(n) not in sizes}
+    return not read & {*changed(nest.body), *nest.counters, *(base_name(t) for t in stores(nest.body))}
 
 
 def _with_counters(nest: Nest, other: Nest) -> list[AST] | None:

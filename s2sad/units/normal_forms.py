@@ -44,8 +44,10 @@ from s2sad.normalize.sought import sought
 from s2sad.normalize.spelled import spelled
 from s2sad.normalize.stacked import stacked
 from s2sad.normalize.told import told
+from s2sad.normalize.strengths import Strengths
 from s2sad.normalize.viewing import viewing
 from s2sad.normalize.views import views
+from s2sad.normalize.widened import widened
 from s2sad.normalize.workspace import workspace
 from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects, Watch, unwatched
@@ -123,7 +125,7 @@ class NormalForms(Calls):
         tree, source = inlined(tree, given, names, kernel.source, self.helpers)
         kernel, report = replace(kernel, source=source), Report(source)
         self.watch("structured", tree)
-        tree, table = lives(tree, given, self.call_types, report, values, names)
+        tree, table = self._widened(tree, given, report, names)
         typing = Typing({**table, **given}, self.call_types, first := Report(source), values)
         tree = told(tree, typing)
         complexes(tree, typing, first)      # says more than that a type cannot be inferred
@@ -133,6 +135,22 @@ class NormalForms(Calls):
         typing = Typing({**table, **given}, self.call_types, report, values)
         typing.final = True
         return kernel, tree, typing
+
+    def _widened(self, tree: FunctionDef, given: dict[str, Type], report: Report,
+                 names: Names) -> tuple[FunctionDef, dict[str, Type]]:
+        """The kernel with a name for each life of one, and the types, which are NumPy's."""
+        values = {**self.program.constants, **self.program.arrays}
+        while True:
+            said = Report(report.source)
+            tree, table = lives(tree, given, self.call_types, said, values, names)
+            typing = Typing({**table, **given}, self.call_types, Report(report.source), values)
+            strengths = Strengths(self.helpers, typing)
+            wider = widened(tree, typing, strengths.results)
+            if wider is None:
+                strengths.refuse(tree, said)
+                report.found += said.found
+                return tree, table
+            tree = wider
 
     def _over_arrays(self, tree: FunctionDef, typing: Typing, names: Names) -> tuple[FunctionDef, bool]:
         """The kernel with whole-array statements over arrays and parts of them by their own names, and whether guards
