@@ -60,6 +60,9 @@ class Watch:
         self._seen.add(id(function))
         function, bound = given(function)
         self.functions.append((function, function.__code__, function.__defaults__))
+        code, keywords = function.__code__, _Keywords(function)
+        for name in code.co_varnames[code.co_argcount:code.co_argcount + code.co_kwonlyargcount]:
+            self.places.append((keywords, name, keywords.get(name, _ABSENT)))
         names = _names(function.__code__)
         for value in bound.values():
             self._follow(value, names)
@@ -108,6 +111,16 @@ class Watch:
             if any(name in space for space in spaces):
                 self.places += [(space, name, space.get(name, _ABSENT)) for space in spaces]
                 self._follow(next(space[name] for space in spaces if name in space), names)
+
+
+class _Keywords(dict):
+    """Has the defaults of a function's keyword-only parameters, as they are when it is asked."""
+
+    def __init__(self, function: FunctionType):
+        self.function = function
+
+    def get(self, key: str, default: Any = None) -> Any:
+        return (self.function.__kwdefaults__ or {}).get(key, default)
 
 
 class _Content(dict):

@@ -34,7 +34,8 @@ def wide(a, k, p, t, words):
 def narrow(a, k, p, t, words):
     return (a + 2.0, a + 2, a + t, a + float(p[0]), a + int(k[0]), a + np.float32(p[0]), a + math.sqrt(p[0]), a * a[0],
             a + a[0] * 2.0, a + a.size, a + a.shape[0] * 0.5, a + WEAK, of_python(p) * a,
-            a * (p[0] > 0.0), np.mean(a) * a, a + k.astype(np.float32), np.maximum(a, 0.0), np.where(a > 0.5, a, t), np.linspace(a[0], a[1], 4), a ** 2)
+            a * (p[0] > 0.0), np.mean(a) * a, a + k.astype(np.float32), np.maximum(a, 0.0),
+            np.where(a > 0.5, a, t), np.linspace(a[0], a[1], 4), a ** 2)
 
 
 def joined(a, k, p, t, words):

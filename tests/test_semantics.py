@@ -224,6 +224,21 @@ def test_a_default_that_was_changed(engine, monkeypatch):
     assert f(np.ones(2)).tolist() == [6.0, 6.0]
 
 
+def test_a_default_by_name_that_was_changed(monkeypatch):
+    def scaled(u, *, a=2.0):
+        return u * a
+
+    def norm(u):
+        return np.sum(scaled(u) * u)
+
+    f = gradient(Differentiated(norm, engine="numpy"), "u")
+    assert f(np.ones(2)).tolist() == [4.0, 4.0]
+    monkeypatch.setattr(scaled, "__kwdefaults__", {"a": 3.0})
+    assert f(np.ones(2)).tolist() == [6.0, 6.0]
+    scaled.__kwdefaults__["a"] = 4.0
+    assert f(np.ones(2)).tolist() == [8.0, 8.0]
+
+
 def test_a_room_does_not_hide_the_function_of_its_name():
     importlib.import_module("s2sad.differentiate.adjoint")
     assert isinstance(s2sad.differentiate, FunctionType)
