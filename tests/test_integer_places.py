@@ -69,12 +69,21 @@ def stored_from_itself(x, p, y):
     y[2] = np.sum(x[p] * y)
 
 
+def rows_that_are_sought(x, k):
+    x[k:][np.argmax(x[k:, k])] *= -2.0
+    x[np.argmax(x[k:, k])] *= -1.5
+    x[k:][np.argmax(x[k:, k])] = x[k:][np.argmax(x[:, k] * x[0, 1]) - 1] * 3.0
+    below = x[k:]
+    below[np.argmin(x[k:, k])] -= x[0] * x[np.argmax(x[k])]
+
+
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
 @pytest.mark.parametrize("kernel, arguments, of", [
     (negative_divisor, (X5, 4, 5), "return"), (divisor_that_may_be_zero, (X5, 4, 5, 0), "return"),
     (divisor_that_may_be_zero, (X5, 4, 5, -3), "return"), (remainder_of_floats, (X5, X6, 0.3, 5), "y"),
     (sum_of_floats, (X5, np.zeros(1), 0.9999999999999999), "y"),
     (bools, (X5, np.array([True, False]), np.zeros(4)), "y"),
+    (rows_that_are_sought, (np.array([[0.3, 0.7, 1.1], [0.5, 2.5, 0.9], [0.31, -0.72, 1.13]]), 1), "x"),
     (stored_into_itself, (X5, np.array([1, 2, 0, 3]), np.arange(1.0, 5.0)), "y"),
     (stored_from_itself, (X5, np.array([1, 2, 0, 3]), np.arange(1.0, 5.0)), "y")])
 def test_places(kernel, arguments, of, engine):

@@ -66,8 +66,15 @@ class Places:
             if self.picks_from_part(node, inner):
                 inner = (self.copied(node.value), ())
             added = [self.part(s) for s in indices(node)]
+            if self.loops and not self.testing and self.typing.of(node).is_array:
+                added = [self.frozen(s, "place") if self.is_sought(s) else s for s in added]
             return inner[0], self.composed(inner, added, node)
         return None
+
+    def is_sought(self, subscript: AST) -> bool:
+        """Whether a number is asked of an array, `np.argmax(x)`: a loop over a row asks once, before it."""
+        return not isinstance(subscript, Slice) and self.typing.of(subscript).is_number and any(
+            isinstance(n, Call) and any(self.typing.of(a).is_array for a in n.args) for n in walk(subscript))
 
     def picks_from_part(self, node: Subscript, view: View) -> bool:
         """Whether arrays pick elements of a part of an array that slices take: it is copied first."""
