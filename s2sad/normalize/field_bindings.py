@@ -17,7 +17,7 @@ from s2sad.diagnostics import Report
 from s2sad.infer.types import NONE, UNKNOWN
 from s2sad.normalize.calls import user_call
 from s2sad.normalize.field_assignments import Assignments
-from s2sad.normalize.field_values import Maker, plain_tuple
+from s2sad.normalize.field_values import Maker, Passed, plain_tuple
 from s2sad.normalize.groups import (
     ORDINARY, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, flat, listed, nothing, spelled, usable,
 )
@@ -66,7 +66,7 @@ class Bindings(Assignments):
         wanted = target.id if isinstance(target, Name) else user_call(called) or ""
         return self._received(made, callee.result, passed, wanted, self.env.get(wanted) if target is not None else None)
 
-    def _received(self, made: Call, result: Group, passed: dict[int, Leaf], wanted: str,
+    def _received(self, made: Call, result: Group, passed: Passed, wanted: str,
                   old: Value | Conflict | Ordinary | None) -> tuple[list[AST], Value]:
         """What a helper returned, in names of its own, or in those that its name had before."""
         kept = (isinstance(old, Group) and self._replaceable(wanted, old, result)
@@ -81,7 +81,10 @@ class Bindings(Assignments):
             if not isinstance(value, Leaf) or not usable(value):
                 return value
             if value.place >= 0:
-                return passed.get(value.place, value)
+                if value.place not in passed:
+                    self.refuse(made, "a structure is written out where it is given to a function that returns it",
+                                "give it a name before: s = S(...)")
+                return passed.get(value.place, replace(value, place=-1))
             bound.append(earlier[len(bound)].name if earlier else self.fresh(path))
             return Leaf(bound[-1], path, UNKNOWN)
         group = received(result, wanted)

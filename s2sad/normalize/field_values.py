@@ -22,9 +22,11 @@ from s2sad.normalize.sparse_groups import ROOM as SPARSE_ROOM, is_sparse
 from s2sad.program import Kernel, Program
 from s2sad.structure import Form, Structure, is_fixed, method_of, record_fields
 from s2sad.tree import (
-    AST, Attribute, BinOp, BoolOp, Call, Compare, Dict, IfExp, List, Name, Not, Subscript, Tuple, UnaryOp, add, at,
-    call_name, const, keyword, name,
+    AST, Attribute, BinOp, BoolOp, Call, Compare, Constant, Dict, IfExp, List, Name, Not, Subscript, Tuple, UnaryOp,
+    add, at, call_name, const, keyword, name,
 )
+
+Passed = dict[int, "Leaf | Plain"]
 
 
 class Callee(Protocol):
@@ -179,8 +181,8 @@ class Values(Matrices):
                     f"write what it does with {parts_of(base)}" if base.items else "")
         return Plain(at(const(0.0), node))
 
-    def call(self, node: Call) -> tuple[Callee | None, Call, dict[int, Leaf]]:
-        """The kernel for these arguments, the call of it on flat arguments, and the leaf given at each place."""
+    def call(self, node: Call) -> tuple[Callee | None, Call, Passed]:
+        """The kernel for these arguments, the call of it on flat arguments, and what is given at each place."""
         called = user_call(node) or ""
         kernel = self.program.kernels[called]
         before = len(self.report.found)
@@ -215,25 +217,25 @@ class Values(Matrices):
             return [] if wanted.kind in ("none", "other") else [self.plainly(value, origin)]
         return [v.node if isinstance(v, Plain) else at(name(v.name), origin) for v in flat(value)]
 
-    def _passed(self, kernel: Kernel, callee: Callee, values: dict[str, Value]) -> dict[int, Leaf]:
-        """The leaves that stand at the places of the callee's flat parameters."""
+    def _passed(self, kernel: Kernel, callee: Callee, values: dict[str, Value]) -> Passed:
+        """The leaves and constants that stand at the places of the callee's flat parameters."""
         found, at_ = {}, 0
         for parameter in kernel.parameters:
             value = values.get(parameter)
             for k, leaf in enumerate(flat(value) if isinstance(value, Group) else ()):
-                if isinstance(leaf, Leaf):
+                if isinstance(leaf, Leaf) or isinstance(leaf.node, Constant):
                     found[at_ + k] = leaf
             at_ += len(callee.flat[parameter])
         return found
 
-    def _cells(self, node: Call, callee: Callee, passed: dict[int, Leaf]) -> None:
+    def _cells(self, node: Call, callee: Callee, passed: Passed) -> None:
         """What the callee assigns must be cells here, too."""
         for place in sorted(callee.needed):
             leaf = passed.get(place)
-            if leaf is not None and leaf.place >= 0:
+            if isinstance(leaf, Leaf) and leaf.place >= 0:
                 self.needed.add(leaf.place)
             else:
-                what = f"'{leaf.path}'" if leaf is not None else "an item"
+                what = f"'{leaf.path}'" if isinstance(leaf, Leaf) else "an item"
                 self.refuse(node, f"'{user_call(node)}' assigns {what}, which was made in this kernel",
                             "return the new value, and assign it here")
 

@@ -1,0 +1,72 @@
+"""Structures that a kernel makes and gives to functions that return them."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+
+X = np.array([0.3, 0.7, 1.1, 2.5, 0.9])
+
+
+@dataclass
+class S:
+    u: np.ndarray
+    k: float
+
+
+def in_array(s, x):
+    s.u[0] = s.u[1] * x[0]
+    return s
+
+
+def in_field(s, x):
+    s.k = s.k * x[0]
+    return s
+
+
+def twice(x):
+    s = S(x.copy(), 1.5)
+    s = in_array(s, x)
+    t = in_array(s, x[1:])
+    return np.sum(s.u) * s.k * t.u[0] * t.k
+
+
+def in_a_loop(x):
+    s = S(x.copy(), 1.5)
+    for _ in range(3):
+        s = in_array(s, x)
+        in_array(s, x)
+    return np.sum(s.u) * s.k
+
+
+def field_of_its_own(x):
+    s = S(x.copy(), 1.5)
+    s = in_field(s, x)
+    in_field(s, x)
+    return np.sum(s.u) * s.k
+
+
+def without_a_name(x):
+    s = in_array(S(x.copy(), 2.0 * x[1]), x)
+    return np.sum(s.u) * s.k
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel", [twice, in_a_loop])
+def test_derivatives(kernel, engine):
+    check_derivatives(kernel, (X,), ("x",), ("return",), engine)
+
+
+@pytest.mark.parametrize("kernel, message, advice", [
+    (field_of_its_own, "'in_field' assigns an item, which was made in this kernel",
+     "return the new value, and assign it here"),
+    (without_a_name, "a structure is written out where it is given to a function that returns it",
+     "give it a name before: s = S(...)")])
+def test_what_is_refused(kernel, message, advice):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(kernel)(X)
+    assert f"error[S201]: {message}" in str(caught.value) and f"help: {advice}" in str(caught.value)
