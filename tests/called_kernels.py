@@ -131,3 +131,11 @@ def cubes(u):
     for i in range(u.size):
         total += cube(u[i])
     return total
+
+
+def asserted_between(u, v):
+    w = u * u
+    assert w[1, 1] > -1.0
+    z = w * v
+    assert np.sum(z) > -100.0
+    v += z * z
