@@ -8,20 +8,33 @@ A function is made for types, in which a number of NumPy's and Python's own are 
 """
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.infer.strong import WEAK, Strong, together
+from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.inlined import Helpers, returned
 from s2sad.normalize.widened import has_singles, mixtures
 from s2sad.tree import Call, FunctionDef, Name, call_name, walk
 
 
+Read = tuple[FunctionDef, Typing]
+
+
+@dataclass
+class Known:
+    """What has been found of functions, by their names and the types, and the dtypes, that they are given."""
+    read: dict[tuple[str, tuple[Type, ...]], Read] = field(default_factory=dict)
+    results: dict[tuple[str, tuple[Type, ...], tuple[str, ...]], tuple[str, ...]] = field(default_factory=dict)
+
+
 class Strengths:
     """What the functions say that are called where `typing` has the types."""
 
-    def __init__(self, helpers: Helpers, typing: Typing):
-        self.helpers, self.typing = helpers, typing
+    def __init__(self, helpers: Helpers, typing: Typing, known: Known):
+        self.helpers, self.typing, self.known = helpers, typing, known
 
     def results(self, node: Call, given: list[str]) -> tuple[str, ...]:
         """The dtypes of the numbers that a call returns."""
@@ -29,35 +42,50 @@ class Strengths:
         if found is None:
             return (WEAK,) * len(self.typing.call_results(node))
         tree, typing = found
-        strong = Strong(tree, typing, Strengths(self.helpers, typing).results, self.given(tree, given))
-        return tuple(map(strong.of, returned(tree)))
+        key = (*self.key(node), tuple(given))
+        if key not in self.known.results:
+            strong = Strong(tree, typing, self.inside(typing).results, _given(tree, given))
+            self.known.results[key] = tuple(map(strong.of, returned(tree)))
+        return self.known.results[key]
 
-    def called(self, node: Call) -> tuple[FunctionDef, Typing] | None:
+    def inside(self, typing: Typing) -> Strengths:
+        return Strengths(self.helpers, typing, self.known)
+
+    def key(self, node: Call) -> tuple[str, tuple[Type, ...]]:
+        return (call_name(node) or "").partition(".")[2], tuple(map(self.typing.argument, node.args))
+
+    def called(self, node: Call) -> Read | None:
         """The function that a call calls, and its types; None if it is not read."""
-        kernel = (call_name(node) or "").partition(".")[2]
-        source = self.helpers.program.kernels.get(kernel)
-        if source is None or source.own is not None:
+        kernel, types = key = self.key(node)
+        given = self.helpers.program.kernels.get(kernel)
+        if given is None or given.own is not None:
             return None
-        tree = self.helpers.tree(kernel)
-        types = dict(zip((p.id for p in tree.args.args), map(self.typing.argument, node.args)))
-        return self.helpers.typing(tree, types, source.source, Names(n.id for n in walk(tree) if isinstance(n, Name)))
-
-    def given(self, tree: FunctionDef, dtypes: list[str]) -> dict[str, str]:
-        return {p.id: d for p, d in zip(tree.args.args, dtypes) if d}
+        if key not in self.known.read:
+            tree = self.helpers.tree(kernel)
+            free = Names(n.id for n in walk(tree) if isinstance(n, Name))
+            self.known.read[key] = self.helpers.typing(
+                tree, dict(zip((p.id for p in tree.args.args), types)), given.source, free)
+        return self.known.read[key]
 
     def refuse(self, function: FunctionDef, report: Report) -> None:
         """Reports calls whose function computes with another dtype for what it is given."""
-        calls = [n for n in walk(function.body) if isinstance(n, Call) and (call_name(n) or "").startswith("user.")]
-        strong = Strong(function, self.typing, self.results) if calls else None
-        for node in calls if strong else ():
+        strong = Strong(function, self.typing, self.results)
+        for node in walk(function.body):
+            if not isinstance(node, Call) or not (call_name(node) or "").startswith("user."):
+                continue
             numbers = [WEAK if self.typing.of(a).is_array else strong.of(a) for a in node.args]
             found = self.called(node) if together([*numbers, "float32"]) == "float64" else None
             if found is None or not has_singles(*found):
                 continue
-            inner = Strengths(self.helpers, found[1]).results
-            if mixtures(*found, inner, self.given(found[0], numbers)) > mixtures(*found, inner, {}):
+            inner = self.inside(found[1]).results
+            if mixtures(*found, inner, _given(found[0], numbers)) > mixtures(*found, inner, {}):
                 report.error("S201", "a number of NumPy's with 64 bits makes float64 of float32 arrays in "
                              f"'{found[0].name}'", node, help="give it a Python number: float(p[0]), int(k[0])")
 
 
-__all__ = ["Strengths"]
+def _given(tree: FunctionDef, dtypes: list[str]) -> dict[str, str]:
+    """The dtypes of a function's parameters that have one."""
+    return {p.id: d for p, d in zip(tree.args.args, dtypes) if d}
+
+
+__all__ = ["Known", "Strengths"]

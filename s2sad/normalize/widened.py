@@ -15,9 +15,10 @@ from collections.abc import Mapping
 
 from s2sad import rules
 from s2sad.infer.infer import Typing
+from s2sad.infer.promotion import dtype_of
 from s2sad.infer.strong import Results, Strong, together
 from s2sad.tree import (
-    AST, BinOp, Call, FunctionDef, List, Name, Tuple, at, call, call_name, copy, keyword, name, rebuild, walk,
+    AST, BinOp, Call, Constant, FunctionDef, List, Name, Tuple, at, call, call_name, copy, keyword, name, rebuild, walk,
 )
 
 _LISTS = {f"numpy.{f}" for f in ("concatenate", "stack", "hstack", "vstack", "column_stack", "dstack", "append")}
@@ -39,8 +40,13 @@ def widened(function: FunctionDef, typing: Typing, results: Results) -> Function
 
 def has_singles(function: FunctionDef, typing: Typing) -> bool:
     """Whether a function has float32 anywhere."""
-    return any(t.dtype == "float32" for t in typing.table.values()) or any(
-        isinstance(n, Name) and n.id == "numpy.float32" for n in walk(function.body))
+    return any(t.dtype == "float32" for t in typing.table.values()) or makes_singles(function)
+
+
+def makes_singles(function: FunctionDef) -> bool:
+    """Whether the text of a function names float32, or an array of its module, which may be of it."""
+    return any(isinstance(n, Name) and (n.id.startswith("array.") or dtype_of(n) == "float32") or isinstance(
+        n, Constant) and n.value in ("float32", "f4", "f", "single") for n in walk(function.body))
 
 
 def mixtures(function: FunctionDef, typing: Typing, results: Results, given: Mapping[str, str]) -> int:

@@ -43,11 +43,11 @@ from s2sad.normalize.solvers import solvers
 from s2sad.normalize.sought import sought
 from s2sad.normalize.spelled import spelled
 from s2sad.normalize.stacked import stacked
+from s2sad.normalize.strengths import Known, Strengths
 from s2sad.normalize.told import told
-from s2sad.normalize.strengths import Strengths
 from s2sad.normalize.viewing import viewing
 from s2sad.normalize.views import views
-from s2sad.normalize.widened import widened
+from s2sad.normalize.widened import makes_singles, widened
 from s2sad.normalize.workspace import workspace
 from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects, Watch, unwatched
@@ -71,7 +71,8 @@ class NormalForms(Calls):
 
     def __post_init__(self) -> None:
         self.titles.taken |= set(self.program.kernels)
-        self.helpers = Helpers(self.program, plain_form)
+        self.helpers, self.known = Helpers(self.program, plain_form), Known()
+        self.singles = any(makes_singles(k.tree) for k in self.program.kernels.values())
 
     def unit(self, kernel: str, types: tuple[Type, ...], pairs: tuple[tuple[int, int], ...] = ()) -> Unit:
         """The unit of a kernel, or of a unit's title, for these types; `pairs` of its arguments are one array."""
@@ -144,10 +145,12 @@ class NormalForms(Calls):
             said = Report(report.source)
             tree, table = lives(tree, given, self.call_types, said, values, names)
             typing = Typing({**table, **given}, self.call_types, Report(report.source), values)
-            strengths = Strengths(self.helpers, typing)
-            wider = widened(tree, typing, strengths.results)
+            strengths = Strengths(self.helpers, typing, self.known)
+            singles = self.singles or any(t.dtype == "float32" for t in typing.table.values())
+            wider = widened(tree, typing, strengths.results) if singles else None
             if wider is None:
-                strengths.refuse(tree, said)
+                if singles:
+                    strengths.refuse(tree, said)
                 report.found += said.found
                 return tree, table
             tree = wider
