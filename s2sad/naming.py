@@ -10,7 +10,7 @@ from collections.abc import Iterable
 class Names:
     """Names taken in one function; the user's are taken from the start and never change.
 
-    `wanted` tells of every name that was made what was wished for.
+    `wanted` tells of every name that was made what was wished for, `meant` of some what a user calls it.
 
     >>> names = Names(["u", "u_bar"])
     >>> names.fresh("u_bar"), names.fresh("v_bar"), names.fresh("u_bar"), names.fresh("v_bar")
@@ -20,6 +20,7 @@ class Names:
     def __init__(self, taken: Iterable[str] = ()):
         self.taken = set(taken)
         self.wanted: dict[str, str] = {}
+        self.meant: dict[str, str] = {}
 
     def numbered(self, wanted: str) -> str:
         """A new name: the wanted one, else numbered from 2."""
@@ -40,3 +41,7 @@ class Names:
         self.taken.add(made)
         self.wanted[made] = wanted
         return made
+
+    def said(self, identifier: str) -> str:
+        """What a message calls it."""
+        return self.meant.get(identifier, identifier)

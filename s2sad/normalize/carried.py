@@ -236,11 +236,12 @@ class Carried(Branches):
         place = index(name(buffer), const(...))
         value = index(name(view[0]), *map(copy, view[1])) if view[1] else name(view[0])
         if not all(map(self.may_last, self.shapes.of(name(buffer)), self.shapes.of(value))):
-            self.report.error("S201", CHANGES.format(identifier), self.bound_at.get(identifier, origin),
+            self.report.error("S201", CHANGES.format(self.free.said(identifier)),
+                              self.bound_at.get(identifier, origin),
                               help="give arrays of different sizes different names, or copy into one: x[...] = ...")
             return []
         checks = self.checks(place, value)
-        said = const(CHANGES.format(identifier))
+        said = const(CHANGES.format(self.free.said(identifier)))
         checks = [Assert(c.test, said) if isinstance(c, Assert) else c for c in checks]
         value = self.apart(place, value, checks, origin)
         return [*checks, assign(place, value)]

@@ -142,6 +142,7 @@ class _Rotated:
         self.group, self.typing, self.free = group, typing, free
         self.copies = {p: free.fresh(f"{p}_own") for p in given}
         self.places = {p: free.fresh(f"{p}_place") for p in given}
+        free.meant.update({copied: p for p, copied in self.copies.items()})
         for p in given:
             typing.table[self.copies[p]] = typing.table[p]
             typing.table[self.places[p]] = INT

@@ -102,6 +102,10 @@ def _column(node: AST, hold: Hold, scope: Scope) -> tuple[AST, Callable[[AST], A
         scope.refuse(node, "this cannot be looped over here", help="loop over a range, an array, enumerate or zip")
         return None
     if called in _NOT_NESTED:
+        if called == "numpy.ndenumerate":
+            scope.refuse(node, "np.ndenumerate over an unknown number of axes, or of something that has no name",
+                         help="name the indices: for (i, j), v in np.ndenumerate(x)")
+            return None
         scope.refuse(node, f"{called} inside another iterator", help="write the loops out with range")
         return None
     return _rows(hold(node, "items"))

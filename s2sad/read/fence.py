@@ -75,6 +75,8 @@ def check(function: AST, report: Report) -> None:
 
 def _refuse(node: AST, report: Report) -> None:
     what, help = _REFUSED[type(node).__name__]
+    if isinstance(node, tree.Starred) and isinstance(node.ctx, tree.Store):
+        what, help = "a target with a star", "bind the others one by one, and take the rest by a slice: rest = x[1:]"
     report.error("S201", f"{what} {_NOT}", node, help=help)
 
 
@@ -133,7 +135,9 @@ def _call(node: AST, report: Report) -> list[AST] | None:
     for given in node.keywords:
         if given.arg is None:
             report.error("S201", f"** in a call {_NOT}", given.value, help="write the keyword arguments out")
-    return [node.func, *node.args, *(given.value for given in node.keywords if given.arg is not None)]
+    whole = isinstance(node.func, tree.Attribute) and node.func.attr == "ndindex" and len(node.args) == 1
+    args = [a.value if whole and isinstance(a, tree.Starred) else a for a in node.args]     # np.ndindex(*x.shape)
+    return [node.func, *args, *(given.value for given in node.keywords if given.arg is not None)]
 
 
 def _comparison(node: AST, report: Report) -> list[AST] | None:

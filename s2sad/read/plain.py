@@ -14,6 +14,7 @@
     del work                        pass
     for i in range(n)[::-1]:        for i in reversed(range(n)):
     if k in (1, m):                 if k == 1 or k == m:
+    a, b, *_ = x                    a, b = x[0], x[1]           where nothing reads `_`
 
 The text of an error is none that a derivative computes: it shows what stands between the braces. What NumPy warns of
 is no matter of a derivative either. An assignment inside
@@ -24,8 +25,8 @@ from __future__ import annotations
 
 from s2sad.tree import (
     AST, Add, And, Assert, Assign, Attribute, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For, FunctionDef,
-    If, IfExp, In, List, Mod, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Subscript, Tuple, UnaryOp, While,
-    at, children, const, copy, name, rebuild, walk, written,
+    If, IfExp, In, List, Mod, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Starred, Store, Subscript, Tuple,
+    UnaryOp, While, at, children, const, copy, index, name, rebuild, tuple_of, walk, written,
 )
 
 _EXPRESSIONS = {Assign: "value", Expr: "value", Return: "value", If: "test", While: "test", For: "iter", Assert: "test"}
@@ -36,9 +37,31 @@ _LAZY = ("Lambda", "ListComp", "GeneratorExp", "SetComp", "DictComp")   # run la
 def plain(function: FunctionDef) -> FunctionDef:
     """The function with such spellings in their plain form."""
     new = copy(function)
-    new.body = [rebuild(s, _member) for s in function.body]
+    read = {n.id for n in walk(function.body) if isinstance(n, Name) and not isinstance(n.ctx, Store)}
+
+    def change(node: AST) -> AST | None:
+        return _unstarred(node, read) if isinstance(node, Assign) else _member(node)
+    new.body = [rebuild(s, change) for s in function.body]
     _blocks(new)
     return new
+
+
+def _unstarred(node: Assign, read: set[str]) -> AST | None:
+    """The targets one by one, where what the one with a star takes is not read."""
+    target, value = node.targets[0], node.value
+    if len(node.targets) > 1 or not isinstance(target, (Tuple, List)) or not isinstance(value, (Name, Attribute)):
+        return None
+    stars = [k for k, t in enumerate(target.elts) if isinstance(t, Starred)]
+    if len(stars) != 1 or not isinstance(star := target.elts[stars[0]].value, Name) or star.id in read:
+        return None
+    others = [t for k, t in enumerate(target.elts) if k != stars[0]]
+    places = [const(k if k < stars[0] else k - len(others)) for k in range(len(others))]
+    items = [at(index(copy(value), place), value) for place in places]
+    if not others:
+        return at(Pass(), node)
+    single = len(others) == 1
+    return at(Assign([others[0] if single else at(Tuple(others, target.ctx), target)],
+                     items[0] if single else at(tuple_of(*items), value), None), node)
 
 
 def _member(node: AST) -> AST | None:

@@ -142,6 +142,10 @@ class _Resolver(References):
             self._pick(node)
         if isinstance(node.func, tree.Name) and node.func.id in self.solvers:
             return None
+        if self.library(node.func) == "builtins.dict" and node.keywords and not node.args:
+            keys = [tree.at(tree.const(k.arg), k.value) for k in node.keywords]
+            values = [tree.rebuild(k.value, self.change) for k in node.keywords]
+            return tree.at(tree.Dict(keys, values), node)
         if isinstance(node.func, tree.Name) and node.func.id in self.local:
             self._refuse(f"a call through the variable '{node.func.id}' is not supported in a kernel", node,
                          help="call a function of the module by its name")
