@@ -22,8 +22,9 @@ def several(x, m):
     total = 0.0
     for i, j in np.ndindex(*m.shape):
         total += m[i, j] * x[i] / rows
-    made = dict(a=x[0], b=x[1:])
-    return total * a * b + c * d * made["a"] * np.sum(made["b"]) + product(dict(a=x[1], b=m * m))
+    made = dict(a=x[0], b=x[1:])  # noqa: C408
+    squares = product(dict(a=x[1], b=m * m))  # noqa: C408
+    return total * a * b + c * d * made["a"] * np.sum(made["b"]) + squares
 
 
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
