@@ -62,7 +62,7 @@ def test_derivatives(kernel, engine):
 
 
 @pytest.mark.parametrize("kernel, message, advice", [
-    (field_of_its_own, "'in_field' assigns an item, which was made in this kernel",
+    (field_of_its_own, "'in_field' assigns 's.k', which was made in this kernel",
      "return the new value, and assign it here"),
     (without_a_name, "a structure is written out where it is given to a function that returns it",
      "give it a name before: s = S(...)")])

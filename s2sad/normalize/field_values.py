@@ -20,7 +20,7 @@ from s2sad.normalize.field_matrices import Matrices
 from s2sad.normalize.groups import NOTHING, SPELLED, Group, Leaf, Plain, Value, flat, listed, pattern, usable
 from s2sad.normalize.sparse_groups import ROOM as SPARSE_ROOM, is_sparse
 from s2sad.program import Kernel, Program
-from s2sad.structure import Form, Structure, is_fixed, method_of, record_fields
+from s2sad.structure import Form, Structure, is_fixed, is_held, leaves, method_of, record_fields
 from s2sad.tree import (
     AST, Attribute, BinOp, BoolOp, Call, Compare, Constant, Dict, IfExp, List, Name, Not, Subscript, Tuple, UnaryOp,
     add, at, call_name, const, keyword, name,
@@ -202,7 +202,8 @@ class Values(Matrices):
             else:
                 keywords += [keyword(n, a) for n, a in pairs]
         passed = self._passed(kernel, callee, values)
-        self._cells(node, callee, passed)
+        self._cells(node, callee, passed, [path for p, form in zip(kernel.parameters, patterns)
+                                           for path, kind in leaves(form, p) if is_held(kind)])
         return callee, at(Call(at(name(f"user.{callee.title}"), node), positional, keywords), node), passed
 
     def _pattern(self, value: Value | None, default: Any) -> Form:
@@ -228,14 +229,14 @@ class Values(Matrices):
             at_ += len(callee.flat[parameter])
         return found
 
-    def _cells(self, node: Call, callee: Callee, passed: Passed) -> None:
+    def _cells(self, node: Call, callee: Callee, passed: Passed, paths: list[str]) -> None:
         """What the callee assigns must be cells here, too."""
         for place in sorted(callee.needed):
             leaf = passed.get(place)
             if isinstance(leaf, Leaf) and leaf.place >= 0:
                 self.needed.add(leaf.place)
             else:
-                what = f"'{leaf.path}'" if isinstance(leaf, Leaf) else "an item"
+                what = f"'{leaf.path if isinstance(leaf, Leaf) else paths[place]}'"
                 self.refuse(node, f"'{user_call(node)}' assigns {what}, which was made in this kernel",
                             "return the new value, and assign it here")
 
