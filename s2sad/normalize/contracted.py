@@ -66,7 +66,7 @@ def batched(function: FunctionDef, typing: Typing) -> FunctionDef:
 
 def blocks(node: AST, typing: Typing) -> AST | None:
     """`np.kron` of two vectors or matrices that have names: a product of elements in another shape."""
-    a, b = (n.args[0] if call_name(n) == "numpy.astype" else n for n in node.args)
+    a, b = (n.args[0] if call_name(n) == "numpy.float64" else n for n in node.args)
     rank = typing.of(a).rank
     if not (isinstance(a, Name) and isinstance(b, Name)) or typing.of(b).rank != rank or rank not in (1, 2):
         return None

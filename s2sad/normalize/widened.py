@@ -1,8 +1,8 @@
 """widened: where NumPy computes with float64, as a float32 array meets what has a wider dtype, the array is made so.
 
-    s = a + p[0]                    s = a.astype(np.float64) + p[0]         a: float32, p: float64
-    s = a * k                       s = a.astype(np.float64) * k            k: int64
-    s = np.append(a, 2.0)           s = np.append(a.astype(np.float64), 2.0)
+    s = a + p[0]                    s = np.float64(a) + p[0]                a: float32, p: float64
+    s = a * k                       s = np.float64(a) * k                   k: int64
+    s = np.append(a, 2.0)           s = np.append(np.float64(a), 2.0)
     w = np.array([a[0], 2])         w = np.array([a[0], 2], dtype=np.float64)
     w = np.linspace(a[0], a[1], 4)  w = np.linspace(a[0], a[1], 4).astype(np.float32)
 
@@ -114,8 +114,10 @@ class _Widened:
         """An operand, of float64 if it is an array of float32; an array in a list as well."""
         if isinstance(node, (Tuple, List)):
             return at(type(node)(list(map(self.wide, node.elts)), node.ctx), node)
+        count = len(self.found)
         inner = rebuild(node, self.change)
-        return at(call("numpy.astype", inner, dtype=name("numpy.float64")), node) if self.is_single(node) else inner
+        same = len(self.found) == count     # else its type is another one now, and the next round sees it
+        return at(call("numpy.float64", inner), node) if same and self.is_single(node) else inner
 
     def spelled_out(self, node: Call) -> AST | None:
         """An array that is spelled out, with its dtype where that is not the widest of its items'."""
