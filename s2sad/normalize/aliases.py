@@ -91,7 +91,8 @@ class Aliases:
             if any(a == base and (b in self.visible or b in near) for a, b in pairs):
                 report.error("S201", "an array is written that another name may stand for here, as it did before a "
                              "loop or branch bound it anew", statement,
-                             help="bind the name to a copy before the loop or branch: u = u.copy()")
+                             help="bind the name to a copy before the loop or branch: u = u.copy(); "
+                             "where names swap in a branch, swap what their arrays hold")
 
     def _closed(self) -> set[tuple[str, str]]:
         """The pairs, also of the buffers that arrays move to."""

@@ -40,7 +40,7 @@ def viewing(function: FunctionDef, typing: Typing, writes: Callable[[Call], list
         near = live.after[id(statement)] | parameters | (read_names(value) if called else set())
         if any(_differ(n, other, links) for n in written for other in sorted(near)):
             report.error("S201", "an array is written that NumPy shares with another one, which is a view of it by a "
-                         "function", statement, help="take a copy: np.copy(...)")
+                         "function", statement, help="write into the array itself, or take a copy: np.copy(...)")
 
 
 def _links(function: FunctionDef, typing: Typing) -> Links:
