@@ -21,7 +21,7 @@ from s2sad.tree import (
     AST, BinOp, Call, Constant, FunctionDef, List, Name, Tuple, at, call, call_name, copy, keyword, name, rebuild, walk,
 )
 
-_LISTS = {f"numpy.{f}" for f in ("concatenate", "stack", "hstack", "vstack", "column_stack", "dstack", "append")}
+_LISTS = {f"numpy.{f}" for f in ("concatenate", "stack", "hstack", "vstack", "column_stack", "dstack", "append", "r_")}
 _OPERANDS = {
     **{f"numpy.{f}": (0, 1) for f in ("matmul", "dot", "vdot", "inner", "outer", "tensordot", "kron", "cross",
                                       "convolve", "correlate", "trapezoid", "polyval", "linalg.solve")},
