@@ -44,9 +44,9 @@ def has_singles(function: FunctionDef, typing: Typing) -> bool:
 
 
 def makes_singles(function: FunctionDef) -> bool:
-    """Whether the text of a function names float32, or an array of its module, which may be of it."""
-    return any(isinstance(n, Name) and (n.id.startswith("array.") or dtype_of(n) == "float32") or isinstance(
-        n, Constant) and n.value in ("float32", "f4", "f", "single") for n in walk(function.body))
+    """Whether the text of a function names float32."""
+    return any(isinstance(n, Name) and dtype_of(n) == "float32" or isinstance(n, Constant) and n.value in (
+        "float32", "f4", "f", "single") for n in walk(function.body))
 
 
 def mixtures(function: FunctionDef, typing: Typing, results: Results, given: Mapping[str, str]) -> int:

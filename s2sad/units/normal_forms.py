@@ -72,7 +72,8 @@ class NormalForms(Calls):
     def __post_init__(self) -> None:
         self.titles.taken |= set(self.program.kernels)
         self.helpers, self.known = Helpers(self.program, plain_form), Known()
-        self.singles = any(makes_singles(k.tree) for k in self.program.kernels.values())
+        self.singles = any(makes_singles(k.tree) for k in self.program.kernels.values()) or any(
+            a.dtype == "float32" for a in self.program.arrays.values())
 
     def unit(self, kernel: str, types: tuple[Type, ...], pairs: tuple[tuple[int, int], ...] = ()) -> Unit:
         """The unit of a kernel, or of a unit's title, for these types; `pairs` of its arguments are one array."""
