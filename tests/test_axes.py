@@ -35,6 +35,8 @@ def both_axes(a, b):
         if d < 2:
             total += energy(a * b, d) * (1 + d)
         b = slope(b, axis=d)
+    for d in (1, -2):
+        b = b + slope(a, d) * d
     return total + np.sum(b * a)
 
 
@@ -47,7 +49,9 @@ def counters(a, b):
         if total < 0.0:
             break
         total += np.sum(np.sum(a * b, axis) ** 2)
-    return total
+    for k, (axis, weight) in enumerate(((0, 2.0), (1, 3.0))):
+        total += (k + weight) * np.sum(np.diff(a, axis=axis) ** 2)
+    return total + sum(np.sum(np.max(b, axis=d) ** 2) for d in range(2))
 
 
 def bound_once(a, b):

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import inspect
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -25,8 +25,9 @@ from s2sad.normalize.scope import Scope
 from s2sad.program import Kernel, Program
 from s2sad.read.meaning import library_value
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BinOp, Call, Constant, For, FunctionDef, List, Mult, Name, Store, Sub, Tuple, USub,
-    UnaryOp, at, call_name, copy, keyword, literal, names, rebuild, stored_names, tuple_of, walk,
+    AST, Add, Assign, Attribute, BinOp, Call, Constant, For, FunctionDef, GeneratorExp, List, ListComp, Mult, Name,
+    Store, Sub, Tuple, USub, UnaryOp, at, call_name, const, copy, keyword, literal, names, rebuild, stored_names,
+    tuple_of, walk,
 )
 
 AXES = ("axis", "axis1", "axis2", "axes", "source", "destination")
@@ -41,18 +42,27 @@ def settled(function: FunctionDef, scope: Scope) -> FunctionDef:
 
     def walked(node: AST) -> AST | None:
         """Loops over axes."""
+        if isinstance(node, (ListComp, GeneratorExp)):
+            new = copy(node)
+            new.generators[0].iter = _short(new.generators[0], [new.elt], known)
+            return new
         if not isinstance(node, For):
             return None
         new = copy(node)
         new.body = [rebuild(s, walked) for s in node.body]
         new.orelse = [rebuild(s, walked) for s in node.orelse]
-        numbers = counted(node.iter, known)
-        if numbers is not None and isinstance(node.target, Name) and _is_option(node.target.id, node.body):
-            new.iter = at(tuple_of(*[at(Constant(k, None), node.iter) for k in numbers]), node.iter)
+        new.iter = _short(new, new.body, known)
         return new
     new = copy(function)
     new.body = [rebuild(in_options(statement, known), walked) for statement in function.body]
     return new
+
+
+def _short(loop: AST, body: list[AST], known: Numbers) -> AST:
+    """What a loop goes through, written out if it is numbers that are options in its body."""
+    numbers = counted(loop.iter, known)
+    wanted = numbers is not None and isinstance(loop.target, Name) and _is_option(loop.target.id, body)
+    return at(tuple_of(*map(const, numbers or ())), loop.iter) if wanted else loop.iter
 
 
 def in_options(node: AST, known: Numbers) -> AST:
@@ -71,9 +81,10 @@ def in_options(node: AST, known: Numbers) -> AST:
 
 def in_round(block: list[AST], target: AST, item: AST) -> list[AST]:
     """The statements of a loop that is written out, for one item."""
-    value = _value(item, {})
-    known = isinstance(target, Name) and value is not UNKNOWN and target.id not in stored_names(block)
-    return [in_options(s, {target.id: value}) for s in block] if known else block
+    stored = stored_names(block)
+    values = {t.id: _value(i, {}) for t, i in _pairs(target, item) if t.id not in stored}
+    known = {n: v for n, v in values.items() if v is not UNKNOWN}
+    return [in_options(s, known) for s in block] if known else block
 
 
 def unsettled(function: FunctionDef, report: Report) -> None:
@@ -134,14 +145,19 @@ def known_names(function: FunctionDef, kernel: Kernel, program: Program, seen: t
 
 
 def _bindings(function: FunctionDef) -> Iterator[tuple[Name, AST]]:
-    """The names that assignments bind, those of tuples one by one."""
+    """The names that assignments bind."""
     for node in walk(function.body):
-        for target in getattr(node, "targets", []) if isinstance(node, Assign) else []:
-            if isinstance(target, Name):
-                yield target, node.value
-            elif isinstance(target, Tuple) and isinstance(node.value, Tuple) and (
-                    len(target.elts) == len(node.value.elts)):
-                yield from ((t, v) for t, v in zip(target.elts, node.value.elts) if isinstance(t, Name))
+        for target in node.targets if isinstance(node, Assign) else []:
+            yield from _pairs(target, node.value)
+
+
+def _pairs(target: AST, value: AST) -> Iterator[tuple[Name, AST]]:
+    """The names that are bound, those of tuples within tuples one by one, with what they are bound to."""
+    if isinstance(target, Name):
+        yield target, value
+    elif isinstance(target, Tuple) and isinstance(value, (Tuple, List)) and len(target.elts) == len(value.elts):
+        for t, v in zip(target.elts, value.elts):
+            yield from _pairs(t, v)
 
 
 def _given(kernel: Kernel, parameter: str, program: Program, seen: tuple[str, ...]) -> Any:
@@ -178,8 +194,11 @@ def _is_plain(value: Any) -> bool:
     return value is None or type(value) in (int, bool, str) or type(value) is tuple and all(map(_is_plain, value))
 
 
-def counted(iterable: AST, known: Numbers) -> range | None:
-    """The numbers of a short range of which all bounds are known."""
+def counted(iterable: AST, known: Numbers) -> Sequence[int] | None:
+    """The numbers of a short range of which all bounds are known, or of a tuple."""
+    if isinstance(iterable, (Tuple, List)):
+        items = [_value(i, known) for i in iterable.elts]
+        return items if all(type(i) is int for i in items) else None
     if call_name(iterable) != "builtins.range" or iterable.keywords or not 1 <= len(iterable.args) <= 3:
         return None
     bounds = [_value(a, known) for a in iterable.args]
