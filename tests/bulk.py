@@ -83,7 +83,8 @@ def outcome(program: Program, engine: str, seed: int = 0) -> Outcome:
         return Outcome(seed, "invalid", type(error).__name__, str(error), program.source)
     try:
         with np.errstate(all="ignore"), _limit(120.0):
-            check_derivatives(function, arguments, program.wrt, outputs(program), engine, coordinates=6, directions=1)
+            check_derivatives(function, arguments, program.wrt, outputs(program), engine, coordinates=6, directions=1,
+                              vanishing=1e-16)
             check_value(function, arguments, program.wrt, engine)
     except UnreliableDifferences as error:
         return Outcome(seed, "unreliable", "", str(error), program.source)

@@ -198,23 +198,24 @@ def _primal_values(differentiated: Any, subject: Subject, rtol: float) -> None:
 
 def check_derivatives(function: Callable, arguments: tuple, wrt: tuple[str, ...], of: tuple[str, ...],
                       engine: str = "numpy", rtol: float = 1e-7, dot_tol: float = 1e-12, seed: int = 0,
-                      coordinates: int = 60, directions: int = 2) -> Measured:
+                      coordinates: int = 60, directions: int = 2, vanishing: float = 0.0) -> Measured:
     """Measures the adjoint and the tangent of `function` at `arguments` against each other and differences.
 
     Every output in `of` (an argument's final content by its name, or "return") gets a random seed. Checked:
     the dot product of tangent and adjoint, the tangent by output and the adjoint along random directions, the
     gradient of up to `coordinates` single inputs, the primal's values, and that no argument is changed.
-    The engine may also be `loops` (tests/engines.py).
+    The engine may also be `loops` (tests/engines.py). Dot products closer than `vanishing` are equal: derivatives of
+    that size are what rounding leaves of numbers around 1.
     Raises AssertionError where they disagree, UnreliableDifferences where nothing can be said. float32
     arguments relax the tolerances to what float32 can hold.
     """
     with running(engine) as run_under:
         return _measured(function, Subject(function, arguments, wrt, of), run_under, rtol, dot_tol, seed, coordinates,
-                         directions)
+                         directions, vanishing)
 
 
 def _measured(function: Callable, subject: Subject, engine: str, rtol: float, dot_tol: float, seed: int,
-              coordinates: int, directions: int) -> Measured:
+              coordinates: int, directions: int, vanishing: float) -> Measured:
     if subject.is_single():
         rtol, dot_tol = max(rtol, 2e-3), max(dot_tol, 1e-4)
     if not np.all(np.isfinite(_vector(subject.outputs, subject.of))):
@@ -239,7 +240,8 @@ def _measured(function: Callable, subject: Subject, engine: str, rtol: float, do
         tangents = s2sad.jvp(differentiated, args, _split(subject.given, subject.wrt, direction), of=subject.of)
         _unchanged(before, args, "jvp")
         y_dot = _vector(tangents, subject.of)
-        dot = max(dot, _dot_product(bars, y_dot, x_bar, direction, dot_tol, subject.smallest()))
+        dot = max(dot, _dot_product(bars, y_dot, x_bar, direction, dot_tol,
+                                        max(vanishing, subject.smallest())))
         along = max(along, _along(subject, direction, bars, y_dot, x_bar, rtol))
     single = _single_inputs(subject, bars, x_bar, rtol, coordinates, rng)
     return Measured(dot, along, single)

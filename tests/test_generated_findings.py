@@ -227,6 +227,37 @@ def test_a_guard_holds_where_it_stands(size, flag, engine):
     check_derivatives(guards_of_branches, given, ("x", "y"), of, engine)
 
 
+def of_equal_numbers(x, c):
+    x[-1] -= 0.2 * (x[-1] - np.std(c * np.ones((5, 3))))
+
+
+def test_a_derivative_of_rounding_errors():
+    """The deviation of equal numbers: its derivative is nothing but rounding errors."""
+    check_derivatives(of_equal_numbers, (np.full(5, 0.7), 0.3), ("x", "c"), ("x",), vanishing=1e-16)
+
+
+def row_at_a_counter_of_two_loops(x, y):
+    for i in range(1, -1, -1):
+        y[...] = x[i:i + 1]
+    for i in range(x.size, -1, -1):
+        y[0] += x[0] * i
+    return y[0] * i
+
+
+def end_of_a_part(x, m):
+    part = m[-1, :3]
+    m += part[-1:][None, :]
+
+
+@pytest.mark.parametrize(("kernel", "arguments", "seeds"), [
+    (row_at_a_counter_of_two_loops, (np.ones(4), np.ones(4)), {"y": np.ones(4)}),
+    (end_of_a_part, (np.ones(4), np.ones((4, 4))), {"m": np.ones((4, 4))})])
+def test_a_length_of_one_that_is_not_seen(kernel, arguments, seeds):
+    """A limitation: NumPy repeats these parts; their length of 1 is not known where the guard is written."""
+    with pytest.raises(AssertionError, match="shapes differ: a length of 1 repeats only where it is written"):
+        s2sad.vjp(s2sad.differentiate(kernel, engine="numpy"), arguments, seeds)
+
+
 def copy_of_a_number(x):
     x[0] = x[1].copy() * x[2]
 
