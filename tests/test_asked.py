@@ -97,6 +97,11 @@ def sought(a, b):
         a[np.searchsorted(a, b[i])] *= b[i]
 
 
+def pivots(a):
+    for k in range(3):
+        a[k:][np.argmax(np.abs(a[k:, k]))] *= 2.0
+
+
 B = np.array([0.53, 1.71, 2.23, 0.92])
 CASES = [(largest, (B4,), ("a",), ("a",)), (row_of_the_largest, (A,), ("a",), ("a",)),
          (column_of_the_largest, (A,), ("a",), ("a",)), (column_of_the_least, (A,), ("a",), ("a",)),
@@ -107,6 +112,7 @@ CASES = [(largest, (B4,), ("a",), ("a",)), (row_of_the_largest, (A,), ("a",), ("
          (squares_of_the_largest, (B4, 2), ("a",), ("a", "return")), (of_a_view, (B4,), ("a",), ("a",)),
          (as_an_argument, (B4,), ("a",), ("a",)), (in_a_helper, (B4,), ("a",), ("a",)),
          (two_places, (B4,), ("a",), ("a",)),
+         (pivots, (A,), ("a",), ("a",)),
          (sought, (np.array([0.5, 0.9, 1.4, 2.5, 9.0]), B4), ("a", "b"), ("a",))]
 
 

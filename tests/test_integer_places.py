@@ -88,3 +88,15 @@ def rows_that_are_sought(x, k):
     (stored_from_itself, (X5, np.array([1, 2, 0, 3]), np.arange(1.0, 5.0)), "y")])
 def test_places(kernel, arguments, of, engine):
     check_derivatives(kernel, arguments, ("x",), (of,), engine)
+
+
+def of_another_type_inside(x, y, k):
+    k = np.float64(k)
+    for j in range(x.size):
+        y[j] = x[j] * x[int((j + k) % x.size)]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+def test_a_parameter_that_becomes_a_float(engine):
+    x = np.array([0.3, 0.7, 1.1, 2.5, 0.9])
+    check_derivatives(of_another_type_inside, (x, np.zeros(5), 2), ("x",), ("y",), engine=engine)

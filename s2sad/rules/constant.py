@@ -20,7 +20,7 @@ constant("int", "builtins.len", "numpy.argmax", "numpy.argmin", "numpy.argsort",
          "numpy.bitwise_xor", "numpy.bitwise_not", "numpy.invert", "numpy.left_shift", "numpy.right_shift",
          "math.gcd", "math.lcm", "math.comb", "math.perm", "math.factorial", "math.isqrt",
          "runtime.lcm", "runtime.comb", "runtime.perm", "runtime.factorial", "runtime.isqrt",
-         "runtime.whole_power", "runtime.whole_product")
+         "runtime.whole_power", "runtime.whole_product", "runtime.position", "runtime.position_down", "runtime.element")
 
 # questions
 constant("bool", "builtins.bool", "numpy.bool_", "numpy.bool", "numpy.isnan", "numpy.isinf", "numpy.isfinite",

@@ -117,7 +117,7 @@ class NormalForms(Calls):
         once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
                     self._summary(tree, typing, kernel), guarded, once=once, numbers=numbers,
-                    lowered_types=lowered_types)
+                    lowered_types=_of_one_life(lowered_types, lowered))
 
     def _typed(self, kernel: Kernel, types: tuple[Type, ...], names: Names) -> tuple[Kernel, FunctionDef, Typing]:
         """The kernel in structured form, with the types of its names; what it calls that returns arrays is in it."""
@@ -273,6 +273,12 @@ class NormalForms(Calls):
                 unit = self.unit(unit.kernel.name, tuple(map(typing.argument, node.args)), pairs)
             node.func = name(f"user.{unit.title}")
         return new
+
+
+def _of_one_life(types: dict[str, Type], function: FunctionDef) -> dict[str, Type]:
+    """The types without those of parameters that are bound anew, which may be of another type then."""
+    anew = {p.id for p in function.args.args} & set(stored_names(function.body))
+    return {n: t for n, t in types.items() if n not in anew}
 
 
 def plain_form(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
