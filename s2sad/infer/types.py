@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -71,6 +72,12 @@ def array(dtype: str, rank: int) -> Type:
     return Type("array", dtype, rank)
 
 
+@lru_cache(maxsize=256)
+def _of_array(dtype: np.dtype, rank: int, ones: tuple[int, ...]) -> Type:
+    """The type of an array: NumPy makes the name of a dtype anew each time, which takes longer than all else here."""
+    return Type("array", dtype.name, rank, ones=ones)
+
+
 def of_value(value: object) -> Type:
     """The type of a Python value, as an argument or a constant of the kernel's module."""
     if value is None:
@@ -87,7 +94,7 @@ def of_value(value: object) -> Type:
         return Type("number", "complex128")
     if isinstance(value, np.ndarray):
         ones = tuple(k for k, size in enumerate(value.shape) if size == 1) if 1 in value.shape else ()
-        return Type("array", value.dtype.name, value.ndim, ones=ones)
+        return _of_array(value.dtype, value.ndim, ones)
     if isinstance(value, str):
         return TEXT
     if isinstance(value, tuple):
