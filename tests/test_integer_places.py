@@ -52,6 +52,16 @@ def bools(x, m, y):
         y[i + 1 - 1] *= x[1] * x[3]
 
 
+def above(x):
+    return x[0] > 0.5
+
+
+def bools_of_calls(x, y):
+    t = y[bool(x[0] > 0.2) * 1] * x[1] + y[math.isclose(x[1], 1.2) * 1] * x[0] + y[above(x) + 0] * x[2]
+    y[above(x) * 1] *= 2.0
+    y[math.isfinite(x[0]) ** 1] += y[above(x) * 1] * x[2] + t
+
+
 def stored_into_itself(x, p, y):
     p[p] = np.arange(4)
     y[0] = np.sum(x[p] * y)
@@ -84,6 +94,7 @@ def rows_that_are_sought(x, k):
     (sum_of_floats, (X5, np.zeros(1), 0.9999999999999999), "y"),
     (bools, (X5, np.array([True, False]), np.zeros(4)), "y"),
     (rows_that_are_sought, (np.array([[0.3, 0.7, 1.1], [0.5, 2.5, 0.9], [0.31, -0.72, 1.13]]), 1), "x"),
+    (bools_of_calls, (X5, np.arange(1.0, 5.0)), "y"),
     (stored_into_itself, (X5, np.array([1, 2, 0, 3]), np.arange(1.0, 5.0)), "y"),
     (stored_from_itself, (X5, np.array([1, 2, 0, 3]), np.arange(1.0, 5.0)), "y")])
 def test_places(kernel, arguments, of, engine):

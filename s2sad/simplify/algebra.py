@@ -18,6 +18,10 @@ from s2sad.tree import (
     Mult, Pow, Return, Slice, Sub, Tuple, USub, UnaryOp, While, at, augment, call_name, const, copy, equal, walk,
 )
 
+# calls whose results are never bools
+_NUMBERS = frozenset([f"builtins.{name}" for name in ("int", "float", "len", "complex")] + [
+    f"math.{name}" for name in ("ceil", "cos", "exp", "fabs", "floor", "hypot", "log", "pow", "sin", "sqrt", "tan",
+                                "tanh")])
 _ALIKE = ("builtins.max", "builtins.min")
 _SUMS = (BinOp, UnaryOp, Slice, Tuple)
 
@@ -120,7 +124,7 @@ def _may_be_bool(node: AST) -> bool:
             node.right)
     if isinstance(node, Constant):
         return isinstance(node.value, bool)
-    return not isinstance(node, Call) or (call_name(node) or "").startswith("numpy.")
+    return not isinstance(node, Call) or call_name(node) not in _NUMBERS
 
 
 def _sum(node: BinOp, left: int | None, right: int | None) -> AST:
