@@ -30,7 +30,7 @@ from s2sad.tree import (
 
 _SUMS = {"numpy.sum", "numpy.mean"}
 _EXTREMES = {"numpy.max": Gt, "numpy.amax": Gt, "numpy.min": Lt, "numpy.amin": Lt}
-_PRODUCTS = ("numpy.matmul", "numpy.dot")
+PRODUCTS = ("numpy.matmul", "numpy.dot")
 _BLOCK = 128
 
 
@@ -84,7 +84,7 @@ class Reduced:
 
     def is_whole_product(self, node: AST) -> bool:
         """Whether an expression is a product of vectors or matrices of integers or bools."""
-        return call_name(node) in _PRODUCTS and isinstance(node, Call) and not any(
+        return call_name(node) in PRODUCTS and isinstance(node, Call) and not any(
             self.typing.of(a).is_inexact for a in node.args)
 
     def whole_product(self, target: AST, node: AST) -> list[AST]:

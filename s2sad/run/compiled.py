@@ -131,11 +131,13 @@ def _forget(dispatcher: Any) -> None:
         path.unlink(missing_ok=True)
 
 
-def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | set[str] = False) -> Any:
+def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | set[str] = False,
+         inline: bool = False) -> Any:
     if _is_interpreted(function):
         return interpreted(function)
     numba = importlib.import_module("numba")
-    flags = {"error_model": "numpy", "boundscheck": bounds, "nogil": True, "fastmath": fastmath}
+    flags = {"error_model": "numpy", "boundscheck": bounds, "nogil": True, "fastmath": fastmath,
+             "forceinline": inline}
     try:
         return numba.njit(cache=on_disk, **flags)(function)
     except RuntimeError:  # Numba finds no place for its cache files
@@ -152,6 +154,7 @@ def _runtime(module_name: str, bounds: bool) -> dict[str, Any]:
     """A compiled copy of a runtime module's names; not cached on disk, for it is inlined into what is."""
     source = vars(importlib.import_module(module_name))
     space = dict(source)
+    inline = module_name == f"{_RUNTIME}.exponentials"      # a call keeps a loop from vectors
     for identifier, value in source.items():
         if not isinstance(value, FunctionType):
             continue
@@ -160,7 +163,7 @@ def _runtime(module_name: str, bounds: bool) -> dict[str, Any]:
             copy.__qualname__, copy.__module__ = value.__qualname__, value.__module__
             fastmath = {"reassoc"} if identifier in _ANY_ORDER else False
             run = value if _is_interpreted(value) else copy     # the interpreter calls nothing that is compiled
-            space[identifier] = through_python(identifier) or _jit(run, bounds, on_disk=False, fastmath=fastmath)
+            space[identifier] = through_python(identifier) or _jit(run, bounds, False, fastmath, inline)
         elif (value.__module__ or "").startswith(_RUNTIME):
             space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
     return space
@@ -176,6 +179,7 @@ def _key(bounds: bool) -> str:
         origin = Path(found.origin)
         for path in sorted(origin.parent.rglob("*.py")) if origin.name == "__init__.py" else [origin]:
             digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    digest.update(Path(__file__).read_bytes())      # the flags
     versions = (numba.__version__, numpy.__version__, platform.python_version(), numba.config.BOUNDSCHECK)
     digest.update(repr(versions).encode())
     return f"numba-{digest.hexdigest()[:12]}{'-bounds' if bounds else ''}"
