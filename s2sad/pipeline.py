@@ -6,7 +6,7 @@
     infer       the types of names, before views and after rename
     analyze     structure, activity, uses, dependence, recorded                      (units/derivatives.py)
     differentiate   adjoint or tangent
-    simplify    merge, dead, coalesce, fold, algebra; for level "fast" turned, faster, taped
+    simplify    merge, dead, coalesce, fold, algebra; for level "fast" products, turned, faster, taped
     emit        origin comments, the engine's dialect, the header, the text
 """
 from __future__ import annotations
@@ -34,6 +34,7 @@ from s2sad.simplify.dead import dead
 from s2sad.simplify.exponentials import exponentials
 from s2sad.simplify.faster import faster
 from s2sad.simplify.powers import powers
+from s2sad.simplify.products import products
 from s2sad.simplify.turned import turned
 from s2sad.simplify.unguarded import unguarded
 from s2sad.tree import Call, FunctionDef, Name, call_name, walk
@@ -122,7 +123,8 @@ def in_loops(derived: Derived, units: Units) -> FunctionDef:
     numbers = {n.id for n in walk(derived.function.body) if isinstance(n, Name) and shadow_of(n.id) in sums
                and n.id not in family}
     arrays = {s for s in derived.made.shadows.values() if derived.types[s].is_array}
-    function = faster(turned(derived.function, derived.types, None, writing), derived.types,
+    multiplied = products(derived.function, derived.types)
+    function = faster(turned(multiplied, derived.types, None, writing), derived.types,
                       {s.array for s in tape.stacks.values()}, arrays, numbers, writing)
     read = {n for n, role, _ in derived.made.parameters if role == "shadow"}
     return exponentials(dead(function, read, units.effects.writes, units.effects.pure, units.effects.unread),

@@ -128,9 +128,9 @@ def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], l
         watch("select", function)
         function = gains(function)
         watch("gains", function)
-    else:
-        function = uncopied(function)
-        watch("uncopied", function)
+    function = uncopied(function)
+    watch("uncopied", function)
+    if not choices:
         function = repeated(function, REVERSE, typing, names)
         watch("repeated", function)
     function = dead(function, live_out, effects.writes, effects.pure, effects.unread)

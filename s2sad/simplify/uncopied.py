@@ -5,8 +5,7 @@
     a_bar[...] += b * seed              w_bar[...] = 0.0
     b_bar[...] += a * seed
 
-Requires whole-array statements (the NumPy engine); nothing may mention the shadow in between, and no name may hold on
-to a view of it.
+Nothing may mention the shadow in between, and no name may hold on to a view of it. Under Numba the stores are loops.
 """
 from __future__ import annotations
 
@@ -14,8 +13,8 @@ from collections import Counter
 
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, BinOp, Call, Compare, Constant, FunctionDef, Name, Subscript, UnaryOp, call_name,
-    copy, is_comment, names, rename, walk,
+    AST, Assign, Attribute, AugAssign, BinOp, Call, Compare, Constant, For, FunctionDef, Name, Subscript, UnaryOp,
+    assign, attribute, call, call_name, const, copy, dump, index, is_comment, name, names, rename, walk,
 )
 
 _FRESH = {"numpy.where", "numpy.sum", "numpy.outer", "numpy.copy", "numpy.matmul", "numpy.exp"}
@@ -62,6 +61,16 @@ def _count(block: list[AST], identifier: str) -> int:
 
 
 def _clears(statement: AST, array: str) -> bool:
+    """Whether a statement stores 0 into all of an array: at once, or in loops over all of its axes."""
+    counters: list[str] = []
+    while isinstance(statement, For) and len(statement.body) == 1 and dump(statement.iter) == dump(call(
+            "builtins.range", index(attribute(name(array), "shape"), const(len(counters))))):
+        counters.append(statement.target.id)
+        statement = statement.body[0]
+    if counters:
+        whole = isinstance(statement, Assign) and dump(statement.targets[0]) == dump(
+            assign(index(name(array), *map(name, counters)), const(0.0)).targets[0])
+        return whole and isinstance(statement.value, Constant) and statement.value.value == 0.0
     if not isinstance(statement, Assign) or not isinstance(target := statement.targets[0], Subscript):
         return False
     whole = isinstance(target.slice, Constant) and target.slice.value is ...
@@ -71,7 +80,8 @@ def _clears(statement: AST, array: str) -> bool:
 
 def _lets_go(statement: AST) -> bool:
     """Whether a statement keeps no view of what it reads."""
-    if isinstance(statement, AugAssign):
+    if isinstance(statement, AugAssign) or isinstance(statement, For) and all(
+            isinstance(n.targets[0], Subscript) for n in walk(statement.body) if isinstance(n, Assign)):
         return True
     if not isinstance(statement, Assign):
         return False

@@ -1,0 +1,102 @@
+"""rank_one: gains of a matrix that are a column times a row.
+
+    for j in range(m):                              the factors are s[j] and c * x[i, k]
+        for k in range(d):
+            a_bar[j, k] += s[j] * (c * x[i, k])
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from s2sad.analyze.liveness import base_name
+from s2sad.simplify.algebra import integer
+from s2sad.simplify.bounds import counted, shifted_by
+from s2sad.tree import (
+    AST, Add, Assign, AugAssign, BinOp, For, Mult, Sub, Subscript, at, augment, copy, counted_for, dump, index,
+    indices, is_comment, mult, name, names,
+)
+
+
+@dataclass(frozen=True)
+class Gain:
+    """A nest of two loops that adds a column times a row to a matrix: the loops' counters and ends, the factors."""
+    nest: For
+    gain: AugAssign
+    counters: tuple[str, str]
+    ends: tuple[AST, AST]
+    factors: tuple[AST, AST]
+
+    @property
+    def array(self) -> str:
+        return base_name(self.gain.target)
+
+    def of(self, value: AST) -> AST:
+        """The nest that adds something else."""
+        inner = at(augment(copy(self.gain.target), self.gain.op, value), self.gain)
+        for counter, end in reversed(list(zip(self.counters, self.ends))):
+            inner = at(counted_for(counter, [copy(end)], [inner]), self.gain)
+        return inner
+
+
+def rank_one(statement: AST) -> Gain | None:
+    """The gain that a statement is, None if it is none."""
+    outer = _upwards(statement)
+    rest = _code(statement.body) if outer is not None and isinstance(statement, For) else []
+    inner = _upwards(rest[0]) if len(rest) == 1 else None
+    if outer is None or inner is None:
+        return None
+    body = _code(rest[0].body)
+    gain = body[0] if len(body) == 1 else None
+    if not isinstance(gain, AugAssign) or not isinstance(gain.op, (Add, Sub)) or not isinstance(
+            gain.target, Subscript) or len(indices(gain.target)) != 2 or outer[0] in names(inner[1]):
+        return None
+    column: AST | None = None
+    row: AST | None = None
+    for factor in _factors(gain.value):
+        read = set(names(factor))
+        if {outer[0], inner[0]} <= read:
+            return None
+        if inner[0] in read:
+            row = factor if row is None else mult(row, factor)
+        else:
+            column = factor if column is None else mult(column, factor)
+    if row is None or column is None or outer[0] not in names(column) or base_name(gain.target) in names(gain.value):
+        return None
+    return Gain(statement, gain, (outer[0], inner[0]), (outer[1], inner[1]), (column, row))
+
+
+def added_row(statement: AST | None, vector: str, counter: str) -> Subscript | None:
+    """Where a loop adds or stores a vector, element by element: the place in row `counter` of a matrix; None if a
+    statement does anything else."""
+    outer = None if statement is None else _upwards(statement)
+    body = _code(statement.body) if isinstance(statement, For) else []
+    if outer is None or len(body) != 1 or not isinstance(body[0], (Assign, AugAssign)):
+        return None
+    target = body[0].target if isinstance(body[0], AugAssign) else body[0].targets[0]
+    value = body[0].value
+    if isinstance(body[0], AugAssign) and not isinstance(body[0].op, (Add, Sub)) or not isinstance(target, Subscript):
+        return None
+    row, *rest = indices(target)
+    if not isinstance(value, Subscript) or dump(value) != dump(index(name(vector), name(outer[0]))):
+        return None
+    is_row = shifted_by(row, counter) == 0 and len(rest) == 1 and shifted_by(rest[0], outer[0]) is not None
+    return target if is_row else None
+
+
+def _upwards(statement: AST) -> tuple[str, AST] | None:
+    """The counter and the end of a loop from 0 upwards."""
+    bounds = counted(statement)
+    return None if bounds is None or bounds.step != 1 or integer(bounds.start) != 0 else (bounds.counter, bounds.stop)
+
+
+def _code(block: list[AST]) -> list[AST]:
+    return [s for s in block if not is_comment(s)]
+
+
+def _factors(node: AST) -> list[AST]:
+    if isinstance(node, BinOp) and isinstance(node.op, Mult):
+        return _factors(node.left) + _factors(node.right)
+    return [node]
+
+
+__all__ = ["Gain", "added_row", "rank_one"]

@@ -1,0 +1,110 @@
+"""Products of one matrix with the rows of a loop are products of blocks of rows; what they give is the same."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from s2sad import differentiate
+from tests.derivatives import check_derivatives
+
+RNG = np.random.default_rng(11)
+
+
+def layers(w, b, v, x, y):
+    """Rows that are independent: every product of the reverse sweep is one of blocks."""
+    for i in range(x.shape[0]):
+        h = np.tanh(w @ x[i] + b)
+        y[i] = h @ v
+
+
+def recurrent(w, u, x, h):
+    """A state that flows: the products with x are made before, the gains of u behind."""
+    for t in range(x.shape[0]):
+        h[:] = np.tanh(w @ x[t] + u @ h)
+    return np.sum(h ** 2)
+
+
+def backwards(w, x, y):
+    for i in range(x.shape[0] - 1, 0, -1):
+        y[i - 1] += w.T @ x[i] * 0.5 + (x[i] @ w)[0]
+
+
+def in_place(w, x):
+    """Every row is replaced by its product, the next one reads it."""
+    for i in range(x.shape[0]):
+        x[i] = np.sin(w @ x[i])
+        if i + 1 < x.shape[0]:
+            x[i + 1] += 0.5 * x[i]
+
+
+def matrix_that_changes(w, x, y):
+    for i in range(x.shape[0]):
+        y[i] = w @ x[i]
+        w[i % 3, 0] *= 1.0 + 0.1 * x[i, 1]
+
+
+def branches(w, x):
+    """What is asked of a product in both sweeps is asked of the same digits."""
+    s = 0.0
+    for i in range(x.shape[0]):
+        h = w @ x[i]
+        for j in range(h.size):
+            if h[j] > 0.1:
+                s += h[j] * h[j] * x[i, 0]
+    return s
+
+
+def early_end(w, x, y):
+    for i in range(x.shape[0]):
+        t = w @ x[i]
+        if t[0] < -5.0:
+            break
+        y[i] = t * t
+
+
+def outer(w, x, y):
+    for i in range(x.shape[0]):
+        y += np.outer(w @ x[i], x[i]) * x[i, 0]
+
+
+def mixed(w, x, y):
+    for i in range(1, x.shape[0]):
+        y[i] = w @ x[i - 1] + x[i] @ w
+        y[i - 1] *= w @ y[i]
+
+
+X, W, V, B = RNG.standard_normal((5, 3)), RNG.standard_normal((3, 3)), RNG.standard_normal((3, 2)), RNG.random(3)
+LONG = RNG.standard_normal((131, 3))
+CASES = [
+    (layers, (W, B, V, X, np.zeros((5, 2))), ("w", "b", "v", "x"), ("y",)),
+    (layers, (W, B, V, LONG, np.zeros((131, 2))), ("w", "b", "v", "x"), ("y",)),
+    (layers, (W, B, V, X[:0], np.zeros((0, 2))), ("w", "b", "v", "x"), ("y",)),
+    (recurrent, (W, 0.3 * W.T, X, np.zeros(3)), ("w", "u", "x", "h"), ("return",)),
+    (recurrent, (W, 0.1 * W.T, LONG[:70], np.zeros(3)), ("w", "u", "x", "h"), ("return",)),
+    (backwards, (W, X, np.zeros((5, 3))), ("w", "x"), ("y",)),
+    (in_place, (W, X), ("w", "x"), ("x",)),
+    (matrix_that_changes, (W, X, np.zeros((5, 3))), ("w", "x"), ("y", "w")),
+    (branches, (W, X), ("w", "x"), ("return",)),
+    (early_end, (W, X, np.zeros((5, 3))), ("w", "x"), ("y",)),
+    (outer, (W, X, np.zeros((3, 3))), ("w", "x"), ("y",)),
+    (mixed, (W, X, np.zeros((5, 3))), ("w", "x"), ("y",))]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel, arguments, wrt, of", CASES)
+def test_derivatives(kernel, arguments, wrt, of, engine):
+    check_derivatives(kernel, arguments, wrt, of, engine)
+
+
+@pytest.mark.parametrize("case", [1, 3])
+def test_compiled(case):
+    kernel, arguments, wrt, of = CASES[case]
+    check_derivatives(kernel, arguments, wrt, of, "numba")
+
+
+@pytest.mark.parametrize("case, products", [(0, 5), (3, 4), (6, 1), (7, 0), (8, 2), (9, 2)])
+def test_blocks(case, products):
+    """How many products of blocks a reverse sweep has."""
+    kernel, arguments, wrt, of = CASES[case]
+    text = differentiate(kernel, wrt=wrt, of=of, engine="numba").adjoint_source(*arguments, level="fast")
+    assert sum("_rows = " in line or "_gain = " in line for line in text.splitlines()) == products, text
