@@ -139,3 +139,39 @@ def test_functions_into_picked_elements(engine):
     random = np.random.default_rng(3)
     given = 0.5 + random.random((3, 3)), random.random(3), np.array([0.9, 0.5, 1.2])
     check_derivatives(functions_into_picked_elements, given, ("a", "x", "y"), ("a", "x", "y"), engine)
+
+
+def flip(m):
+    for k in range(m.size):
+        m[k] = not m[k]
+
+
+def masks_that_change(x, y):
+    m = x > 0.8
+    x[m] = y[m] ** 3
+    m[0] = False
+    x[m] = y[m] ** 2
+    flip(m)
+    x[m] *= y[m]
+    m ^= True
+    x[m] *= y[m]
+    return np.sum(x * x)
+
+
+def masks_that_change_between(x, y):
+    m = x > 0.8
+    a = x[m] * 2.0
+    m[0] = False
+    x[m] = y[m]
+    b = x[m] * y[m]
+    flip(m)
+    x[m] = y[m] * 3.0
+    return np.sum(a) * np.sum(x) + np.sum(b)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("kernel", [masks_that_change, masks_that_change_between])
+def test_masks_that_change(kernel, engine):
+    """What is stored through a mask before it changes is not stored through it later."""
+    x, y = np.array([0.9, 0.31, 1.4, 0.55, 1.13]), np.array([0.7, 1.1, 0.8, 1.4, 1.3])
+    check_derivatives(kernel, (x, y), ("x", "y"), ("return", "x"), engine)

@@ -4,6 +4,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import stat
+import subprocess
 import sys
 import traceback
 
@@ -38,6 +39,15 @@ def test_text_becomes_a_module_with_a_real_file(cache):
     assert load(TEXT, "double") is module
     assert load(TEXT + "\n", "double") is not module
     assert load(TEXT, "double", "other").__file__ != module.__file__
+
+
+def test_guards_stay_without_assertions(cache):
+    """The guards of generated text are assertions, which `python -O` leaves out of other modules."""
+    program = ("from s2sad.run.load import load\n"
+               "try:\n    load('def f(x):\\n    assert x > 0\\n', 'f').f(-1)\n"
+               "except AssertionError:\n    print('guarded')")
+    done = subprocess.run([sys.executable, "-O", "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "guarded\n"
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="POSIX permissions")

@@ -32,7 +32,8 @@ class _Loader(importlib.machinery.SourceFileLoader):
         self._text = text
 
     def get_code(self, fullname: str) -> CodeType:
-        return compile(self._text, self.path, "exec", dont_inherit=True)
+        # the guards are assertions: they stay under python -O
+        return compile(self._text, self.path, "exec", dont_inherit=True, optimize=0)
 
 
 def load(text: str, name: str, key: str = "", own: bool = False) -> ModuleType:

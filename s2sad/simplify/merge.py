@@ -12,7 +12,7 @@ from s2sad.analyze.liveness import base_name, touched
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, Break, Constant, FunctionDef, If, Name, Return, Store, Sub, Subscript, assign, at,
-    call_name, copy, dump, names, negate, stored_names,
+    call_name, copy, dump, names, negate,
     walk,
 )
 
@@ -55,7 +55,7 @@ def _refilled(block: list[AST], position: int) -> list[AST]:
     place = block[position].targets[0]
     array = base_name(place)
     first = next((k for k in range(position + 1, len(block)) if _mentions(block[k], array)), None)
-    if first is None or set(names(place)) & set(stored_names(block[position + 1:first])):
+    if first is None or set(names(place)) & {n for s in block[position + 1:first] for n in touched(s)}:
         return block
     bound: set[str] = set()
     for k in range(first, len(block)):

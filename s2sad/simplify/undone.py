@@ -53,7 +53,7 @@ class _Undone:
         array = base_name(place)
         for later in rest:
             if not _mentions(later, array):
-                if set(stored_names(later)) & set(names(place)):
+                if (set(stored_names(later)) | self.stored(later)) & set(names(place)):
                     return False
                 continue
             if not isinstance(later, Assign) or not isinstance(later.targets[0], Subscript):
