@@ -32,6 +32,7 @@ from s2sad.run.given import compilable
 from s2sad.simplify import Watch, unwatched
 from s2sad.simplify.dead import dead
 from s2sad.simplify.exponentials import exponentials
+from s2sad.simplify.extremes import extremes
 from s2sad.simplify.faster import faster
 from s2sad.simplify.powers import powers
 from s2sad.simplify.products import products
@@ -93,7 +94,10 @@ def derive(program: Program, request: Request, watch: Watch = unwatched) -> Gene
     def final(d: Derived) -> FunctionDef:
         if request.level != "fast" or d.function.name in sharing:
             return d.function
-        return in_loops(d, units) if units.engine == "numba" else unguarded(powers(d.function, d.types), d.types)
+        if units.engine == "numba":
+            return in_loops(d, units)
+        multiplied = d.function if d.made.tape is None else products(d.function, d.types)
+        return extremes(unguarded(powers(multiplied, d.types), d.types), d.types)
     functions = primal_functions(units, kernels_called(made, units)) + [
         f for d in units.derived.values() for f in (
             *d.beside, *([] if d is derived else [documented(with_origins(final(d), d.unit.kernel.source), d)]))]

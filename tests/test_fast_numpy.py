@@ -23,7 +23,18 @@ def linear(x, dx):
     return np.sum((x[1:] - x[:-1]) / dx)
 
 
+def of_extremes(x, a, s):
+    for i in range(2):
+        t = x - np.max(x) * a[i, 0] + np.min(x)
+        x[:] = t * np.max(np.abs(t)) / np.max(a)
+    return np.sum(x) * np.min(a, axis=1)[0] + np.max(s) * np.min(a * a)
+
+
+TABLE = np.array([[0.5, 1.5, -0.7], [1.1, 0.2, 0.4]])
+
+
 @pytest.mark.parametrize(("kernel", "arguments", "wrt", "of"), [
+    (of_extremes, (X, TABLE, np.array([[2.0]])), ("x", "a", "s"), ("return", "x")),
     (cubes, (X, np.zeros(4)), ("x",), ("y",)), (slopes, (X, 0.5), ("x", "dx"), ("return",))])
 def test_gradients(kernel, arguments, wrt, of):
     check_derivatives(kernel, arguments, wrt, of)
@@ -37,6 +48,18 @@ def test_texts():
     for kernel, arguments in ((cubes, (X, np.zeros(4))), (slopes, (X, 0.5))):
         text = differentiate(kernel, engine="numpy").adjoint_source(*arguments)
         assert "abs(" not in text and "** 2) ** 2" not in text
+
+
+def test_extremes_gain_at_their_places():
+    text = differentiate(of_extremes, engine="numpy").adjoint_source(X, TABLE, np.array([[2.0]]), level="fast")
+    assert "x_bar[extreme_place(x, " in text and "a_bar[extreme_place(a, " in text
+    for x in (np.array([1.0, 3.0, 3.0]), np.array([1.0, np.nan, np.nan])):
+        found = s2sad.gradient(differentiate(highest, engine="numpy"))(x)
+        assert np.array_equal(found, [0.0, 1.0, 0.0])       # the first of several
+
+
+def highest(x):
+    return np.max(x)
 
 
 @pytest.mark.filterwarnings("ignore:divide by zero", "ignore:invalid value")

@@ -41,6 +41,15 @@ def extreme_mask(x, y, axis=None, keepdims=False):
     return np.transpose(first.reshape(moved.shape), np.argsort(kept + axes))
 
 
+def extreme_place(x, y):
+    """The index of the first element that equals the extreme `y` of all, or is nan as it is.
+
+    >>> tuple(map(int, extreme_place(np.array([[3.0, 1.0], [0.0, 3.0]]), 3.0)))
+    (0, 0)
+    """
+    return np.unravel_index(np.argmax(x == y if y == y else x != x), x.shape)
+
+
 def scattered(g, shape, places):
     """An array of zeros of this shape to which `g` was added at `places`, where one is named twice twice.
 

@@ -10,9 +10,9 @@
         for k in range(d):                          a_bar += s_kept.T @ x_kept
             x_bar[i, k] += y[k]                     x_bar[first:last] += s_kept @ a
 
-Requires finished text for Numba; establishes the same values up to rounding. A product of matrices does many times more
-in a second than one of a matrix and a vector, which waits for memory; blocks bound what is kept. A product that both
-sweeps compute stays: the reverse sweep must find the same digits.
+Requires finished text, in which the inner loops may be whole-array statements; establishes the same values up to
+rounding. A product of matrices does many times more in a second than one of a matrix and a vector, which waits for
+memory; blocks bound what is kept. A product that both sweeps compute stays: both must have the same digits.
 """
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from s2sad.naming import Names
 from s2sad.simplify.bounds import changed, counted, stores
 from s2sad.simplify.rank_one import Gain, added_row, rank_one
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, Break, Call, For, FunctionDef, Name, Return, Slice, Store, Subscript, add, assign,
-    at, attribute, call, call_name, children, const, copy, counted_for, dump, index, indices, name, names, rebuild, sub,
-    tuple_of, walk,
+    AST, Assert, Assign, Attribute, AugAssign, Break, Call, For, FunctionDef, Name, Return, Slice, Store, Subscript,
+    add, assign, at, attribute, augment, call, call_name, children, const, copy, counted_for, dump, index, indices,
+    name, names, rebuild, sub, tuple_of, walk,
 )
 
 _BLOCK = 64
@@ -52,14 +52,14 @@ def products(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDef:
 
 
 def _multiplies(loop: AST) -> bool:
-    """Whether a statement is a loop whose iterations all run and bind products."""
-    return isinstance(loop, For) and counted(loop) is not None and any(map(_is_product, loop.body)) and not any(
+    """Whether a statement is a loop whose iterations all run and store or bind products."""
+    return isinstance(loop, For) and counted(loop) is not None and any(
+        isinstance(s, (Assign, AugAssign)) and any(map(_is_product, walk(s.value))) for s in loop.body) and not any(
         isinstance(n, (Break, Return)) for n in walk(loop.body))
 
 
-def _is_product(statement: AST) -> bool:
-    return isinstance(statement, Assign) and isinstance(statement.targets[0], Name) and call_name(
-        statement.value) == "numpy.matmul"
+def _is_product(node: AST) -> bool:
+    return call_name(node) == "numpy.matmul"
 
 
 class Text:
@@ -104,10 +104,7 @@ class Blocks:
         """The loop over blocks with what stands before it, or the loop as it is."""
         body: list[AST] = []
         for position, statement in enumerate(self.loop.body):
-            gain = rank_one(statement)
-            made = self.product(statement, position) if _is_product(statement) else None
-            made = self.gained(gain) if gain is not None else made
-            body += [statement] if made is None else [at(s, statement) for s in made]
+            body += [at(s, statement) if s is not statement else s for s in self.statement(statement, position)]
         if not self.before and not self.after:
             self.text.free.taken -= {self.first, self.last}
             return [self.loop]
@@ -133,37 +130,74 @@ class Blocks:
         made = counted_for(over, bounds, [at(head, self.loop), *fixed, *self.before, rows, *self.after])
         return at(made, self.loop)
 
+    def statement(self, statement: AST, position: int) -> list[AST]:
+        """What stands for a statement of the loop."""
+        gain = rank_one(statement)
+        made = self.gained(gain) if gain is not None else None
+        if made is None and isinstance(statement, (Assign, AugAssign)):
+            made = self.hoisted(statement, position) or self.given(statement, position)
+        return made or [statement]
+
     # -- products ----------------------------------------------------------------------------------------------------
 
-    def product(self, statement: AST, position: int) -> list[AST] | None:
-        """What stands for `t = a @ r`: a row of a product made before, or what keeps r for one made afterwards."""
-        assert isinstance(statement, Assign)
-        a, b = statement.value.args
-        matrix, row = (a, b) if self.text.rank(a) == 2 else (b, a)
-        made = statement.targets[0].id
-        if self.text.rank(matrix) != 2 or self.text.rank(row) != 1 or not self.is_fixed(matrix) or self.text.bound[
-                made] != 1:
-            return None
-        right = copy(matrix) if matrix is b else _transposed(matrix)
-        source = self.source(row, position)
-        if source is not None and self.text.calls[dump(statement.value)] == 1:
-            rows = self.text.free.fresh(f"{made}_rows")
+    def hoisted(self, statement: Assign | AugAssign, position: int) -> list[AST] | None:
+        """The statement with a row of a product that is made before the block for every `a @ x[i]` in it."""
+        def change(node: AST) -> AST | None:
+            found = self.factors(node)
+            source = self.source(found[0], position) if found is not None else None
+            if found is None or source is None or self.text.calls[dump(node)] != 1:
+                return None
+            rows = self.text.free.fresh(f"{base_name(_target(statement))}_rows")
             part = index(name(source), Slice(name(self.first), name(self.last), None))
-            self.before.append(at(assign(rows, call("numpy.matmul", part, right)), statement))
-            return [assign(made, index(name(rows), copy(self.row)))]
-        nest = next((s for s in self.loop.body[position + 1:] if made in names(s)), None)
-        target = added_row(nest, made, self.counter)
-        if target is None or not isinstance(nest, For) or not isinstance(row, Name) or self.text.mentions[
-                made] != 2 or not self.is_alone(target, nest) or not self.is_fixed(nest.iter):
+            self.before.append(at(assign(rows, call("numpy.matmul", part, found[1])), statement))
+            return index(name(rows), copy(self.row))
+        made = len(self.before)
+        new = copy(statement)
+        new.value = rebuild(statement.value, change)
+        return [new] if len(self.before) > made else None
+
+    def factors(self, node: AST) -> tuple[AST, AST] | None:
+        """The vector of a product with a matrix that stays, and the matrix that rows of vectors are multiplied by."""
+        if not _is_product(node) or not isinstance(node, Call):
             return None
-        rows = self.text.free.fresh(f"{made}_rows")
-        kept = self.keep(row.id, _inner(matrix, matrix is b), self.text.types[row.id].dtype)
+        a, b = node.args
+        matrix, row = (a, b) if self.text.rank(a) == 2 else (b, a)
+        if self.text.rank(matrix) != 2 or self.text.rank(row) != 1 or not self.is_fixed(matrix):
+            return None
+        return row, copy(matrix) if matrix is b else _transposed(matrix)
+
+    def given(self, statement: Assign | AugAssign, position: int) -> list[AST] | None:
+        """What keeps the vector whose product is only added to a row: it is multiplied behind the block."""
+        found, target = self.factors(statement.value), _target(statement)
+        if found is None or not isinstance(found[0], Name):
+            return None
+        if isinstance(target, Name):
+            return self.in_loop(statement, found[0], found[1], position)
+        if not isinstance(target.slice, Name) or target.slice.id != self.counter or not self.is_alone(
+                target, statement):
+            return None
+        kept = self.keep_vector(*found)
+        part = index(name(base_name(target)), Slice(name(self.first), name(self.last), None))
+        product = call("numpy.matmul", self.filled(kept), found[1])
+        self.after.append(at(assign(part, product) if isinstance(statement, Assign)
+                             else augment(part, statement.op, product), statement))
+        return [assign(index(name(kept), copy(self.row)), found[0])]
+
+    def in_loop(self, statement: Assign | AugAssign, vector: Name, right: AST, position: int) -> list[AST] | None:
+        """The same where the product has a name, and a loop adds its elements."""
+        made = _target(statement).id
+        nest = next((s for s in self.loop.body[position + 1:] if made in names(s)), None)
+        place = added_row(nest, made, self.counter)
+        if place is None or not isinstance(nest, For) or self.text.bound[made] != 1 or self.text.mentions[
+                made] != 2 or not self.is_fixed(nest.iter) or not self.is_alone(place, nest):
+            return None
+        rows, kept = self.text.free.fresh(f"{made}_rows"), self.keep_vector(vector, right)
         self.moved.append(nest)
         self.after += [at(assign(rows, call("numpy.matmul", self.filled(kept), right)), statement),
                        at(counted_for(self.counter, [name(self.first), name(self.last)], [
                            self.from_rows(nest, made, rows)]), nest)]
         column = self.text.free.fresh("j")
-        return [self.into(kept, column, _inner(matrix, matrix is b), index(copy(row), name(column)))]
+        return [self.into(kept, column, _height(right), index(copy(vector), name(column)))]
 
     def source(self, row: AST, position: int) -> str | None:
         """The matrix of whose row a vector is made that this iteration multiplies: every iteration before it leaves
@@ -185,7 +219,7 @@ class Blocks:
                   if base_name(t) == matrix)
         return matrix if own and not early and not given else None
 
-    def from_rows(self, nest: For, vector: str, rows: str) -> AST:
+    def from_rows(self, nest: AST, vector: str, rows: str) -> AST:
         """The loop that adds a vector, with the rows in its place."""
         def change(node: AST) -> AST | None:
             is_it = isinstance(node, Subscript) and base_name(node) == vector
@@ -198,17 +232,20 @@ class Blocks:
         """What keeps the column and the row of a gain, which are multiplied behind the block."""
         kind = self.text.types.get(gain.array)
         places = [n for n in names(indices(gain.gain.target)) if n not in gain.counters]
+        vectors = [f for f in gain.factors if not gain.counters and self.text.rank(f) != 1]
         if kind is None or kind.dtype != "float64" or not self.is_alone(gain.gain.target, gain.nest) or set(
-                places) & (self.changed | self.stored) or not all(map(self.is_fixed, gain.ends)) or any(
+                places) & (self.changed | self.stored) or not all(map(self.is_fixed, gain.ends)) or vectors or any(
                 isinstance(n, Call) for f in gain.factors for n in walk(f)):
             return None
-        sizes = [_size(end) for end in gain.ends]
-        kept = [self.keep(f"{gain.array}_{side}", size, "float64") for side, size in zip(("column", "row"), sizes)]
+        kept = [self.keep(f"{gain.array}_{side}", size, "float64")
+                for side, size in zip(("column", "row"), gain.sizes())]
         product = self.text.free.fresh(f"{gain.array}_gain")
         columns, rows = map(self.filled, kept)
         self.after += [at(assign(product, call("numpy.matmul", call("numpy.transpose", columns), rows)), gain.gain),
-                       gain.of(index(name(product), *map(name, gain.counters)))]
-        return [self.into(*made) for made in zip(kept, gain.counters, sizes, gain.factors)]
+                       gain.of(product)]
+        if not gain.counters:
+            return [assign(index(name(k), copy(self.row)), copy(f)) for k, f in zip(kept, gain.factors)]
+        return [self.into(*made) for made in zip(kept, gain.counters, gain.sizes(), gain.factors)]
 
     # -- what is kept ------------------------------------------------------------------------------------------------
 
@@ -218,6 +255,11 @@ class Blocks:
         kind = [] if dtype == "float64" else [name(f"numpy.{dtype}")]
         self.allocations.append(assign(kept, call("numpy.empty", tuple_of(const(_BLOCK), copy(size)), *kind)))
         return kept
+
+    def keep_vector(self, vector: AST, right: AST) -> str:
+        """The same for a vector that a matrix behind it is multiplied with."""
+        assert isinstance(vector, Name)
+        return self.keep(vector.id, _height(right), self.text.types[vector.id].dtype)
 
     def into(self, kept: str, counter: str, size: AST, value: AST) -> AST:
         """The loop that fills the row of an iteration."""
@@ -248,16 +290,14 @@ def _transposed(matrix: AST) -> AST:
     return copy(matrix.args[0]) if isinstance(matrix, Call) else call("numpy.transpose", copy(matrix))
 
 
-def _inner(matrix: AST, behind: bool) -> AST:
-    """The length of the vectors that a matrix before or behind them is multiplied with."""
-    base, turned = (matrix.args[0], True) if isinstance(matrix, Call) else (matrix, False)
-    return index(attribute(copy(base), "shape"), const(int(behind == turned)))
+def _height(matrix: AST) -> AST:
+    """How many rows a matrix, or the transpose of one, has."""
+    base, axis = (matrix.args[0], 1) if isinstance(matrix, Call) else (matrix, 0)
+    return index(attribute(copy(base), "shape"), const(axis))
 
 
-def _size(end: AST) -> AST:
-    """How often a loop from 0 to an end runs."""
-    is_size = isinstance(end, Subscript) and isinstance(end.value, Attribute)
-    return copy(end) if is_size else call("builtins.max", copy(end), const(0))
+def _target(statement: Assign | AugAssign) -> AST:
+    return statement.targets[0] if isinstance(statement, Assign) else statement.target
 
 
 __all__ = ["products"]

@@ -1,8 +1,9 @@
-"""rank_one: gains of a matrix that are a column times a row.
+"""rank_one: gains of a matrix that are a column times a row, in loops or at once.
 
     for j in range(m):                              the factors are s[j] and c * x[i, k]
         for k in range(d):
             a_bar[j, k] += s[j] * (c * x[i, k])
+    a_bar[...] += np.outer(s, x[i])                 the factors are s and x[i]
 """
 from __future__ import annotations
 
@@ -12,26 +13,35 @@ from s2sad.analyze.liveness import base_name
 from s2sad.simplify.algebra import integer
 from s2sad.simplify.bounds import counted, shifted_by
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, For, Mult, Sub, Subscript, at, augment, copy, counted_for, dump, index,
-    indices, is_comment, mult, name, names,
+    AST, Add, Assign, AugAssign, BinOp, Constant, For, Mult, Sub, Subscript, at, attribute, augment, call, call_name,
+    const, copy, counted_for, dump, index, indices, is_comment, mult, name, names,
 )
 
 
 @dataclass(frozen=True)
 class Gain:
-    """A nest of two loops that adds a column times a row to a matrix: the loops' counters and ends, the factors."""
-    nest: For
+    """What adds a column times a row to a matrix: the statement with all its loops and the one inside, the loops'
+    counters and ends, if there are loops, and the factors."""
+    nest: AST
     gain: AugAssign
-    counters: tuple[str, str]
-    ends: tuple[AST, AST]
+    counters: tuple[str, ...]
+    ends: tuple[AST, ...]
     factors: tuple[AST, AST]
 
     @property
     def array(self) -> str:
         return base_name(self.gain.target)
 
-    def of(self, value: AST) -> AST:
-        """The nest that adds something else."""
+    def sizes(self) -> list[AST]:
+        """The lengths of the column and the row."""
+        if not self.ends:
+            return [index(attribute(name(self.array), "shape"), const(k)) for k in (0, 1)]
+        return [copy(end) if isinstance(end, Subscript) else call("builtins.max", copy(end), const(0))
+                for end in self.ends]
+
+    def of(self, matrix: str) -> AST:
+        """The statement that adds a matrix instead."""
+        value = index(name(matrix), *map(name, self.counters)) if self.counters else name(matrix)
         inner = at(augment(copy(self.gain.target), self.gain.op, value), self.gain)
         for counter, end in reversed(list(zip(self.counters, self.ends))):
             inner = at(counted_for(counter, [copy(end)], [inner]), self.gain)
@@ -40,6 +50,8 @@ class Gain:
 
 def rank_one(statement: AST) -> Gain | None:
     """The gain that a statement is, None if it is none."""
+    if isinstance(statement, AugAssign):
+        return _outer(statement)
     outer = _upwards(statement)
     rest = _code(statement.body) if outer is not None and isinstance(statement, For) else []
     inner = _upwards(rest[0]) if len(rest) == 1 else None
@@ -50,19 +62,34 @@ def rank_one(statement: AST) -> Gain | None:
     if not isinstance(gain, AugAssign) or not isinstance(gain.op, (Add, Sub)) or not isinstance(
             gain.target, Subscript) or len(indices(gain.target)) != 2 or outer[0] in names(inner[1]):
         return None
+    factors = _column_and_row(gain.value, outer[0], inner[0])
+    if factors is None or base_name(gain.target) in names(gain.value):
+        return None
+    return Gain(statement, gain, (outer[0], inner[0]), (outer[1], inner[1]), factors)
+
+
+def _outer(gain: AugAssign) -> Gain | None:
+    """The gain `a_bar[...] += np.outer(s, r)`."""
+    if not isinstance(gain.op, (Add, Sub)) or not isinstance(gain.target, Subscript) or call_name(
+            gain.value) != "numpy.outer" or base_name(gain.target) in names(gain.value):
+        return None
+    whole = isinstance(gain.target.slice, Constant) and gain.target.slice.value is Ellipsis
+    return Gain(gain, gain, (), (), (gain.value.args[0], gain.value.args[1])) if whole else None
+
+
+def _column_and_row(value: AST, first: str, second: str) -> tuple[AST, AST] | None:
+    """The factors of a product by the counter that they read; what reads neither belongs to the column."""
     column: AST | None = None
     row: AST | None = None
-    for factor in _factors(gain.value):
+    for factor in _factors(value):
         read = set(names(factor))
-        if {outer[0], inner[0]} <= read:
+        if {first, second} <= read:
             return None
-        if inner[0] in read:
+        if second in read:
             row = factor if row is None else mult(row, factor)
         else:
             column = factor if column is None else mult(column, factor)
-    if row is None or column is None or outer[0] not in names(column) or base_name(gain.target) in names(gain.value):
-        return None
-    return Gain(statement, gain, (outer[0], inner[0]), (outer[1], inner[1]), (column, row))
+    return None if row is None or column is None or first not in names(column) else (column, row)
 
 
 def added_row(statement: AST | None, vector: str, counter: str) -> Subscript | None:
