@@ -3,15 +3,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from tests.program_arrays import ARRAYS, ArrayStatements
+from tests.program_arrays import ARRAYS
+from tests.program_combinations import COMBINED, CombinedStatements
 from tests.program_statements import SIMPLE
 
 COMPOUND = {"branch": 3, "loop": 5, "over": 2, "trips": 2}
 EXITS = {"leave": 1, "skip": 1, "result": 1}
-FEATURES = (*SIMPLE, *COMPOUND, *EXITS, "arrays", *ARRAYS)
+FEATURES = (*SIMPLE, *COMPOUND, *EXITS, "arrays", *ARRAYS, *COMBINED)
 
 
-class Writer(ArrayStatements):
+class Writer(CombinedStatements):
     """Writes the body of one function."""
 
     # -- blocks -----------------------------------------------------------------------------------------------------
@@ -36,7 +37,7 @@ class Writer(ArrayStatements):
         if self.loops or self.indent > 1:
             weights.update(EXITS)
         if self.arrays:
-            weights.update(ARRAYS)
+            weights.update({**ARRAYS, **COMBINED})
         kinds = [k for k, w in weights.items() if k not in self.without for _ in range(w)]
         for _ in range(count):
             if self.budget <= 0:

@@ -95,8 +95,9 @@ def _pair(choices: Choices, name: str, earlier: list[str], without: frozenset[st
 
 
 def _mutator(choices: Choices, name: str, arrays: int, earlier: list[str], without: frozenset[str],
-             whole: bool) -> list[str]:
-    """A helper that writes its first array; called with one array twice, both names are the same memory."""
+             whole: bool, returns: bool = False) -> list[str]:
+    """A helper that writes its first array, and returns an element of it if asked; called with one array twice, both
+    names are the same memory."""
     vectors = {"u": "n", "v": "n"} if arrays == 2 else {"u": "n"}
     scope = Scope(floats=["a"], vectors=dict(vectors), frozen={"v"})
     writer = Writer(choices, scope, without | {"trips", "result"})
@@ -106,6 +107,8 @@ def _mutator(choices: Choices, name: str, arrays: int, earlier: list[str], witho
     writer.write("n = u.shape[0]")
     writer.statements(1, choices.integer(1, 3))
     writer.store()
+    if returns:
+        writer.write(f"return u[{writer.index('n')}]")
     return [f"def {name}({', '.join(vectors)}, a):", *writer.lines]
 
 
@@ -122,6 +125,9 @@ def _helpers(choices: Choices, writer: Writer, without: frozenset[str]) -> list[
         arrays = choices.integer(1, 2)
         lines += [*_mutator(choices, f"change{k}", arrays, writer.pure, without, writer.arrays), "", ""]
         writer.mutators.append((f"change{k}", arrays))
+    if choices.chance(25):
+        lines += [*_mutator(choices, "turn0", 1, writer.pure, without, writer.arrays, returns=True), "", ""]
+        writer.returning = ["turn0"]
     return lines
 
 
