@@ -14,12 +14,13 @@ from s2sad.rules.given import ROOM
 from s2sad.tree import AST, Attribute, Call, Constant, List, Tuple, call_name
 
 LISTED = "builtins.list"
+MARKS = {"builtins.list.copy": "list", "builtins.tuple": "tuple"}     # rows of lists that are no arrays themselves
 
 CallTypes = Callable[[str, tuple[Type, ...]], tuple[Type, ...]]
 
 _ALLOCATIONS = {"numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full"}
 _LIKES = {"numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full_like", "numpy.copy", "numpy.asarray",
-          "numpy.ascontiguousarray", "numpy.array"}
+          "numpy.ascontiguousarray", "numpy.array", *MARKS}
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")  # without an axis
 _OF_ARGUMENTS = {"builtins.abs", "builtins.min", "builtins.max", "numpy.abs", "numpy.absolute", "numpy.minimum",
                  "numpy.maximum", "numpy.square", "numpy.conj", "numpy.conjugate", "numpy.real", "numpy.imag"}

@@ -16,11 +16,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from s2sad.infer.types_of_calls import MARKS
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.sliced import one_by_one
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BoolOp, Call, Expr, For, FunctionDef, GeneratorExp, If, IfExp, List, ListComp, Name,
-    While, assign, at, augment, call, call_name, const, copy, name, rebuild, rename, stored_names, walk,
+    Tuple, While, assign, at, augment, call, call_name, const, copy, name, rebuild, rename, stored_names, walk,
 )
 
 HELP = "allocate an array before and fill it in a for loop"
@@ -31,6 +32,12 @@ def comprehensions(function: FunctionDef, scope: Scope) -> FunctionDef:
     new = copy(function)
     new.body = _Comprehensions(scope).block(function.body)
     return new
+
+
+def marked(item: AST) -> AST:
+    """An item of a list; one that is a list or a tuple has a mark, for `listed_rows`."""
+    words = {"tuple": (Tuple,), "list": (List, ListComp)}
+    return next((call(m, item) for m, kind in MARKS.items() if isinstance(item, words[kind])), item)
 
 
 class _Comprehensions:
@@ -44,7 +51,7 @@ class _Comprehensions:
         return [at(made, s) for s in block for made in self.statement(s)]
 
     def statement(self, statement: AST) -> list[AST]:
-        apart = one_by_one(statement, lambda value: isinstance(value, List))
+        apart = one_by_one(statement, lambda value: isinstance(value, (List, ListComp)))
         if apart != [statement]:
             return [made for s in apart for made in self.statement(s)]
         outer, self.before = self.before, []
@@ -102,7 +109,7 @@ class _Comprehensions:
         outer, self.before = self.before, []
         item = node.elt
         if isinstance(item, ListComp):
-            item = at(call("numpy.array", item), item)
+            item = at(marked(item), item)
         item = rebuild(rename(item, own), self.change)
         body = [*self.before, with_item(item)]
         self.before = outer

@@ -15,8 +15,8 @@ from __future__ import annotations
 
 from functools import reduce
 
-from s2sad.infer.types_of_calls import LISTED
-from s2sad.normalize.comprehensions import HELP, comprehensions
+from s2sad.infer.types_of_calls import LISTED, MARKS
+from s2sad.normalize.comprehensions import HELP, comprehensions, marked
 from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
@@ -103,7 +103,7 @@ class _Lists:
         if appended in self.made:
             count = self.counts[appended]
             item = statement.value.args[0]
-            item = call("numpy.array", item) if isinstance(item, (List, Tuple)) else item
+            item = marked(item)
             place = self.counted(appended, loops) or name(count)
             return [assign(index(name(appended), place), self.read(item)), augment(count, Add(), const(1))]
         bound = next((n for n, s in self.made.items() if s is statement), None)
@@ -135,7 +135,7 @@ class _Lists:
 
     def start(self, bound: str, statement: Assign) -> list[AST]:
         """The array in place of the list, as large as the list can become, with what it starts with."""
-        items = [call("numpy.array", i) if isinstance(i, (List, Tuple)) else i for i in statement.value.elts]
+        items = list(map(marked, statement.value.elts))
         made: list[AST] = [assign(bound, call(LISTED, self.most(bound, statement)))]
         made += [assign(index(name(bound), const(k)), self.read(item)) for k, item in enumerate(items)]
         return [*made, assign(self.counts[bound], const(len(items)))]
@@ -260,7 +260,7 @@ def _as_arrays(tree: FunctionDef) -> set[int]:
     found: set[int] = set()
     for node in walk(tree.body):
         called = call_name(node) or ""
-        if called.startswith("numpy.") or called in _READING:
+        if called.startswith("numpy.") or called in _READING or called in MARKS:
             given = [*node.args, *(k.value for k in node.keywords)]
             found |= {id(n) for g in given for n in (g.elts if isinstance(g, (Tuple, List)) else [g])}
         elif isinstance(node, For):

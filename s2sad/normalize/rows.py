@@ -5,8 +5,8 @@
 
 Requires structured form and types. A row's sizes are those of an array in what is stored first, which must be there
 where the list is made, itself or, as a name that is bound anew in a loop, another array of these sizes: a row
-of other sizes is an error when it is stored. A list holds arrays themselves, not copies: where one is written later, it
-is refused.
+of other sizes is an error when it is stored. A list holds arrays themselves, not copies: where one is written, it is a
+view or refused (`views_in_lists`).
 """
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ from s2sad.infer.laws import whole_number
 from s2sad.infer.types_of_calls import LISTED
 from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.memory import Memory
+from s2sad.normalize.views_in_lists import Writes, views_in_lists
 from s2sad.tree import (
-    AST, Assign, Attribute, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, assign, at, attribute, call,
+    AST, Assign, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, assign, at, attribute, call,
     call_name, children, const, copy, index, indices, rebuild, tuple_of, walk,
 )
 
@@ -27,18 +28,12 @@ _KEEPING = ("numpy.cumsum", "numpy.cumprod", "numpy.sort")     # of the sizes of
 _SHAPED = ("numpy.zeros", "numpy.ones", "numpy.empty", "numpy.full")
 
 
-def rows(function: FunctionDef, typing: Typing, memory: Memory, report: Report) -> FunctionDef:
+def rows(function: FunctionDef, typing: Typing, memory: Memory, writes: Writes, report: Report) -> FunctionDef:
     """The function with those allocations; what cannot be allocated goes into the report."""
     if not any(call_name(n) == LISTED for n in walk(function.body)):
         return function
+    function = views_in_lists(function, typing, memory, writes, report)
     pass_ = _Rows(function, typing, report)
-    written = memory.written(function.body)
-    for statement in pass_.stores:
-        value = statement.value
-        shared = typing.of(value).is_array and isinstance(value, (Name, Subscript, Attribute))
-        if shared and memory.affected(Subscript(value, const(0), value.ctx), written):
-            report.error("S201", "a list holds an array that is written, not a copy of it", statement,
-                         help="append a copy: .append(x.copy())")
     return rebuild(function, pass_.change)
 
 

@@ -31,6 +31,7 @@ from s2sad.normalize.parts import parts
 from s2sad.normalize.pieces import pieces
 from s2sad.normalize.rename import rename
 from s2sad.normalize.integers import integers
+from s2sad.normalize.listed_rows import listed_rows
 from s2sad.normalize.lives import lives
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.rotated import rotated
@@ -146,6 +147,11 @@ class NormalForms(Calls):
             said = Report(report.source)
             tree, table = lives(tree, given, self.call_types, said, values, names)
             typing = Typing({**table, **given}, self.call_types, Report(report.source), values)
+            plain = listed_rows(tree, typing, self.helpers, report)
+            report.finish()
+            if plain is not tree:
+                tree = plain
+                continue
             strengths = Strengths(self.helpers, typing, self.known)
             singles = self.singles or any(t.dtype == "float32" for t in typing.table.values())
             wider = widened(tree, typing, strengths.results) if singles else None
@@ -162,15 +168,15 @@ class NormalForms(Calls):
         report = typing.report
         tree = integers(tree, typing) if self.engine == "numba" else tree
         tree = stacked(rotated(tree, typing, names), typing)
-        tree = rows(tree, typing, Memory(tree, self.program), report)
+
+        def written(called: Call) -> tuple[int, ...]:
+            return self.of_call(called, typing).summary.written
+        tree = rows(tree, typing, Memory(tree, self.program), written, report)
         report.finish()
         tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")
         ruled(tree, typing, report)
         report.finish()
         tree = functions(tree, typing, names, self.engine == "numba")
-
-        def written(called: Call) -> tuple[int, ...]:
-            return self.of_call(called, typing).summary.written
         viewing(tree, typing, lambda called: [base_name(called.args[k]) for k in written(called)], report)
         plain = tree = pieces(tree, typing, names, report)
         report.finish()
