@@ -133,26 +133,11 @@ def not_copied(x):
     return np.sum(np.array(rows) * x)
 
 
-def written(x):
-    out = []
-    for i in range(3):
-        out.append(x[i])
-    out[0] = 1.0
-    return np.sum(np.array(out))
-
-
 def removed(x):
     out = []
     for i in range(3):
         out.append(x[i])
     return out.pop() * x[0]
-
-
-def from_the_end(x, k):
-    out = []
-    for i in range(3):
-        out.append(x[i])
-    return out[k] * x[0]
 
 
 def stored(x):
@@ -211,8 +196,8 @@ REFUSED = {table_stored_into: "an element of a list is written", rows_stored_int
            mixed_table_added_to: "an element of something that is no array is written",
            repeated: "the list 'out' is used as a list", joined: "the list 'out' is used as a list",
            unknown_length: "how long 'out' becomes", rebound_length: "how long 'out' becomes",
-           not_copied: "a list holds an array that is written", written: "an element of a list is written",
-           removed: "the method 'pop' of a list", from_the_end: "may count from its end",
+           not_copied: "a list holds an array that is written",
+           removed: "the method 'pop' of a list",
            beside_a_call: "beside a call of a kernel"}
 
 

@@ -14,7 +14,7 @@ from s2sad.diagnostics import Report
 from s2sad.infer.laws import of_rank
 from s2sad.infer.promotion import RANKS, join, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, TEXT, UNKNOWN, Type, array, of_value
-from s2sad.infer.types_of_calls import LISTED, CallTypes, TypesOfCalls
+from s2sad.infer.types_of_calls import LISTED, CallTypes, TypesOfCalls, stored_into
 from s2sad.infer.written import is_single, keeps
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
@@ -233,6 +233,8 @@ def _statement(statement: AST, typing: Typing) -> None:
         if not target.is_array:
             typing.bind(statement.target.id, typing._BinOp(BinOp(statement.target, statement.op, statement.value)),
                         statement)
+    elif isinstance(statement, AugAssign) and (listed := stored_into(statement.target, typing.listed)):
+        typing.bind_item(listed, typing._BinOp(BinOp(statement.target, statement.op, statement.value)))
     elif isinstance(statement, For):
         typing.bind(statement.target.id, INT, statement)
         _block(statement.body, typing)
@@ -255,8 +257,8 @@ def _assignment(statement: Assign, typing: Typing) -> None:
     target = statement.targets[0]
     if isinstance(target, Name) and call_name(statement.value) == LISTED:
         typing.listed.add(target.id)
-    if isinstance(target, Subscript) and isinstance(target.value, Name) and target.value.id in typing.listed:
-        typing.bind_item(target.value.id, typing.of(statement.value))
+    if listed := stored_into(target, typing.listed):
+        typing.bind_item(listed, typing.of(statement.value))
     elif isinstance(target, Name):
         typing.bind(target.id, typing.of(statement.value), statement)
     elif isinstance(target, Tuple) and isinstance(statement.value, Call):

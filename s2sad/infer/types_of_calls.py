@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from s2sad import rules
 from s2sad.infer.laws import LAWS
@@ -11,7 +11,7 @@ from s2sad.infer.promotion import CASTS, dtype_of, listed, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, UNKNOWN, Type, array
 from s2sad.rules.composed import LAW as PIECES
 from s2sad.rules.given import ROOM
-from s2sad.tree import AST, Attribute, Call, Constant, List, Tuple, call_name
+from s2sad.tree import AST, Attribute, Call, Constant, List, Name, Slice, Subscript, Tuple, call_name, index
 
 LISTED = "builtins.list"
 MARKS = {"builtins.list.copy": "list", "builtins.tuple": "tuple"}     # rows of lists that are no arrays themselves
@@ -26,6 +26,18 @@ _OF_ARGUMENTS = {"builtins.abs", "builtins.min", "builtins.max", "numpy.abs", "n
                  "numpy.maximum", "numpy.square", "numpy.conj", "numpy.conjugate", "numpy.real", "numpy.imag"}
 _FLOATS = ("math.pow", "math.fmod", "numpy.float_power", "numpy.rint")    # of integers, too
 _COMPARED = ("numpy.allclose", "numpy.array_equal")
+
+
+def live(listed: AST, count: AST) -> AST:
+    """The array in place of a list, where an element is written that is there."""
+    return index(listed, Slice(None, count, None))
+
+
+def stored_into(target: AST, listed: Iterable[str]) -> str:
+    """The list that a store appends to, or of which it writes an element; "" for any other."""
+    inner = target.value if isinstance(target, Subscript) else None
+    inner = inner.value if isinstance(inner, Subscript) and isinstance(inner.slice, Slice) else inner
+    return inner.id if isinstance(inner, Name) and inner.id in listed else ""
 
 
 class TypesOfCalls(ABC):

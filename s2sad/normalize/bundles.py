@@ -17,16 +17,33 @@ from s2sad.normalize.calls import result_structure, user_call
 from s2sad.normalize.hoist import constant_index
 from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
+from s2sad.normalize.sliced import one_by_one
 from s2sad.tree import (
     AST, Assign, Call, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign,
-    at, call_name, const, name, rebuild, tuple_of, walk,
+    at, call_name, const, copy, index, indices, name, rebuild, tuple_of, walk,
 )
 
 
 def bundles(function: FunctionDef, scope: Scope) -> FunctionDef:
     function = rebuild(function, _picked)
+    function.body = _apart(function.body)
     parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in _bundled(function, scope).items()}
-    return rebuild(function, lambda node: _taken_apart(node, parts)) if parts else function
+    bound = [(s.targets[0].id, s.value) for s in walk(function.body) if isinstance(s, Assign) and isinstance(
+        s.targets[0], Name)]
+    listed = set(parts) - {n for n, value in bound if not isinstance(value, List)}
+    return rebuild(function, lambda node: _taken_apart(node, parts, listed)) if parts else function
+
+
+def _apart(block: list[AST]) -> list[AST]:
+    """A block in which lists that are bound at once, `rows, columns = [0, 1], [2, 3]`, are bound one by one."""
+    made: list[AST] = []
+    for statement in block:
+        for new in map(copy, one_by_one(statement, lambda value: isinstance(value, List))):
+            for field in ("body", "orelse"):
+                if isinstance(inner := getattr(new, field, None), list):
+                    setattr(new, field, _apart(inner))
+            made.append(new)
+    return made
 
 
 def _picked(node: AST) -> AST | None:
@@ -100,12 +117,18 @@ def _read(node: AST, identifier: str, count: int) -> AST | None:
     return value if fits else None
 
 
-def _taken_apart(node: AST, parts: dict[str, list[str]]) -> AST | None:
+def _taken_apart(node: AST, parts: dict[str, list[str]], listed: set[str]) -> AST | None:
     if isinstance(node, Subscript) and isinstance(node.value, Name) and node.value.id in parts:
         position, own = constant_index(node), parts[node.value.id]
         return at(name(own[position]), node) if position is not None and -len(own) <= position < len(own) else None
+    if isinstance(node, Subscript) and any(isinstance(i, Name) and i.id in listed for i in indices(node)):
+        # a list as a subscript picks several, where a tuple is one subscript for each axis
+        picked = [List(list(map(name, parts[i.id])), name("_").ctx) if isinstance(i, Name) and i.id in listed
+                  else rebuild(i, lambda n: _taken_apart(n, parts, listed)) for i in indices(node)]
+        value = rebuild(node.value, lambda n: _taken_apart(n, parts, listed))
+        return at(Subscript(value, index(value, *picked).slice, node.ctx), node)
     if isinstance(node, Assign) and isinstance(node.targets[0], Name) and node.targets[0].id in parts:
-        value = rebuild(node.value, lambda n: _taken_apart(n, parts))
+        value = rebuild(node.value, lambda n: _taken_apart(n, parts, listed))
         return at(assign(tuple_of(*map(name, parts[node.targets[0].id])), value), node)
     if isinstance(node, Name) and node.id in parts and not isinstance(node.ctx, Store):
         return at(tuple_of(*map(name, parts[node.id])), node)

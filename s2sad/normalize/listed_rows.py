@@ -12,13 +12,13 @@ from __future__ import annotations
 
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
-from s2sad.infer.types_of_calls import LISTED, MARKS
+from s2sad.infer.types_of_calls import LISTED, MARKS, stored_into
 from s2sad.naming import Names
 from s2sad.normalize.inlined import Helpers
 from s2sad.tree import (
-    AST, Add, Assert, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Eq, FunctionDef, Gt, If, IfExp, List,
-    Mult, Name, Not, NotEq, Slice, Store, Subscript, Tuple, UnaryOp, While, at, call, call_name, compare, const, copy,
-    indices, rebuild, tuple_of, walk,
+    AST, Add, Assert, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Eq, FunctionDef, Gt, If, IfExp,
+    List, Mult, Name, Not, NotEq, Slice, Store, Subscript, Tuple, UnaryOp, While, at, call, call_name, compare, const,
+    copy, indices, name, rebuild, tuple_of, walk,
 )
 
 Levels = tuple[str, ...]        # what a value is, then what its items are, ...: "list", "tuple" or EITHER; () an array
@@ -63,8 +63,8 @@ class _ListedRows:
     def learn(self, target: AST, value: AST) -> None:
         """Takes note of what a statement binds, or puts into an array in place of a list."""
         found = self.of(value)
-        if isinstance(target, Subscript) and isinstance(target.value, Name) and target.value.id in self.made:
-            target, found = target.value, None if found is None else ("list", *found)
+        if listed := stored_into(target, self.made):
+            target, found = name(listed), None if found is None else ("list", *found)
         if isinstance(target, Name) and found is not None and call_name(value) != LISTED:
             self.table[target.id] = _joined(self.table.get(target.id, found), found)
 
@@ -134,7 +134,9 @@ class _ListedRows:
         if isinstance(node, BoolOp):
             for value in node.values:
                 self.refuse_if(value, node, "testing")
-        if isinstance(node, AugAssign) and isinstance(node.target, Name):
+        if isinstance(node, (Assign, AugAssign)):
+            self.whole(node)
+        if isinstance(node, AugAssign):
             self.augmented(node)
         if isinstance(node, Call):
             return self.called(node)
@@ -198,6 +200,14 @@ class _ListedRows:
         if longer or more:
             self.refuse_if(node.target, node, f"{'+' if longer else '*'}= on")
 
+    def whole(self, node: Assign | AugAssign) -> None:
+        """Refuses a float in a list of integers, which is an array of integers."""
+        target = node.targets[0] if isinstance(node, Assign) else node.target
+        inexact = self.typing.of(node.value).is_inexact or isinstance(node, AugAssign) and isinstance(node.op, Div)
+        if isinstance(target, Subscript) and inexact and not self.typing.of(target).is_inexact and not stored_into(
+                target, self.made):
+            self.refuse_if(target.value, node, "a float is put among the integers of", "start with floats: 0.0, not 0")
+
     def called(self, node: Call) -> AST | None:
         called = call_name(node) or ""
         if called in MARKS:
@@ -227,7 +237,7 @@ class _ListedRows:
         inner.function()
         return inner.changed or bool(inner.report.found)
 
-    def refuse_if(self, value: AST, node: AST, what: str) -> None:
+    def refuse_if(self, value: AST, node: AST, what: str, help: str = _HELP) -> None:
         """Refuses a value that is, or may be, a list or a tuple."""
         if found := self.of(value):
-            self.report.error("S201", f"{what} {_WORDS[found[0]]} that is an element of a list", node, help=_HELP)
+            self.report.error("S201", f"{what} {_WORDS[found[0]]} that is an element of a list", node, help=help)

@@ -15,14 +15,16 @@ from __future__ import annotations
 
 from functools import reduce
 
-from s2sad.infer.types_of_calls import LISTED, MARKS
+from s2sad.infer.types_of_calls import LISTED, MARKS, live
 from s2sad.normalize.comprehensions import HELP, comprehensions, marked
+from s2sad.normalize.filled_lists import filled_lists
 from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If,
-    List, ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, add, assign, at, augment,
-    call, call_name, const, copy, index, indices, name, names, rebuild, rename, stored_names, sub, substitute, walk,
+    List, ListComp, Lt, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, add, assign, at,
+    augment, call, call_name, compare, const, copy, index, indices, name, names, rebuild, rename, stored_names, sub,
+    substitute, walk,
 )
 
 _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
@@ -30,8 +32,9 @@ _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "re
 
 def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
     """The function without such lists and comprehensions."""
+    function = filled_lists(function, scope)
     nodes = list(walk(function.body))
-    if not any(isinstance(n, (ListComp, GeneratorExp)) or _appended(n) for n in nodes):
+    if not any(isinstance(n, (ListComp, GeneratorExp)) or _appended(n) or call_name(n) == LISTED for n in nodes):
         return function
     new = comprehensions(_bound_once(function, scope), scope)
     scope.report.finish()
@@ -76,7 +79,11 @@ class _Lists:
         self.counts: dict[str, str] = {}
 
     def function(self) -> FunctionDef:
+        empty = {s.targets[0].id: s for s in walk(self.tree.body) if isinstance(s, Assign) and call_name(
+            s.value) == LISTED}
         grown = dict.fromkeys(n for s in walk(self.tree.body) if (n := _appended(s)) is not None)
+        self.made |= empty
+        self.counts |= {n: self.scope.fresh(f"{n}_count") for n in empty}
         for found in grown:
             bound = [s for s in walk(self.tree.body) if isinstance(s, Assign) and any(
                 isinstance(t, Name) and t.id == found for t in s.targets)]
@@ -106,6 +113,9 @@ class _Lists:
             item = marked(item)
             place = self.counted(appended, loops) or name(count)
             return [assign(index(name(appended), place), self.read(item)), augment(count, Add(), const(1))]
+        target = statement.targets[0] if isinstance(statement, Assign) else None
+        if isinstance(target, Subscript) and isinstance(target.value, Name) and target.value.id in self.made:
+            return [assign(self.read(target), self.read(marked(statement.value)))]
         bound = next((n for n, s in self.made.items() if s is statement), None)
         if bound is not None:
             return self.start(bound, statement)
@@ -135,6 +145,9 @@ class _Lists:
 
     def start(self, bound: str, statement: Assign) -> list[AST]:
         """The array in place of the list, as large as the list can become, with what it starts with."""
+        if call_name(statement.value) == LISTED:
+            count = statement.value.args[0]
+            return [assign(self.counts[bound], count), assign(bound, call(LISTED, name(self.counts[bound])))]
         items = list(map(marked, statement.value.elts))
         made: list[AST] = [assign(bound, call(LISTED, self.most(bound, statement)))]
         made += [assign(index(name(bound), const(k)), self.read(item)) for k, item in enumerate(items)]
@@ -222,13 +235,15 @@ class _Lists:
     def element(self, node: Subscript) -> AST:
         """An element of a list, counted from the end where its place is a negative number."""
         place, count = indices(node)[0], name(self.counts[node.value.id])
-        if len(indices(node)) > 1 or isinstance(node.ctx, Store):
-            self.scope.refuse(node, "an element of a list is written", help="make it an array: np.zeros(n)")
+        if len(indices(node)) > 1 or isinstance(place, Slice):
+            self.scope.refuse(node, "a part of a list", help=HELP)
         if isinstance(place, UnaryOp) and isinstance(place.op, USub) and isinstance(place.operand, Constant):
-            return at(index(node.value, sub(count, place.operand)), node)
-        if not self.from_start(place):
-            self.scope.refuse(node, "an element of a list that may count from its end", help=HELP)
-        return at(index(node.value, self.read(place)), node)
+            found: AST = sub(count, place.operand)
+        else:
+            found = self.read(place)
+            if not self.from_start(place):
+                found = add(found, BinOp(copy(count), Mult(), compare(copy(found), Lt(), const(0))))
+        return at(index(live(node.value, copy(count)) if isinstance(node.ctx, Store) else node.value, found), node)
 
     def from_start(self, place: AST) -> bool:
         """Whether a place is never negative, as far as the text shows it."""

@@ -14,7 +14,7 @@ from s2sad import rules
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import whole_number
-from s2sad.infer.types_of_calls import LISTED
+from s2sad.infer.types_of_calls import LISTED, stored_into
 from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.views_in_lists import Writes, views_in_lists
@@ -44,15 +44,14 @@ class _Rows:
         self.order = {id(n): k for k, n in enumerate(nodes)}
         self.bound = [s for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
         self.made = {s.targets[0].id: s for s in self.bound if call_name(s.value) == LISTED}
-        self.stores = [s for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Subscript)
-                       and isinstance(s.targets[0].value, Name) and s.targets[0].value.id in self.made]
+        self.stores = [s for s in nodes if isinstance(s, Assign) and stored_into(s.targets[0], self.made)]
 
     def change(self, node: AST) -> AST | None:
         if not isinstance(node, Assign) or call_name(node.value) != LISTED:
             return None
         listed, kind = node.targets[0].id, self.typing.of(node.targets[0])
         count = node.value.args[0]
-        first = next((s.value for s in self.stores if s.targets[0].value.id == listed), None)
+        first = next((s.value for s in self.stores if stored_into(s.targets[0], [listed])), None)
         sizes = None if first is None else self.sizes(first, kind.rank - 1, node, 0)
         if sizes is None:
             self.report.error("S201", f"the sizes of the rows of {listed!r} are not known where the list is made", node,
@@ -76,6 +75,11 @@ class _Rows:
                 whole_number(k.value) for k in value.keywords] == [0]:
             inner = self.sizes(value.args[0].elts[0], rank - 1, place, depth + 1)
             return None if inner is None else [const(len(value.args[0].elts)), *inner]
+        if call_name(value) == "numpy.transpose" and len(value.args) == 1:
+            inner = self.sizes(value.args[0], rank, place, depth + 1)
+            return None if inner is None else inner[::-1]
+        if call_name(value) == "numpy.linalg.solve":
+            return self.sizes(value.args[1], rank, place, depth + 1)
         if isinstance(value, (Name, Subscript)):
             return self.of_part(value, rank, place, depth)
         if call_name(value) in _SHAPED:

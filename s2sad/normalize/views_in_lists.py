@@ -19,13 +19,13 @@ from s2sad.analyze.liveness import base_name
 from s2sad.blocks import with_blocks
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
-from s2sad.infer.types_of_calls import LISTED
+from s2sad.infer.types_of_calls import LISTED, stored_into
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.references import References
 from s2sad.normalize.viewing import SHOWN
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, IfExp, Name, Slice,
-    Store, Sub, Subscript, While, add, assign, at, call_name, const, copy, index, indices, names, stored_names,
+    Store, Sub, Subscript, While, add, assign, at, call_name, const, copy, index, indices, name, names, stored_names,
     sub, walk,
 )
 
@@ -37,24 +37,27 @@ def views_in_lists(function: FunctionDef, typing: Typing, memory: Memory, writes
                    report: Report) -> FunctionDef:
     """The function with those views; what cannot be one goes into the report."""
     held = _Held(function, typing, writes)
-    told: dict[str, tuple[str, AST]] = {}
+    told: dict[str, tuple[str, AST, str]] = {}
     written = memory.written(function.body)
     for statement in (s for stores in held.stores.values() for s in stores):
         if held.is_shared(statement) and memory.affected(Subscript(statement.value, const(0), statement.value.ctx),
                                                          written):
             told.setdefault(base_name(statement.targets[0]),
-                            ("a list holds an array that is written, not a copy of it", statement))
+                            ("a list holds an array that is written, not a copy of it", statement, _HELP))
     for listed in held.stores:
+        if (place := held.bound_anew(listed)) is not None:
+            told.setdefault(listed, (f"an element of the list {listed!r} becomes another array, and what it was is "
+                                     "read later", place, "name a copy of what it was: x = xs[k].copy()"))
         if (place := held.telling(listed)) is not None:
             told.setdefault(listed, (f"the list {listed!r} holds views of an array, or one array several times, and "
-                                     "what it holds is written", place))
+                                     "what it holds is written", place, _HELP))
     if not told:
         return function
     together = {other for listed in told for other in held.related(listed)}
     views = {listed: view for listed in sorted(together) if (view := held.as_view(listed)) is not None}
-    for listed, (message, place) in told.items():
+    for listed, (message, place, help) in told.items():
         if any(other not in views for other in held.related(listed)):
-            report.error("S201", message, place, help=_HELP)
+            report.error("S201", message, place, help=help)
     new = copy(function)
     new.body = held.viewed(function.body, views)
     return new
@@ -74,9 +77,8 @@ class _Held:
                      and call_name(s.value) == LISTED}
         self.stores: dict[str, list[Assign]] = {n: [] for n in self.made}
         for s in nodes:
-            target = s.targets[0] if isinstance(s, Assign) else None
-            if isinstance(target, Subscript) and isinstance(target.value, Name) and target.value.id in self.made:
-                self.stores[target.value.id].append(s)
+            if isinstance(s, Assign) and (listed := stored_into(s.targets[0], self.made)):
+                self.stores[listed].append(s)
         self.links: dict[str, set[str]] = {}        # a name and what it may be a view of
         for s in nodes:
             if isinstance(s, Assign) and isinstance(s.targets[0], Name):
@@ -169,6 +171,12 @@ class _Held:
             if others & seen or any(n.startswith("array.") for n in others):
                 return s
         return None
+
+    def bound_anew(self, listed: str) -> AST | None:
+        """The first statement that puts another array in place of one that a name stands for, which is read later."""
+        parts = {n for n in self.views_of({listed}) if self.typing.of(name(n)).rank < self.typing.of(name(listed)).rank}
+        return next((s for s in self.stores[listed] if isinstance(s.targets[0].value, Subscript)
+                     and parts & self.references.after[id(s)]), None)
 
     def written(self, statement: AST) -> set[str]:
         """The arrays that a statement stores into."""
