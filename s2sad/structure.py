@@ -145,6 +145,16 @@ def method_of(made: type, name: str) -> tuple[FunctionType, str] | None:
     return (found, "method") if isinstance(found, FunctionType) else None
 
 
+def own_method(made: type | None, name: str) -> Any:
+    """What a class that is written in Python has under the name of an operator; None where it leaves that to a
+    tuple's, an object's or a dataclass's own."""
+    found = next((vars(c)[name] for c in (made.__mro__ if made else ()) if c.__flags__ & _HEAP and name in vars(c)),
+                 None)
+    code = getattr(found, "__code__", None)
+    return None if code is not None and code.co_filename == "<string>" and "__dataclass_fields__" in dir(
+        made) else found
+
+
 def record_fields(made: type) -> tuple[str, dict[str, Any]] | None:
     """The kind of a class whose constructor only fills its fields, and these with their defaults (`...` without one);
     None for any other class."""
@@ -273,7 +283,7 @@ def rebuilt(form: Structure, like: Any, items: list[Any]) -> Any:
     if form.kind in ("tuple", "list"):
         return tuple(items) if form.kind == "tuple" else items
     if form.kind == "named":
-        return type(like)._make(items)
+        return tuple.__new__(type(like), items)
     if form.kind == "dict":
         return type(like)(zip(form.keys, items))
     copied = dataclasses.is_dataclass(like) or type(like) is SimpleNamespace

@@ -243,7 +243,7 @@ def _built(form: Form, remaining: Iterator[Any]) -> Any:
         return float(found) if type(found) is np.float64 else found
     items = [_built(i, remaining) for i in form.items]
     if form.kind == "named" and form.made is not None:
-        return form.made._make(items)  # pyright: ignore[reportAttributeAccessIssue]
+        return tuple.__new__(form.made, items)  # pyright: ignore[reportArgumentType]
     if form.kind == "dict":
         return dict(zip(form.keys, items))
     if form.kind == "record" and form.made is not None:

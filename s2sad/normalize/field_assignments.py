@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from s2sad.normalize.field_decisions import NO
-from s2sad.normalize.field_values import Values
+from s2sad.normalize.field_operators import Operators
 from s2sad.normalize.groups import Group, Leaf, Plain, nothing, usable
 from s2sad.normalize.sparse_groups import PLACES, is_matrix
 from s2sad.tree import (
@@ -18,7 +18,7 @@ BOTH_PARTS = "store both parts: z[...] = a + 1j * b"
 _KEPT_LOCALLY = "return the value, or write it to an element of an array argument"
 
 
-class Assignments(Values):
+class Assignments(Operators):
     """Targets that are items of structures: an array's name, or the cell of a number."""
 
     def assigned(self, node: AST, value: AST | None, augmented: bool, op: AST | None = None) -> AST | None:

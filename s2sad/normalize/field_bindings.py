@@ -123,6 +123,9 @@ class Bindings(Assignments):
         if isinstance(target, (Tuple, List)):
             if not isinstance(value, Group):
                 return [(self.target(target, None), self.plainly(value, node))]
+            self.gone_through(value, node)
+            if value.form.kind == "record":
+                self.plainly(value, node)
             if len(value.items) != len(target.elts):
                 self.refuse(target, f"{len(target.elts)} targets for {len(value.items)} values", code="S203")
                 return []

@@ -14,7 +14,8 @@ from s2sad.diagnostics import Report
 from s2sad.infer.types import UNKNOWN
 from s2sad.normalize.calls import user_call
 from s2sad.normalize.exits import BREAK, CONTINUE, FALL, exits
-from s2sad.normalize.field_bindings import Bindings, Env
+from s2sad.normalize.field_bindings import Env
+from s2sad.normalize.field_inner import Inner
 from s2sad.normalize.field_values import Maker
 from s2sad.normalize.groups import (
     ORDINARY, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, listed, nothing, spelled, usable,
@@ -29,7 +30,7 @@ from s2sad.tree import (
 _ITEMS = ".items"                       # no user's name: what a loop that is written out still goes through
 
 
-class Blocks(Bindings):
+class Blocks(Inner):
     """The statements of one kernel; `returned` are the structures that it returns."""
 
     def __init__(self, kernel: Kernel, maker: Maker, report: Report, fresh: Callable[[str], str]):
@@ -42,7 +43,8 @@ class Blocks(Bindings):
     def block(self, statements: list[AST]) -> list[AST]:
         made: list[AST] = []
         for node in statements:
-            new = [at(s, node) for s in self._statement(node)]
+            before, left = self.named_first(node)
+            new = [*before, *(at(s, node) for s in self._statement(left))]
             made += new
             if isinstance(node, If) and FALL not in exits(new):
                 break                   # what follows a branch that is always taken may be about what is not there
@@ -58,7 +60,7 @@ class Blocks(Bindings):
 
     # -- assignments ---------------------------------------------------------------------------------------------------
 
-    def _assign(self, node: Assign) -> list[AST]:
+    def assign(self, node: Assign) -> list[AST]:
         before, value = self.result(node.value, node.targets)
         if isinstance(value, Plain) and isinstance(node.value, Tuple) and self._as_structure(node.targets[0]):
             value = self.whole(node.value)
@@ -77,8 +79,11 @@ class Blocks(Bindings):
             self.env.get(target.id), (Group, Conflict)))
 
     def _augmented(self, node: AugAssign) -> list[AST]:
-        value = self.plain(node.value)
         target = node.target
+        called = self.in_place(node) if isinstance(target, Name) else None
+        if called is not None:
+            return self.assign(at(Assign([target], called, None), node))
+        value = self.plain(node.value)
         if isinstance(target, (Attribute, Subscript)):
             found = self.assigned(target, value, True, node.op)
             return [AugAssign(found if found is not None else self.plain(target), node.op, value)]
@@ -194,6 +199,7 @@ class Blocks(Bindings):
         found = self.structural(iterable)
         if not isinstance(found, Group):
             return None
+        self.gone_through(found, iterable)
         if found.form.kind == "dict":
             return [Plain(at(const(k), iterable)) for k in found.form.keys]
         return list(found.items) if found.form.is_sequence else None
@@ -293,6 +299,6 @@ def _either(one: Value | Conflict | Ordinary, other: Value | Conflict | Ordinary
 
 
 _STEPS: dict[type, Callable[[Blocks, AST], list[AST]]] = {
-    Assign: Blocks._assign, AugAssign: Blocks._augmented, If: Blocks._if, While: Blocks._while, For: Blocks._for,
+    Assign: Blocks.assign, AugAssign: Blocks._augmented, If: Blocks._if, While: Blocks._while, For: Blocks._for,
     Expr: Blocks._expression, Return: Blocks._return, Assert: Blocks._assert,
 }

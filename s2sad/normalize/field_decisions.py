@@ -11,6 +11,7 @@ from typing import Any
 
 from s2sad.normalize.field_items import Items, spoken
 from s2sad.normalize.groups import Group, Plain, Value, nothing
+from s2sad.structure import own_method
 from s2sad.tree import (
     AST, And, Attribute, BoolOp, Compare, Constant, Eq, Gt, GtE, IfExp, In, Is, IsNot, Lt, LtE, Name, Not, NotEq, NotIn,
     Subscript, UnaryOp, at, const,
@@ -36,8 +37,7 @@ class Decisions(Items):
         if isinstance(node, (Name, Attribute, Subscript)):
             found = self.structural(node)
             if isinstance(found, Group):
-                made = found.form.made if found.form.kind == "record" else None
-                if hasattr(made, "__bool__") or hasattr(made, "__len__"):
+                if own_method(found.form.made, "__bool__") or own_method(found.form.made, "__len__"):
                     self.refuse(node, f"the truth of {spoken(found)}, which its class defines",
                                 "write out what is asked")
                 return bool(found.items) or found.form.kind == "record"

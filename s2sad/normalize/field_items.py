@@ -16,6 +16,7 @@ from s2sad.normalize.groups import (
     CELL, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, listed, nothing, spelled, usable,
 )
 from s2sad.program import Kernel
+from s2sad.structure import own_method
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, List, Mod, Mult, Name, Slice, Store, Sub, Subscript, Tuple,
     UnaryOp, USub, at, call_name, const, copy, rebuild, walk,
@@ -23,6 +24,7 @@ from s2sad.tree import (
 
 _ARITHMETIC: dict[type, Callable[[int, int], int]] = {
     Add: operator.add, Sub: operator.sub, Mult: operator.mul, FloorDiv: operator.floordiv, Mod: operator.mod}
+_SEQUENCE = ("__iter__", "__len__", "__getitem__", "__array__")
 
 
 class Items:
@@ -66,7 +68,7 @@ class Items:
         return self.plainly(self.value(node), node)
 
     def plainly(self, value: Value, node: AST) -> AST:
-        found = spelled(value, node)
+        found = spelled(self.gone_through(value, node, *_SEQUENCE), node)
         if found is not None and not (nothing(value) and isinstance(value, Leaf)):
             return found
         if isinstance(value, Leaf):
@@ -234,7 +236,19 @@ class Items:
 
     def _length(self, node: Call) -> Value | None:
         found = self.structural(node.args[0]) if len(node.args) == 1 else None
-        return Plain(at(const(len(found.items)), node)) if isinstance(found, Group) else None
+        if not isinstance(found, Group) or own_method(found.form.made, "__len__"):
+            return None
+        if found.form.kind == "record":
+            self.refuse(node, f"len() of {spoken(found)}, which is {found.form}", "give the length of what is in it")
+        return Plain(at(const(len(found.items)), node))
+
+    def gone_through(self, value: Value, node: AST, *words: str) -> Value:
+        """A structure whose items something goes through; refused where its class says itself what these are."""
+        own = [w for w in words or ("__iter__",) if isinstance(value, Group) and own_method(value.form.made, w)]
+        if own and isinstance(value, Group) and value.form.kind in ("record", "named"):
+            self.refuse(node, f"the items of {spoken(value)}, whose class defines '{own[0]}'",
+                        f"name its fields one by one: {parts_of(value)}")
+        return value
 
 
 def _is_numbers(base: Group) -> bool:

@@ -1,0 +1,121 @@
+"""Structures that calls give inside an expression have names of their own before the statement.
+
+    return (v * 0.5)[0] ** 2     ->   inner = v * 0.5
+                                      return inner[0] ** 2
+
+Only where the call is evaluated whenever the statement is, and where it could as well come first: the function stores
+nothing but in names, and nothing that may was called before it. Any other is refused where it stands.
+"""
+from __future__ import annotations
+
+from s2sad.normalize.calls import user_call
+from s2sad.normalize.field_bindings import Bindings
+from s2sad.normalize.field_values import plain_tuple
+from s2sad.tree import (
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Expr, For, If, IfExp, Load, Name,
+    Return, Store, Subscript, UnaryOp, at, call_name, expr, name, rebuild, walk,
+)
+
+_PARTS = {Assign: "value", AugAssign: "value", Expr: "value", Return: "value", If: "test", For: "iter", Assert: "test"}
+_LATER = ("Lambda", "ListComp", "GeneratorExp", "SetComp", "DictComp")
+_STORING = ("fill", "sort", "partition", "put", "resize", "itemset", "setfield", "append", "extend", "insert", "pop",
+            "update", "clear", "reverse", "remove")
+
+
+class Inner(Bindings):
+    """Calls inside expressions that give structures."""
+
+    def assign(self, node: Assign) -> list[AST]:
+        """What becomes of an assignment."""
+        raise AssertionError
+
+    def named_first(self, node: AST) -> tuple[list[AST], AST]:
+        """The statements before a statement, and the statement with names in the place of structures."""
+        field = _PARTS.get(type(node))
+        value = getattr(node, field) if field else None
+        if value is None or not any(isinstance(n, (BinOp, UnaryOp, Call)) for n in walk(value)):
+            return [], node
+        before: list[AST] = []
+        new = _Names(self, before).within(value)
+        if not before:
+            return [], node
+        made = type(node)(*[new if f == field else getattr(node, f) for f in node._fields])
+        return before, at(made, node)
+
+    def may_store(self, called: Call) -> bool:
+        """Whether the function that is called may store in anything but its names."""
+        kernels, waiting, seen = self.program.kernels, [user_call(called) or ""], set()
+        methods = {f.__name__: title for f, title in self.program.methods.items()}
+        while waiting:
+            title = waiting.pop()
+            if title in seen:
+                continue
+            seen.add(title)
+            nodes = list(walk(kernels[title].tree.body))
+            if kernels[title].own is not None or any(map(_stores, nodes)):
+                return True
+            waiting += [c for n in nodes if (c := user_call(n)) is not None]
+            waiting += [methods[n.attr] for n in nodes if isinstance(n, Attribute) and n.attr in methods]
+        return False
+
+
+class _Names:
+    """One expression's walk, as Python evaluates it."""
+
+    def __init__(self, of: Inner, before: list[AST]):
+        self.of, self.before, self.stopped = of, before, False
+
+    def within(self, node: AST) -> AST:
+        """The expression with names in the place of what is inside it."""
+        if type(node).__name__ in _LATER:
+            self.stopped = self.stopped or any(isinstance(n, Call) for n in walk(node))
+            return node
+        if isinstance(node, (BoolOp, IfExp)):
+            return self._first(node)
+        return rebuild(node, lambda n: self.change(n) if n is not node and isinstance(n, expr) else None)
+
+    def _first(self, node: BoolOp | IfExp) -> AST:
+        """What comes after the first part need not run."""
+        if isinstance(node, IfExp):
+            made = IfExp(self.change(node.test), node.body, node.orelse)
+        else:
+            made = BoolOp(node.op, [self.change(node.values[0]), *node.values[1:]])
+        self.stopped = True
+        return at(made, node)
+
+    def change(self, node: AST) -> AST:
+        new = self.within(node)
+        if not isinstance(new, (BinOp, UnaryOp, Call, Subscript)):
+            return new
+        mark = len(self.of.report.found)
+        called = self.of.as_call(new)
+        said = self.of.report.found[mark:]
+        del self.of.report.found[mark:]         # said again where the statement is taken apart, unless that is here
+        if called is None:
+            self.stopped = self.stopped or isinstance(new, Call) and _may_write(new)
+            return new
+        callee = self.of.call(called)[0]
+        given = None if callee is None else callee.result
+        quiet = not self.of.may_store(called)
+        if given is None or plain_tuple(given) or self.stopped or not quiet:
+            self.stopped = self.stopped or not quiet
+            return new
+        held = self.of.fresh("inner")
+        self.of.report.found += said
+        self.before += [at(s, node) for s in self.of.assign(at(Assign([Name(held, Store(), None, None)], called, None),
+                                                                 node))]
+        return at(name(held), node)
+
+
+def _stores(node: AST) -> bool:
+    """Whether a part of a function may store in anything but its names."""
+    if isinstance(node, (Attribute, Subscript)) and not isinstance(node.ctx, Load) or isinstance(node, AugAssign):
+        return True
+    return isinstance(node, Call) and any(k.arg == "out" for k in node.keywords) or isinstance(
+        node, Attribute) and node.attr in _STORING
+
+
+def _may_write(node: Call) -> bool:
+    """Whether a call of what is no user's function may store in an array."""
+    return any(k.arg == "out" for k in node.keywords) or not (call_name(node) or "").startswith((
+        "builtins.", "math.", "numpy.", "record."))

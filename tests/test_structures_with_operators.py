@@ -1,0 +1,290 @@
+"""Named tuples, dataclasses and objects whose classes define operators, items and lengths of their own."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import s2sad
+from s2sad import S2sadError
+from tests.engines import running
+
+
+class Vec(NamedTuple):      # noqa: PLW1641
+    x: float
+    y: float
+
+    def __add__(self, o):
+        return Vec(self.x + o.x, self.y + 2.0 * o.y)
+
+    def __sub__(self, o):
+        return Vec(self.x - o.x, self.y - o.y)
+
+    def __mul__(self, s):
+        return Vec(self.x * s, self.y * s)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, s):
+        return Vec(self.x / s, self.y / s)
+
+    def __matmul__(self, o):
+        return self.x * o.x + self.y * o.y
+
+    def __neg__(self):
+        return Vec(-self.x, -self.y)
+
+    def __abs__(self):
+        return math.hypot(self.x, self.y)
+
+    def __eq__(self, o):
+        return abs(self.x - o.x) < 0.1
+
+    def __lt__(self, o):
+        return self.x * self.y < o.x
+
+    def __gt__(self, o):
+        return self.y > 3.0 * o.y
+
+    def __len__(self):
+        return 5
+
+    def __getitem__(self, i):
+        return self.x * (i + 2)
+
+
+class Other(NamedTuple):
+    x: float
+    y: float
+
+    def __mul__(self, o):
+        return 2.0 * self.x
+
+    def __rmul__(self, o):
+        return 3.0 * self.x
+
+
+class Narrower(Other):
+    def __rmul__(self, o):
+        return 5.0 * self.x * o.y
+
+
+class Gone(NamedTuple):
+    x: float
+    y: float
+
+    def __iter__(self):
+        return iter((10.0, 20.0))
+
+
+@dataclass
+class Grid:
+    x: np.ndarray
+    h: float
+
+    def __len__(self):
+        return self.x.size
+
+    def __getitem__(self, i):
+        return self.x[i] * self.h
+
+    def __iadd__(self, o):
+        self.x += o
+        self.h += 1.0
+        return self
+
+    def __add__(self, o):
+        return Grid(self.x + o, self.h * 2.0)
+
+    def __rmul__(self, k):
+        return k * self.h
+
+    def mean(self):
+        return np.sum(self.x) / len(self)
+
+
+def made_here(a, b):
+    s = Vec(a, b) + Vec(b, a * a)
+    return s.x ** 2 + s.y ** 2
+
+
+def lengths(v, w):
+    return len(v + w) * v.x + v[1] * w.y
+
+
+def inside(v, w):
+    return ((v - w) / 2.0 + w * v.x) @ (-w) + (3 * v).y ** 2 + abs(w) * (v * 0.5).x ** 2
+
+
+def summed(vs):
+    t = vs[0]
+    for w in vs[1:]:
+        t = t + w
+    return t.x ** 2 + t.y
+
+
+def compared(v, w):
+    if v == w:
+        return v.x
+    if v > w:
+        return v.x ** 2
+    return v.x ** 3 if v < w else w.y ** 3
+
+
+def bound_anew(v, w, n):
+    v += w
+    for _ in range(n):
+        v = v + w * 0.1
+    for i in range(len(v)):
+        v = v * (1.0 + (w * i).x)
+    return v.x * v.y
+
+
+def grid_mean(g):
+    s = 0.0
+    for i in range(len(g)):
+        s += g[i] ** 2 * g[i - 1]
+    return s * g.mean() * (g.h * g)
+
+
+def grid_grown(g, a):
+    k = g + a
+    g += a
+    return g[1] * g.h + k[2] * k.h + np.sum(k.x * g.x)
+
+
+def narrower(v, w):
+    return v * w + w * v
+
+
+def outer_field(v, a):
+    return v.x * v.y * a
+
+
+V, W = Vec(0.3, 0.4), Vec(0.5, 0.7)
+
+
+def grid():
+    return Grid(np.array([0.3, 0.5, 0.8]), 0.6)
+
+
+TAKEN = [
+    (made_here, (0.3, 0.4)), (lengths, (V, W)), (inside, (V, W)), (summed, ([V, W, W],)), (compared, (V, W)),
+    (compared, (Vec(0.5, 3.0), W)), (compared, (V, Vec(0.35, 0.7))), (bound_anew, (V, W, 3)), (grid_mean, (grid(),)),
+    (grid_grown, (grid(), 0.2)), (narrower, (Other(0.3, 0.4), Narrower(0.5, 0.6))),
+    (outer_field, (Gone(0.3, 0.4), 0.5)), (outer_field, (V, 0.5)),
+]
+
+
+@pytest.mark.parametrize(("kernel", "arguments"), TAKEN, ids=[f"{k.__name__}{n}" for n, (k, _) in enumerate(TAKEN)])
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_methods_are_called_where_operators_stand(kernel, arguments, engine):
+    with running(engine) as name:
+        found = s2sad.check(kernel, *arguments, engine=name)
+    assert found, str(found)
+
+
+def test_a_method_is_called_by_compiled_code():
+    assert s2sad.check(inside, V, W, engine="numba")
+
+
+def number_on_the_left(v, dt):
+    return (dt * v).x
+
+
+def unpacked(g, dt):
+    p, q = g
+    return p * q * dt
+
+
+def looped(g, dt):
+    s = 0.0
+    for k in g:
+        s += k
+    return s * dt
+
+
+def as_an_array(g, dt):
+    return np.sum(np.array(g)) * dt
+
+
+def truth(v, dt):
+    return v.x * dt if v else dt
+
+
+def greatest(v, dt):
+    return max(v, Vec(dt, dt)).x
+
+
+def chained(v, dt):
+    return dt if v < v < v else v.x
+
+
+def in_an_arm(v, dt):
+    return (v * 2.0).x if dt > 2.0 else v.x
+
+
+def unequal(g, dt):
+    return dt if g != g else g.h
+
+
+def unpacked_fields(g, dt):
+    p, q = g
+    return np.sum(p) * q * dt
+
+
+class Equal:        # noqa: PLW1641
+    def __init__(self, h):
+        self.h = h
+
+    def __eq__(self, o):
+        return self.h > 0.0
+
+
+class Plain:
+    def __init__(self, h):
+        self.h = h
+
+
+def length_of_fields(g, dt):
+    return len(g) * dt
+
+
+class Given(NamedTuple):
+    x: float
+    y: float
+    __add__ = math.hypot
+
+
+def no_method(v, dt):
+    return (v + v) * dt
+
+
+REFUSED = [
+    (number_on_the_left, V, "an operator with 'v' on its right, and on its left what may be a number or an array of "
+     "NumPy's, which would not ask its class"),
+    (unpacked, Gone(0.3, 0.4), "the items of 'g', whose class defines '__iter__'"),
+    (looped, Gone(0.3, 0.4), "the items of 'g', whose class defines '__iter__'"),
+    (as_an_array, Gone(0.3, 0.4), "the items of 'g', whose class defines '__iter__'"),
+    (truth, V, "the truth of 'v', which its class defines"),
+    (greatest, V, "max() of 'v', whose class says how they are compared or added"),
+    (chained, V, "a chain of comparisons with 'v', whose class defines them"),
+    (in_an_arm, V, "'__mul__' returns a structure inside an expression"),
+    (unequal, Equal(0.5), "'!=' of 'g', whose class defines '=='"),
+    (unpacked_fields, grid(), "the items of 'g', whose class defines '__len__'"),
+    (unpacked_fields, Plain(0.5), "'g' is an object of class Plain, which is used as a whole here"),
+    (length_of_fields, Plain(0.5), "len() of 'g', which is an object of class Plain"),
+    (no_method, Given(0.3, 0.4), "an operator of 'v', whose class has '__add__', which is no method written in "
+     "Python"),
+]
+
+
+@pytest.mark.parametrize(("kernel", "given", "message"), REFUSED, ids=[k.__name__ for k, _, _ in REFUSED])
+def test_what_a_class_says_and_no_call_can_give(kernel, given, message):
+    with pytest.raises(S2sadError) as caught:
+        s2sad.gradient(kernel, wrt="dt")(given, 0.5)
+    assert caught.value.diagnostics[0].message == message
+    assert caught.value.diagnostics[0].span is not None
