@@ -25,8 +25,8 @@ from s2sad.normalize.lives import lives
 from s2sad.normalize.rotated import rotated
 from s2sad.program import Kernel, Program
 from s2sad.tree import (
-    AST, Assign, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, Name, Not, NotEq, Return, Tuple, UnaryOp,
-    While, assign, at, call_name, copy, function, name, names, rebuild, stored_names, walk,
+    AST, Assign, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, Name, Not, NotEq, Return, Store, Tuple,
+    UnaryOp, While, assign, at, call_name, copy, function, name, names, rebuild, stored_names, walk,
 )
 
 Structured = Callable[[Kernel, Names, Program], FunctionDef]
@@ -87,7 +87,7 @@ def inlined(tree: FunctionDef, types: Mapping[str, Type], free: Names, source: S
         if not pass_.changed:
             break
         tree = new
-    return tree, pass_.source
+    return _handed_back(tree, pass_.held), pass_.source
 
 
 def returned(tree: FunctionDef) -> list[AST]:
@@ -110,6 +110,7 @@ class _Inlined:
     def __init__(self, free: Names, source: Source, helpers: Helpers):
         self.free, self.source, self.helpers = free, source, helpers
         self.changed = False
+        self.held: dict[str, str] = {}          # names of parameters, with the arguments that they are bound to
 
     def block(self, block: list[AST]) -> list[AST]:
         return [made for statement in block for made in self.statement(statement)]
@@ -139,6 +140,8 @@ class _Inlined:
             else:
                 held = self.free.numbered(parameter)
                 given[parameter] = name(held)
+                if isinstance(argument, Name):
+                    self.held[held] = argument.id
                 before.append(at(assign(held, argument), statement))
         local = [n for n in dict.fromkeys([*bound, *names(tree.body)]) if n not in given]
         given |= {n: name(self.free.numbered(n)) for n in sorted(local, key=_first_place(tree))}
@@ -171,8 +174,32 @@ class _Inlined:
                 made = [assign(h, v) for h, v in zip(held, values)]
                 values = [name(h) for h in held]
                 break
-        made += [assign(t, v) for t, v in zip(bound, values)]
+        # an argument that is handed back under its own name stays what it is
+        made += [assign(t, v) for t, v in zip(bound, values) if not _is_same(t, v)]
         return [at(s, last) for s in made]
+
+
+def _handed_back(tree: FunctionDef, held: Mapping[str, str]) -> FunctionDef:
+    """The function without the names of parameters that are only bound to an argument, which takes the result: inside
+    them nothing else binds the argument."""
+    stored = [n.id for n in walk(tree.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
+    moves = [(s.targets[0], s.value.id) for s in walk(tree.body)
+             if isinstance(s, Assign) and isinstance(s.value, Name) and s.value.id in held]
+    same = {h: name(a) for h, a in held.items() if stored.count(h) == 1 and any(v == h for _, v in moves) and all(
+        isinstance(t, Name) and t.id == a for t, v in moves if v == h)}
+    if not same:
+        return tree
+
+    def without(block: list[AST]) -> list[AST]:
+        return [with_blocks(s, without) for s in block if not (
+            isinstance(s, Assign) and _is_same(s.targets[0], s.value))]
+    new = copy(tree)
+    new.body = without([_renamed(s, same) for s in tree.body])
+    return new
+
+
+def _is_same(target: AST, value: AST) -> bool:
+    return isinstance(target, Name) and isinstance(value, Name) and target.id == value.id
 
 
 def _renamed(node: AST, given: Mapping[str, AST]) -> AST:
