@@ -156,6 +156,26 @@ def grid_grown(g, a):
     return g[1] * g.h + k[2] * k.h + np.sum(k.x * g.x)
 
 
+class Wave:
+    def __init__(self, k):
+        self.k = k
+
+    def __call__(self, t, shift=0.0):
+        return math.sin(self.k * t + shift)
+
+
+class Driven:
+    def __init__(self, source):
+        self.source = source
+
+    def force(self, t):
+        return 2.0 * self.source(t)
+
+
+def called_fields(s, t):
+    return s.force(t) * s.source(t, shift=0.3)
+
+
 def narrower(v, w):
     return v * w + w * v
 
@@ -174,7 +194,8 @@ def grid():
 TAKEN = [
     (made_here, (0.3, 0.4)), (lengths, (V, W)), (inside, (V, W)), (summed, ([V, W, W],)), (compared, (V, W)),
     (compared, (Vec(0.5, 3.0), W)), (compared, (V, Vec(0.35, 0.7))), (bound_anew, (V, W, 3)), (grid_mean, (grid(),)),
-    (grid_grown, (grid(), 0.2)), (narrower, (Other(0.3, 0.4), Narrower(0.5, 0.6))),
+    (grid_grown, (grid(), 0.2)), (called_fields, (Driven(Wave(0.7)), 0.4)),
+    (narrower, (Other(0.3, 0.4), Narrower(0.5, 0.6))),
     (outer_field, (Gone(0.3, 0.4), 0.5)), (outer_field, (V, 0.5)),
 ]
 
@@ -219,6 +240,17 @@ def greatest(v, dt):
     return max(v, Vec(dt, dt)).x
 
 
+def as_a_bool(v, dt):
+    return bool(v) * dt
+
+
+def turned(v, dt):
+    s = 0.0
+    for k in reversed(v):
+        s = s * dt + k
+    return s
+
+
 def chained(v, dt):
     return dt if v < v < v else v.x
 
@@ -256,7 +288,7 @@ def length_of_fields(g, dt):
 class Given(NamedTuple):
     x: float
     y: float
-    __add__ = math.hypot
+    __add__ = math.hypot        # pyright: ignore
 
 
 def no_method(v, dt):
@@ -270,7 +302,9 @@ REFUSED = [
     (looped, Gone(0.3, 0.4), "the items of 'g', whose class defines '__iter__'"),
     (as_an_array, Gone(0.3, 0.4), "the items of 'g', whose class defines '__iter__'"),
     (truth, V, "the truth of 'v', which its class defines"),
-    (greatest, V, "max() of 'v', whose class says how they are compared or added"),
+    (greatest, V, "max() of 'v', whose class defines '__gt__'"),
+    (as_a_bool, V, "bool() of 'v', whose class defines '__len__'"),
+    (turned, V, "the items of 'v', whose class defines '__len__'"),
     (chained, V, "a chain of comparisons with 'v', whose class defines them"),
     (in_an_arm, V, "'__mul__' returns a structure inside an expression"),
     (unequal, Equal(0.5), "'!=' of 'g', whose class defines '=='"),

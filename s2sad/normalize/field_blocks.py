@@ -184,6 +184,8 @@ class Blocks(Inner):
         """The items of a loop that is written out because of structures; None for any other loop."""
         called, parts = call_name(iterable), getattr(iterable, "args", [])
         if called == "builtins.reversed" and len(parts) == 1:
+            if (whole := self.structural(parts[0])) is not None:
+                self.gone_through(whole, iterable, "__reversed__", "__len__", "__getitem__")
             inner = self._items(parts[0], loop)
             return None if inner is None else inner[::-1]
         if called == "builtins.enumerate" and len(parts) == 1 and not iterable.keywords:

@@ -4,6 +4,7 @@
     0.5 * v              ->   user.__rmul__(v, 0.5)
     len(g), abs(v), -v   ->   user.__len__(g), user.__abs__(v), user.__neg__(v)
     g[i], v < w          ->   user.__getitem__(g, i), user.__lt__(v, w)
+    s.source(t)          ->   user.__call__(s.source, t)
 
 As in Python: the left operand's class is asked first, unless the right one's is a subclass of it with a method of its
 own. A number of NumPy's and an array ask nobody and take a named tuple for an array: only what is surely a number of
@@ -30,8 +31,10 @@ _COMPARED: dict[type, tuple[str, str]] = {
     LtE: ("__le__", "__ge__"), GtE: ("__ge__", "__le__")}
 _CALLS = {"builtins.len": "__len__", "builtins.abs": "__abs__"}
 _NUMBERS = ("builtins.len", "builtins.int", "builtins.float")
-_ORDERED = {"builtins.max": ("__gt__", "__lt__"), "builtins.min": ("__lt__", "__gt__"),
-            "builtins.sorted": ("__lt__", "__gt__"), "builtins.sum": ("__add__", "__radd__")}
+_ASKING = {                             # what else asks a class, and for what
+    "builtins.max": ("__gt__", "__lt__"), "builtins.min": ("__lt__", "__gt__"), "builtins.sum": ("__add__", "__radd__"),
+    "builtins.float": ("__float__",), "builtins.int": ("__int__",), "builtins.bool": ("__bool__", "__len__"),
+    "builtins.round": ("__round__",), "builtins.pow": ("__pow__", "__rpow__")}
 
 
 class Operators(Values):
@@ -52,9 +55,20 @@ class Operators(Values):
             return self._alone(node, node.operand, _UNARY[type(node.op)])
         if isinstance(node, Call) and call_name(node) in _CALLS and len(node.args) == 1:
             return self._alone(node, node.args[0], _CALLS[call_name(node) or ""])
+        if isinstance(node, Call) and isinstance(node.func, Attribute):
+            return self._called_field(node)
         if isinstance(node, Subscript) and self._operand(node.value) is not None:
             return self._alone(node, node.value, "__getitem__", node.slice)
         return None
+
+    def _called_field(self, node: Call) -> Call | None:
+        """The call of an object that is a field: `self.source(t)`."""
+        owner = self._operand(node.func.value)
+        field = owner.item(node.func.attr) if owner is not None and node.func.attr in owner.form.keys else None
+        if not isinstance(field, Group) or not own_method(field.form.made, "__call__"):
+            return None
+        found = self._method_call(field, "__call__", node.func, node, node.args)
+        return found and at(Call(found.func, found.args, [*found.keywords, *node.keywords]), node)
 
     def in_place(self, node: AugAssign) -> Call | None:
         """The call that an augmented assignment to a name means."""
@@ -143,16 +157,17 @@ class Operators(Values):
         return None if called is None else self._call(called)
 
     def _calls(self, node: Call) -> Value | None:
-        words = _ORDERED.get(call_name(node) or "")
-        for base in map(self._ordered, node.args if words else ()):
-            if base is not None and any(own_method(base.form.made, w) for w in words or ()):
-                self.refuse(node, f"{(call_name(node) or '').partition('.')[2]}() of {spoken(base)}, whose class says "
-                            "how they are compared or added", "write it out with an if or a loop")
+        words = _ASKING.get(call_name(node) or "", ())
+        for base in map(self._first_of, node.args if words else ()):
+            own = [w for w in words if base is not None and own_method(base.form.made, w)]
+            if own and base is not None:
+                self.refuse(node, f"{(call_name(node) or '').partition('.')[2]}() of {spoken(base)}, whose class "
+                            f"defines '{own[0]}'", "write out what it does, with an if or a loop")
                 return Plain(at(Constant(0.0, None), node))
         found = self._operated(node)
         return found if found is not None else self._call(node)
 
-    def _ordered(self, node: AST) -> Group | None:
+    def _first_of(self, node: AST) -> Group | None:
         """The object that a value is, or the first that is in a sequence."""
         found = self.structural(node)
         if isinstance(found, Group) and found.form.kind in ("tuple", "list"):
