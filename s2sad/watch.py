@@ -60,6 +60,9 @@ class Watch:
         self._seen.add(id(function))
         function, bound = given(function)
         self.functions.append((function, function.__code__, function.__defaults__))
+        for value in (*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()):
+            if isinstance(value, FunctionType):
+                self._add(value)
         code, keywords = function.__code__, _Keywords(function)
         for name in code.co_varnames[code.co_argcount:code.co_argcount + code.co_kwonlyargcount]:
             self.places.append((keywords, name, keywords.get(name, _ABSENT)))

@@ -89,7 +89,7 @@ def outcome(program: Program, engine: str, seed: int = 0) -> Outcome:
     except UnreliableDifferences as error:
         return Outcome(seed, "unreliable", "", str(error), program.source)
     except AssertionError as error:
-        if str(error) in (EQUAL, INSIDE):
+        if str(error).startswith((EQUAL, INSIDE)):
             return Outcome(seed, "refused", "a guard: " + _first_words(error), traceback.format_exc(limit=-3),
                            program.source)
         return Outcome(seed, "wrong", _first_words(error), str(error), program.source)

@@ -5,6 +5,7 @@ and numbers only.
 """
 from __future__ import annotations
 
+import inspect
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -79,7 +80,7 @@ class Flattened(Asked):
     def __init__(self, state: State, forms: tuple[Form, ...]):
         flat, self.methods = _taken_apart(state, forms)
         self.forms = dict(zip(state.parameters, forms))
-        self.cells, self.paths = flat.cells, flat.paths
+        self.cells, self.paths, self.attributes = flat.cells, flat.paths, flat.attributes
         self.names = {path: name for name, path in flat.paths.items()}
         self.state = State(flat.program, state.function, flat=True)
         self.watches = [Watch(f) for f in (state.function, *self.methods)] if self.methods else []
@@ -87,7 +88,11 @@ class Flattened(Asked):
         self.title = state.kernel.name
 
     def current(self) -> bool:
-        """Whether the functions of classes that are called are what they were, and what they read from outside."""
+        """Whether the functions of classes that are called are what they were, and what they read from outside, and so
+        the constants of classes."""
+        if any(not same_constant(inspect.getattr_static(made, name, None), value)
+               for (made, name), value in self.attributes.items()):
+            return False
         return all((method_of(made, name) or (None,))[0] is f for f, (made, name) in self.methods.items()) and all(
             w.unchanged() for w in self.watches)
 
@@ -229,6 +234,11 @@ class Flattened(Asked):
                 by_name[name][0] = part_of(kind, holder, key)
             return returned if self.result is None else self.result_leaves(returned)
         return called
+
+
+def same_constant(now: object, value: object) -> bool:
+    """Whether a constant of a class is what it was."""
+    return now is value or type(now) is type(value) and repr(now) == repr(value)
 
 
 def _form_of_result(group: Group) -> Form:

@@ -142,6 +142,8 @@ class Typing(TypesOfCalls):
         left, right = self.of(node.left), self.of(node.right)
         if left.kind == right.kind == "tuple" and isinstance(node.op, Add):
             return Type("tuple", items=left.items + right.items)
+        if isinstance(node.op, (Add, Mult)):
+            left, right = _as_array(node.left, left, right), _as_array(node.right, right, left)
         result = promote(left, right)
         if result.dtype == "bool":
             if isinstance(node.op, (BitAnd, BitOr, BitXor)) or result.is_array and isinstance(node.op, (Add, Mult)):
@@ -245,6 +247,15 @@ def _statement(statement: AST, typing: Typing) -> None:
         _block(statement.orelse, typing)
     elif typing.final and isinstance(statement, Return) and statement.value is not None:
         typing.of(statement.value)
+
+
+def _as_array(node: AST, own: Type, other: Type) -> Type:
+    """The type of numbers that are spelled out, and of which an operation with an array makes one."""
+    numbers = own.kind == "tuple" and isinstance(node, (List, Tuple)) and other.dtype in ("int64", "float64")
+    if not numbers or not other.is_array or not own.items or not all(
+            i.is_number and i.dtype in ("int64", "float64") for i in own.items):
+        return own
+    return array(max((i.dtype for i in own.items), key=RANKS.index), 1)
 
 
 def is_inverted(power: AST) -> bool:

@@ -167,21 +167,22 @@ class Carried(Branches):
                 made, tail = [self.parting(statement, tail or {})], None
             else:
                 made = self.statement(statement)
-            new += [at(s, statement) for s in [*self.before, *self.required(), *made]]
+            new += [at(s, statement) for s in [*self.before, *self.required(statement), *made]]
             self.before = outer
             tail = None if isinstance(statement, Break) else tail
         if tail:
             outer, self.before = self.before, []
             made = self.filled(tail, block[-1])
-            new += [at(s, block[-1]) for s in [*self.before, *self.required(), *made]]
+            new += [at(s, block[-1]) for s in [*self.before, *self.required(block[-1]), *made]]
             self.before = outer
         self.ended, self.shapes.equal = self.shapes.equal, known
         return new
 
-    def required(self) -> list[AST]:
+    def required(self, origin: AST) -> list[AST]:
         """Guards that slices which start from the end start inside."""
         needed, self.shapes.required = self.shapes.required, []
-        guards = [inside(self.shapes.expression(form)) for form in needed]
+        text = self.report.source.line(origin.lineno).strip() if needed else ""
+        guards = [inside(self.shapes.expression(form), text) for form in needed]
         return list({dump(g): g for g in guards}.values())
 
     def parting(self, statement: If, tail: Tail) -> If:

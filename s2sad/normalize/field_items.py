@@ -126,7 +126,7 @@ class Items:
         return self.field_of(base, node) if isinstance(base, Group) else base
 
     def property_of(self, base: Group, node: Attribute) -> Value | None:
-        """What a property of a structure's class gives; None if it is none."""
+        """What a property or a constant of a structure's class gives; None if it is neither."""
         return None
 
     def field_of(self, base: Group, node: Attribute) -> Value:

@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 from dataclasses import replace
 from typing import Any, Protocol
 
@@ -39,10 +40,11 @@ class Callee(Protocol):
 
 
 class Maker(Protocol):
-    """What one kernel asks of the pass: the program, whether it has sparse matrices, and other kernels for patterns of
-    arguments."""
+    """What one kernel asks of the pass: the program, whether it has sparse matrices, the constants of classes that are
+    read, and other kernels for patterns of arguments."""
     program: Program
     sparse: bool
+    attributes: dict[tuple[type, str], object]
 
     def callee(self, kernel: str, patterns: tuple[Form, ...]) -> Callee: ...
 
@@ -86,7 +88,16 @@ class Values(Matrices):
 
     def property_of(self, base: Group, node: Attribute) -> Value | None:
         called = self._of_class(base, node, node)
-        return None if called is None else self._call(called)
+        return self._constant_of(base, node) if called is None else self._call(called)
+
+    def _constant_of(self, base: Group, node: Attribute) -> Value | None:
+        """A number or string that a structure's class holds, under a name that is no field."""
+        made = base.form.made if node.attr not in base.form.keys else None
+        value = inspect.getattr_static(made, node.attr, None) if made else None
+        if type(value) not in (int, float, bool, str) or base.form.kind not in ("record", "named"):
+            return None
+        self.maker.attributes[made or object, node.attr] = value
+        return Plain(at(const(value), node))
 
     def _call(self, node: Call) -> Value | None:
         method = self.as_call(node)

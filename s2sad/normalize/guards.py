@@ -31,6 +31,6 @@ def trips(start: AST, stop: AST, step: int) -> Assert:
     return Assert(compare(copy(start), Lt() if step > 0 else Gt(), copy(stop)), const(TRIPS))
 
 
-def inside(room: AST) -> Assert:
-    """The guard that there is room in an array for a slice."""
-    return Assert(compare(room, GtE(), const(0)), const(INSIDE))
+def inside(room: AST, text: str) -> Assert:
+    """The guard that there is room in an array for a slice of a statement, with the first line of its text."""
+    return Assert(compare(room, GtE(), const(0)), const(f"{INSIDE}: {text}"))

@@ -18,6 +18,7 @@
     np.sum([a, b])      np.sum(np.array([a, b]))
     np.r_[a, 1:3]       np.r_((a, np.arange(1, 3)))     which joins along the first axis
     K[np.ix_(i, j)]     K[i[:, None], j]
+    np.diff(x, prepend=a)   np.diff(np.concatenate((np.atleast_1d(a), x), axis=-1))
 """
 from __future__ import annotations
 
@@ -90,7 +91,7 @@ def _plain(node: AST) -> AST | None:
         return rebuild(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node),
                        _plain)
     other = (other_spelling(node) or _complex(node) or _bounded(node) or _multiplied(node) or _in_blocks(node)
-             or _extreme_place(node))
+             or _extreme_place(node) or _lengthened(node))
     if other is not None:
         return rebuild(at(other, node), _plain)
     return _question(node) or _array_call(node) or _scalar_call(node)
@@ -167,6 +168,17 @@ def _extreme_place(node: Call) -> AST | None:
     rule = rules.find_array(f"{function}.along")
     made = rules.bound(rule, Call(name(f"{function}.along"), node.args, node.keywords)) if rule else None
     return call(function, node.args[0]) if made is not None and not made.keywords else made
+
+
+def _lengthened(node: Call) -> AST | None:
+    """Differences of what has more before it or after it: `np.diff(x, prepend=0.0)`."""
+    options = {str(k.arg): k.value for k in node.keywords}
+    parts = [options.pop("prepend", None), *node.args[:1], options.pop("append", None)]
+    if call_name(node) != "numpy.diff" or len(parts) < 3 or parts[0] is parts[2] or len(node.args) > 1:
+        return None
+    whole = [p if k == 1 else call("numpy.atleast_1d", p) for k, p in enumerate(parts) if p is not None]
+    axis = copy(options.get("axis", const(-1)))
+    return call("numpy.diff", call("numpy.concatenate", tuple_of(*whole), axis=axis), **options)
 
 
 def _listed(node: AST, kind: type) -> list[AST] | None:

@@ -1,6 +1,7 @@
 """told: what a spelling leaves open is decided by types.
 
     sum((a, b))         `spelled`: 0 + a + b        a + b, but of bools, whose sum from 0 is an integer
+    q * [1, -1, -1, -1]                             q * np.array([1, -1, -1, -1]), where q is an array
     r = a.conj()                                    r = a, of an array that is real; else np.conj(a)
 
 Requires structured form and types; changes no type.
@@ -8,7 +9,9 @@ Requires structured form and types; changes no type.
 from __future__ import annotations
 
 from s2sad.infer.infer import Typing
-from s2sad.tree import AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, at, call, copy, rebuild
+from s2sad.tree import (
+    AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, List, Mult, Tuple, at, call, copy, rebuild,
+)
 
 CONJUGATING = ("conj", "conjugate")     # methods
 
@@ -27,7 +30,20 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
         if isinstance(node, Call) and isinstance(node.func, Attribute) and node.func.attr in CONJUGATING:
             kind, inner = typing.of(node.func.value), rebuild(node.func.value, change)
             return inner if kind.is_array and not kind.is_complex else at(call("numpy.conj", inner), node)
+        if isinstance(node, BinOp) and (made := _with_array(node, typing)) is not None:
+            return rebuild(made, change)
         return None
     new = copy(function)
     new.body = [rebuild(statement, change) for statement in function.body]
     return new
+
+
+def _with_array(node: BinOp, typing: Typing) -> AST | None:
+    """The operation of an array with an array of the numbers that are spelled out."""
+    sides = [node.left, node.right]
+    for side, other in (sides, sides[::-1]):
+        if isinstance(node.op, (Add, Mult)) and isinstance(side, (List, Tuple)) and typing.of(other).is_array and (
+                typing.of(node).is_array):
+            made = at(call("numpy.array", side), side)
+            return at(BinOp(*((made, node.op, other) if side is node.left else (other, node.op, made))), node)
+    return None

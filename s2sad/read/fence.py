@@ -165,7 +165,25 @@ def _constant(node: AST, report: Report) -> list[AST] | None:
     return None
 
 
+def _assignment(node: AST, report: Report) -> list[AST] | None:
+    if _is_range(node.value):
+        report.error("S201", f"a name for a range {_NOT} where the range may change", node.value,
+                     help="write the range where the loop is: for i in range(...)")
+        return []
+    return None
+
+
+def _is_range(node: AST | None) -> bool:
+    if isinstance(node, tree.IfExp):
+        return _is_range(node.body) or _is_range(node.orelse)
+    return isinstance(node, tree.Call) and isinstance(node.func, tree.Name) and node.func.id == "range"
+
+
 def _subscript(node: AST, report: Report) -> list[AST] | None:
+    if _is_range(node.value):
+        report.error("S201", f"a part of a range that depends on its length, or an item of a range, {_NOT}", node,
+                     help="write its bounds: range(a, b, step)")
+        return []
     if _is_string(node.value):
         report.error("S201", f"a subscript of a string {_NOT}", node, help=_STRINGS)
         return []
@@ -185,7 +203,8 @@ def _tuple(node: AST, report: Report) -> list[AST] | None:
 
 
 _CHECKS: dict[str, Callable[[AST, Report], list[AST] | None]] = {
-    "AnnAssign": _annotated, "Attribute": _attribute, "BinOp": _binary, "Call": _call, "Compare": _comparison,
+    "AnnAssign": _annotated, "Assign": _assignment, "Attribute": _attribute, "BinOp": _binary, "Call": _call,
+    "Compare": _comparison,
     "Constant": _constant, "Subscript": _subscript,
     "Tuple": _tuple,
 }

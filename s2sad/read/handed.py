@@ -4,6 +4,9 @@
         return u + dt * f(u)            return u + dt * decay(u)
     v = rk2(decay, u, 0.1)          v = rk2(u, 0.1)
 
+    def scaled(x, act=np.tanh): ... def scaled(x): ...
+    v = scaled(u)                   v = scaled(u)
+
 What a nested function captures is given along with it. Requires a call whose function is known; for every set of
 functions it is one function.
 """
@@ -12,8 +15,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from s2sad import tree
+from s2sad.diagnostics import S2sadError
 from s2sad.read.capture import capture
-from s2sad.read.meaning import AST, Captured, Function, Library
+from s2sad.read.meaning import AST, Captured, Function, Library, NotConstant, library_value
 from s2sad.read.nested import Around, NestedFunction
 from s2sad.tree import Call, FunctionDef
 
@@ -24,6 +28,42 @@ def definition(function: Function) -> Captured:
     """What a function's handle gives; raises S2sadError."""
     handle = function.handle
     return handle.captured() if hasattr(handle, "captured") else capture(handle)
+
+
+def by_default(node: Call, callee: Function) -> Handed:
+    """The functions that a call leaves to the defaults of the callee's parameters."""
+    defaults = getattr(callee.handle, "__defaults__", None), getattr(callee.handle, "__kwdefaults__", None)
+    if not hasattr(callee.handle, "captured") and not any(map(callable, [*(defaults[0] or ()), *(
+            defaults[1] or {}).values()])):
+        return {}
+    try:
+        captured = definition(callee)
+    except S2sadError:
+        return {}                           # said where the callee is read
+    if not isinstance(captured.tree, FunctionDef):
+        return {}
+    args = captured.tree.args
+    positional = [*args.posonlyargs, *args.args]
+    pairs = [*zip(positional[len(positional) - len(args.defaults):], args.defaults),
+             *((a, d) for a, d in zip(args.kwonlyargs, args.kw_defaults) if d is not None)]
+    given = {*(a.id for a in positional[:len(node.args)]), *(k.arg for k in node.keywords)}
+    found = {a.id: _function_meant(captured, a.id, d) for a, d in pairs if a.id not in given and isinstance(
+        d, (tree.Name, tree.Attribute))}
+    return {n: f for n, f in found.items() if f is not None}
+
+
+def _function_meant(captured: Captured, parameter: str, node: AST) -> Function | Library | None:
+    """The function that is a parameter's default."""
+    try:
+        captured.default(parameter, node)
+    except NotConstant as value:
+        meaning = value.args[0] if value.args else None
+        if isinstance(meaning, Function):
+            return meaning
+        if isinstance(meaning, Library) and meaning.path.startswith(("numpy.", "math.")):
+            known = library_value(meaning.path)
+            return meaning if callable(known) and not isinstance(known, type) else None
+    return None
 
 
 def handed(node: Call, callee: Function, given: Handed) -> tuple[Function, Call] | None:

@@ -1,6 +1,7 @@
 """The kernels of a program: found through calls from the entry, callees first, each with a name of its own."""
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -9,13 +10,17 @@ from s2sad import tree
 from s2sad.diagnostics import Report, S2sadError, Span
 from s2sad.program import Kernel, Program
 from s2sad.read import fence
-from s2sad.read.handed import definition
+from s2sad.read.handed import by_default, definition, handed
 from s2sad.read.live import live_meaning
 from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number, Record
 from s2sad.read.nested import lifted
 from s2sad.read.plain import plain
 from s2sad.read.resolve import Resolved, resolve
 from s2sad.rules.given import GIVEN, Own
+
+
+_PYTHON = os.path.dirname(os.__file__)
+_INSTALLED = ("site-packages", "dist-packages")
 
 
 @dataclass
@@ -40,6 +45,7 @@ class Linker:
         for method in methods:
             if self.identify(method) not in self.found:
                 self.visit(method, [])
+        entry = with_functions(entry)
         self.visit(entry, [])
         wrong = [d for report in self.reports for d in sorted(report.found, key=_position)]
         if wrong:
@@ -101,12 +107,23 @@ class Linker:
             report.error("S204", f"recursion is not supported: {' -> '.join(cycle)}", node,
                          help="write it as a loop, with a work array for what each level holds")
         elif self.identify(callee) not in self.found:
+            before = len(self.reports)
             try:
                 self.visit(callee, callers)
+                self._of_library(callee, node, before, report)
             except S2sadError as error:
                 for d in error.diagnostics:  # the callee could not be had: the place to see it is the call
                     place = d.span or Span.of(report.source, node)
                     report.found.append(replace(d, span=place))
+
+    def _of_library(self, callee: Function, node: AST, before: int, report: Report) -> None:
+        """What cannot be read of a library's function is said where it is called."""
+        if not _is_of_library(callee) or not any(r.found for r in self.reports[before:]):
+            return
+        del self.reports[before:]
+        path = ".".join(p for p in callee.path.split(".") if not p.startswith("_"))
+        report.error("S201", f"'{path}' is not a function that s2sad can read", node,
+                     help=f"write out what it does, or give its derivative: s2sad.rule(\"{path}(x)\", x=...)")
 
     def _names(self) -> dict[str, str]:
         """The final dotted name behind each provisional one: the user's, with `_` appended where that is taken.
@@ -126,6 +143,13 @@ class Linker:
             taken.add(name)
             final[key] = f"{key.partition('.')[0]}.{name}"
         return final
+
+
+def _is_of_library(function: Function) -> bool:
+    """Whether a function is one of Python's own or of SciPy's."""
+    file = getattr(getattr(function.handle, "__code__", None), "co_filename", "")
+    own = file.startswith(_PYTHON) and not any(word in file for word in _INSTALLED)
+    return own or function.path.partition(".")[0] == "scipy"
 
 
 def _with_tuples(definition: AST, kernels: dict[str, Kernel]) -> AST:
@@ -173,6 +197,18 @@ def unread(captured: Captured, own: Own) -> Resolved:
         tree.Return(names[0] if len(names) == 1 else tree.tuple_of(*names))]
     definition = tree.function(captured.tree.name, parameters, [tree.at(s, header_of(captured.tree)) for s in body])
     return Resolved(tree.at(definition, captured.tree), tuple(parameters), frozenset({*parameters, *results}))
+
+
+def with_functions(entry: Function) -> Function:
+    """The function without its last parameters whose defaults are functions, which it calls then."""
+    called = tree.call(entry.name)
+    given = {} if GIVEN.own(entry.handle) is not None else by_default(called, entry)
+    made = handed(called, entry, given) if given else None
+    if made is None:
+        return entry
+    args = definition(entry).tree.args
+    names = [a.id for a in (*args.posonlyargs, *args.args, *args.kwonlyargs)]
+    return made[0] if set(names[-len(given):]) == set(given) else entry
 
 
 def called_once(program: Program) -> Program:

@@ -3,9 +3,12 @@ from __future__ import annotations
 
 import builtins
 import functools
+import sys
 import types
 from collections.abc import Callable, Mapping
 from typing import Any
+
+import numpy
 
 from s2sad.read import holders
 from s2sad.read.meaning import (
@@ -90,10 +93,23 @@ def live_meaning(name: str, value: Any) -> Meaning:
         path = f"{function.__module__}.{function.__qualname__}"
         word = name if function.__name__ == "<lambda>" else function.__name__
         return Function(word, ("live", id(function)), path, function)
+    if isinstance(value, numpy.ufunc):
+        return _ufunc(value)
+    if isinstance(value, functools._lru_cache_wrapper):
+        return Unusable("a function behind a cache, whose results are one object for all calls",
+                        f"call the function inside: give it a name, as in inner = {name}.__wrapped__")
     if holders.places(value) is not None:
         what = "a class" if isinstance(value, type) else kind_of(value)
         return Holder(name, holders.HolderScope(name, value, live_meaning), what)
     return value_meaning(name, value)
+
+
+def _ufunc(value: numpy.ufunc) -> Meaning:
+    """A function of another library for arrays, of which nobody can read what it does."""
+    home = "scipy.special"
+    if getattr(sys.modules.get(home), value.__name__, None) is value:
+        return Library(f"{home}.{value.__name__}")
+    return Unusable("a ufunc", "call it in a function of its own, and give that its derivative with s2sad.rule")
 
 
 def _home(value: Any) -> str:
@@ -113,5 +129,5 @@ def defaults_of(function: types.FunctionType) -> Callable[[str, AST], Any]:
             return value
         if is_numbers(value, tuple):
             return value
-        raise NotConstant
+        raise NotConstant(live_meaning(parameter, value))
     return default

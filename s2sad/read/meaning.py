@@ -136,7 +136,7 @@ class Captured:
 
 
 class NotConstant(Exception):
-    """A default or a module's value that is not a plain constant."""
+    """A default or a module's value that is not a plain constant; with what it means, where that is known."""
 
 
 class LibraryScope:

@@ -253,7 +253,7 @@ class FileFunction:
             value = folded(node, self.module.path_meaning) if isinstance(node, tree.List) else self.module.folded(node)
             if value is None or isinstance(value, str) or is_number(value) or is_numbers(value, tuple):
                 return value
-            raise NotConstant
+            raise NotConstant(self.module.path_meaning(node))
         return Captured(self.definition.name, self.definition, self.module.source, self.module, default)
 
 

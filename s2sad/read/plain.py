@@ -12,9 +12,10 @@
     with np.errstate(all="ignore"): y = x / z
         y = x / z
     del work                        pass
-    for i in range(n)[::-1]:        for i in reversed(range(n)):
-    if k in (1, m):                 if k == 1 or k == m:
+    for i in range(n)[::-1]:        for i in reversed(range(n)):        (ranges)
+    if k in (1, m - 1):             if k == 1 or k == m - 1:
     a, b, *_ = x                    a, b = x[0], x[1]           where nothing reads `_`
+    a, *_ = f(x)                    a = f(x)[0]
 
 The text of an error is none that a derivative computes: it shows what stands between the braces. What NumPy warns of
 is no matter of a derivative either. An assignment inside
@@ -23,10 +24,11 @@ for the fence to refuse, as are strings in any other place.
 """
 from __future__ import annotations
 
+from s2sad.read.ranges import ranged, unnamed
 from s2sad.tree import (
     AST, Add, And, Assert, Assign, Attribute, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For, FunctionDef,
     If, IfExp, In, List, Mod, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Starred, Store, Subscript, Tuple,
-    UnaryOp, While, at, children, const, copy, index, name, rebuild, tuple_of, walk, written,
+    UnaryOp, While, at, children, const, copy, expr, index, name, rebuild, tuple_of, walk, written,
 )
 
 _EXPRESSIONS = {Assign: "value", Expr: "value", Return: "value", If: "test", While: "test", For: "iter", Assert: "test"}
@@ -36,12 +38,12 @@ _LAZY = ("Lambda", "ListComp", "GeneratorExp", "SetComp", "DictComp")   # run la
 
 def plain(function: FunctionDef) -> FunctionDef:
     """The function with such spellings in their plain form."""
-    new = copy(function)
+    new = unnamed(copy(function))
     read = {n.id for n in walk(function.body) if isinstance(n, Name) and not isinstance(n.ctx, Store)}
 
     def change(node: AST) -> AST | None:
         return _unstarred(node, read) if isinstance(node, Assign) else _member(node)
-    new.body = [rebuild(s, change) for s in function.body]
+    new.body = [rebuild(s, change) for s in new.body]
     _blocks(new)
     return new
 
@@ -49,7 +51,8 @@ def plain(function: FunctionDef) -> FunctionDef:
 def _unstarred(node: Assign, read: set[str]) -> AST | None:
     """The targets one by one, where what the one with a star takes is not read."""
     target, value = node.targets[0], node.value
-    if len(node.targets) > 1 or not isinstance(target, (Tuple, List)) or not isinstance(value, (Name, Attribute)):
+    if len(node.targets) > 1 or not isinstance(target, (Tuple, List)) or not isinstance(
+            value, (Name, Attribute, Call)) or isinstance(value, Call) and len(target.elts) > 2:
         return None
     stars = [k for k, t in enumerate(target.elts) if isinstance(t, Starred)]
     if len(stars) != 1 or not isinstance(star := target.elts[stars[0]].value, Name) or star.id in read:
@@ -69,11 +72,17 @@ def _member(node: AST) -> AST | None:
     if not isinstance(node, Compare) or len(node.ops) != 1 or not isinstance(node.ops[0], (In, NotIn)):
         return None
     left, among = node.left, node.comparators[0]
-    if not isinstance(left, (Name, Subscript, Attribute)) or not isinstance(among, (Tuple, List)) or not all(
-            isinstance(item, (Constant, Name)) for item in among.elts) or len(among.elts) < 2:
+    if not isinstance(among, (Tuple, List)) or not among.elts or not all(map(is_repeatable, [left, *among.elts])):
         return None
     op, joined = (Eq, Or) if isinstance(node.ops[0], In) else (NotEq, And)
-    return at(BoolOp(joined(), [Compare(copy(left), [op()], [item]) for item in among.elts]), node)
+    asked = [at(Compare(copy(left), [op()], [item]), node) for item in among.elts]
+    return at(BoolOp(joined(), asked), node) if len(asked) > 1 else asked[0]
+
+
+def is_repeatable(node: AST) -> bool:
+    """Whether an expression may be computed several times, or not at all."""
+    return all(isinstance(n, (Constant, Name, Subscript, Attribute, Tuple, BinOp, UnaryOp, Slice)) or not isinstance(
+        n, expr) or isinstance(n, Call) and written(n.func) == "len" for n in walk(node))
 
 
 def _blocks(node: AST) -> None:
@@ -92,7 +101,7 @@ def _statement(statement: AST) -> list[AST]:
     if isinstance(statement, (Raise, Assert)):
         statement = _said(statement)
     if isinstance(statement, For):
-        statement.iter = _turned(statement.iter)
+        statement.iter = ranged(statement.iter)
     if isinstance(statement, Expr) and _is_print(statement.value):
         statement.value.args = [part for a in statement.value.args for part in _printed(a)]
     field = _EXPRESSIONS.get(type(statement))
@@ -111,15 +120,6 @@ def _is_quieting(statement: AST) -> bool:
 
 def _is_walrus(node: AST) -> bool:
     return type(node).__name__ == "NamedExpr"
-
-
-def _turned(iterable: AST) -> AST:
-    """A range that is taken backwards."""
-    backwards = isinstance(iterable, Subscript) and isinstance(iterable.slice, Slice) and written(
-        iterable.slice) == "::-1"
-    if not backwards or not isinstance(iterable.value, Call) or written(iterable.value.func) != "range":
-        return iterable
-    return at(Call(at(name("reversed"), iterable), [iterable.value], []), iterable)
 
 
 def _is_print(node: AST) -> bool:

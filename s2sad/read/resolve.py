@@ -15,16 +15,19 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+import numpy
+
 from s2sad import rules, tree
 from s2sad.diagnostics import Report
 from s2sad.read import fence
-from s2sad.read.handed import handed
+from s2sad.read.handed import by_default, handed
 from s2sad.read.meaning import (
     AST, BUILTIN_CALLS, Array, Captured, Function, Holder, Library, Matrix, Meaning, Number, Space, Text, Unusable,
     dotted,
     library_value,
 )
 from s2sad.read.modules import dropped_decorator
+from s2sad.read.plain import is_repeatable
 from s2sad.read.references import ITERATORS, Identify, References
 from s2sad.tree import FunctionDef
 
@@ -129,13 +132,34 @@ class _Resolver(References):
             self._pick(node)
         if isinstance(node, tree.Call):
             return self._call(node)
+        if isinstance(node, tree.Attribute) and (limit := self._limit(node)) is not None:
+            return limit
         if isinstance(node, tree.Raise) and node.exc is not None:
             self.raised.add(id(node.exc.func if isinstance(node.exc, tree.Call) else node.exc))
         if isinstance(node, (tree.Name, tree.Attribute, tree.Subscript)) and not isinstance(node.ctx, tree.Store):
             return self._path(node)
         return None
 
+    def _limit(self, node: tree.Attribute) -> AST | None:
+        """What NumPy says of a type of numbers: `np.finfo(float).eps`, with the type of numbers that NumPy gives it."""
+        called = node.value
+        path = self.library(called.func) if isinstance(called, tree.Call) else None
+        if path not in ("numpy.finfo", "numpy.iinfo") or len(called.args) != 1 or called.keywords:
+            return None
+        kind = library_value(self.library(called.args[0]) or "")
+        if kind not in (float, int, numpy.float64, numpy.int64, numpy.float32, numpy.int32):
+            return None
+        value = getattr(library_value(path)(kind), node.attr, None)
+        if type(value) is int:
+            return tree.at(tree.const(value), node)
+        if not isinstance(value, numpy.floating) or value.dtype.itemsize not in (4, 8):
+            return None
+        return tree.at(tree.call(f"numpy.{type(value).__name__}", tree.const(float(value))), node)
+
     def _call(self, node: tree.Call) -> AST | None:
+        if self.library(node.func) in ("math.modf", "numpy.modf") and len(node.args) == 1 and is_repeatable(
+                node.args[0]):
+            return self._split(node)
         self.called.add(id(node.func))
         if isinstance(self._function_meant(node.func), Library) or isinstance(
                 node.func, tree.Name) and node.func.id in ("len", *ITERATORS):
@@ -156,13 +180,19 @@ class _Resolver(References):
             return self._functions_given(node)
         return None
 
+    def _split(self, node: tree.Call) -> AST:
+        """A number's part behind the point and the part before it."""
+        whole = [tree.call("numpy.trunc", tree.rebuild(node.args[0], self.change)) for _ in range(2)]
+        rest = tree.BinOp(tree.rebuild(node.args[0], self.change), tree.Sub(), whole[0])
+        return tree.at(tree.tuple_of(rest, whole[1]), node)
+
     def _functions_given(self, node: tree.Call) -> AST | None:
         """A call of a user's function that is given functions, or captures names of the kernel, made plain."""
         callee = self._function_meant(node.func)
         if not isinstance(callee, Function) or rules.result_kind(callee.path) is not None:
             return None
         arguments = [*enumerate(node.args), *((k.arg, k.value) for k in node.keywords)]
-        given = {k: f for k, a in arguments if (f := self._function_meant(a)) is not None}
+        given = {k: f for k, a in arguments if (f := self._function_meant(a)) is not None} | by_default(node, callee)
         made = handed(node, callee, given) if given else None
         if made is None and not callee.given:
             return None

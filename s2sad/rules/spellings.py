@@ -84,6 +84,7 @@ for _function in ("fftfreq(n, d=1.0)", "rfftfreq(n, d=1.0)"):
 for _function in ("fftshift", "ifftshift"):
     same(f"scipy.fft.{_function}(x, axes=None)", f"numpy.fft.{_function}(x, axes=axes)")
 same("numpy.flatnonzero(a)", "numpy.nonzero(numpy.ravel(a), part=0)")
+same("numpy.linalg.trace(x, offset=0)", "numpy.trace(x, offset=offset)")     # of a matrix
 same("numpy.ediff1d(a)", "numpy.diff(numpy.ravel(a))")
 same("numpy.extract(condition, array)", "array[condition != 0]")
 same("numpy.fliplr(m)", "numpy.flip(m, axis=1)")
