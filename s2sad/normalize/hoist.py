@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from s2sad.normalize.calls import bound_arguments, leaves, nested, result_structure, user_call
 from s2sad.normalize.memory import walk_children
-from s2sad.normalize.in_place import stored_out
+from s2sad.normalize.in_place import changed, stored_out
 from s2sad.normalize.scope import Scope, atomic
 from s2sad.tree import (
     AST, And, Attribute, BoolOp, Call, Compare, Constant, If, IfExp, Name, Not, Slice, Starred, Subscript, Tuple,
@@ -112,7 +112,7 @@ def _called(node: Call, scope: Scope) -> tuple[list[AST], AST]:
 
 def _fills(node: AST) -> bool:
     """Whether a call inside an expression names the array for its result; one by position may be a mistake."""
-    return stored_out(node) is not None and any(k.arg == "out" for k in node.keywords)
+    return stored_out(node) is not None and (changed(node) is not None or any(k.arg == "out" for k in node.keywords))
 
 
 def stored(node: AST, scope: Scope) -> tuple[list[AST], AST]:

@@ -6,6 +6,7 @@
     np.add(u, v, x)                     x[...] = np.add(u, v)
     np.divide(u, v, out=x, where=m)     x[...] = np.where(m, np.divide(u, v), x)
     a.sum(axis=0, out=x)                x[...] = a.sum(axis=0)
+    np.nan_to_num(x, copy=False)        x[...] = np.nan_to_num(x)
     x.sort()                            x[...] = np.sort(x)
     np.fill_diagonal(x, v)              x[...] = np.fill_diagonal(x, v)
     np.add.at(x, k, v)                  x[...] = np.add.at(x, k, v)
@@ -18,7 +19,9 @@ import numpy
 
 from s2sad.read.meaning import library_value
 from s2sad.rules.composed import WRITING
-from s2sad.tree import AST, Attribute, Call, Constant, Tuple, at, call, call_name, const, copy, index, name
+from s2sad.tree import (
+    AST, Attribute, Call, Constant, Name, Subscript, Tuple, at, call, call_name, const, copy, index, keyword, name,
+)
 
 # where `out` stands; after the operands of ufuncs
 _POSITIONAL = {"numpy.dot": 2, "numpy.matmul": 2, "numpy.clip": 3, "numpy.max": 2, "numpy.min": 2, "numpy.amax": 2,
@@ -54,6 +57,9 @@ def stored_out(node: AST) -> tuple[AST, AST] | None:
     place = _position(called)
     given = {k.arg: k.value for k in node.keywords}
     out, args = given.pop("out", None), node.args
+    if (own := changed(node)) is not None:
+        others = [keyword(k, v) for k, v in zip(("nan", "posinf", "neginf"), node.args[2:])]
+        return _whole(own), at(Call(node.func, [own], [*others, *(k for k in node.keywords if k.arg != "copy")]), node)
     if isinstance(out, Tuple) and len(out.elts) == 1:
         out = out.elts[0]
     if out is None and place is not None and len(args) == place + 1:
@@ -65,6 +71,15 @@ def stored_out(node: AST) -> tuple[AST, AST] | None:
     keywords = [k for k in node.keywords if k.arg in given]
     value = at(Call(node.func, args, keywords), node)
     return _whole(out), value if where is None else at(call("numpy.where", where, value, copy(out)), node)
+
+
+def changed(node: AST) -> AST | None:
+    """The array that a call leaves its result in, as it is told not to copy; None if there is no such array."""
+    if call_name(node) != "numpy.nan_to_num" or not isinstance(node, Call) or not node.args:
+        return None
+    copies = [*node.args[1:2], *(k.value for k in node.keywords if k.arg == "copy")]
+    kept = any(isinstance(c, Constant) and c.value is False for c in copies)
+    return node.args[0] if kept and isinstance(node.args[0], (Name, Subscript, Attribute, Call)) else None
 
 
 def _position(called: str) -> int | None:

@@ -15,7 +15,7 @@ from s2sad.infer.infer import Typing
 from s2sad.rules.given import ROOM
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, Call, Expr, FunctionDef, Raise, Subscript, UnaryOp, USub, call_name,
+    AST, Assert, Assign, Attribute, AugAssign, Call, Constant, Expr, FunctionDef, Raise, Subscript, UnaryOp, USub, call_name,
     children, walk,
 )
 
@@ -114,6 +114,9 @@ def _unknown_option(name: str, node: Call) -> str:
     if name == "numpy.array" and copied:
         given.remove("copy")    # that is what it does
     refused = ("out", "where", "casting", "subok", "signature") if known is None and rules.constant_result(name) else ()
+    if name == "numpy.nan_to_num" and not all(isinstance(c, Constant) for c in [
+            *node.args[1:2], *(k.value for k in node.keywords if k.arg == "copy")]):
+        return "copy= that is not written out"
     if name.endswith(".solve_triangular") and any(k.arg == "trans" and getattr(k.value, "value", None) not in (0, 1)
                                                   for k in node.keywords):
         return "a trans that is not written out"
