@@ -15,8 +15,8 @@ from s2sad.infer.infer import Typing
 from s2sad.rules.given import ROOM
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, Call, Constant, Expr, FunctionDef, Raise, Subscript, UnaryOp, USub, call_name,
-    children, walk,
+    AST, Assert, Assign, Attribute, AugAssign, Call, Constant, Expr, FunctionDef, Raise, Subscript, UnaryOp, USub,
+    call_name, children, walk,
 )
 
 _COPIES = frozenset({"numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array"})

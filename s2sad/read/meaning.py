@@ -44,9 +44,15 @@ class Array:
 @dataclass(frozen=True)
 class Items(Array):
     """A tuple or list of numbers, nested or not, as an array: that is what it is where a variable picks its numbers;
-    `numbers` are these, written out, where they are few."""
+    `numbers` are these, written out, where they are few, `columns` an array for each column of rows."""
     what: str = ""
     numbers: Numbers | None = None
+    columns: tuple[Array, ...] = ()
+
+    @property
+    def mixed(self) -> bool:
+        """Whether its rows hold numbers of several kinds: integers that one array would make floats."""
+        return len({c.value.dtype for c in self.columns}) > 1
 
 
 @dataclass(frozen=True)
@@ -257,9 +263,14 @@ def value_meaning(name: str, value: Any) -> Meaning:
     if is_numbers(value):
         written = _numbers(name, value) if _count(value) <= _WRITTEN_OUT else None
         array = _as_array(value)
-        found = written if array is None else Items(name, array, kind_of(value), written)
+        found = written if array is None else Items(name, array, kind_of(value), written, _columns(name, value, array))
         return found or Unusable(kind_of(value), "make it a NumPy array")
     return Unusable(kind_of(value), "pass it as an argument, or make it a number or a NumPy array")
+
+
+def _columns(name: str, value: tuple | list, array: numpy.ndarray) -> tuple[Array, ...]:
+    """The columns of rows of numbers, each of its own kind."""
+    return tuple(Array(f"{name}_{k}", numpy.array(c)) for k, c in enumerate(zip(*value))) if array.ndim == 2 else ()
 
 
 def _as_array(value: tuple | list) -> numpy.ndarray | None:

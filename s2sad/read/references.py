@@ -35,12 +35,22 @@ class References:
     picked: dict[int, int]
     looped: set[int]
     stored: set[int]
+    exponents: set[int]
+    rows: set[int]
 
     def _pick(self, node: AST) -> None:
         """Takes down what is picked of the values in a subscript, a loop or a call: by how many subscripts, or ALL."""
         if isinstance(node, tree.For):
             self.picked[id(node.iter)] = 2 if isinstance(node.target, tree.Tuple) else 1
             self.looped.add(id(node.iter))
+            self.rows |= {id(node.iter)} if isinstance(node.target, tree.Tuple) else set()
+        elif isinstance(node, (tree.ListComp, tree.GeneratorExp)):
+            self.rows |= {id(g.iter) for g in node.generators if isinstance(g.target, tree.Tuple)}
+        elif isinstance(node, tree.BinOp):
+            self.exponents |= {id(n) for n in tree.walk(node.right)}
+        elif isinstance(node, tree.Assign):
+            several = isinstance(node.targets[0], tree.Tuple) and isinstance(node.value, tree.Subscript)
+            self.rows |= {id(node.value.value)} if several else set()
         elif isinstance(node, tree.Call):
             word = node.func.id if isinstance(node.func, tree.Name) else ""
             count = 1 if word in ITERATORS else ALL
@@ -51,6 +61,7 @@ class References:
                     given = given.value
                 self.picked[id(given)] = count
                 self.looped |= {id(given)} if count == 1 else set()
+                self.rows |= {id(given)} if count == 1 else set()
         elif isinstance(node, tree.Subscript) and id(node) not in self.picked:
             stored = not isinstance(node.ctx, tree.Load)
             count, varies = 0, False
@@ -58,13 +69,23 @@ class References:
                 self.picked[id(node)] = 0
                 count, varies, node = count + 1, varies or bool(tree.names(node.slice)), node.value
             self.picked[id(node)] = count if varies else 0
+            self.rows |= {id(node)} if count == 2 else set()
             self.stored |= {id(node)} if stored else set()
 
     def _as_array(self, node: AST, meaning: Items) -> bool:
         """Whether what is picked of a tuple or list is picked as of an array; a loop goes through a short one as it is
         written."""
         picked, looped = self.picked.get(id(node), 0), id(node) in self.looped
-        return picked in (meaning.value.ndim, ALL) and not (looped and meaning.numbers)
+        exact = picked == ALL or not meaning.mixed and not (
+            id(node) in self.exponents and meaning.value.dtype.kind == "i" and meaning.value.min() < 0)
+        return picked in (meaning.value.ndim, ALL) and not (looped and meaning.numbers) and (
+            exact or not meaning.mixed and meaning.numbers is None)
+
+    def _columns(self, node: AST, meaning: Items) -> AST:
+        """Rows that are too many to be written out, as what goes through their columns."""
+        paths = [self.identify(c) for c in meaning.columns]
+        self.references |= set(paths)
+        return tree.at(tree.call("builtins.zip", *map(tree.name, paths)), node)
 
     def _refuse(self, message: str, node: AST, help: str) -> None:
         self.report.error("S201", message, node, help=help)
@@ -76,6 +97,8 @@ class References:
         if id(node) in self.stored and isinstance(meaning, (Items, Numbers)):
             meaning = Unusable("a list or tuple of the module, and written", "pass it as an argument, an array")
         if isinstance(meaning, Items) and not self._as_array(node, meaning):
+            if meaning.numbers is None and id(node) in self.rows and meaning.columns and not called:
+                return self._columns(node, meaning)
             meaning = meaning.numbers or Unusable(meaning.what, "pick its numbers one by one, or make it a NumPy array")
         if isinstance(meaning, Numbers) and not called:
             return tree.at(tree.tuple_of(*(self._reference(node, item, text) for item in meaning.items)), node)

@@ -112,6 +112,8 @@ class _Resolver(References):
         self.picked: dict[int, int] = {}
         self.looped: set[int] = set()
         self.stored: set[int] = set()
+        self.exponents: set[int] = set()
+        self.rows: set[int] = set()
         self.solvers: set[str] = set()      # names of functions that solve with a factorization
 
     def library(self, node: AST) -> str | None:
@@ -128,7 +130,8 @@ class _Resolver(References):
         if isinstance(node, tree.AnnAssign):
             plain = tree.Pass() if node.value is None else tree.Assign([node.target], node.value, None)
             return tree.rebuild(tree.at(plain, node), self.change)
-        if isinstance(node, (tree.For, tree.Subscript)):
+        power = isinstance(node, tree.BinOp) and isinstance(node.op, tree.Pow)
+        if power or isinstance(node, (tree.Assign, tree.For, tree.GeneratorExp, tree.ListComp, tree.Subscript)):
             self._pick(node)
         if isinstance(node, tree.Call):
             return self._call(node)

@@ -1,0 +1,64 @@
+"""Rows of written numbers by their columns: what each number is, of which kind a column's are, and the column's array.
+
+    ((0, 0.5), (1, 0.25))       columns (0, 1) of integers and (0.5, 0.25) of floats
+                                np.array((0, 1)), np.array((0.5, 0.25))
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy
+
+from s2sad.read.fold import folded
+from s2sad.read.meaning import Library, Meaning, NotConstant, Number
+from s2sad.tree import AST, Constant, List, Name, Tuple, UnaryOp, call, const, copy, tuple_of
+
+Constants = Mapping[str, Any]
+LARGEST = 2 ** 53       # integers beyond are not all floats
+_KINDS = (("bool", (bool, numpy.bool_)), ("int", (int, numpy.integer)), ("float", (float, numpy.floating)))
+
+
+def number(node: AST, constants: Constants) -> bool | int | float | None:
+    """The number that is written, None for anything else."""
+    def meaning(n: AST) -> Meaning | None:
+        if not isinstance(n, Name):
+            return None
+        if n.id.startswith("const."):
+            return Number(n.id, constants.get(n.id.removeprefix("const.")))
+        return Library(n.id) if n.id.startswith(("numpy.", "math.")) else None
+    try:
+        value = folded(node, meaning)
+    except NotConstant:
+        return None
+    return value if kind(value) else None
+
+
+def kind(value: Any) -> str:
+    """Of which kind a number is: "bool", "int", "float"; "" for anything else, and for an integer that is too large."""
+    found = next((k for k, types in _KINDS if isinstance(value, types)), "")
+    return "" if found == "int" and not -LARGEST < value < LARGEST else found
+
+
+def column_kind(values: list[Any]) -> str:
+    """The kind of a column's array: integers beside floats are floats; "" where bools stand beside others."""
+    kinds = {kind(v) for v in values}
+    return kinds.pop() if len(kinds) == 1 else "float" if kinds == {"int", "float"} else ""
+
+
+def rows(node: AST) -> list[list[AST]]:
+    """The rows of a table that is written out, all of one length; empty for anything else."""
+    if not isinstance(node, (List, Tuple)) or not node.elts:
+        return []
+    found = [list(r.elts) if isinstance(r, (List, Tuple)) else [] for r in node.elts]
+    return found if all(found) and len({len(r) for r in found}) == 1 else []
+
+
+def column(items: list[AST], floats: bool, constants: Constants) -> AST:
+    """The array of a column; `floats` if its integers are to be floats."""
+    def made(item: AST) -> AST:
+        value = number(item, constants)
+        if not floats or kind(value) != "int":
+            return copy(item)
+        return const(float(value or 0)) if isinstance(item, (Constant, UnaryOp)) else call("builtins.float", copy(item))
+    return call("numpy.array", tuple_of(*map(made, items)))
