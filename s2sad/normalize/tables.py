@@ -16,6 +16,7 @@ negative and an exponent is a float: Python's integers have such powers, an arra
 """
 from __future__ import annotations
 
+from s2sad.normalize.calls import user_call
 from s2sad.normalize.columns import column, column_kind, number, rows
 from s2sad.normalize.hoist import constant_index
 from s2sad.normalize.scope import Scope
@@ -66,7 +67,7 @@ def _spread(function: FunctionDef, word: str, width: int, scope: Scope) -> Funct
     for node in walk(function.body):
         row = node.targets[0].id if isinstance(node, Assign) and len(node.targets) == 1 and isinstance(
             node.targets[0], Name) else ""
-        if not row or not _is_row(node.value, word) or any(isinstance(n, Call) for n in walk(node.value)):
+        if not row or not _is_row(node.value, word) or any(user_call(n) for n in walk(node.value)):
             continue
         picked = {id(n.value) for n in walk(function.body) if isinstance(n, Subscript) and isinstance(
             n.ctx, Load) and (place := constant_index(n)) is not None and -width <= place < width}
@@ -233,7 +234,7 @@ def _unpacks(node: AST, word: str, width: int) -> bool:
         return False
     value, targets = node.value, node.targets[0].elts
     return _is_row(value, word) and len(targets) == width and not any(
-        isinstance(n, (Starred, Call)) for n in walk([*targets, value]))
+        isinstance(n, Starred) or user_call(n) is not None for n in walk([*targets, value]))
 
 
 def _is_read_as_table(word: str, width: int, function: FunctionDef) -> bool:
