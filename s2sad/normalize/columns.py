@@ -6,13 +6,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy
 
 from s2sad.read.fold import folded
 from s2sad.read.meaning import Library, Meaning, NotConstant, Number
-from s2sad.tree import AST, Constant, List, Name, Tuple, UnaryOp, call, const, copy, tuple_of
+from s2sad.tree import AST, Constant, List, Name, Tuple, UnaryOp, call, const, copy, stored_names, tuple_of
 
 Constants = Mapping[str, Any]
 LARGEST = 2 ** 53       # integers beyond are not all floats
@@ -44,6 +45,41 @@ def column_kind(values: list[Any]) -> str:
     """The kind of a column's array: integers beside floats are floats; "" where bools stand beside others."""
     kinds = {kind(v) for v in values}
     return kinds.pop() if len(kinds) == 1 else "float" if kinds == {"int", "float"} else ""
+
+
+@dataclass(frozen=True)
+class Column:
+    """The numbers that a loop's target goes through, of one kind, and their array."""
+    values: list[Any]
+    kind: str
+    array: AST
+
+
+def bound_columns(target: AST, items: list[AST], constants: Constants) -> dict[str, Column]:
+    """The columns of what a loop goes through, by the targets that it binds to them; empty if any is none of numbers
+    of one kind."""
+    pairs = [dict(found) if (found := _pairs(target, item)) is not None else {} for item in items]
+    found: dict[str, Column] = {}
+    for word in pairs[0] if pairs and len(stored_names(target)) == len(pairs[0]) else {}:
+        cells = [row.get(word) for row in pairs]
+        values = [None if c is None else number(c, constants) for c in cells]
+        of = "" if None in values else column_kind(values)
+        if not of:
+            return {}
+        floats = of == "float"
+        found[word] = Column(values, of, column([c for c in cells if c is not None], floats, constants))
+    return found
+
+
+def _pairs(target: AST, item: AST) -> list[tuple[str, AST]] | None:
+    """The names that an item is bound to, with its parts."""
+    if isinstance(target, Name):
+        return [(target.id, item)]
+    several = isinstance(target, (Tuple, List)) and isinstance(item, (Tuple, List))
+    if not several or len(target.elts) != len(item.elts):
+        return None
+    parts = [_pairs(t, i) for t, i in zip(target.elts, item.elts)]
+    return None if None in parts else [pair for p in parts if p is not None for pair in p]
 
 
 def rows(node: AST) -> list[list[AST]]:

@@ -15,37 +15,42 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from s2sad.normalize.columns import Column, bound_columns
 from s2sad.normalize.exits import BREAK, exits
 from s2sad.normalize.indices import IndexLoops, is_index_loop
 from s2sad.normalize.live import live_after_loops
 from s2sad.normalize.memory import Memory, bindings, parameters
+from s2sad.normalize.rounds import Rounds
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.sequences import literal, sequence
 from s2sad.normalize.settled import in_round
 from s2sad.normalize.unpack import unpack
 from s2sad.tree import (
-    AST, Assign, AugAssign, Break, Constant, For, FunctionDef, If, Name, Not, Tuple, UnaryOp, While, assign, at,
-    attribute, call, call_name, const, copy, counted_for, function, index, name, names, rebuild, stored_names,
-    tuple_of, walk,
+    AST, Assign, AugAssign, Break, Constant, Expr, For, FunctionDef, If, Name, Not, Subscript, Tuple, UnaryOp, While,
+    assign, at, attribute, call, call_name, const, copy, counted_for, dump, function, index, name, names, rebuild,
+    stored_names, tuple_of, walk,
 )
 
 LONGEST = 16                            # the longest sequence that is written out
+FEWEST = 4                              # items of a loop over numbers that stays one
 
 
 def loops(tree: FunctionDef, scope: Scope) -> FunctionDef:
     tree = rebuild(tree, _over_indices)
     scope.memory = Memory(tree, scope.program)
-    body = _Loops(tree, scope).block(tree.body)
-    return at(function(tree.name, parameters(tree), body), tree)
+    made = _Loops(tree, scope)
+    body = made.block(tree.body)
+    return at(function(tree.name, parameters(tree), [*made.arrays.values(), *body]), tree)
 
 
 class _Loops:
     """The loops of one function; names in `_copied` cannot be counters."""
 
     def __init__(self, tree: FunctionDef, scope: Scope):
-        self._scope = scope
+        self._scope, self._tree = scope, tree
         self._bound = list(bindings(tree))
         self._live = live_after_loops(tree.body)
+        self.arrays: dict[str, Assign] = {}     # of written numbers, by their text
         self._copied = _copied(tree, self._live, lambda loop: self._spelled_out(loop.iter) is not None)
 
     def block(self, statements: list[AST]) -> list[AST]:
@@ -69,7 +74,7 @@ class _Loops:
             return IndexLoops(node, self._scope, self._hold(node, before), self._copied).nested(body, before, unsafe)
         items = self._spelled_out(node.iter)
         if items is not None:
-            return self._written_out(node, items, body)
+            return self._over_columns(node, items, body) or self._written_out(node, items, body)
         found = sequence(node.iter, self._hold(node, before), self._scope)
         if found is None:
             return []
@@ -101,6 +106,36 @@ class _Loops:
             items = literal(values[0]) if len(values) == 1 else None
             return items if items is not None and all(isinstance(i, Constant) for i in items) else None
         return literal(iterable)
+
+    def _over_columns(self, node: For, items: list[AST], body: list[AST]) -> list[AST]:
+        """The loop over arrays of the numbers that it goes through; nothing if it is to be written out."""
+        columns = bound_columns(node.target, items, self._scope.program.constants)
+        rounds = Rounds(body, {n: c.values for n, c in columns.items() if c.kind == "int"}, self._tree, self._scope)
+        if not columns or len(items) <= LONGEST and not self._stays(node, body, len(items), columns, rounds):
+            return []
+        counter, reads = self._scope.fresh("index"), []
+        for target, c in columns.items():
+            item: AST = index(name(self._array(target, c.array)), name(counter))
+            whole_number = c.kind == "int" and rounds.computed(target)
+            reads.append(at(assign(target, call("builtins.int", item) if whole_number else item), node))
+        return [counted_for(counter, [const(len(items))], [*reads, *body])]
+
+    def _stays(self, node: For, body: list[AST], count: int, columns: dict[str, Column], rounds: Rounds) -> bool:
+        """Whether a short loop is long enough as it would be written out, and need not be."""
+        size = sum(isinstance(s, (Assign, AugAssign, Expr, If, For, While)) for s in walk(body))
+        outside = {n for t, _ in self._bound if not any(t is s for s in walk(node)) for n in stored_names(t)}
+        left = self._live[id(node)] & {*stored_names(body), *columns}
+        picked = [s.slice for s in walk(body) if isinstance(s, Subscript)]
+        floats = {n for n, c in columns.items() if c.kind == "float"} & set(names(picked))
+        return count >= FEWEST and count * size > LONGEST and not floats and not left & set(columns) and left <= {
+            *outside, *parameters(self._tree)} and rounds.stay()
+
+    def _array(self, target: str, array: AST) -> str:
+        """The name of an array of written numbers, which is bound where the function begins."""
+        text = dump(array)
+        if text not in self.arrays:
+            self.arrays[text] = assign(self._scope.fresh(f"{target}_items"), array)
+        return self.arrays[text].targets[0].id
 
     def _written_out(self, node: For, items: list[AST], body: list[AST]) -> list[AST]:
         if len(items) > LONGEST:
