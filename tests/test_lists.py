@@ -140,6 +140,13 @@ def removed(x):
     return out.pop() * x[0]
 
 
+def part_from_the_end(x, k):
+    out = []
+    for i in range(3):
+        out.append(x[i])
+    return np.sum(np.array(out[k:])) * x[0]
+
+
 def stored(x):
     x[0] = 2.0
     return x[1]
@@ -197,7 +204,7 @@ REFUSED = {table_stored_into: "an element of a list is written", rows_stored_int
            repeated: "the list 'out' is used as a list", joined: "the list 'out' is used as a list",
            unknown_length: "how long 'out' becomes", rebound_length: "how long 'out' becomes",
            not_copied: "a list holds an array that is written",
-           removed: "the method 'pop' of a list",
+           removed: "the method 'pop' of a list", part_from_the_end: "a part of a list",
            beside_a_call: "beside a call of a kernel"}
 
 

@@ -190,7 +190,7 @@ REFUSED = {
                            "kernel.py:2:5: error[S203]: 2 targets for 3 values"),
     "lone call": ("def f(a):\n    np.sin(a)\n",
                   "kernel.py:2:5: error[S201]: a call whose result is not used"),
-    "long tuple": ("def f(a):\n    for i in (" + "1, " * 20 + "):\n        a[i] = 0.0\n",
+    "long tuple": ("def f(a):\n    for v in (" + "a, " * 20 + "):\n        v[0] = 0.0\n",
                    "kernel.py:2:14: error[S201]: a loop over 20 spelled-out items"),
     "unknown rank": ("def f(a):\n    for i in np.ndindex(a.shape):\n        a[i] = 0.0\n",
                      "kernel.py:2:14: error[S201]: np.ndindex over an unknown number of axes"),

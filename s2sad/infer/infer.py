@@ -81,8 +81,8 @@ class Typing(TypesOfCalls):
     def bind(self, identifier: str, new: Type, place: AST) -> None:
         old = self.table.get(identifier)
         if self.final and (old or new).kind == "unknown":
-            self.report.error("S203", f"the type of '{identifier}' cannot be inferred", place,
-                              help="write it with operations on numbers and arrays that are known")
+            note, help = _unknown(getattr(place, "value", None))
+            self.report.error("S203", f"the type of '{identifier}' cannot be inferred", place, note, help)
         joined = new if old is None else join(old, new)
         if joined is None and self.wider and old is not None and old.is_array and new.is_array and (
                 old.is_float and new.is_float and old.rank == new.rank):
@@ -209,6 +209,21 @@ class Typing(TypesOfCalls):
         added = sum(isinstance(s, Constant) and s.value is None for s in subscripts)
         kept = sum(isinstance(s, Slice) for s in subscripts) + base.rank - used + added
         return of_rank(base, kept + (1 if masked else max(a.rank for a in arrays)))
+
+
+_SEVERAL = ("numpy.unravel_index", "numpy.nonzero", "numpy.meshgrid", "numpy.split", "numpy.indices", "numpy.gradient")
+
+
+def _unknown(value: AST | None) -> tuple[str, str]:
+    """What is said of a value without a type: the function that gives it, with its options; and what to do."""
+    called = call_name(value) or ""
+    if not called.startswith(("numpy.", "builtins.")) or not isinstance(value, Call):
+        return "", "write it with operations on numbers and arrays that are known"
+    options = ", ".join(f"{k.arg}=" for k in value.keywords if k.arg != "part")
+    note = f"what {called.removeprefix('builtins.')} gives{' with ' + options if options else ' here'} is not known"
+    return note, "bind each of the parts to a name: i, j = ..." if called in _SEVERAL else (
+        "name the axis: np.squeeze(x, axis=0)" if called == "numpy.squeeze" else
+        "leave the option out" if options else "write it with operations on numbers and arrays that are known")
 
 
 def _apart(old: Type | None, new: Type) -> str:

@@ -135,6 +135,9 @@ class TypesOfCalls(ABC):
         base = self.of(node.func.value)
         if node.func.attr in ("copy", "conj", "conjugate"):
             return base
+        if node.func.attr == "item" and len(node.args) <= (base.rank == 1) and not node.keywords and (
+                base.is_array or base.is_number):
+            return Type("number", base.dtype)
         return UNKNOWN if node.func.attr != "fill" else NONE
 
     def _dtype(self, node: Call, position: int, default: str) -> str:

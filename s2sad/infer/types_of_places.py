@@ -27,8 +27,10 @@ def _places(kind: Type) -> list[Type]:
 
 
 def _stored(args: list[Type], options: Arguments) -> Type:
-    """Of `np.add.at`: with one array of places or several of one axis."""
+    """Of `np.add.at`: with one array of places or several of one axis, or a mask."""
     x, places, values = args
+    if x.is_array and places.is_array and places.dtype == "bool":
+        return x if places.rank == x.rank and values.kind in ("array", "number") and values.rank <= 1 else UNKNOWN
     given = _places(places)
     fits = x.is_array and 0 < len(given) <= x.rank and all(_whole(p) and p.rank <= 1 for p in given)
     left = x.rank - len(given) + max((p.rank for p in given), default=0)

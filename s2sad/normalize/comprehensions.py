@@ -24,6 +24,7 @@ from s2sad.tree import (
     Tuple, While, assign, at, augment, call, call_name, const, copy, name, rebuild, rename, stored_names, walk,
 )
 
+_ASKED = {"numpy.any": "numpy.any", "numpy.all": "numpy.all", "builtins.max": "numpy.max", "builtins.min": "numpy.min"}
 HELP = "allocate an array before and fill it in a for loop"
 
 
@@ -90,6 +91,11 @@ class _Comprehensions:
             self.before.append(at(assign(total, const(0)), node))
             self.before += self.loop(node.args[0], lambda item: augment(total, Add(), item))
             return name(total)
+        if call_name(node) in _ASKED and len(node.args) == 1 and not node.keywords and isinstance(
+                node.args[0], (ListComp, GeneratorExp)):
+            items = self.scope.fresh("items")
+            self.before += self.listed(node.args[0], items)
+            return at(call(_ASKED[call_name(node) or ""], name(items)), node)
         if isinstance(node, GeneratorExp):
             self.scope.refuse(node, "a generator expression that is not summed", help=HELP)
         if isinstance(node, ListComp):

@@ -3,11 +3,12 @@
     np.einsum("ij,jk->ik", a, b)        np.matmul(a, b)
     np.einsum("ij,kj->ik", a, b)        np.matmul(a, np.transpose(b))
     np.einsum("bi,bi->b", a, b)         np.sum(a * b, axis=1)
+    np.einsum("ii,i->i", a, x)          np.diagonal(a) * x
     np.tensordot(a, b, axes=1)          np.matmul(a, b)
     np.einsum("bij,bjk->bik", a, b)     np.sum(a[:, :, :, None] * b[:, None, :, :], axis=2)
 
-`contracted` requires structured form, `batched` and types too. A letter twice in one operand, `...`, and axes in an
-order that neither the operands nor their transposes have are left, to be refused.
+`contracted` requires structured form, `batched` and types too. A letter twice in one operand, but for the diagonal of
+a matrix, `...`, and axes in an order that neither the operands nor their transposes have are left, to be refused.
 """
 from __future__ import annotations
 
@@ -34,6 +35,10 @@ def contracted(function: FunctionDef) -> FunctionDef:
         if not isinstance(subscripts, Constant) or not isinstance(subscripts.value, str):
             return None
         inputs, output = _letters(subscripts.value)
+        twice = [len(part) == 2 and part[0] == part[1] for part in inputs]
+        if len(inputs) == len(operands):    # the diagonals of matrices
+            operands = [call("numpy.diagonal", o) if t else o for o, t in zip(operands, twice)]
+            inputs = [part[0] if t else part for part, t in zip(inputs, twice)]
         made = contraction(inputs, output, [rebuild(o, change) for o in operands])
         return None if made is None else at(made, node)
     new = copy(function)

@@ -24,6 +24,8 @@ def _counters(rank: int, first: int = 0) -> list[str]:
 
 def _stored(asked: Asked, function: str) -> str:
     """One store for each place, also where one is named twice; the values are what they were before."""
+    if asked.type("places").dtype == "bool" and asked.rank("places"):
+        return _where(asked, function)
     given = [asked.let("places", node) for node in asked.items("places")] if isinstance(
         asked.arguments["places"], Tuple) else ["places"]
     arrays = [g for g in given if asked.rank(g)]
@@ -39,6 +41,14 @@ def _stored(asked: Asked, function: str) -> str:
     fits = [f"assert {size(g, 0)} == {size(arrays[0], 0)}" for g in arrays[1:]]
     fits += [f"assert {size('held', 0)} == {size(arrays[0], 0)}"] if taken != values else []
     return lines(*before, *fits, f"for place in range({size(arrays[0], 0)}):", f"    {store}")
+
+
+def _where(asked: Asked, function: str) -> str:
+    """A store into what a mask picks, which names no element twice."""
+    before, values = (["held = numpy.copy(values)"], "held") if asked.rank("values") else ([], "values")
+    store = f"x[places] {_SIGNS[function]} {values}" if function in _SIGNS else (
+        f"x[places] = numpy.{function}(x[places], {values})")
+    return lines(*before, store)
 
 
 def _fill_diagonal(asked: Asked) -> str:

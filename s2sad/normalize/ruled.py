@@ -162,7 +162,9 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
                      help="write it with if and else")
     elif operation(node) is None:
         known = rules.find(name)
-        given = f" with {len(node.args) + len(node.keywords)} arguments" if known else ""
+        other = [f"{k.arg}=" for k in node.keywords if rule is not None and k.arg not in rule.options]
+        given = f" with {len(node.args) + len(node.keywords)} arguments" if known else (
+            f" with {', '.join(other)}" if other else "")
         name = name.removeprefix(ROOM)
         note = f"there is one for {name}({', '.join(known.parameters)})" if known else ""
         report.error("S301", f"no derivative rule for {name}{given}", node, note, _HELP.get(name) or (

@@ -5,6 +5,8 @@
     (*x.shape, 2)                       x.shape + (2,)
     np.var(x, 0, None, None, 1)         np.var(x, 0, ddof=1)
     np.argsort(x, kind="stable")        np.argsort(x, kind="mergesort")     which compiled code has, too
+    q, r = divmod(a, b)                 q, r = a // b, a % b
+    any(x)                              np.any(x)
 
 Requires resolved names. Establishes: of NumPy's functions the parameters that must be given are given by place.
 """
@@ -13,11 +15,12 @@ from __future__ import annotations
 import inspect
 from functools import reduce, cache
 
+from s2sad.normalize.calls import user_call
 from s2sad.normalize.scope import Scope
 from s2sad.read.meaning import library_value
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, Load, Starred, Tuple, at, call_name, copy, dump,
-    keyword, rebuild, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, FunctionDef, Load, Mod, Starred, Tuple, at, call, call_name,
+    copy, dump, keyword, rebuild, tuple_of, walk,
 )
 
 # functions whose own signature is not there, or says less than how they are called
@@ -30,6 +33,9 @@ _LEADING = {
 
 def signatures(function: FunctionDef, scope: Scope) -> FunctionDef:
     new = copy(function)
+    for node in walk(new.body):
+        if call_name(node) == "builtins.divmod" and (len(node.args) != 2 or any(user_call(n) for n in walk(node))):
+            scope.refuse(node, "divmod of what a call of a kernel gives", help="write a // b and a % b")
     new.body = [rebuild(statement, _changed) for statement in new.body]
     return new
 
@@ -42,6 +48,11 @@ _REDUCING = frozenset("sum prod mean var std max min amax amin ptp cumsum cumpro
 def _changed(node: AST) -> AST | None:
     if isinstance(node, Call) and (named := _by_name(node)) is not None:
         return rebuild(named, _changed)
+    if call_name(node) == "builtins.divmod" and len(node.args) == 2:
+        parts = [BinOp(*map(copy, (node.args[0], op, node.args[1]))) for op in (FloorDiv(), Mod())]
+        return rebuild(at(tuple_of(*parts), node), _changed)
+    if call_name(node) in ("builtins.any", "builtins.all") and len(node.args) == 1:
+        return rebuild(at(call(f"numpy.{(call_name(node) or '')[9:]}", *node.args), node), _changed)
     if isinstance(node, Tuple) and isinstance(node.ctx, Load) and any(isinstance(i, Starred) for i in node.elts):
         return rebuild(at(_summed(node.elts), node), _changed)
     if not isinstance(node, Call) or not node.keywords or not (call_name(node) or "").startswith("numpy."):

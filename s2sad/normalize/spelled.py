@@ -25,6 +25,7 @@ from __future__ import annotations
 from functools import reduce
 
 from s2sad import rules
+from s2sad.normalize.optioned import item, matrices_turned, optioned
 from s2sad.normalize.told import CONJUGATING, start
 from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
@@ -72,6 +73,8 @@ def _plain(node: AST) -> AST | None:
         return rebuild(at(Subscript(node.value, index(node.value, *parts).slice, node.ctx), node), _plain)
     if isinstance(node, Attribute) and node.attr == "T":
         return at(call("numpy.transpose", rebuild(node.value, _plain)), node)
+    if (turned := matrices_turned(node)) is not None:
+        return rebuild(at(turned, node), _plain)
     if isinstance(node, Attribute) and node.attr in _PARTS and not isinstance(node.ctx, Store):
         return at(call(f"numpy.{node.attr}", rebuild(node.value, _plain)), node)
     if not isinstance(node, Call):
@@ -90,8 +93,8 @@ def _plain(node: AST) -> AST | None:
     if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
         return rebuild(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node),
                        _plain)
-    other = (other_spelling(node) or _complex(node) or _bounded(node) or _multiplied(node) or _in_blocks(node)
-             or _extreme_place(node) or _lengthened(node))
+    other = (item(node) or optioned(node) or other_spelling(node) or _complex(node) or _bounded(node)
+             or _multiplied(node) or _in_blocks(node) or _extreme_place(node) or _lengthened(node))
     if other is not None:
         return rebuild(at(other, node), _plain)
     return _question(node) or _array_call(node) or _scalar_call(node)
@@ -209,6 +212,8 @@ def _arguments(node: Call) -> list[AST]:
 
 
 def _array_call(node: Call) -> AST | None:
+    if call_name(node) == "numpy.permute_dims":
+        return rebuild(at(Call(name("numpy.transpose"), node.args, node.keywords), node), _plain)
     if call_name(node) == "numpy.transpose" and (axes := _axes(node)) is not None:
         node = at(call("numpy.moveaxis", node.args[0], axes, tuple_of(*map(const, range(len(axes.elts))))), node)
     rule = rules.find_array(call_name(node))

@@ -3,17 +3,22 @@
     sum((a, b))         `spelled`: 0 + a + b        a + b, but of bools, whose sum from 0 is an integer
     q * [1, -1, -1, -1]                             q * np.array([1, -1, -1, -1]), where q is an array
     r = a.conj()                                    r = a, of an array that is real; else np.conj(a)
+    s = np.sum(x).item() + x[1:2].item()            s = np.sum(x) + x[1:2][0]
+    np.sum(np.astype(x, dtype=np.float64))          np.sum(x), of an array that is of these already
 
 Requires structured form and types; changes no type.
 """
 from __future__ import annotations
 
 from s2sad.infer.infer import Typing
+from s2sad.infer.types import Type
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, List, Mult, Tuple, at, call, copy, rebuild,
+    AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, List, Mult, Tuple, at, call, call_name, const, copy, index,
+    rebuild,
 )
 
 CONJUGATING = ("conj", "conjugate")     # methods
+_REDUCING = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
 
 
 def start() -> Constant:
@@ -32,6 +37,12 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
             return inner if kind.is_array and not kind.is_complex else at(call("numpy.conj", inner), node)
         if isinstance(node, BinOp) and (made := _with_array(node, typing)) is not None:
             return rebuild(made, change)
+        if isinstance(node, Call) and isinstance(node.func, Attribute) and node.func.attr == "item":
+            return _item(node, typing.of(node.func.value), [rebuild(n, change) for n in [node.func.value, *node.args]])
+        if call_name(node) in _REDUCING and node.args and call_name(inner := node.args[0]) == "numpy.astype":
+            kind = typing.of(inner.args[0])
+            if kind.is_array and kind.dtype == typing.of(inner).dtype == "float64":
+                return rebuild(at(Call(node.func, [inner.args[0], *node.args[1:]], node.keywords), node), change)
         return None
     new = copy(function)
     new.body = [rebuild(statement, change) for statement in function.body]
@@ -47,3 +58,11 @@ def _with_array(node: BinOp, typing: Typing) -> AST | None:
             made = at(call("numpy.array", side), side)
             return at(BinOp(*((made, node.op, other) if side is node.left else (other, node.op, made))), node)
     return None
+
+
+def _item(node: Call, kind: Type, parts: list[AST]) -> AST | None:
+    """The one element of an array, or that at a place of one axis."""
+    if node.keywords or len(parts) > 1 + (kind.rank == 1) or not (kind.is_array or kind.is_number):
+        return None
+    value, *places = parts
+    return at(index(value, *(places or [const(0)] * kind.rank)), node) if kind.is_array else value

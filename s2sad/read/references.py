@@ -209,9 +209,6 @@ class References:
 
 
 _BUILTIN_HELP = {
-    "divmod": "write a // b and a % b",
-    "any": "write a for loop with an if, or np.any of an array",
-    "all": "write a for loop with an if, or np.all of an array",
     "sorted": "sort before the kernel is called, and pass the sorted array or the order",
     "list": "allocate an array with np.empty or np.zeros",
     "tuple": "write the elements out: (a, b)",

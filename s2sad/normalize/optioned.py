@@ -1,0 +1,106 @@
+"""optioned: calls with an option that says what is computed, in the spelling that has a rule.
+
+    np.sum(a, axis=0, where=m)              np.sum(np.where(m, a, 0), axis=0)
+    np.max(a, where=m, initial=v)           np.maximum(np.max(np.where(m, a, v)), v)
+    np.sum(a, initial=v)                    np.sum(a) + v
+    np.sum(a, dtype=np.float64)             np.sum(np.astype(a, dtype=np.float64))
+    x.astype(float, copy=False)             np.asarray(x, dtype=float)
+    x.item(1, 2)                            x[1, 2]
+    a.mT                                    np.swapaxes(a, -1, -2)
+    np.add.at(x, [0, 0, 1], v)              np.add.at(x, np.array([0, 0, 1]), v)
+
+Requires that methods are functions: `spelled` asks for each call.
+"""
+from __future__ import annotations
+
+from s2sad.rules.composed import WRITING
+from s2sad.tree import (
+    AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Tuple, call, call_name, const, copy, index, negate,
+    tuple_of,
+)
+
+_NEUTRAL = {"numpy.sum": 0, "numpy.prod": 1}
+_EXTREMES = {"numpy.max": "numpy.maximum", "numpy.amax": "numpy.maximum", "numpy.min": "numpy.minimum",
+             "numpy.amin": "numpy.minimum"}
+_TYPED = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
+_FLOATS = ("builtins.float", "numpy.float64", "numpy.double")
+
+
+def optioned(node: Call) -> AST | None:
+    """The call in its other spelling, None if it has no such option."""
+    called = call_name(node) or ""
+    given = {str(k.arg): k.value for k in node.keywords}
+    if not node.args:
+        return None
+    if called == "numpy.astype" and isinstance(copied := given.get("copy"), Constant):
+        return _converted(node, given, copied.value)
+    if called in _TYPED and getattr(given.get("dtype"), "id", "") in _FLOATS:
+        made = call("numpy.astype", node.args[0], dtype=given["dtype"])
+        return _without(node, ("dtype",), made)
+    if called == "numpy.copy" and (len(node.args) == 2 or "subok" in given):
+        return call("numpy.copy", node.args[0]) if not _is_true(given.get("subok")) else None
+    if called in _NEUTRAL or called in _EXTREMES:
+        return _picked(node, called, given)
+    if called in WRITING and len(node.args) > 1:
+        made = [node.args[0], *map(_listed, node.args[1:])]
+        return None if all(a is b for a, b in zip(made, node.args)) else Call(node.func, made, node.keywords)
+    return None
+
+
+def item(node: Call) -> AST | None:
+    """`x.item(...)` of written places as an element."""
+    if not isinstance(node.func, Attribute) or node.func.attr != "item" or node.keywords or not node.args:
+        return None
+    places = node.args[0].elts if isinstance(node.args[0], Tuple) and len(node.args) == 1 else node.args
+    return index(node.func.value, *places) if len(places) > 1 else None
+
+
+def matrices_turned(node: AST) -> AST | None:
+    """The matrices of a stack, each transposed."""
+    called = call_name(node)
+    attr = isinstance(node, Attribute) and node.attr == "mT"
+    if not attr and not (called in ("numpy.matrix_transpose", "numpy.linalg.matrix_transpose") and len(node.args) == 1):
+        return None
+    return call("numpy.swapaxes", node.value if attr else node.args[0], negate(const(1)), negate(const(2)))
+
+
+def _is_true(node: AST | None) -> bool:
+    return node is not None and not (isinstance(node, Constant) and not node.value)
+
+
+def _converted(node: Call, given: dict[str, AST], copied: object) -> AST | None:
+    dtype = node.args[1] if len(node.args) > 1 else given.get("dtype")
+    if dtype is None:
+        return None
+    if copied:
+        return _without(node, ("copy",), node.args[0])
+    return call("numpy.asarray", node.args[0], dtype=dtype) if set(given) <= {"dtype", "copy"} else None
+
+
+def _picked(node: Call, called: str, given: dict[str, AST]) -> AST | None:
+    """A reduction of the elements where a mask says so, and of what it starts with."""
+    where, initial = given.get("where"), given.get("initial")
+    if where is None and initial is None or where is not None and initial is None and called in _EXTREMES:
+        return None
+    operand = node.args[0]
+    if where is not None:
+        left_out = const(_NEUTRAL[called]) if called in _NEUTRAL else copy(initial)
+        operand = call("numpy.where", where, operand, left_out)
+    made: AST = _without(node, ("where", "initial"), operand)
+    if initial is None:
+        return made
+    if called in _EXTREMES:
+        return call(_EXTREMES[called], made, initial)
+    return BinOp(made, Add() if called == "numpy.sum" else Mult(), initial)
+
+
+def _without(node: Call, options: tuple[str, ...], operand: AST) -> Call:
+    return Call(node.func, [operand, *node.args[1:]], [k for k in node.keywords if k.arg not in options])
+
+
+def _listed(node: AST) -> AST:
+    """A list as an array, also within a tuple of places."""
+    if isinstance(node, Tuple):
+        parts = [_listed(e) for e in node.elts]
+        return node if all(a is b for a, b in zip(parts, node.elts)) else tuple_of(*parts)
+    return call("numpy.array", node) if isinstance(node, List) else node
