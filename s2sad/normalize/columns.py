@@ -58,7 +58,7 @@ class Column:
 def bound_columns(target: AST, items: list[AST], constants: Constants) -> dict[str, Column]:
     """The columns of what a loop goes through, by the targets that it binds to them; empty if any is none of numbers
     of one kind."""
-    pairs = [dict(found) if (found := _pairs(target, item)) is not None else {} for item in items]
+    pairs = [dict(_pairs(target, item) or []) for item in items]
     found: dict[str, Column] = {}
     for word in pairs[0] if pairs and len(stored_names(target)) == len(pairs[0]) else {}:
         cells = [row.get(word) for row in pairs]
