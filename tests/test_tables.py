@@ -53,6 +53,16 @@ def powers_and_flags(x):
                 total += x[k] * x[j]
             if FLAGS[j][k]:
                 total += x[k] * x[j] ** 2
+        total += (FLAGS[k][0] + FLAGS[0][k]) * x[k]
+    return total
+
+
+def followed(x):
+    after = ((2, 0.5), (0, 0.3), (1, 0.7))
+    k, total = 0, 0.0
+    for _ in range(5):
+        k, w = after[k]
+        total += w * x[k] ** 2
     return total
 
 
@@ -69,7 +79,7 @@ def more_than_are_written_out(x):
 
 
 @pytest.mark.parametrize(("kernel", "engine"), each([
-    index_and_weight, powers_and_flags, more_than_are_written_out], every=2))
+    index_and_weight, powers_and_flags, more_than_are_written_out, followed], every=2))
 def test_derivatives(kernel, engine):
     check_derivatives(kernel, (X,), ("x",), ("return",), engine)
 

@@ -66,8 +66,7 @@ def bound_columns(target: AST, items: list[AST], constants: Constants) -> dict[s
         of = "" if None in values else column_kind(values)
         if not of:
             return {}
-        floats = of == "float"
-        found[word] = Column(values, of, column([c for c in cells if c is not None], floats, constants))
+        found[word] = Column(values, of, column([c for c in cells if c is not None], of, constants))
     return found
 
 
@@ -90,11 +89,14 @@ def rows(node: AST) -> list[list[AST]]:
     return found if all(found) and len({len(r) for r in found}) == 1 else []
 
 
-def column(items: list[AST], floats: bool, constants: Constants) -> AST:
-    """The array of a column; `floats` if its integers are to be floats."""
-    def made(item: AST) -> AST:
+def column(items: list[AST], wanted: str, constants: Constants) -> AST:
+    """The array of a column; its numbers become those of a kind if that is `wanted`."""
+    made = {"float": float, "int": int}.get(wanted)
+
+    def cell(item: AST) -> AST:
         value = number(item, constants)
-        if not floats or kind(value) != "int":
+        if made is None or value is None or kind(value) == wanted:
             return copy(item)
-        return const(float(value or 0)) if isinstance(item, (Constant, UnaryOp)) else call("builtins.float", copy(item))
-    return call("numpy.array", tuple_of(*map(made, items)))
+        written = isinstance(item, (Constant, UnaryOp))
+        return const(made(value)) if written else call(f"builtins.{wanted}", copy(item))
+    return call("numpy.array", tuple_of(*map(cell, items)))

@@ -26,9 +26,9 @@ from s2sad.normalize.sequences import literal, sequence
 from s2sad.normalize.settled import in_round
 from s2sad.normalize.unpack import unpack
 from s2sad.tree import (
-    AST, Assign, AugAssign, Break, Constant, Expr, For, FunctionDef, If, Name, Not, Subscript, Tuple, UnaryOp, While,
-    assign, at, attribute, call, call_name, const, copy, counted_for, dump, function, index, name, names, rebuild,
-    stored_names, tuple_of, walk,
+    AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Not, Subscript, Tuple,
+    UnaryOp, While, assign, at, attribute, call, call_name, const, copy, counted_for, dump, function, index, name,
+    names, rebuild, stored_names, tuple_of, walk,
 )
 
 LONGEST = 16                            # the longest sequence that is written out
@@ -127,8 +127,11 @@ class _Loops:
         left = self._live[id(node)] & {*stored_names(body), *columns}
         picked = [s.slice for s in walk(body) if isinstance(s, Subscript)]
         floats = {n for n, c in columns.items() if c.kind == "float"} & set(names(picked))
-        return count >= FEWEST and count * size > LONGEST and not floats and not left & set(columns) and left <= {
-            *outside, *parameters(self._tree)} and rounds.stay()
+        sums = [s for s in walk(body) if isinstance(s, (AugAssign, BinOp, Call))]   # NumPy adds bools otherwise
+        bools = {n for n, c in columns.items() if c.kind == "bool"} & set(names(sums))
+        if count < FEWEST or count * size <= LONGEST or floats or bools or left & set(columns):
+            return False
+        return left <= {*outside, *parameters(self._tree)} and rounds.stay()
 
     def _array(self, target: str, array: AST) -> str:
         """The name of an array of written numbers, which is bound where the function begins."""

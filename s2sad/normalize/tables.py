@@ -21,8 +21,9 @@ from s2sad.normalize.columns import column, column_kind, number, rows
 from s2sad.normalize.hoist import constant_index
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
-    AST, Assign, BinOp, Call, For, FunctionDef, List, Load, Name, Pow, Slice, Starred, Store, Subscript, Tuple, assign,
-    at, call, call_name, children, const, copy, dump, index, name, names, rebuild, stored_names, tuple_of, walk,
+    AST, Assign, AugAssign, BinOp, Call, For, FunctionDef, List, Load, Name, Pow, Slice, Starred, Store, Subscript,
+    Tuple, assign, at, call, call_name, children, const, copy, dump, index, name, names, rebuild, stored_names,
+    tuple_of, walk,
 )
 
 _THROUGH = ("builtins.len", "builtins.enumerate", "builtins.zip", "builtins.reversed")
@@ -133,19 +134,22 @@ class _Table:
         uses = _Uses(self.word, len(kinds), function)
         inverted = {k for k, c in enumerate(self.columns) if kinds[k] == "int" and min(c) < 0
                     and uses.is_exponent(k) and not uses.is_index(k)}
+        kinds = ["float" if k in inverted else "int" if of == "bool" and uses.is_summand(k) else of
+                 for k, of in enumerate(kinds)]
         mixed = len(set(kinds)) > 1
         if "" not in kinds and (mixed or inverted or uses.unpacked) and uses.by_columns:
             parts = [self.scope.fresh(f"{self.word}_{k}") for k in range(len(kinds))]
-            arrays = [column([row[k] for row in self.rows], k in inverted or kinds[k] == "float",
-                             self.scope.program.constants) for k in range(len(kinds))]
+            arrays = [column([row[k] for row in self.rows], kinds[k], self.scope.program.constants)
+                      for k in range(len(kinds))]
             return self.bound(function, assign(tuple_of(*map(name, parts)), tuple_of(*arrays)), _Columns(uses, parts))
-        if set(kinds) & {"", "bool"} and kinds != ["bool"] * len(kinds):
+        if "" in kinds or mixed and "bool" in kinds:
             return function
         if mixed and any(map(uses.is_index, range(len(kinds)))):
             self.scope.refuse(self.statement, f"{self.word!r} holds integers and floats, and a variable picks its "
                               "columns", help="make an array of each column")
-        whole = self.statement.value if not inverted else tuple_of(*(
-            column(row, True, self.scope.program.constants).args[0] for row in self.rows))
+        wanted = "float" if inverted else kinds[0] if kinds[0] == "int" else ""
+        whole = self.statement.value if not wanted else tuple_of(*(
+            column(row, wanted, self.scope.program.constants).args[0] for row in self.rows))
         return self.bound(function, assign(self.word, call("numpy.array", whole)), _Columns(uses, []))
 
     def bound(self, function: FunctionDef, binding: AST, columns: _Columns) -> FunctionDef:
@@ -191,6 +195,10 @@ class _Uses:
     def is_exponent(self, place: int) -> bool:
         return self.stands(place, [n.right for n in walk(self.function.body) if isinstance(n, BinOp)
                                    and isinstance(n.op, Pow)])
+
+    def is_summand(self, place: int) -> bool:
+        """Whether arithmetic is done with a number: NumPy's bools have a sum that is none of integers."""
+        return self.stands(place, [n for n in walk(self.function.body) if isinstance(n, (BinOp, AugAssign))])
 
     def is_index(self, place: int) -> bool:
         return self.stands(place, [n.slice for n in walk(self.function.body) if isinstance(n, Subscript)])
