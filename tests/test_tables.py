@@ -44,10 +44,12 @@ def rows_of_a_helper(x, k):
 def powers_and_flags(x):
     powers = ((1, -1), (2, -2))
     chosen = [[True, False], [False, True]]
+    mixed = ((1, 0.5), (2, 0.25))
     total = 0.0
     for k in range(2):
         total += 2 ** powers[k][1] * x[0] + x[k] ** POWERS[k][1] * 2 ** POWERS[k][1]
         for j in range(2):
+            total += mixed[j][k] * x[k]
             total += 2 ** powers[k][j] * x[j] + rows_of_a_helper(x, k)
             if chosen[k][j]:
                 total += x[k] * x[j]

@@ -147,9 +147,8 @@ class _Table:
         if mixed and any(map(uses.is_index, range(len(kinds)))):
             self.scope.refuse(self.statement, f"{self.word!r} holds integers and floats, and a variable picks its "
                               "columns", help="make an array of each column")
-        wanted = "float" if inverted else kinds[0] if kinds[0] == "int" else ""
-        whole = self.statement.value if not wanted else tuple_of(*(
-            column(row, wanted, self.scope.program.constants).args[0] for row in self.rows))
+        whole = tuple_of(*(column(row, "float" if mixed else kinds[0], self.scope.program.constants).args[0]
+                           for row in self.rows))
         return self.bound(function, assign(self.word, call("numpy.array", whole)), _Columns(uses, []))
 
     def bound(self, function: FunctionDef, binding: AST, columns: _Columns) -> FunctionDef:
