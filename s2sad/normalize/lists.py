@@ -1,4 +1,4 @@
-"""lists: lists that grow by `append` become arrays that are filled, after `comprehensions`.
+"""lists: lists that grow by `append` become arrays that are filled, after `comprehensions` and `lasting`.
 
     us = [u0]                           us = builtins.list(1 + n)
     for k in range(n):                  us[0] = u0
@@ -18,7 +18,8 @@ from functools import reduce
 from s2sad.infer.types_of_calls import LISTED, MARKS, live
 from s2sad.normalize.comprehensions import HELP, comprehensions, marked
 from s2sad.normalize.filled_lists import filled_lists
-from s2sad.normalize.memory import parameters
+from s2sad.normalize.lasting import changed, made_late, only_after
+from s2sad.normalize.memory import Memory, parameters
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If,
@@ -36,8 +37,9 @@ def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
     nodes = list(walk(function.body))
     if not any(isinstance(n, (ListComp, GeneratorExp)) or _appended(n) or call_name(n) == LISTED for n in nodes):
         return function
-    new = comprehensions(_bound_once(function, scope), scope)
+    new = made_late(comprehensions(_bound_once(function, scope), scope), scope, _appended)
     scope.report.finish()
+    scope.memory = Memory(new, scope.program)
     return _Lists(new, scope).function()
 
 
@@ -158,8 +160,9 @@ class _Lists:
         size: AST = const(len(statement.value.elts))
         for loops in self.appends(self.tree.body, bound, []):
             inner = [node for node in loops if not any(n is statement for n in walk(node))]
-            lengths = [self.length(node, statement) for node in inner if not isinstance(node, If)]
-            if None in lengths:
+            inner = [node for node in inner if not isinstance(node, If)]
+            lengths = [self.length(inner[:k + 1], statement) for k in range(len(inner))]
+            if None in lengths or not only_after(statement, self.tree.body, _appended):
                 self.scope.refuse(statement, f"how long {bound!r} becomes is not known where it is made", help=HELP)
                 return const(0)
             term = reduce(lambda a, b: BinOp(a, Mult(), b), lengths) if lengths else const(1)
@@ -175,12 +178,13 @@ class _Lists:
                     found += self.appends(getattr(s, field), bound, [*around, s])
         return found
 
-    def length(self, loop: AST, statement: AST) -> AST | None:
-        """How often a loop runs at most, if that is known at a statement before it."""
-        if not isinstance(loop, For):
+    def length(self, loops: list[AST], statement: Assign) -> AST | None:
+        """How often the last of the loops runs at most, if that is known at a statement before them."""
+        loop = loops[-1]
+        found = _length(self.widest(loop.iter)) if isinstance(loop, For) else None
+        if found is None or changed(found, statement, loops, self.tree.body, self.scope.memory):
             return None
-        found = _length(self.widest(loop.iter))
-        return found if found is not None and self.lasts(found, statement) else None
+        return found if self.lasts(found, statement) else None
 
     def widest(self, iterable: AST) -> AST:
         """A range that goes from or to a counter of another loop, as wide as it becomes."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from s2sad.normalize.in_place import stored_by_call
+from s2sad.normalize.in_place import stored_by_call, stored_out
 from s2sad.program import Program
 from s2sad.tree import (
     AST, AnnAssign, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, IfExp,
@@ -34,6 +34,8 @@ def fresh_value(value: AST) -> bool:
     if isinstance(value, (Tuple, List)):
         return all(map(fresh_value, value.elts))
     called = call_name(value)
+    if stored_out(value) is not None or any(k.arg == "copy" for k in getattr(value, "keywords", [])):
+        return False                                    # the array that it is given may be its result
     if called is not None:
         return called in FRESH or called.startswith("math.")
     return isinstance(value, Call) and isinstance(value.func, Attribute) and value.func.attr in FRESH_METHODS
@@ -87,6 +89,8 @@ class Memory:
                 found.add(self._class(node.target.id))
             elif (called := call_name(node) or "").startswith("user.") and self.writes(called[len("user."):]):
                 found |= {self._class(n) for n in _names(node.args + node.keywords)} | {GLOBAL}
+            elif isinstance(node, Call) and _writing_call(node):
+                found |= {self._class(n) for n in _names(node)}
         return found
 
     def affected(self, expression: AST, written: set[str]) -> bool:
@@ -155,8 +159,8 @@ def walk_children(node: AST) -> list[AST]:
 
 
 def _scalars(function: FunctionDef) -> set[str]:
-    """The names that are bound to numbers only, as far as the text shows it."""
-    bound = list(bindings(function))
+    """The names that are bound to numbers only, as far as the text shows it: `w += x` may make an array of one."""
+    bound = [*bindings(function), *((n.target, n.value) for n in walk(function.body) if isinstance(n, AugAssign))]
     found = set(stored_names(function.body)) - set(parameters(function))
     while True:
         lost = {n for target, value in bound if not (isinstance(target, Name) and _number(value, found))

@@ -3,21 +3,29 @@
     inner = slice(1, -1)            v[1:-1] = u[1:-1, ::2]
     every = np.s_[::2]
     v[inner] = u[inner, every]
+    part = slice(p[0], n)           part_start = p[0]
+    p[0] += 1                       p[0] += 1
+    v[part] = 0.0                   v[part_start:n] = 0.0
 
-Requires resolved names. What a slice is made of must stay what it is; a slice that is no subscript is refused.
+Requires resolved names. What a slice is made of is what it is where the slice is made: it has a name if it may be
+something else where the slice is used. A slice that is no subscript is refused.
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 
-from s2sad.normalize.memory import parameters
+from s2sad.normalize.memory import STABLE
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
-    AST, Assign, Constant, FunctionDef, Name, Slice, Store, Subscript, Tuple, assign, at, call_name, copy, names,
-    rebuild, stored_names, tuple_of, walk,
+    AST, Assign, Attribute, BinOp, Call, Constant, FunctionDef, Name, Slice, Store, Subscript, Tuple, UnaryOp, assign,
+    at, call_name, children, copy, expr, name, names, rebuild, stored_names, tuple_of, walk,
 )
 
 _SLICE, _WRITTEN = "builtins.slice", "numpy.s_"
+_NUMBERS = {"builtins.len": 1, "builtins.int": 1, "builtins.abs": 1, "builtins.min": 2, "builtins.max": 2}
+_BOUNDS = ("start", "stop", "step")
+_WHERE_USED = "write the slice where it is used: x[a:b]"
 
 
 def sliced(function: FunctionDef, scope: Scope) -> FunctionDef:
@@ -26,23 +34,13 @@ def sliced(function: FunctionDef, scope: Scope) -> FunctionDef:
         return function
     function = copy(function)
     function.body = _separate(function.body)
-    nodes = [n for n in walk(function.body) if isinstance(n, Name)]
-    stores = [n.id for n in nodes if isinstance(n.ctx, Store)]
     known: dict[str, AST] = {}
-    for statement in walk(function.body):
-        target = statement.targets[0] if isinstance(statement, Assign) and len(statement.targets) == 1 else None
-        if not isinstance(target, Name) or (found := _spelled(statement.value, known)) is None:
-            continue
-        lasting = all(stores.count(n) <= (n not in parameters(function)) for n in names(found))
-        if stores.count(target.id) > 1 or not lasting or not _in_order(nodes, target, names(found)):
-            scope.refuse(statement, "a slice whose name, or what it is made of, changes", help="write the slice "
-                         "where it is used: x[a:b]")
-        known[target.id] = found
+    function.body = _Made(function, scope, known).block(function.body)
     new = copy(function)
     new.body = _block(function.body, known)
     for node in walk(new.body):
         if call_name(node) == _SLICE or isinstance(node, Name) and node.id in known:
-            scope.refuse(node, "a slice that is no subscript", help="write the slice where it is used: x[a:b]")
+            scope.refuse(node, "a slice that is no subscript", help=_WHERE_USED)
     return new
 
 
@@ -67,11 +65,69 @@ def _separate(block: list[AST]) -> list[AST]:
     return made
 
 
-def _in_order(nodes: list[AST], target: Name, made_of: list[str]) -> bool:
-    """Whether the text binds what a slice is made of, then the slice, and then uses it: so does each iteration."""
-    here = next(k for k, n in enumerate(nodes) if n is target)
-    return all(k < here for k, n in enumerate(nodes) if isinstance(n.ctx, Store) and n.id in made_of) and all(
-        k >= here for k, n in enumerate(nodes) if n.id == target.id)
+class _Made:
+    """The slices of one function that have names, with what they are made of; `known` is filled."""
+
+    def __init__(self, function: FunctionDef, scope: Scope, known: dict[str, AST]):
+        self.scope, self.known = scope, known
+        found = [n for n in walk(function.body) if isinstance(n, Name)]
+        self.stores = Counter(n.id for n in found if isinstance(n.ctx, Store))
+        self.reads = Counter(n.id for n in found if not isinstance(n.ctx, Store))
+        first = {n.id: n for n in reversed(found)}
+        self.read_before = {n for n, node in first.items() if not isinstance(node.ctx, Store)}
+
+    def block(self, block: list[AST]) -> list[AST]:
+        made: list[AST] = []
+        for position, statement in enumerate(block):
+            for field in ("body", "orelse"):
+                if hasattr(statement, field):
+                    setattr(statement, field, self.block(getattr(statement, field)))
+            target = statement.targets[0] if isinstance(statement, Assign) and len(statement.targets) == 1 else None
+            if isinstance(target, Name) and (found := _spelled(statement.value, self.known)) is not None:
+                if self.stores[target.id] > 1 or target.id in self.read_before:
+                    self.scope.refuse(statement, "a slice whose name changes, or is read before", help=_WHERE_USED)
+                before, self.known[target.id] = self.kept(target.id, found, block[position + 1:])
+                made += [at(s, statement) for s in before]
+            made.append(statement)
+        return made
+
+    def kept(self, identifier: str, found: AST, rest: list[AST]) -> tuple[list[AST], AST]:
+        """The slice with names for what may change before its last use, which the statements before it bind."""
+        uses = sum(isinstance(n, Name) and n.id == identifier for n in walk(rest))
+        stored = set(stored_names(rest)) if uses == self.reads[identifier] else set(self.stores)
+        before: list[AST] = []
+
+        def stays(part: AST, number: bool) -> bool:
+            fixed = _is_number(part) if number else isinstance(part, (Name, Constant))
+            return fixed and not stored & set(names(part))
+
+        def held(part: AST | None, wanted: str, number: bool) -> AST | None:
+            if part is None or stays(part, number):
+                return part
+            before.append(assign(new := self.scope.fresh(f"{identifier}_{wanted}"), part))
+            return name(new)
+
+        def changed(node: AST, wanted: str) -> AST | None:
+            if isinstance(node, Tuple):
+                return at(tuple_of(*(changed(e, str(k)) for k, e in enumerate(node.elts))), node)
+            if not isinstance(node, Slice):
+                return held(node, wanted, False)
+            return Slice(*(held(p, w, True) for p, w in zip((node.lower, node.upper, node.step), _BOUNDS)))
+        return before, changed(found, "place")
+
+
+def _is_number(part: AST) -> bool:
+    """Whether a bound of a slice is made of nothing but numbers and sizes: stores into arrays cannot change it."""
+    if isinstance(part, Attribute):
+        return part.attr in STABLE and isinstance(part.value, Name)
+    if isinstance(part, Subscript):
+        return isinstance(part.value, Attribute) and _is_number(part.value) and isinstance(part.slice, (
+            Constant, UnaryOp)) and _is_number(part.slice)
+    if isinstance(part, Call):
+        plain = len(part.args) >= _NUMBERS.get(call_name(part) or "", 9) and not part.keywords
+        return plain and all(map(_is_number, part.args))
+    return isinstance(part, (Name, Constant)) or isinstance(part, (BinOp, UnaryOp)) and all(
+        _is_number(c) for c in children(part) if isinstance(c, expr))
 
 
 def _spelled(node: AST, known: dict[str, AST]) -> AST | None:

@@ -31,6 +31,7 @@ def structured(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
     scope = Scope(kernel, names, program, Memory(tree, program))
     flat(tree, scope)
     for step in (signatures, settled, tables, sliced, lists, bundles, desugar, jumps, loops):
+        scope.memory = Memory(tree, program)            # each step has made names
         tree = step(tree, scope)
         scope.report.finish()
     return tree
