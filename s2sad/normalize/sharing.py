@@ -13,7 +13,7 @@ from dataclasses import replace
 from s2sad.analyze.liveness import base_name
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
-from s2sad.infer.shapes import Shapes
+from s2sad.normalize.around import Here
 from s2sad.program import Kernel
 from s2sad.tree import (
     AST, Add, BinOp, Call, Name, Slice, Store, Subscript, assign, at, const, copy, dump, function, indices, name,
@@ -21,7 +21,7 @@ from s2sad.tree import (
 )
 
 
-def shared(node: Call, written: tuple[int, ...], typing: Typing, shapes: Callable[[], Shapes],
+def shared(node: Call, written: tuple[int, ...], typing: Typing, places: Callable[[], dict[int, Here]],
            report: Report) -> tuple[tuple[int, int], ...]:
     """The pairs (position, earlier position) of a call's arguments that are one array, where it is written."""
     arrays = [k for k, a in enumerate(node.args) if typing.of(a).is_array]
@@ -33,17 +33,21 @@ def shared(node: Call, written: tuple[int, ...], typing: Typing, shapes: Callabl
             if dump(node.args[k]) == dump(node.args[first]):
                 if all(p != k for p, _ in pairs):
                     pairs.append((k, first))
-            elif not _apart(node.args[k], node.args[first], shapes()):
+            elif not _apart(node.args[k], node.args[first], places()[id(node)]):
                 report.error("S404", f"two arguments that may share elements of '{base_name(node.args[k])}', one of "
                              "which is written", node, help="copy one of them first")
     return tuple(pairs)
 
 
-def _apart(a: AST, b: AST, shapes: Shapes) -> bool:
+def _apart(a: AST, b: AST, here: Here) -> bool:
     """Whether two parts of one array are known to share nothing: they lie apart on one axis."""
     return isinstance(a, Subscript) and isinstance(b, Subscript) and any(
-        _ends_before(x, y, shapes) or _ends_before(y, x, shapes)
-        for x, y in zip(_axes(a, shapes.typing), _axes(b, shapes.typing)))
+        _ends_before(x, y, here) or _ends_before(y, x, here) or _are_others(x, y, here)
+        for x, y in zip(_axes(a, here.shapes.typing), _axes(b, here.shapes.typing)))
+
+
+def _are_others(x: AST, y: AST, here: Here) -> bool:
+    return not isinstance(x, Slice) and not isinstance(y, Slice) and here.differ(x, y)
 
 
 def _axes(part: Subscript, typing: Typing) -> Iterator[AST]:
@@ -54,7 +58,7 @@ def _axes(part: Subscript, typing: Typing) -> Iterator[AST]:
         yield subscript
 
 
-def _ends_before(first: AST, second: AST, shapes: Shapes) -> bool:
+def _ends_before(first: AST, second: AST, here: Here) -> bool:
     """Whether a slice or a number along an axis takes elements before those of another one only."""
     if any(isinstance(s, Slice) and s.step is not None for s in (first, second)):
         return False
@@ -64,11 +68,11 @@ def _ends_before(first: AST, second: AST, shapes: Shapes) -> bool:
         return False
     if isinstance(first, Slice) and isinstance(second, Slice) and dump(end) == dump(start):
         return True
-    own, last, begin = (shapes.size(s) for s in (end if isinstance(first, Slice) else first, end, start))
-    if own is None or last is None or begin is None or not shapes.is_place(begin.plus(last, -1)):
+    own, last, begin = (here.size(s) for s in (end if isinstance(first, Slice) else first, end, start))
+    if own is None or last is None or begin is None or not here.is_place(begin.plus(last, -1)):
         return False
     from_the_end = not own.terms and not begin.terms and own.constant < 0 and begin.constant < 0
-    return shapes.is_place(own) or from_the_end
+    return here.is_place(own) or from_the_end
 
 
 def specialised(kernel: Kernel, pairs: tuple[tuple[int, int], ...]) -> Kernel:

@@ -19,6 +19,7 @@ from s2sad.infer.shapes import shapes_of
 from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
 from s2sad.normalize import structured
+from s2sad.normalize.around import around
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
 from s2sad.normalize.complexes import complexes, of_its_own
@@ -268,12 +269,12 @@ class NormalForms(Calls):
     def with_titles(self, tree: FunctionDef, typing: Typing, report: Report) -> FunctionDef:
         """The tree with every kernel's call naming the unit for its arguments: their types, and which are one array."""
         new = copy(tree)
-        shapes = cache(lambda: shapes_of(tree, typing))
+        places = cache(lambda: around(new.body, shapes_of(tree, typing)))
         for node in walk(new.body):
             if not isinstance(node, Call) or not (call_name(node) or "").startswith("user."):
                 continue
             unit = self.of_call(node, typing)
-            pairs = shared(node, unit.summary.written, typing, shapes, report)
+            pairs = shared(node, unit.summary.written, typing, places, report)
             if pairs:
                 node.args = [a for k, a in enumerate(node.args) if all(k != gone for gone, _ in pairs)]
                 unit = self.unit(unit.kernel.name, tuple(map(typing.argument, node.args)), pairs)
