@@ -84,7 +84,7 @@ def changed(found: AST, made: Assign, loops: list[AST], body: list[AST], memory:
     order = {id(n): k for k, n in enumerate(walk(body))}
     first, last = order[id(made)], order[id(loops[-1])]
     again = {id(n) for n in walk(loops[0].body)} if len(loops) > 1 else set()
-    parts = [_own(s) for s in _statements(body) if first < order[id(s)] < last or id(s) in again or last < first]
+    parts = [own_part(s) for s in _statements(body) if first < order[id(s)] < last or id(s) in again or last < first]
     return bool(memory.written([found])) or memory.affected(found, memory.written([*parts, *made.value.elts]))
 
 
@@ -97,7 +97,12 @@ def _statements(block: list[AST]) -> list[AST]:
     return [s for b in _blocks(block) for s in b]
 
 
-def _own(statement: AST) -> AST:
+def own_parts(block: list[AST]) -> list[AST]:
+    """Every statement below, of those with blocks what is not in a block."""
+    return [own_part(s) for s in _statements(block)]
+
+
+def own_part(statement: AST) -> AST:
     """What of a statement is not in a block of its own."""
     if isinstance(statement, For):
         return statement.iter

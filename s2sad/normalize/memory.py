@@ -86,7 +86,7 @@ class Memory:
             if isinstance(node, Subscript) and isinstance(node.ctx, Store):
                 found |= {self._class(n) for n in _names(node.value)}
             elif isinstance(node, AugAssign) and isinstance(node.target, Name):
-                found.add(self._class(node.target.id))
+                found |= {self._class(node.target.id)} if node.target.id not in self._scalars else set()
             elif (called := call_name(node) or "").startswith("user.") and self.writes(called[len("user."):]):
                 found |= {self._class(n) for n in _names(node.args + node.keywords)} | {GLOBAL}
             elif isinstance(node, Call) and _writing_call(node):

@@ -18,6 +18,7 @@ from s2sad.infer.types_of_calls import LISTED, stored_into
 from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.views_in_lists import Writes, views_in_lists
+from s2sad.program import Program
 from s2sad.tree import (
     AST, Assign, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, assign, at, attribute, call,
     call_name, children, const, copy, index, indices, rebuild, tuple_of, walk,
@@ -28,10 +29,12 @@ _KEEPING = ("numpy.cumsum", "numpy.cumprod", "numpy.sort")     # of the sizes of
 _SHAPED = ("numpy.zeros", "numpy.ones", "numpy.empty", "numpy.full")
 
 
-def rows(function: FunctionDef, typing: Typing, memory: Memory, writes: Writes, report: Report) -> FunctionDef:
+def rows(function: FunctionDef, typing: Typing, program: Program, writes: Writes, report: Report) -> FunctionDef:
     """The function with those allocations; what cannot be allocated goes into the report."""
     if not any(call_name(n) == LISTED for n in walk(function.body)):
         return function
+    memory = Memory(rebuild(function, lambda n: call("numpy.empty", const(0)) if call_name(n) == LISTED else None),
+                    program)
     function = views_in_lists(function, typing, memory, writes, report)
     pass_ = _Rows(function, typing, report)
     return rebuild(function, pass_.change)

@@ -20,6 +20,7 @@ from s2sad.blocks import with_blocks
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.infer.types_of_calls import LISTED, stored_into
+from s2sad.normalize.listed import told_apart
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.references import References
 from s2sad.normalize.viewing import SHOWN
@@ -38,12 +39,10 @@ def views_in_lists(function: FunctionDef, typing: Typing, memory: Memory, writes
     """The function with those views; what cannot be one goes into the report."""
     held = _Held(function, typing, writes)
     told: dict[str, tuple[str, AST, str]] = {}
-    written = memory.written(function.body)
-    for statement in (s for stores in held.stores.values() for s in stores):
-        if held.is_shared(statement) and memory.affected(Subscript(statement.value, const(0), statement.value.ctx),
-                                                         written):
-            told.setdefault(base_name(statement.targets[0]),
-                            ("a list holds an array that is written, not a copy of it", statement, _HELP))
+    stores = [s for several in held.stores.values() for s in several]
+    for statement in told_apart(function, stores, typing, memory):
+        told.setdefault(base_name(statement.targets[0]),
+                        ("a list holds an array that is written, not a copy of it", statement, _HELP))
     for listed in held.stores:
         if (place := held.bound_anew(listed)) is not None:
             told.setdefault(listed, (f"an element of the list {listed!r} becomes another array, and what it was is "

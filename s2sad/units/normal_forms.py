@@ -34,7 +34,6 @@ from s2sad.normalize.rename import rename
 from s2sad.normalize.integers import integers
 from s2sad.normalize.listed_rows import listed_rows
 from s2sad.normalize.lives import lives
-from s2sad.normalize.memory import Memory
 from s2sad.normalize.rotated import rotated
 from s2sad.normalize.rows import rows
 from s2sad.normalize.ruled import ruled
@@ -172,7 +171,7 @@ class NormalForms(Calls):
 
         def written(called: Call) -> tuple[int, ...]:
             return self.of_call(called, typing).summary.written
-        tree = rows(tree, typing, Memory(tree, self.program), written, report)
+        tree = rows(tree, typing, self.program, written, report)
         report.finish()
         tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")
         ruled(tree, typing, report)
