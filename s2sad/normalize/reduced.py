@@ -18,19 +18,20 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad import rules
+from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import axes_of, is_true
+from s2sad.infer.laws import ONE, axes_of, is_true
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.types import INT, Type
 from s2sad.normalize.elements import Elements
 from s2sad.tree import (
-    AST, Add, BinOp, BoolOp, Call, Div, Gt, If, Lt, Mult, Name, NotEq, Or, Subscript, add, assign, augment, call,
-    call_name, compare, const, copy, counted_for, index, name,
+    AST, Add, Assign, AugAssign, BinOp, BoolOp, Call, Div, Gt, If, Lt, Mult, Name, NotEq, Or, Subscript, add, assign,
+    augment, call, call_name, compare, const, copy, counted_for, index, name, names,
 )
 
 _SUMS = {"numpy.sum", "numpy.mean"}
 _EXTREMES = {"numpy.max": Gt, "numpy.amax": Gt, "numpy.min": Lt, "numpy.amin": Lt}
-PRODUCTS = ("numpy.matmul", "numpy.dot")
+_PRODUCTS = ("numpy.matmul", "numpy.dot")
 _BLOCK = 128
 
 
@@ -80,11 +81,11 @@ class Reduced:
         return counted_for(start, [const(0), size, const(_BLOCK)], [
             assign(part, _zero(number)), inner, augment(target, Add(), name(part))])
 
-    # -- products of integers, which compiled code has none of ---------------------------------------------------------
+    # -- products ----------------------------------------------------------------------------------------------------
 
     def is_whole_product(self, node: AST) -> bool:
         """Whether an expression is a product of vectors or matrices of integers or bools."""
-        return call_name(node) in PRODUCTS and isinstance(node, Call) and not any(
+        return call_name(node) in _PRODUCTS and isinstance(node, Call) and not any(
             self.typing.of(a).is_inexact for a in node.args)
 
     def whole_product(self, target: AST, node: AST) -> list[AST]:
@@ -107,6 +108,29 @@ class Reduced:
                 assign(cell, total)]
         sizes = [*left[:-1], *right[1:]]
         return [_nest([*rows, *columns], sizes, body)] if sizes else body
+
+    def thin_product(self, target: AST, node: AST,
+                     filled: Callable[[Assign | AugAssign, Subscript, AST], list[AST]]) -> list[AST] | None:
+        """The loops that store a column times a row, or a row times a matrix, which fuse with those around them; None
+        for any other product of matrices. `filled` makes those of an elementwise statement."""
+        if call_name(node) not in _PRODUCTS or not isinstance(node, Call) or not isinstance(
+                target, Subscript) or base_name(target) in names(node):
+            return None
+        a, b = node.args
+        if self.typing.of(a).rank != 2 or self.typing.of(b).rank != 2:
+            return None
+        (rows, inner), (also, columns) = self.shapes.of(a), self.shapes.of(b)
+        if inner is None or not self.shapes.same(inner, also):
+            return None
+        if inner == ONE:
+            product = BinOp(a, Mult(), b)
+            return filled(assign(target, product), target, product)
+        if rows != ONE or columns == ONE or not isinstance(a, Name) or not isinstance(b, Name):
+            return None
+        row = name(self.counters(1)[0])
+        part = BinOp(index(a, const(0), row), Mult(), index(b, row))
+        return [*filled(assign(target, const(0.0)), target, const(0.0)), counted_for(
+            row.id, [self.elements.size_of(a, 1)], filled(augment(target, Add(), part), target, part))]
 
     # -- along axes --------------------------------------------------------------------------------------------------
 

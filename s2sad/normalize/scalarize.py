@@ -25,19 +25,18 @@ from s2sad.analyze.liveness import base_name
 from s2sad.infer.infer import Typing
 from s2sad.infer.shapes import Shapes, started_shapes, shape_expression
 from s2sad.infer.slices import scattered
-from s2sad.infer.laws import ONE
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
 from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.elements import Elements, moves
 from s2sad.normalize.functions import is_function
-from s2sad.normalize.reduced import PRODUCTS, Reduced, is_reduction
+from s2sad.normalize.reduced import Reduced, is_reduction
 from s2sad.normalize.places import array_operands
 from s2sad.normalize.regions import is_new
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, Call, FloorDiv, For, FunctionDef, If, Mult, Name, Return, Slice, Subscript,
-    While, assign, at, augment, call, call_name, const, copy, counted_for, index, indices, name, names, rebuild, sub,
+    AST, Add, Assign, AugAssign, BinOp, Call, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript,
+    While, assign, at, augment, call, call_name, const, copy, counted_for, index, indices, name, rebuild, sub,
     walk,
 )
 
@@ -156,7 +155,7 @@ class Scalarize:
             return self.reduced.statements(target, value)
         if self.reduced.is_whole_product(value) and isinstance(statement, Assign):
             return self.reduced.whole_product(target, value)
-        thin = self.thin(statement, target, value)
+        thin = self.reduced.thin_product(target, value, self.filled) if isinstance(statement, Assign) else None
         if thin is not None:
             return thin
         if not self.final or isinstance(target, Name):
@@ -164,27 +163,6 @@ class Scalarize:
         made = self.free.fresh(f"{(call_name(value) or '').rpartition('.')[2]}_value")
         self.typing.table[made] = self.typing.of(value)
         return [assign(made, copy(value)), *self.filled(statement, target, name(made))]
-
-    def thin(self, statement: Assign | AugAssign, target: AST, value: AST) -> list[AST] | None:
-        """The loops for a column times a row, or a row times a matrix, which fuse with those around them; None for any
-        other product of matrices."""
-        if call_name(value) not in PRODUCTS or not isinstance(target, Subscript) or not isinstance(
-                statement, Assign) or base_name(target) in names(value):
-            return None
-        a, b = value.args
-        if self.typing.of(a).rank != 2 or self.typing.of(b).rank != 2:
-            return None
-        (rows, inner), (also, columns) = self.shapes.of(a), self.shapes.of(b)
-        if inner is None or not self.shapes.same(inner, also):
-            return None
-        if inner == ONE:
-            return self.filled(statement, target, BinOp(a, Mult(), b))
-        if rows != ONE or columns == ONE or not isinstance(a, Name) or not isinstance(b, Name):
-            return None
-        at_row = name(self.counters(1)[0])
-        part = BinOp(index(a, const(0), at_row), Mult(), index(b, at_row))
-        return [*self.filled(statement, target, const(0.0)), counted_for(
-            at_row.id, [self.elements.size_of(a, 1)], self.filled(augment(target, Add(), part), target, part))]
 
     def allocated(self, target: Name, value: AST) -> AST | None:
         """The allocation of a name for the value of an elementwise expression of arrays, None for any other value."""

@@ -148,8 +148,7 @@ class Blocks:
             if found is None or source is None or self.text.calls[dump(node)] != 1:
                 return None
             rows = self.text.free.fresh(f"{base_name(_target(statement))}_rows")
-            part = index(name(source), Slice(name(self.first), name(self.last), None))
-            self.before.append(at(assign(rows, call("numpy.matmul", part, found[1])), statement))
+            self.before.append(at(assign(rows, call("numpy.matmul", self.rows_of(source), found[1])), statement))
             return index(name(rows), copy(self.row))
         made = len(self.before)
         new = copy(statement)
@@ -176,8 +175,7 @@ class Blocks:
         if not isinstance(target.slice, Name) or target.slice.id != self.counter or not self.is_alone(
                 target, statement):
             return None
-        kept = self.keep_vector(*found)
-        part = index(name(base_name(target)), Slice(name(self.first), name(self.last), None))
+        kept, part = self.keep_vector(*found), self.rows_of(base_name(target))
         product = call("numpy.matmul", self.filled(kept), found[1])
         self.after.append(at(assign(part, product) if isinstance(statement, Assign)
                              else augment(part, statement.op, product), statement))
@@ -226,8 +224,6 @@ class Blocks:
             return index(name(rows), copy(self.row), *map(copy, indices(node))) if is_it else None
         return rebuild(nest, change)
 
-    # -- gains -------------------------------------------------------------------------------------------------------
-
     def gained(self, gain: Gain) -> list[AST] | None:
         """What keeps the column and the row of a gain, which are multiplied behind the block."""
         kind = self.text.types.get(gain.array)
@@ -247,8 +243,6 @@ class Blocks:
             return [assign(index(name(k), copy(self.row)), copy(f)) for k, f in zip(kept, gain.factors)]
         return [self.into(*made) for made in zip(kept, gain.counters, gain.sizes(), gain.factors)]
 
-    # -- what is kept ------------------------------------------------------------------------------------------------
-
     def keep(self, wanted: str, size: AST, dtype: str) -> str:
         """An array with a row for each iteration of a block."""
         kept = self.text.free.fresh(f"{wanted}_kept")
@@ -266,10 +260,12 @@ class Blocks:
         cell = index(name(kept), copy(self.row), name(counter))
         return counted_for(counter, [copy(size)], [assign(cell, copy(value))])
 
+    def rows_of(self, matrix: str) -> AST:
+        """The rows of the block."""
+        return index(name(matrix), Slice(name(self.first), name(self.last), None))
+
     def filled(self, kept: str) -> AST:
         return index(name(kept), Slice(None, sub(name(self.last), name(self.first)), None))
-
-    # -- questions ---------------------------------------------------------------------------------------------------
 
     def is_fixed(self, node: AST) -> bool:
         """Whether an expression has one value in all iterations; of what they store into it may read the sizes."""
