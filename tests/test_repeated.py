@@ -20,11 +20,11 @@ def without_copies(body: str) -> str:
 def test_a_shadow_is_read_where_it_lies():
     assert without_copies("s = copy(w)\nw[...] = 0.0\na[...] += 2.0 * s\na[...] += s") == (
         "def f(a, w):\n    a[...] += 2.0 * w\n    a[...] += w\n    w[...] = 0.0")
+    assert "copy" not in without_copies("s = copy(w)\nw[...] = 0.0\nfor i in a:\n    a[...] += s")
 
 
 def test_a_copy_that_is_needed_stays():
-    for rest in ("w[...] += s", "a[...] += s * w", "t = s\na[...] += t", "t = reshape(s, 3)\na[...] += t",
-                 "for i in a:\n    a[...] += s"):
+    for rest in ("w[...] += s", "a[...] += s * w", "t = s\na[...] += t", "t = reshape(s, 3)\na[...] += t"):
         assert "s = copy(w)" in without_copies(f"s = copy(w)\nw[...] = 0.0\n{rest}"), rest
     for before in ("s = copy(w)\nw[1] = 0.0\na[...] += s", "s = copy(w)\nw[...] = 1.0\na[...] += s",
                    "a[...] = s\ns = copy(w)\nw[...] = 0.0\na[...] += s"):

@@ -47,6 +47,15 @@ def test_exponentials_are_right_to_the_last_digits(elementary, name):
         assert abs(elementary[name](x) - exact) <= 3 * np.spacing(np.abs(np.float64(exact))), x
 
 
+def test_the_derivative_of_tanh(elementary):
+    rng = np.random.default_rng(3)
+    for x in np.concatenate([rng.standard_normal(200), 1e-4 * rng.standard_normal(50), rng.uniform(-350, 350, 200)]):
+        exact = 1 / np.cosh(np.longdouble(x)) ** 2
+        assert abs(elementary["sech_squared"](x) - exact) <= 4 * np.spacing(np.float64(exact)), x
+    assert [elementary["sech_squared"](x) for x in (0.0, 800.0, -np.inf)] == [1.0, 0.0, 0.0]
+    assert np.isnan(elementary["sech_squared"](np.nan))
+
+
 @pytest.mark.parametrize("name", ["exp", "expm1", "sinh", "cosh", "tanh"])
 @pytest.mark.parametrize("x", [0.0, -0.0, np.inf, -np.inf, np.nan, 720.0, -800.0, 1e300])
 @pytest.mark.filterwarnings("ignore:overflow")

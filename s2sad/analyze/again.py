@@ -18,8 +18,6 @@ from s2sad.analyze.values import Values
 from s2sad.normalize.workspace import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, Call, For, While, call_name, dump, walk
 
-_DEAR = ("exp", "expm1", "log", "log1p", "sin", "cos", "tan", "sinh", "cosh", "tanh", "arctan", "arctan2")
-
 
 def rerun_arrays(loop: For, question: Question) -> list[str] | None:
     """The arrays that must be as they were for an iteration of a loop to run again; None if none can."""
@@ -43,12 +41,9 @@ def rerun_arrays(loop: For, question: Question) -> list[str] | None:
     return flowing
 
 
-def is_dear(loop: For, structure: Structure, arrays: list[str]) -> bool:
-    """Whether a loop has products and solves in it, or exponentials if arrays flow, which take longer than to record
-    what they give."""
-    dear = _DEAR if arrays else ()
-    return any((rules.find_array(called := call_name(n)) is not None or (called or "").rpartition(".")[2] in dear)
-               and not is_allocation(p.statement)
+def is_dear(loop: For, structure: Structure) -> bool:
+    """Whether a loop has products and solves in it, which take longer than to record what they give."""
+    return any(rules.find_array(call_name(n)) is not None and not is_allocation(p.statement)
                for p in structure.places.values() if any(x is loop for x in p.loops)
                for head in heads(p.statement) for n in walk(head))
 

@@ -48,7 +48,7 @@ def _lighter(plan: Plan, loop: For, question: Question) -> Plan:
     if arrays is None:
         return plan
     flows = bool(arrays) or carries(loop, question.structure)
-    if flows and (not question.quick or is_dear(loop, question.structure, arrays)):
+    if flows and (not question.quick or is_dear(loop, question.structure)):
         return plan
     worth = _WORTH if flows else 1
     if worth * sum(weight_of(Snapshot(loop, array), question.structure) for array in arrays) >= plan.weight:

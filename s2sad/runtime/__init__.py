@@ -11,7 +11,9 @@ from s2sad.runtime.decompositions import (
     orthogonal_part, orthogonal_part_change, orthogonal_part_gain, over_squares, right_vectors,
     right_vectors_change, right_vectors_gain, triangular_part, triangular_part_change, triangular_part_gain,
 )
-from s2sad.runtime.exponentials import cosh, exp, exp_less_one, expm1, exponent, less_one, scaled, sinh, tanh
+from s2sad.runtime.exponentials import (
+    cosh, exp, exp_less_one, expm1, exponent, less_one, scaled, sech_squared, sinh, tanh,
+)
 from s2sad.runtime.factors import (
     factor_panel, factored, factors_gain, of_matrix, solved, solved_transposed, take_row, to_matrix, update_rest,
 )
@@ -55,11 +57,12 @@ __all__ = [
     "left_vectors_gain", "less_one", "log_det", "of_matrix", "opposite", "orthogonal_part", "orthogonal_part_change",
     "orthogonal_part_gain", "over_squares", "pairwise_sum", "perm", "places", "position", "position_down",
     "power_change", "product", "remainder", "rfft", "rfft_adjoint", "right_vectors", "right_vectors_change",
-    "right_vectors_gain", "scaled", "scattered", "singular_values", "singular_values_change", "singular_values_gain",
-    "sinh", "sized", "solve_banded", "solve_triangular", "solved", "solved_by", "solved_transposed", "sought",
-    "sparse_dense", "sparse_diagonal", "sparse_diagonal_gain", "sparse_entries", "sparse_factors", "sparse_fits",
-    "sparse_gain", "sparse_gain_in_loops", "sparse_joined", "sparse_left_product", "sparse_left_product_in_loops",
-    "sparse_product", "sparse_product_in_loops", "sparse_rows", "sparse_solve", "sparse_span", "spread", "take_row",
-    "tanh", "to_lower", "to_matrix", "triangle", "triangle_gain", "triangle_times", "triangular_part",
-    "triangular_part_change", "triangular_part_gain", "update_rest", "whole_power", "whole_product",
+    "right_vectors_gain", "scaled", "scattered", "sech_squared", "singular_values", "singular_values_change",
+    "singular_values_gain", "sinh", "sized", "solve_banded", "solve_triangular", "solved", "solved_by",
+    "solved_transposed", "sought", "sparse_dense", "sparse_diagonal", "sparse_diagonal_gain", "sparse_entries",
+    "sparse_factors", "sparse_fits", "sparse_gain", "sparse_gain_in_loops", "sparse_joined", "sparse_left_product",
+    "sparse_left_product_in_loops", "sparse_product", "sparse_product_in_loops", "sparse_rows", "sparse_solve",
+    "sparse_span", "spread", "take_row", "tanh", "to_lower", "to_matrix", "triangle", "triangle_gain",
+    "triangle_times", "triangular_part", "triangular_part_change", "triangular_part_gain", "update_rest",
+    "whole_power", "whole_product",
 ]

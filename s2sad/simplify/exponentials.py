@@ -17,8 +17,8 @@ from collections.abc import Iterator, Mapping
 from s2sad.infer.types import Type
 from s2sad.simplify.bounds import changed, counted, is_straight, shifted_by, stores
 from s2sad.tree import (
-    AST, Assign, AugAssign, BinOp, Call, Constant, For, FunctionDef, If, Name, Pow, Subscript, While, at, call,
-    call_name, children, copy, indices, is_comment, names, rebuild, walk,
+    AST, Assign, AugAssign, BinOp, Call, Constant, Div, For, FunctionDef, If, Name, Pow, Subscript, While, at, call,
+    call_name, children, const, copy, dump, indices, is_comment, names, rebuild, walk,
 )
 
 _FUNCTIONS = {f"{room}.{f}": f"runtime.{f}" for room in ("numpy", "math") for f in ("exp", "expm1", "sinh", "cosh",
@@ -39,6 +39,8 @@ def exponentials(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDe
     chosen = {f: _FUNCTIONS[f] for f in found - slow}
 
     def change(node: AST) -> AST | None:
+        if (inner := _sech_squared(node)) is not None and call_name(inner) in chosen:
+            return at(call("runtime.sech_squared", *(rebuild(a, change) for a in inner.args)), node)
         called = call_name(node)
         if called not in chosen or not isinstance(node, Call):
             return None
@@ -48,6 +50,15 @@ def exponentials(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDe
     new = copy(function)
     new.body = rebuild(function.body, change)
     return new
+
+
+def _sech_squared(node: AST) -> Call | None:
+    """The call of cosh in `(1.0 / np.cosh(x)) ** 2`, the derivative of tanh; None for anything else."""
+    quotient = node.left if isinstance(node, BinOp) and isinstance(node.op, Pow) else None
+    if not isinstance(quotient, BinOp) or not isinstance(quotient.op, Div) or dump([quotient.left, node.right]) != dump(
+            [const(1.0), const(2)]):
+        return None
+    return quotient.right if (call_name(quotient.right) or "").endswith(".cosh") else None
 
 
 def _calls(node: AST, loop: AST | None) -> Iterator[tuple[AST, AST | None]]:
