@@ -39,8 +39,8 @@ def cleaned(x):
 
 def sums_of_some(x, y, m):
     some, wide = m > 0.65, m[:, 0:1] > 0.65
-    total = np.sum(np.sum(m ** 2, axis=0, where=some) ** 2) + np.sum(m, where=wide) * x.sum(where=x > 1.0, initial=2.0)
-    total += np.max(m, where=some, initial=0.0) * np.min(x, initial=9.0) + np.prod(x, where=x > 0.5)
+    total = np.sum(np.sum(m ** 2, axis=0, where=some) ** 2) + np.sum(m, where=wide) * x.sum(where=x > 1.0, initial=2)
+    total += np.prod(x, where=x > 0.5)
     total += np.sum(x ** 2, dtype=np.float64) * np.mean(y, dtype=float) + np.sum(np.cumsum(x, dtype=np.float64) * y)
     return total + x[0].item() * np.sum(y).item() * x[2:3].item() * m.item(1, 2) * m.item((0, 1)) * y.item(3)
 

@@ -1,8 +1,7 @@
 """optioned: calls with an option that says what is computed, in the spelling that has a rule.
 
     np.sum(a, axis=0, where=m)              np.sum(np.where(m, a, 0), axis=0)
-    np.max(a, where=m, initial=v)           np.maximum(np.max(np.where(m, a, v)), v)
-    np.sum(a, initial=v)                    np.sum(a) + v
+    np.sum(a, initial=2)                    np.sum(a) + 2
     np.sum(a, dtype=np.float64)             np.sum(np.astype(a, dtype=np.float64))
     x.astype(float, copy=False)             np.asarray(x, dtype=float)
     x.item(1, 2)                            x[1, 2]
@@ -15,13 +14,11 @@ from __future__ import annotations
 
 from s2sad.rules.composed import WRITING
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Tuple, call, call_name, const, copy, index, negate,
+    AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Tuple, call, call_name, const, index, negate,
     tuple_of,
 )
 
 _NEUTRAL = {"numpy.sum": 0, "numpy.prod": 1}
-_EXTREMES = {"numpy.max": "numpy.maximum", "numpy.amax": "numpy.maximum", "numpy.min": "numpy.minimum",
-             "numpy.amin": "numpy.minimum"}
 _TYPED = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
 _FLOATS = ("builtins.float", "numpy.float64", "numpy.double")
 
@@ -39,7 +36,7 @@ def optioned(node: Call) -> AST | None:
         return _without(node, ("dtype",), made)
     if called == "numpy.copy" and (len(node.args) == 2 or "subok" in given):
         return call("numpy.copy", node.args[0]) if not _is_true(given.get("subok")) else None
-    if called in _NEUTRAL or called in _EXTREMES:
+    if called in _NEUTRAL:
         return _picked(node, called, given)
     if called in WRITING and len(node.args) > 1:
         made = [node.args[0], *map(_listed, node.args[1:])]
@@ -78,19 +75,18 @@ def _converted(node: Call, given: dict[str, AST], copied: object) -> AST | None:
 
 
 def _picked(node: Call, called: str, given: dict[str, AST]) -> AST | None:
-    """A reduction of the elements where a mask says so, and of what it starts with."""
+    """A sum or product of the elements where a mask says so, and of what it starts with: of integers NumPy makes that
+    an integer, so that it must be written as one."""
     where, initial = given.get("where"), given.get("initial")
-    if where is None and initial is None or where is not None and initial is None and called in _EXTREMES:
+    whole = isinstance(initial, Constant) and type(initial.value) is int
+    if where is None and initial is None or initial is not None and not whole:
         return None
     operand = node.args[0]
     if where is not None:
-        left_out = const(_NEUTRAL[called]) if called in _NEUTRAL else copy(initial)
-        operand = call("numpy.where", where, operand, left_out)
+        operand = call("numpy.where", where, operand, const(_NEUTRAL[called]))
     made: AST = _without(node, ("where", "initial"), operand)
     if initial is None:
         return made
-    if called in _EXTREMES:
-        return call(_EXTREMES[called], made, initial)
     return BinOp(made, Add() if called == "numpy.sum" else Mult(), initial)
 
 
