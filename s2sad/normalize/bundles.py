@@ -120,7 +120,9 @@ def _read(node: AST, identifier: str, count: int) -> AST | None:
 def _taken_apart(node: AST, parts: dict[str, list[str]], listed: set[str]) -> AST | None:
     if isinstance(node, Subscript) and isinstance(node.value, Name) and node.value.id in parts:
         position, own = constant_index(node), parts[node.value.id]
-        return at(name(own[position]), node) if position is not None and -len(own) <= position < len(own) else None
+        if position is None or not -len(own) <= position < len(own):
+            return None
+        return at(Name(own[position], node.ctx, None, None), node)      # a target is one: what it overwrites is asked
     if isinstance(node, Subscript) and any(isinstance(i, Name) and i.id in listed for i in indices(node)):
         # a list as a subscript picks several, where a tuple is one subscript for each axis
         picked = [List(list(map(name, parts[i.id])), name("_").ctx) if isinstance(i, Name) and i.id in listed
