@@ -9,19 +9,26 @@
                                                         total += x[i_2]
                                                     s = total
 
-Requires resolved names. The loops stand before the statement: where Python would not have run them by then, or would
-run them more than once, the comprehension is refused.
+    s = x[0] * sum(f(x) for i in range(n))          held = x[0]                     f writes x
+                                                    ...
+                                                    s = held * total
+
+Requires resolved names. The loops stand before the statement: what Python reads before them and they write has a name
+before them. Where Python would not have run them by then, or would run them more than once, the comprehension is
+refused.
 """
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from s2sad.infer.types_of_calls import MARKS
+from s2sad.normalize.hoist import impure, operands, replace_operands
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.sliced import one_by_one
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BoolOp, Call, Expr, For, FunctionDef, GeneratorExp, If, IfExp, List, ListComp, Name,
-    Tuple, While, assign, at, augment, call, call_name, const, copy, name, rebuild, rename, stored_names, walk,
+    AST, Add, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Expr, For, FunctionDef, GeneratorExp, If, IfExp, List,
+    ListComp, Name, Starred, Subscript, Tuple, While, assign, at, augment, call, call_name, const, copy, name, rename,
+    stored_names, walk,
 )
 
 _ASKED = {"numpy.any": "numpy.any", "numpy.all": "numpy.all", "builtins.max": "numpy.max", "builtins.min": "numpy.min"}
@@ -60,7 +67,10 @@ class _Comprehensions:
         if isinstance(target, Name) and isinstance(statement.value, ListComp):
             self.refuse_unordered(statement.value, False)
             made = self.listed(statement.value, target.id)
-            self.before = outer
+            made, self.before = [*self.before, *made], outer
+            return made
+        if isinstance(statement, AugAssign) and isinstance(statement.target, Subscript) and _moved(statement.value):
+            made, self.before = self.augmented(statement), outer
             return made
         new = copy(statement)
         for field in statement._fields:
@@ -69,9 +79,25 @@ class _Comprehensions:
                 setattr(new, field, self.block(inner))
             elif isinstance(inner, AST):
                 self.refuse_unordered(inner, isinstance(statement, While))
-                setattr(new, field, rebuild(inner, self.change))
+                setattr(new, field, self.read(inner))
         made, self.before = [*self.before, new], outer
         return made
+
+    def augmented(self, node: AugAssign) -> list[AST]:
+        """Python reads the element before it evaluates the value, whose loops may change it."""
+        self.refuse_unordered(node.value, False)
+        parts = operands(node.target)
+        *new, value = self.ordered([*parts, node.value])
+        target = replace_operands(node.target, parts, new)
+        element = Subscript(node.target.value, node.target.slice, name("_").ctx)
+        if not self.scope.memory.affected(element, self.scope.memory.written(self.before)):
+            return [*self.before, at(AugAssign(target, node.op, value), node)]
+        first: list[AST] = []
+        old = self.scope.held(element, "held", first)
+        if _moved(element) or impure(element):
+            self.scope.refuse(node, "an element that a comprehension changes, at a place that is calculated",
+                              help="name the place in a statement of its own before")
+        return [*first, *self.before, at(assign(target, BinOp(old, node.op, value)), node)]
 
     def refuse_unordered(self, node: AST, tested: bool) -> None:
         """Refuses a comprehension that would run earlier than Python runs it, or more often."""
@@ -83,6 +109,43 @@ class _Comprehensions:
             if tested or others or id(n) in lazy:
                 self.scope.refuse(n, "a comprehension in a test, or beside a call of a kernel",
                                   help="bind it to a name in a statement of its own before")
+
+    def read(self, node: AST) -> AST:
+        """The expression without comprehensions, whose loops go before."""
+        found = self.change(node)
+        if found is not None or not _moved(node):
+            return node if found is None else found
+        parts = operands(node)
+        return replace_operands(node, parts, self.ordered(parts))
+
+    def ordered(self, nodes: list[AST]) -> list[AST]:
+        """Expressions that Python evaluates one after the other: one that writes, or that loops of a later one change,
+        has a name before them."""
+        parts = [self.apart(node) for node in nodes]
+        left: list[AST] = []
+        for position, (before, value) in enumerate(parts):
+            self.before += before
+            later = [s for following, _ in parts[position + 1:] for s in following]
+            calls = later and self.scope.memory.written([value])
+            left.append(self.scope.held(value, "held", self.before) if calls else self.held(
+                value, self.scope.memory.written(later)))
+        return left
+
+    def apart(self, node: AST) -> tuple[list[AST], AST]:
+        """The loops of an expression, and what is left of it."""
+        outer, self.before = self.before, []
+        new = self.read(node)
+        before, self.before = self.before, outer
+        return before, new
+
+    def held(self, value: AST, written: set[str]) -> AST:
+        if not self.scope.memory.affected(value, written):
+            return value
+        if isinstance(value, (Tuple, List)):
+            return at(type(value)([self.held(item, written) for item in value.elts], value.ctx), value)
+        if isinstance(value, Starred):
+            return at(Starred(self.held(value.value, written), value.ctx), value)
+        return self.scope.held(value, "held", self.before)
 
     def change(self, node: AST) -> AST | None:
         if call_name(node) == "builtins.sum" and len(node.args) == 1 and isinstance(
@@ -112,17 +175,23 @@ class _Comprehensions:
     def loop(self, node: AST, with_item: Callable[[AST], AST]) -> list[AST]:
         """The loops of a comprehension, with names of their own, around one statement."""
         own = {n: self.scope.fresh(n) for g in node.generators for n in stored_names(g.target)}
-        outer, self.before = self.before, []
         item = node.elt
         if isinstance(item, ListComp):
             item = at(marked(item), item)
-        item = rebuild(rename(item, own), self.change)
-        body = [*self.before, with_item(item)]
-        self.before = outer
+        for generator in node.generators:
+            self.scope.memory.bind([own[n] for n in stored_names(generator.target)], rename(generator.iter, own))
+        before, item = self.apart(rename(item, own))
+        body = [*before, with_item(item)]
         for number, generator in reversed(list(enumerate(node.generators))):
             for test in reversed(generator.ifs):
-                body = [If(rename(test, own), body, [])]
+                before, test = self.apart(rename(test, own))
+                body = [*before, If(test, body, [])]
             # the first iterable is evaluated outside of the comprehension's names
-            iterable = generator.iter if number == 0 else rename(generator.iter, own)
-            body = [For(rename(generator.target, own), rebuild(iterable, self.change), body, [], None)]
+            before, iterable = self.apart(generator.iter if number == 0 else rename(generator.iter, own))
+            body = [*before, For(rename(generator.target, own), iterable, body, [], None)]
         return [at(s, node) for s in body]
+
+
+def _moved(node: AST) -> bool:
+    """Whether an expression has a comprehension, whose loops go before the statement."""
+    return any(isinstance(n, (ListComp, GeneratorExp)) for n in walk(node))
