@@ -184,8 +184,8 @@ class _Comprehensions:
         body = [*before, with_item(item)]
         for number, generator in reversed(list(enumerate(node.generators))):
             for test in reversed(generator.ifs):
-                before, test = self.apart(rename(test, own))
-                body = [*before, If(test, body, [])]
+                before, asked = self.apart(rename(test, own))
+                body = [*before, If(asked, body, [])]
             # the first iterable is evaluated outside of the comprehension's names
             before, iterable = self.apart(generator.iter if number == 0 else rename(generator.iter, own))
             body = [*before, For(rename(generator.target, own), iterable, body, [], None)]

@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.normalize.calls import user_call
+from s2sad.normalize.counted_back import places_counted
 from s2sad.normalize.hoist import bound_call, hoist, hoist_all, impure, operands, replace_operands, stored
 from s2sad.normalize.in_place import UNSUPPORTED, stored_by_call, stored_out
 from s2sad.normalize.scope import Scope
@@ -30,7 +31,7 @@ from s2sad.tree import (
 
 
 def desugar(tree: FunctionDef, scope: Scope) -> FunctionDef:
-    body = _block(tree.body, scope)
+    body = [places_counted(s) for s in _block(tree.body, scope)]
     parameters = [a.id for a in (*tree.args.posonlyargs, *tree.args.args, *tree.args.kwonlyargs)]
     return at(function(tree.name, parameters, body), tree)
 

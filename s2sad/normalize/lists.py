@@ -17,14 +17,16 @@ from functools import reduce
 
 from s2sad.infer.types_of_calls import LISTED, MARKS, live
 from s2sad.normalize.comprehensions import HELP, comprehensions, marked
+from s2sad.normalize.counted_back import counted_back, place as place_of
 from s2sad.normalize.filled_lists import filled_lists
+from s2sad.normalize.hoist import impure
 from s2sad.normalize.lasting import changed, made_late, only_after
 from s2sad.normalize.memory import Memory, parameters
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If,
-    List, ListComp, Lt, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, add, assign, at,
-    augment, call, call_name, compare, const, copy, index, indices, name, names, rebuild, rename, stored_names, sub,
+    List, ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, add, assign, at,
+    augment, call, call_name, const, copy, index, indices, name, names, rebuild, rename, stored_names, sub,
     substitute, walk,
 )
 
@@ -246,7 +248,7 @@ class _Lists:
         else:
             found = self.read(place)
             if not self.from_start(place):
-                found = add(found, BinOp(copy(count), Mult(), compare(copy(found), Lt(), const(0))))
+                found = place_of(found, copy(count)) if impure(found) else counted_back(found, copy(count))
         return at(index(live(node.value, copy(count)) if isinstance(node.ctx, Store) else node.value, found), node)
 
     def from_start(self, place: AST) -> bool:
