@@ -161,10 +161,25 @@ def list_as_long_as_a_name(x, y, p, a):
     return sum(us) * sum(vs)
 
 
+def slice_as_long_as_a_list(x, y, p, a):
+    us = [x[0]]
+    part = slice(0, len(us))
+    us.append(x[1])
+    us.append(x[2])
+    for k in range(2):
+        us.append(x[k])
+        every = np.s_[:len(us) - 3, ::2]
+        us.append(y[k])
+        x[1] += np.sum(a[every] ** 2)
+    rest = slice(1, min(5, len(us) - 4))
+    return np.sum(y[part] ** 2) * us[2] + np.sum(y[rest] ** 3) * x[1]
+
+
 KERNELS = (slice_of_elements, slice_of_a_value, slice_in_a_loop, slice_by_a_call, slice_of_counters,
            slice_of_an_earlier_trip, slice_of_a_name_bound_twice, slice_with_places, bundle_swapped, bundle_of_views,
            bundle_before_a_call, sum_from_a_number, product_from_a_number, rows_in_a_comprehension, named_after_an_out,
-           list_as_long_as_an_element, list_as_long_as_a_call_says, list_as_long_as_a_name)
+           list_as_long_as_an_element, list_as_long_as_a_call_says, list_as_long_as_a_name,
+           slice_as_long_as_a_list)
 
 
 def arguments():

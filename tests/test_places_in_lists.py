@@ -33,7 +33,7 @@ def read(x, p, n):
 
 def stored(x, p, n):
     us = [0.0] * 3
-    for k in range(2):
+    for _ in range(2):
         us[doubled(x)] = x[0]
     vs = [None] * n
     for k in range(n):

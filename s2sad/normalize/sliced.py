@@ -24,6 +24,7 @@ from s2sad.tree import (
 
 _SLICE, _WRITTEN = "builtins.slice", "numpy.s_"
 _NUMBERS = {"builtins.len": 1, "builtins.int": 1, "builtins.abs": 1, "builtins.min": 2, "builtins.max": 2}
+_GROWING = ("append", "extend", "insert", "pop", "remove", "clear")
 _BOUNDS = ("start", "stop", "step")
 _WHERE_USED = "write the slice where it is used: x[a:b]"
 
@@ -71,6 +72,7 @@ class _Made:
     def __init__(self, function: FunctionDef, scope: Scope, known: dict[str, AST]):
         self.scope, self.known = scope, known
         found = [n for n in walk(function.body) if isinstance(n, Name)]
+        self.grown = _grown(function.body)
         self.stores = Counter(n.id for n in found if isinstance(n.ctx, Store))
         self.reads = Counter(n.id for n in found if not isinstance(n.ctx, Store))
         first = {n.id: n for n in reversed(found)}
@@ -94,7 +96,8 @@ class _Made:
     def kept(self, identifier: str, found: AST, rest: list[AST]) -> tuple[list[AST], AST]:
         """The slice with names for what may change before its last use, which the statements before it bind."""
         uses = sum(isinstance(n, Name) and n.id == identifier for n in walk(rest))
-        stored = set(stored_names(rest)) if uses == self.reads[identifier] else set(self.stores)
+        alone = uses == self.reads[identifier]
+        stored = {*stored_names(rest), *_grown(rest)} if alone else {*self.stores, *self.grown}
         before: list[AST] = []
 
         def stays(part: AST, number: bool) -> bool:
@@ -114,6 +117,12 @@ class _Made:
                 return held(node, wanted, False)
             return Slice(*(held(p, w, True) for p, w in zip((node.lower, node.upper, node.step), _BOUNDS)))
         return before, changed(found, "place")
+
+
+def _grown(block: list[AST]) -> set[str]:
+    """The names whose lengths methods may change: those of lists that grow."""
+    return {n.func.value.id for n in walk(block) if isinstance(n, Call) and isinstance(n.func, Attribute)
+            and isinstance(n.func.value, Name) and n.func.attr in _GROWING}
 
 
 def _is_number(part: AST) -> bool:
