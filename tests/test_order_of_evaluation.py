@@ -175,11 +175,19 @@ def slice_as_long_as_a_list(x, y, p, a):
     return np.sum(y[part] ** 2) * us[2] + np.sum(y[rest] ** 3) * x[1]
 
 
+def slice_from_the_last_counter(x, y, p, a):
+    s = 0.0
+    for k in range(3):
+        x[k] *= 2.0
+        s += k
+    return np.sum(x[k:k + 2]) + np.sum(x[k:] * y[k:]) * s + np.max(y[:k])
+
+
 KERNELS = (slice_of_elements, slice_of_a_value, slice_in_a_loop, slice_by_a_call, slice_of_counters,
            slice_of_an_earlier_trip, slice_of_a_name_bound_twice, slice_with_places, bundle_swapped, bundle_of_views,
            bundle_before_a_call, sum_from_a_number, product_from_a_number, rows_in_a_comprehension, named_after_an_out,
            list_as_long_as_an_element, list_as_long_as_a_call_says, list_as_long_as_a_name,
-           slice_as_long_as_a_list)
+           slice_as_long_as_a_list, slice_from_the_last_counter)
 
 
 def arguments():

@@ -134,10 +134,12 @@ class Slices(Sizes):
 
     def here(self, part: Slice, size: Affine) -> Slices:
         """The shapes for a slice at one place, where the names in its bounds are what they are there."""
-        if self.span(part, size) is not None:
-            return self
+        return self.at_once(part) if self.span(part, size) is None else self
+
+    def at_once(self, node: AST) -> Slices:
+        """The shapes for an expression at one place, where the names in it are what they are there."""
         made = replica(self)
-        made.values, made.equal = {**dict.fromkeys(names(part)), **self.values}, {}
+        made.values, made.equal = {**dict.fromkeys(names(node)), **self.values}, {}
         return made
 
     def lower(self, node: AST, size: Affine) -> Affine | None:

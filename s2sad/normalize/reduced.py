@@ -52,7 +52,10 @@ class Reduced:
         """The sizes of an expression's axes."""
         if isinstance(operand, Name):
             return [self.elements.size_of(operand, k) for k in range(self.typing.of(operand).rank)]
-        return [self.shapes.expression(d) for d in self.shapes.of(operand) if d is not None]
+        found = self.shapes.of(operand)
+        if None in found:               # a bound of a slice is bound more than once: what it is here
+            found = self.shapes.at_once(operand).of(operand)
+        return [self.shapes.expression(d) for d in found if d is not None]
 
     # -- sums of everything ------------------------------------------------------------------------------------------
 
