@@ -22,12 +22,12 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.types_of_calls import LISTED, stored_into
 from s2sad.normalize.listed import told_apart
 from s2sad.normalize.memory import Memory
+from s2sad.normalize.picked_rows import in_order, least, moved
 from s2sad.normalize.references import References
 from s2sad.normalize.viewing import SHOWN
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, IfExp, Name, Slice,
-    Store, Sub, Subscript, While, add, assign, at, call_name, const, copy, index, indices, name, names, stored_names,
-    sub, walk,
+    AST, Assign, Attribute, AugAssign, Break, Call, Constant, Expr, For, FunctionDef, IfExp, Name, Slice, Store,
+    Subscript, While, add, assign, at, call_name, const, copy, index, indices, name, names, stored_names, sub, walk,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -148,7 +148,7 @@ class _Held:
         for s in shared:
             loops = self.around(s, self.made[listed])
             own = indices(s.value) if isinstance(s.value, Subscript) else []
-            if len(loops) > 1 or loops and not any(_moved(i, loops[0]) is not None for i in own):
+            if len(loops) > 1 or loops and not any(moved(i, loops[0]) is not None for i in own):
                 return True
         return False
 
@@ -204,11 +204,14 @@ class _Held:
         if not isinstance(value, Subscript) or not isinstance(value.value, Name):
             return None
         first, *rest = indices(value)
-        shift = _moved(first, loop)
+        shift = moved(first, loop)
         bounds = loop.iter.args if len(loop.iter.args) == 2 else [const(0), *loop.iter.args]
         plain = len(bounds) == 2 and all(
             isinstance(r, Slice) and (r.lower, r.upper, r.step) == (None, None, None) for r in rest)
         if shift is None or not plain or not all(self.lasts(n, loop) for n in names([value.value, *bounds])):
+            return None
+        lowest = least(bounds[0], self.function)        # a row that is counted from the end is no part's first one
+        if lowest is None or lowest + shift < 0 or not in_order(stores[0], loop, self.function):
             return None
         return index(value.value, Slice(*(_plus(copy(b), shift) for b in bounds), None)), loop
 
@@ -235,19 +238,6 @@ class _Held:
             made += [at(assign(listed, view), self.made[listed]) for listed, (view, loop) in views.items() if loop is s]
             made += [] if id(s) in gone else [with_blocks(s, lambda inner: self.viewed(inner, views))]
         return made
-
-
-def _moved(place: AST, loop: AST) -> int | None:
-    """How far a subscript is from a loop's counter."""
-    if not isinstance(loop, For) or not isinstance(loop.target, Name):
-        return None
-    if isinstance(place, Name) and place.id == loop.target.id:
-        return 0
-    if isinstance(place, BinOp) and isinstance(place.op, (Add, Sub)) and isinstance(place.left, Name) and (
-            place.left.id == loop.target.id and isinstance(place.right, Constant)
-            and type(place.right.value) is int):
-        return place.right.value if isinstance(place.op, Add) else -place.right.value
-    return None
 
 
 def _plus(bound: AST, shift: int) -> AST:
