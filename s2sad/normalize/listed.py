@@ -20,39 +20,53 @@ from s2sad.tree import (
 
 def told_apart(function: FunctionDef, stores: Sequence[AST], typing: Typing, memory: Memory) -> list[AST]:
     """The stores of an array into a list after which the array may be written by a name of its own."""
+    return [s for s in stores if is_shared(s.value, typing) and is_told(function, s, s.value, stores, memory)]
+
+
+def is_shared(value: AST, typing: Typing) -> bool:
+    """Whether a value is an array that something else may hold as well."""
+    return (isinstance(value, (Name, Subscript, Attribute)) or call_name(value) in SHOWN) and typing.of(value).is_array
+
+
+def is_told(function: FunctionDef, store: AST, value: AST, stores: Sequence[AST], memory: Memory) -> bool:
+    """Whether an array that a store puts into a list may be written after it by a name of its own."""
     appended = {id(s) for s in stores}
-    every = [p for p in own_parts(function.body) if id(p) not in appended]
-    found = []
-    for store in stores:
-        value = store.value
-        shared = isinstance(value, (Name, Subscript, Attribute)) or call_name(value) in SHOWN
-        if not shared or not typing.of(value).is_array:
+    every = [p for p in _not_before(function.body, store) if id(p) not in appended]
+    made = {id(p) for p in own_parts(_made(function.body, store, value))}
+    outside = memory.written([p for p in every if id(p) not in made])
+    own = {value.id: f"{value.id}."} if isinstance(value, Name) else {}
+    by_others = memory.written([rename(p, own) for p in every if id(p) in made])
+    return memory.affected(index(value, const(0)), outside | by_others)
+
+
+def _not_before(block: list[AST], store: AST) -> list[AST]:
+    """What of the statements may come after a store; none if it is not here."""
+    for position, statement in enumerate(block):
+        if not any(n is store for n in walk(statement)):
             continue
-        made = {id(p) for p in own_parts(_made(function.body, store))}
-        outside = memory.written([p for p in every if id(p) not in made])
-        by_others = memory.written([rename(p, {value.id: f"{value.id}."}) for p in every if id(p) in made])
-        if memory.affected(index(value, const(0)), outside | by_others):
-            found.append(store)
-    return found
+        inside = [statement] if not isinstance(statement, If) else [
+            n for arm in (statement.body, statement.orelse) for n in _not_before(arm, store)]
+        return [*(own_parts(inside) if not isinstance(statement, If) else inside), *own_parts(block[position + 1:])]
+    return []
 
 
-def _made(block: list[AST], store: AST) -> list[AST]:
+def _made(block: list[AST], store: AST, value: AST) -> list[AST]:
     """The statements from the one that makes an array anew to its store, in one turn; none if it is not made so."""
-    found = _before(block, store) if isinstance(store.value, Name) else None
+    found = _before(block, store, value.id) if isinstance(value, Name) else None
     return found[1] if found is not None and found[0] else []
 
 
-def _before(block: list[AST], store: AST) -> tuple[bool, list[AST]] | None:
+def _before(block: list[AST], store: AST, kept: str) -> tuple[bool, list[AST]] | None:
     """Whether what binds the array's name was found, and the statements since then; None if the store is not here."""
     for position, statement in enumerate(block):
         if statement is store:
-            return _since(block[:position], store.value.id)
+            return _since(block[:position], kept)
         for field in ("body", "orelse"):
-            found = _before(getattr(statement, field, []), store)
+            found = _before(getattr(statement, field, []), store, kept)
             if found is not None and (found[0] or not isinstance(statement, If)):
                 return found if found[0] else (True, [])
             if found is not None:
-                bound, statements = _since(block[:position], store.value.id)
+                bound, statements = _since(block[:position], kept)
                 return (bound, [*statements, *found[1]]) if statements or not bound else (True, [])
     return None
 

@@ -31,25 +31,25 @@ from s2sad.tree import (
 )
 
 Writes = Callable[[Call], Sequence[int]]
-_HELP = "append a copy: .append(x.copy())"
+HELP = "append a copy: .append(x.copy())"
 
 
 def views_in_lists(function: FunctionDef, typing: Typing, memory: Memory, writes: Writes,
                    report: Report) -> FunctionDef:
     """The function with those views; what cannot be one goes into the report."""
-    held = _Held(function, typing, writes)
+    held = Held(function, typing, writes)
     told: dict[str, tuple[str, AST, str]] = {}
     stores = [s for several in held.stores.values() for s in several]
     for statement in told_apart(function, stores, typing, memory):
         told.setdefault(base_name(statement.targets[0]),
-                        ("a list holds an array that is written, not a copy of it", statement, _HELP))
+                        ("a list holds an array that is written, not a copy of it", statement, HELP))
     for listed in held.stores:
         if (place := held.bound_anew(listed)) is not None:
             told.setdefault(listed, (f"an element of the list {listed!r} becomes another array, and what it was is "
                                      "read later", place, "name a copy of what it was: x = xs[k].copy()"))
         if (place := held.telling(listed)) is not None:
             told.setdefault(listed, (f"the list {listed!r} holds views of an array, or one array several times, and "
-                                     "what it holds is written", place, _HELP))
+                                     "what it holds is written", place, HELP))
     if not told:
         return function
     together = {other for listed in told for other in held.related(listed)}
@@ -62,7 +62,7 @@ def views_in_lists(function: FunctionDef, typing: Typing, memory: Memory, writes
     return new
 
 
-class _Held:
+class Held:
     """What the lists of one function hold, and which names are views of it."""
 
     def __init__(self, function: FunctionDef, typing: Typing, writes: Writes):
@@ -127,10 +127,11 @@ class _Held:
         return [n for n in walk(self.function.body) if isinstance(n, (For, While)) and any(m is node for m in walk(n))
                 and not any(m is of for m in walk(n))]
 
-    def is_new(self, store: Assign) -> bool:
-        """Whether what is stored is a name that was bound to a new array just before, which lies in no other list."""
+    def is_new(self, store: Assign, kept: str = "") -> bool:
+        """Whether what is stored is a name that was bound to a new array just before, which lies in no other list;
+        `kept` is the name where it lies in a row that is stored."""
         block = next(b for b in self.blocks if any(s is store for s in b))
-        kept = store.value.id if isinstance(store.value, Name) else ""
+        kept = kept or (store.value.id if isinstance(store.value, Name) else "")
         before = block[:next(k for k, s in enumerate(block) if s is store)]
         bound = max((k for k, s in enumerate(before) if kept in stored_names(s)), default=-1)
         if bound < 0 or not isinstance(before[bound], Assign) or self.sources(before[bound].value):

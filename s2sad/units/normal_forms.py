@@ -20,6 +20,7 @@ from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.around import around
+from s2sad.normalize.arrays_in_rows import arrays_in_rows
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
 from s2sad.normalize.complexes import complexes, of_its_own
@@ -147,6 +148,8 @@ class NormalForms(Calls):
             said = Report(report.source)
             tree, table = lives(tree, given, self.call_types, said, values, names)
             typing = Typing({**table, **given}, self.call_types, Report(report.source), values)
+            arrays_in_rows(tree, typing, self.program, lambda called, typing=typing: self.of_call(
+                called, typing).summary.written, report)
             plain = listed_rows(tree, typing, self.helpers, report)
             report.finish()
             if plain is not tree:

@@ -1,0 +1,179 @@
+"""Tuples and lists of arrays in lists: Python holds the arrays themselves, which copies must not show."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+
+A = np.array([[0.9, 0.31, 1.4], [0.55, 1.13, 0.7], [0.2, 0.4, 1.7], [0.8, 1.2, 0.6]])
+X = np.array([0.7, 1.2, 0.4])
+
+
+def scale(v):
+    v *= 2.0
+
+
+def step(u, v):
+    u[0] = u[0] * v[1]
+    return u, v
+
+
+def written_after_it_was_appended(a, x):
+    ts = []
+    for k in range(2):
+        ts.append((a[k], a[k + 1]))
+    a[0, 0] = 9.0 * x[1]
+    return ts[0][0][0] * x[2]
+
+
+def written_in_every_turn(a, x):
+    hist = []
+    u, v = x * 1.0, x * 2.0
+    for _ in range(3):
+        u[0] = u[0] * x[1]
+        hist.append((u, v))
+    return np.sum(hist[0][0] ** 2) + np.sum(hist[2][1])
+
+
+def an_argument_in_a_comprehension(a, x):
+    hist = [(x * k, x) for k in range(3)]
+    x *= 2.0
+    return np.sum(hist[1][1] ** 2) + np.sum(hist[2][0])
+
+
+def lists_in_a_comprehension(a, x):
+    ts = [[a[k], x] for k in range(3)]
+    a[0, 0] = 5.0 * x[1]
+    return np.sum(ts[0][0] ** 2)
+
+
+def put_into_a_list_of_none(a, x):
+    ts = [None] * 3
+    for k in range(3):
+        ts[k] = [x, x * 2.0]
+    x[0] = 9.0 * a[0, 0]
+    return np.sum(ts[1][0] ** 2)
+
+
+def tuples_with_names(a, x):
+    ts = []
+    u, v = x * 2.0, x * 3.0
+    ts.append((v, u))
+    for _ in range(2):
+        t = (u, v)
+        ts.append(t)
+        u[0] = 3.0 * x[1]
+    return np.sum(ts[1][0] ** 2)
+
+
+def returned_by_a_helper(a, x):
+    u, v = x * 2.0, x * 3.0
+    ts = []
+    ts.append((v, u))
+    for _ in range(3):
+        ts.append(step(u, v))
+    return np.sum(ts[1][0] ** 2)
+
+
+@pytest.mark.parametrize("kernel", [
+    written_after_it_was_appended, written_in_every_turn, an_argument_in_a_comprehension, lists_in_a_comprehension,
+    put_into_a_list_of_none, tuples_with_names, returned_by_a_helper], ids=lambda k: k.__name__)
+def test_arrays_that_are_written_are_refused(kernel):
+    with pytest.raises(s2sad.S2sadError, match="S201.*: a list holds an array that is written, not a copy of it"):
+        s2sad.gradient(kernel, "x")(A, X)
+
+
+def rows_of_a_matrix_in_a_loop(a, x):
+    ts = [(a[k], a[k + 1]) for k in range(2)]
+    for u, _ in ts:
+        u *= 2.0
+    return np.sum(a ** 2)
+
+
+def names_in_a_loop(a, x):
+    u, v = x * 2.0, x * 3.0
+    ts = []
+    ts.append((u, v))
+    for p, q in ts:
+        p[0] += q[1]
+    return np.sum(u * v)
+
+
+def an_element_of_an_item(a, x):
+    ts = [[a[k], x] for k in range(3)]
+    ts[1][0][0] = 5.0 * x[1]
+    return np.sum(a ** 2)
+
+
+def one_array_in_every_row(a, x):
+    u, ts = x * 2.0, []
+    for k in range(2):
+        ts.append((u, a[k]))
+    t = ts[1]
+    t[0][0] = 3.0 * x[1]
+    return np.sum(ts[0][0])
+
+
+def tuples_in_tuples(a, x):
+    u, ts = x * 2.0, []
+    for k in range(2):
+        ts.append(((u, a[k]), (x, u)))
+    (p, _), _ = ts[1]
+    p[0] = 3.0 * x[1]
+    return np.sum(u ** 2)
+
+
+def an_item_given_to_a_helper(a, x):
+    u, ts = x * 2.0, []
+    ts.append((u, x))
+    scale(ts[0][0])
+    return np.sum(u ** 2)
+
+
+def another_item_while_a_name_stands_for_it(a, x):
+    ts = [[x, x * 2.0] for _ in range(3)]
+    p = ts[0][0]
+    ts[0][0] = x * 3.0
+    return np.sum(ts[0][0] * ts[1][0]) + np.sum(p ** 2)
+
+
+@pytest.mark.parametrize("kernel", [
+    rows_of_a_matrix_in_a_loop, names_in_a_loop, an_element_of_an_item, one_array_in_every_row, tuples_in_tuples,
+    an_item_given_to_a_helper, another_item_while_a_name_stands_for_it], ids=lambda k: k.__name__)
+def test_rows_that_are_written_are_refused(kernel):
+    with pytest.raises(s2sad.S2sadError, match="S201.*: the list 'ts' holds views of an array, or one array several "
+                                               "times, and what it holds is written"):
+        s2sad.gradient(kernel, "x")(A, X)
+
+
+def what_does_not_show(a, x):
+    u, first, second, third, fourth = np.zeros(3), [], [], [], []
+    for j in range(3):
+        u[j] = x[j] * 2.0
+    for k in range(3):
+        first.append((u, a[k]))
+    for k in range(3):
+        w = np.zeros(2)
+        w[0] = x[k]
+        second.append((w, x[:2] * k))
+        third.append(np.array([x, u]))
+        fourth.append((a[k] * 2.0, x * k))
+    for p, q in fourth:
+        p[0] = q[1] * 2.0
+    for p, q in second:
+        p[1] += q[1]
+    rows = [[x, x * 2.0] for _ in range(3)]
+    rows[0][0] = x * 3.0
+    s = np.sum(rows[0][0] * rows[1][0]) + np.sum(third[1])
+    third[1][0][0] = 2.0
+    s += np.sum(third[1][0] ** 2) + second[1][0][1] * fourth[1][0][0]
+    for p, q in first:
+        s += np.sum(p * q)
+    return s
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_what_does_not_show(engine):
+    check_derivatives(what_does_not_show, (A, X), ("a", "x"), ("return",), engine)
