@@ -13,6 +13,8 @@ call is refused.
 """
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from s2sad.normalize.calls import result_structure, user_call
 from s2sad.normalize.hoist import constant_index
 from s2sad.normalize.memory import parameters
@@ -20,7 +22,7 @@ from s2sad.normalize.scope import Scope
 from s2sad.normalize.sliced import one_by_one
 from s2sad.tree import (
     AST, Assign, Call, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign,
-    at, call_name, const, copy, index, indices, name, rebuild, tuple_of, walk,
+    at, call_name, const, copy, index, indices, name, rebuild, stored_names, tuple_of, walk,
 )
 
 
@@ -31,17 +33,40 @@ def bundles(function: FunctionDef, scope: Scope) -> FunctionDef:
     bound = [(s.targets[0].id, s.value) for s in walk(function.body) if isinstance(s, Assign) and isinstance(
         s.targets[0], Name)]
     listed = set(parts) - {n for n, value in bound if not isinstance(value, List)}
-    return rebuild(function, lambda node: _taken_apart(node, parts, listed)) if parts else function
+    function = rebuild(function, lambda node: _taken_apart(node, parts, listed)) if parts else function
+    return _rows_apart(function, {n for own in parts.values() for n in own}, scope)
 
 
-def _apart(block: list[AST]) -> list[AST]:
+def _rows_apart(function: FunctionDef, new: set[str], scope: Scope) -> FunctionDef:
+    """The function with names for the items of rows, of which the new names are bound to, that may be arrays."""
+    def row(value: AST) -> bool:
+        return isinstance(value, (Tuple, List)) and any(
+            isinstance(n, Subscript) or isinstance(n, Name) and "." not in n.id or row(n) for n in value.elts)
+
+    def in_tuple(node: AST) -> AST | None:
+        several = isinstance(node, Assign) and isinstance(node.targets[0], Tuple) and isinstance(node.value, List)
+        return at(assign(copy(node.targets[0]), tuple_of(*node.value.elts)), node) if several and set(stored_names(
+            node.targets[0])) <= new and any(map(row, node.value.elts)) else None
+    function = rebuild(function, in_tuple)
+    function.body = _apart(function.body, row)
+    held = {s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
+            and s.targets[0].id in new and row(s.value)}
+    parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in _bundled(function, scope).items()
+             if n in held}
+    if not parts:
+        return function
+    function = rebuild(function, lambda node: _taken_apart(node, parts, set()))
+    return _rows_apart(function, {n for own in parts.values() for n in own}, scope)
+
+
+def _apart(block: list[AST], wanted: Callable[[AST], bool] = lambda value: isinstance(value, List)) -> list[AST]:
     """A block in which lists that are bound at once, `rows, columns = [0, 1], [2, 3]`, are bound one by one."""
     made: list[AST] = []
     for statement in block:
-        for new in map(copy, one_by_one(statement, lambda value: isinstance(value, List))):
+        for new in map(copy, one_by_one(statement, wanted)):
             for field in ("body", "orelse"):
                 if isinstance(inner := getattr(new, field, None), list):
-                    setattr(new, field, _apart(inner))
+                    setattr(new, field, _apart(inner, wanted))
             made.append(new)
     return made
 
