@@ -88,7 +88,7 @@ def test_arrays_that_are_written_are_refused(kernel):
 def rows_of_a_matrix_in_a_loop(a, x):
     ts = [(a[k], a[k + 1]) for k in range(2)]
     for u, _ in ts:
-        u *= 2.0
+        u[0] *= 2.0
     return np.sum(a ** 2)
 
 
@@ -177,3 +177,62 @@ def what_does_not_show(a, x):
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
 def test_what_does_not_show(engine):
     check_derivatives(what_does_not_show, (A, X), ("a", "x"), ("return",), engine)
+
+
+def written_list(a, x):
+    h = [[x[0], x[1]]]
+    w = [x[1], x[2]]
+    h.append(w)
+    w[0] = 9.0 * a[0, 0]
+    return h[1][0] * h[0][0]
+
+
+def written_list_in_every_turn(a, x):
+    w = [x[1], x[2]]
+    h = [[x[0], x[1]]]
+    for _ in range(3):
+        w[0] = w[0] * 2.0
+        h.append(w)
+    return h[0][0] * h[1][1]
+
+
+def written_row(a, x):
+    w = [x[1], x[2]]
+    h = [[x[0], x[1]]]
+    h.append(w)
+    h[1][0] = 9.0 * a[0, 0]
+    return w[0] * w[1]
+
+
+def written_row_in_a_loop(a, x):
+    w = [x[1], x[2]]
+    h = [[x[0], x[1]]]
+    h.append(w)
+    for r in h:
+        r[0] = 9.0 * a[0, 0]
+    return w[0] * w[1]
+
+
+@pytest.mark.parametrize("kernel", [written_list, written_list_in_every_turn, written_row, written_row_in_a_loop],
+                         ids=lambda k: k.__name__)
+def test_lists_that_are_written_are_refused(kernel):
+    with pytest.raises(s2sad.S2sadError, match="S201.*: a list holds another list that is written, not a copy of it"):
+        s2sad.gradient(kernel, "x")(A, X)
+
+
+def new_lists(a, x):
+    h, y = [[x[0], x[1]]], np.zeros((2, 2))
+    for k in range(3):
+        w = [x[1], x[2]]
+        w[0] = w[0] * x[k]
+        h.append(w)
+    w = [x[2], 2.0]
+    y[0] = w
+    w[0] = 3.0 * x[0]
+    h[1][0] *= 2.0
+    return h[0][0] * h[1][1] * h[2][0] * w[0] + np.sum(y) * h[1][0]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_new_lists(engine):
+    check_derivatives(new_lists, (A, X), ("a", "x"), ("return",), engine)

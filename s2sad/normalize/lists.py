@@ -22,6 +22,7 @@ from s2sad.normalize.filled_lists import filled_lists
 from s2sad.normalize.hoist import impure
 from s2sad.normalize.lasting import changed, made_late, only_after
 from s2sad.normalize.memory import Memory, parameters
+from s2sad.normalize.named_rows import COPIED, named_rows
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If,
@@ -42,6 +43,8 @@ def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
     new = made_late(comprehensions(_bound_once(function, scope), scope), scope, _appended)
     scope.report.finish()
     scope.memory = Memory(new, scope.program)
+    for store in named_rows(new, _appended):
+        scope.refuse(store, "a list holds another list that is written, not a copy of it", help=COPIED)
     return _Lists(new, scope).function()
 
 
