@@ -236,3 +236,27 @@ def new_lists(a, x):
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
 def test_new_lists(engine):
     check_derivatives(new_lists, (A, X), ("a", "x"), ("return",), engine)
+
+
+def integers_beside_floats(a, x):
+    s = 0.0
+    ts = [(x[k], k) for k in range(3)]
+    for v, k in ts:
+        s += v * x[k]
+    return s
+
+
+def test_an_integer_beside_a_float_is_a_float_and_picks_nothing():
+    with pytest.raises(s2sad.S2sadError, match="S201.*: a float picks an element"):
+        s2sad.gradient(integers_beside_floats, "x")(A, X)
+
+
+def written_before_a_list_of_lists_is_read(a, x):
+    ts = [[a[0], a[1]], [a[2], a[3]]]
+    a[0, 0] = 9.0 * x[1]
+    return ts[0][0][0] * x[2]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_rows_that_are_spelled_out(engine):
+    check_derivatives(written_before_a_list_of_lists_is_read, (A, X), ("a", "x"), ("return", "a"), engine)

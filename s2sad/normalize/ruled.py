@@ -16,7 +16,7 @@ from s2sad.rules.given import ROOM
 from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Call, Constant, Expr, FunctionDef, Raise, Subscript, UnaryOp, USub,
-    call_name, children, walk,
+    call_name, children, indices, walk,
 )
 
 _COPIES = frozenset({"numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array"})
@@ -86,6 +86,10 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
     if isinstance(node, UnaryOp) and isinstance(node.op, USub) and typing.of(node.operand).dtype.startswith("uint"):
         report.error("S201", f"the negative of {typing.of(node.operand).dtype}, which wraps around", node,
                      help="convert first: k.astype(np.int64), or int(k[i])")
+    if isinstance(node, Subscript) and any(
+            typing.of(i).is_number and typing.of(i).is_float for i in indices(node)):
+        report.error("S201", "a float picks an element", node, help="make it an integer: x[int(k)]; what lies in one "
+                     "list with floats is a float")
     if isinstance(node, (Assign, AugAssign)) and any(
             isinstance(t, Subscript) and typing.of(t.value).kind == "tuple" for t in targets(node)):
         report.error("S201", "an element of a list is written", node, help="make it an array: np.zeros(n), or "
