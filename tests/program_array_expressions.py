@@ -47,6 +47,8 @@ class ArrayExpressions(Expressions):
     """Writes expressions over a scope whose value is an array."""
 
     least = 4        # what n is at least
+    loops_of: dict[str, int]     # how many loops a counter has
+    alone: set[str]              # the counters that no other loop may have
     nonempty = frozenset({"n", "3", "n - 1", "2", "1", "3 - 2", "n - 2", "(n + 1) // 2", "n // 2"})
 
     # -- names and parts --------------------------------------------------------------------------------------------
@@ -61,7 +63,10 @@ class ArrayExpressions(Expressions):
         return shape[0] if len(shape) == 1 else f"({', '.join(shape)})"
 
     def cut(self, size: str, wanted: str) -> list[str]:
-        return cuts(size, self.scope.ints, self.least).get(wanted, [])
+        """The slices; `i:i + 1` of the counter of one loop alone, for of several a length of 1 is not seen."""
+        ints = {i: s for i, s in self.scope.ints.items() if wanted != "1" or self.loops_of.get(i, 1) < 2}
+        self.alone |= set(ints) if wanted == "1" else set()
+        return cuts(size, ints, self.least).get(wanted, [])
 
     def parts(self, array: str, have: Shape, shape: Shape) -> list[str]:
         """The ways to take a part of this shape from an array."""

@@ -84,8 +84,9 @@ class Writer(CombinedStatements):
     def _counter(self) -> str:
         """A loop variable's name: one that an earlier loop used, if it is free again."""
         for name in ("i", "j", "k_", "l"):
-            if name not in self.scope.ints and name not in self.scope.names():
+            if name not in self.scope.ints and name not in self.scope.names() and name not in self.alone:
                 self.used.add(name)
+                self.loops_of[name] = self.loops_of.get(name, 0) + 1
                 return name
         return self.fresh("i")
 

@@ -28,6 +28,8 @@ class SimpleStatements(Expressions):
         self.written: set[str] = set()       # arrays that are stored to, rows by their matrix
         self.bases: dict[str, str] = {}
         self.sizes = ["n", "3"]              # the sizes that have a name here
+        self.loops_of: dict[str, int] = {}
+        self.alone: set[str] = set()
 
     # -- blocks -----------------------------------------------------------------------------------------------------
     def write(self, line: str) -> None:
