@@ -85,3 +85,17 @@ CASES = [(f, (X[:k].copy(),), ("x",), ("return",)) for k in (5, 2, 1) for f in (
 @pytest.mark.parametrize(("kernel", "arguments", "wrt", "of", "engine"), each(CASES, every=9))
 def test_gradients(kernel, arguments, wrt, of, engine):
     check_derivatives(kernel, arguments, wrt, of, engine=engine)
+
+
+def last_counter(x, m, d):
+    for j in range(3):      # noqa: B007
+        pass
+    last = j
+    _ = m[:2, last:last + 1] * x[:2][:, None]
+    return d * d
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_a_guard_of_a_counter_behind_its_loop(engine):
+    """What nothing reads but a guard is bound."""
+    check_derivatives(last_counter, (np.ones(4), np.ones((4, 3)), 0.3), ("d",), ("return",), engine)

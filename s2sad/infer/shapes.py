@@ -285,4 +285,17 @@ def single_values(function: FunctionDef) -> dict[str, AST | None]:
             bound = [(statement.target.id, None)]
         twice |= {n for n, _ in bound if n in found}
         found |= dict(bound)
-    return {n: v for n, v in found.items() if n not in twice}
+    left = _left(function, found)
+    return {n: None if n in left else v for n, v in found.items() if n not in twice}
+
+
+def _left(function: FunctionDef, values: Mapping[str, AST | None]) -> set[str]:
+    """The names that hold a loop's counter behind the loop: it is the last one there."""
+    every = Counter(n.id for n in walk(function.body) if isinstance(n, Name))
+    found: set[str] = set()
+    for loop in walk(function.body):
+        if isinstance(loop, For):
+            inside = Counter(n.id for n in walk(loop.body) if isinstance(n, Name))
+            found |= {n for n, v in values.items() if isinstance(v, Name) and v.id == loop.target.id
+                      and inside[n] < every[n]}
+    return found
