@@ -102,18 +102,19 @@ def given(generated: Generated, case: Case) -> list[Any]:
 
 
 def same(case: Case) -> None:
-    """Both levels' texts as plain Python give the same bits."""
-    found = []
+    """Both levels' texts as plain Python give the same bits, but for products of blocks and the derivative of tanh."""
+    found, rounds = [], False
     for generated in texts(case.function, case.arguments("small"), case.wrt, case.of):
         space: dict = {}
         exec(generated.text, space)
+        rounds = rounds or any(w in generated.text for w in ("_rows = ", "_gain = ", "sech_squared"))
         space |= {n: getattr(np, n) for n in ELEMENTARY if space.get(n) is getattr(exponentials, n)}
         arguments = given(generated, case)
         result = space[generated.entry](*arguments)
         found.append(([a for a, p in zip(arguments, generated.parameters) if p.role == "shadow"], result or ()))
-    for one, other in zip(found[0][0], found[1][0]):
-        np.testing.assert_array_equal(one, other)
-    np.testing.assert_array_equal(found[0][1], found[1][1])
+    tolerance = 1e-12 if rounds else 0.0
+    for one, other in zip([*found[0][0], *found[0][1]], [*found[1][0], *found[1][1]]):
+        np.testing.assert_allclose(one, other, rtol=tolerance, atol=tolerance)
 
 
 @pytest.mark.parametrize("case", LOOPS, ids=lambda case: case.name)

@@ -297,5 +297,5 @@ def _left(function: FunctionDef, values: Mapping[str, AST | None]) -> set[str]:
         if isinstance(loop, For):
             inside = Counter(n.id for n in walk(loop.body) if isinstance(n, Name))
             found |= {n for n, v in values.items() if isinstance(v, Name) and v.id == loop.target.id
-                      and inside[n] < every[n]}
+                      and n in stored_names(loop.body) and inside[n] < every[n]}
     return found
