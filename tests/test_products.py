@@ -73,6 +73,23 @@ def mixed(w, x, y):
         y[i - 1] *= w @ y[i]
 
 
+def from_the_end(w, x, y):
+    """Rows that count from the end are no part of the matrix."""
+    for i in range(-2, 2):
+        y[i] += w @ x[i] * x[i, 0]
+
+
+def ends_that_change(w, x, y, p):
+    for i in range(p[0]):
+        y[i] = np.tanh(w @ x[i])
+        p[0] = 1
+
+
+def from_an_argument(w, x, y, k):
+    for i in range(k, 3):
+        y[i] += np.tanh(w @ x[i])
+
+
 X, W, V, B = RNG.standard_normal((5, 3)), RNG.standard_normal((3, 3)), RNG.standard_normal((3, 2)), RNG.random(3)
 LONG = RNG.standard_normal((131, 3))
 CASES = [
@@ -87,6 +104,9 @@ CASES = [
     (branches, (W, X), ("w", "x"), ("return",)),
     (early_end, (W, X, np.zeros((5, 3))), ("w", "x"), ("y",)),
     (outer, (W, X, np.zeros((3, 3))), ("w", "x"), ("y",)),
+    (from_the_end, (W, X, np.zeros((5, 3))), ("w", "x"), ("y",)),
+    (ends_that_change, (W, LONG, np.zeros((131, 3)), np.array([100])), ("w", "x"), ("y",)),
+    (from_an_argument, (W, X, np.zeros((5, 3)), -1), ("w", "x"), ("y",)),
     (mixed, (W, X, np.zeros((5, 3))), ("w", "x"), ("y",))]
 
 

@@ -23,6 +23,7 @@ from s2sad.analyze.liveness import base_name
 from s2sad.blocks import with_blocks
 from s2sad.infer.types import Type
 from s2sad.naming import Names
+from s2sad.simplify.algebra import integer
 from s2sad.simplify.bounds import changed, counted, stores
 from s2sad.simplify.rank_one import Gain, added_row, rank_one
 from s2sad.tree import (
@@ -75,7 +76,8 @@ class Text:
     def rank(self, node: AST) -> int:
         """The rank of a name, a row of one or the transpose of one; 0 of anything else."""
         if isinstance(node, Subscript):
-            return self.rank(node.value) - 1 if len(indices(node)) == 1 and isinstance(node.slice, Name) else 0
+            single = isinstance(node.slice, Name) and (kind := self.types.get(node.slice.id)) and kind.is_number
+            return self.rank(node.value) - 1 if single else 0
         base = node.args[0] if call_name(node) == "numpy.transpose" and len(node.args) == 1 else node
         kind = self.types.get(base.id) if isinstance(base, Name) else None
         return kind.rank if kind is not None and kind.is_float else 0
@@ -105,7 +107,10 @@ class Blocks:
         body: list[AST] = []
         for position, statement in enumerate(self.loop.body):
             body += [at(s, statement) if s is not statement else s for s in self.statement(statement, position)]
-        if not self.before and not self.after:
+        least = integer(self.bounds.upwards()[0]) if len(self.bounds.upwards()) == 2 else 0
+        counts_up = least is not None and least >= 0    # else a row of the block may count from the end
+        if not self.before and not self.after or not counts_up or not all(
+                map(self.is_fixed, (self.bounds.start, self.bounds.stop))):
             self.text.free.taken -= {self.first, self.last}
             return [self.loop]
         body = [s for s in body if not any(s is m for m in self.moved)]
