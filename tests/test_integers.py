@@ -42,6 +42,10 @@ def raised(x, n):
     return x[0] * 10 ** n
 
 
+def cubed(x, n):
+    return x[0] * (n * 100000000) ** 3
+
+
 def lowered(x, n):
     total = 0.0
     for i in range(-n, 1):
@@ -52,6 +56,7 @@ def lowered(x, n):
 @pytest.mark.parametrize("kernel, error, message", [
     (grown, OverflowError, "an integer that does not fit 64 bits: begin with a float, 1.0, not 1"),
     (raised, OverflowError, "an integer that does not fit 64 bits: begin with a float, 1.0, not 1"),
+    (cubed, OverflowError, "an integer that does not fit 64 bits: begin with a float, 1.0, not 1"),
     (lowered, ValueError, "an integer to a negative power is no integer: write float(a) ** n")])
 def test_what_numba_would_wrap_around_raises(kernel, error, message):
     with pytest.raises(error) as caught:
@@ -72,6 +77,18 @@ def two_bools(x, k):
     return x[0] * ((x[0] > 0.0) + (x[1] > 0.0))
 
 
+def swapped_bools(x, k):
+    b, c = x[0] > 0.5, k.size > 5
+    for i in range(2):
+        b, c = c, b
+        x[i] *= b + b + 1
+
+
+def listed_bools(x, k):
+    for i in range(2):
+        x[i] *= ~[True, False][i]
+
+
 def too_big(x, k):
     return x[0] * BIG
 
@@ -88,6 +105,8 @@ def flag(x, k):
     (of_few_bits, "numba", "arithmetic of uint8, which wraps around"),
     (negative, "numpy", "the negative of uint8, which wraps around"),
     (two_bools, "numba", "the sum of two bools, which is a bool for NumPy's and a number for Python's"),
+    (swapped_bools, "numpy", "the sum of two bools, which is a bool for NumPy's and a number for Python's"),
+    (listed_bools, "numpy", "the inverse of a bool, which is a bool for NumPy's and a number for Python's"),
     (too_big, "numba", "an integer that does not fit 64 bits"),
     (word, "numpy", "'WORD' cannot be used in a kernel: it is an uint8"),
     (flag, "numpy", "'FLAG' cannot be used in a kernel: it is a bool")])
@@ -95,6 +114,18 @@ def test_refused(kernel, engine, message):
     with pytest.raises(s2sad.S2sadError) as caught:
         s2sad.gradient(s2sad.differentiate(kernel, engine=engine), wrt="x")(np.ones(2), np.array([200, 100], "uint8"))
     assert caught.value.diagnostics[0].message == message
+
+
+def bools_of_elements(x, k):
+    total, seen = 0.0, k > 2
+    for i in range(x.size - 1):
+        first = x[i] > 0.5
+        total += x[i] ** 2 * (first + (x[i + 1] > 0.5)) + x[i] * (seen[i] + seen[i + 1]) - x[i] * ~first
+    return total
+
+
+def test_bools_of_elements_are_numpys():
+    check_derivatives(bools_of_elements, (np.array([0.6, 0.3, 0.9]), np.array([1, 4, 5])), ("x",), ("return",))
 
 
 def remainders(x, k, n):

@@ -7,12 +7,13 @@
     np.fmod(i, n)               np.sign(i) * (np.abs(i) % np.abs(n))    Numba computes Python's %
 
 Requires structured form and types. Sums of two single bools, and arithmetic of integers of few bits, which wraps around
-in NumPy, are refused.
+in NumPy, are refused. For NumPy nothing changes, and sums of bools that may be Python's are refused (`bools`).
 """
 from __future__ import annotations
 
 from s2sad.infer.infer import Typing, is_inverted
 from s2sad.infer.laws import whole_number
+from s2sad.normalize.bools import bools
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, Constant, For, FunctionDef, If, Mod, Mult, Name, Pow, Sub,
     UnaryOp, USub, While, assign, at, call, call_name, copy, mult, name, names, rebuild, stored_names,
@@ -21,8 +22,11 @@ from s2sad.tree import (
 _NARROW = ("int8", "int16", "uint8", "uint16", "uint32", "uint64")
 
 
-def integers(function: FunctionDef, typing: Typing) -> FunctionDef:
+def integers(function: FunctionDef, typing: Typing, compiled: bool) -> FunctionDef:
     """The function with such calls; what is refused is put into the report of `typing`."""
+    if not compiled:
+        bools(function, typing)
+        return function
     new, stored = copy(function), stored_names(function.body)
     given = {p.id for p in function.args.args if p.id not in stored and typing.of(p).is_number}
     new.body = _Integers(typing, given).block(new.body, False)
@@ -87,7 +91,7 @@ class _Integers:
             if is_inverted(part.right):
                 return at(BinOp(call("builtins.float", left), Pow(), right), part)
             known = whole_number(part.right)
-            return None if known is not None and known >= 0 else at(call("runtime.whole_power", left, right), part)
+            return None if known is not None and 0 <= known <= 2 else at(call("runtime.whole_power", left, right), part)
         return rebuild(node, change)
 
     def products(self, node: AST) -> AST:

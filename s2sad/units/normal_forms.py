@@ -169,7 +169,7 @@ class NormalForms(Calls):
         """The kernel with whole-array statements over arrays and parts of them by their own names, and whether guards
         of shapes were added."""
         report = typing.report
-        tree = integers(tree, typing) if self.engine == "numba" else tree
+        tree = integers(tree, typing, self.engine == "numba")
         tree = stacked(rotated(tree, typing, names), typing)
 
         def written(called: Call) -> tuple[int, ...]:
