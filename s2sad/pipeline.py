@@ -6,7 +6,7 @@
     infer       the types of names, before views and after rename
     analyze     structure, activity, uses, dependence, recorded                      (units/derivatives.py)
     differentiate   adjoint or tangent
-    simplify    merge, dead, coalesce, fold, algebra; for level "fast" products, turned, faster, taped
+    simplify    merge, dead, coalesce, fold, algebra; for level "fast" products, turned, kept, faster, taped
     emit        origin comments, the engine's dialect, the header, the text
 """
 from __future__ import annotations
@@ -34,6 +34,7 @@ from s2sad.simplify.dead import dead
 from s2sad.simplify.exponentials import exponentials
 from s2sad.simplify.extremes import extremes
 from s2sad.simplify.faster import faster
+from s2sad.simplify.kept import kept
 from s2sad.simplify.powers import powers
 from s2sad.simplify.products import products
 from s2sad.simplify.turned import turned
@@ -128,8 +129,8 @@ def in_loops(derived: Derived, units: Units) -> FunctionDef:
                and n.id not in family}
     arrays = {s for s in derived.made.shadows.values() if derived.types[s].is_array}
     multiplied = products(derived.function, derived.types)
-    function = faster(turned(multiplied, derived.types, None, writing), derived.types,
-                      {s.array for s in tape.stacks.values()}, arrays, numbers, writing)
+    kept_in = kept(turned(multiplied, derived.types, None, writing), derived.types, writing)
+    function = faster(kept_in, derived.types, {s.array for s in tape.stacks.values()}, arrays, numbers, writing)
     read = {n for n, role, _ in derived.made.parameters if role == "shadow"}
     return exponentials(dead(function, read, units.effects.writes, units.effects.pure, units.effects.unread),
                         derived.types)

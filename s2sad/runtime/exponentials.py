@@ -64,21 +64,24 @@ def tanh(x):
     >>> float(tanh(1e-300)), float(tanh(-40.0)), float(tanh(np.inf))
     (1e-300, -1.0, 1.0)
     """
-    twice = min(44.0, 2.0 * abs(x))
-    raised = exp_less_one(twice, 0)
-    size = raised / (raised + 2.0)
+    raised = exp_less_one(min(708.0, 2.0 * abs(x)), 0)
+    size = raised * (1.0 / (raised + 2.0))
     value = size if x > 0.0 else -size
     return value if x != 0.0 and not np.isnan(x) else 1.0 * x
 
 
 def sech_squared(x):
-    """1 / `numpy.cosh(x)` ** 2 of a number, the derivative of tanh, with one quotient.
+    """1 / `numpy.cosh(x)` ** 2 of a number, the derivative of tanh; 0 where it is less than 2e-307.
 
-    >>> float(sech_squared(0.0)), float(sech_squared(-np.inf)), 0.0 < float(sech_squared(370.0)) < 1e-320
+    Beside tanh it shares the exponential and the quotient with it.
+
+    >>> float(sech_squared(0.0)), float(sech_squared(-np.inf)), 0.0 < float(sech_squared(353.0)) < 1e-305
     (1.0, 0.0, True)
     """
-    raised = exp(-2.0 * abs(x))
-    return 4.0 * raised / ((1.0 + raised) * (1.0 + raised))
+    raised = exp_less_one(min(708.0, 2.0 * abs(x)), 0)
+    half = 1.0 / (raised + 2.0)
+    value = 0.0 if abs(x) > 354.0 else 4.0 * ((raised + 1.0) * half) * half
+    return 1.0 * x if np.isnan(x) else value
 
 
 def exp_less_one(x, power):

@@ -39,7 +39,7 @@ def exponentials(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDe
     chosen = {f: _FUNCTIONS[f] for f in found - slow}
 
     def change(node: AST) -> AST | None:
-        if (inner := _sech_squared(node)) is not None and call_name(inner) in chosen:
+        if (inner := cosh_of_slope(node)) is not None and call_name(inner) in chosen:
             return at(call("runtime.sech_squared", *(rebuild(a, change) for a in inner.args)), node)
         called = call_name(node)
         if called not in chosen or not isinstance(node, Call):
@@ -52,8 +52,13 @@ def exponentials(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDe
     return new
 
 
-def _sech_squared(node: AST) -> Call | None:
-    """The call of cosh in `(1.0 / np.cosh(x)) ** 2`, the derivative of tanh; None for anything else."""
+def slope_of_tanh(argument: AST) -> AST:
+    """The derivative of tanh: `(1.0 / np.cosh(argument)) ** 2`."""
+    return BinOp(BinOp(const(1.0), Div(), call("numpy.cosh", argument)), Pow(), const(2))
+
+
+def cosh_of_slope(node: AST) -> Call | None:
+    """The call of cosh in the derivative of tanh; None for anything else."""
     quotient = node.left if isinstance(node, BinOp) and isinstance(node.op, Pow) else None
     if not isinstance(quotient, BinOp) or not isinstance(quotient.op, Div) or dump([quotient.left, node.right]) != dump(
             [const(1.0), const(2)]):
@@ -123,4 +128,4 @@ def _carried(loop: For) -> bool:
     return False
 
 
-__all__ = ["exponentials"]
+__all__ = ["cosh_of_slope", "exponentials", "slope_of_tanh"]

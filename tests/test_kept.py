@@ -1,0 +1,142 @@
+"""kept: what an exponential gave an iteration is kept in it, and only where it is the same later on."""
+from __future__ import annotations
+
+import inspect
+
+import numpy as np
+import pytest
+
+from s2sad import differentiate
+from tests.derivatives import check_derivatives
+from tests.engines import running
+
+X = np.array([[0.3, -0.9, 0.7, 0.2], [0.5, 0.1, -0.4, 0.8]])
+
+
+def overwritten(x, w):
+    total = 0.0
+    for i in range(x.shape[0]):
+        e = np.exp(w * x[i])
+        e /= np.sum(e)
+        total += np.sum(e * x[i] ** 2)
+    return total
+
+
+def hyperbolic(x, w):
+    total = 0.0
+    for i in range(x.shape[0]):
+        h = np.tanh(w * x[i] + 0.1)
+        total += np.sum(np.sin(h) * np.sum(h))
+    return total
+
+
+def in_place_of_its_array(x, w):
+    total = 0.0
+    for i in range(x.shape[0]):
+        e = np.exp(w * x[i])
+        total += np.sum(e) ** 2
+    return total
+
+
+def argument_moves(x, w):
+    e = np.empty_like(w)
+    for i in range(x.shape[0]):
+        for j in range(w.size):
+            e[j] = np.exp(w[j] * x[i, j])
+        for j in range(w.size):
+            w[j] += 0.1 * e[j]
+        for j in range(w.size):
+            x[i, j] += e[j] * np.exp(w[j] * x[i, j])
+
+
+def one_more(x, w):
+    e = np.zeros(w.size)
+    for i in range(x.shape[0]):
+        for j in range(w.size - 1):
+            e[j] = np.exp(w[j] * x[i, j])
+        for j in range(w.size):
+            e[j] = e[j] ** 2 + np.exp(w[j] * x[i, j])
+        for j in range(w.size):
+            x[i, j] = e[j] * np.sin(e[j])
+
+
+def only_inside(x, w):
+    for i in range(x.shape[0]):
+        for j in range(w.size):
+            e = np.exp(w[j + 1]) if j < w.size - 1 else 0.5
+            x[i, j] = e * x[i, j] ** 2
+        for j in range(w.size):
+            x[i, j] *= np.exp(np.sin(x[i, j]))
+
+
+def of_a_moving_name(x, w):
+    for i in range(x.shape[0]):
+        t = 0.5
+        for j in range(w.size):
+            e = np.exp(t * x[i, j])
+            e = e * e
+            w[j] += e
+        t = np.sum(w)
+        for j in range(w.size):
+            x[i, j] = np.exp(t * 0.01 * x[i, j]) * w[j]
+
+
+def twice_in_one(x, w):
+    for i in range(x.shape[0]):
+        a, b = np.exp(x[i]), np.exp(w)
+        p = a * b
+        a *= p
+        b *= a
+        x[i] += np.exp(x[i]) * b + np.exp(w) * a
+
+
+def both(x, w):
+    n, m = x.shape
+    out = 0.0
+    for s in range(2):
+        h = np.tanh(x * w + s)
+        g = np.exp(x * 0.5)
+        h *= g
+        g *= h
+        x += 0.1 * h * g
+        out += np.sum(h ** 2)
+    return out
+
+
+KERNELS = [overwritten, hyperbolic, in_place_of_its_array, argument_moves, one_more, only_inside, of_a_moving_name,
+           twice_in_one, both]
+
+
+@pytest.mark.parametrize("engine", ["loops", "numba"])
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_derivatives(kernel, engine):
+    if engine == "numba" and kernel not in (hyperbolic, both):
+        engine = "numpy"
+    w = np.array([0.4, -0.3, 0.6, 0.9])
+    returns = "return" in inspect.getsource(kernel)
+    of = ("return",) if returns else ("x",)
+    check_derivatives(kernel, (X.copy(), w), ("x", "w"), of, engine)
+
+
+def _fast(kernel) -> str:
+    """The text of an adjoint that runs."""
+    with running("loops"):
+        made = differentiate(kernel, engine="numba")
+        arguments = [X.copy(), np.zeros_like(X), np.full(4, 0.5), np.zeros(4)]
+        if "return" in inspect.getsource(kernel):
+            arguments.append(1.0)
+        found = made.compiled("adjoint", *arguments)
+    return inspect.getsource(inspect.getmodule(getattr(found, "function", found)))
+
+
+@pytest.mark.parametrize("kernel, allocated, read", [
+    (overwritten, 1, 1), (hyperbolic, 1, 1), (in_place_of_its_array, 0, 0), (argument_moves, 0, 0), (one_more, 0, 0),
+    (only_inside, 0, 0), (of_a_moving_name, 0, 0)])
+def test_what_is_kept(kernel, allocated, read):
+    text = _fast(kernel)
+    assert text.count("_kept = np.empty") == allocated
+    assert text.count("_kept[") == allocated + read
+
+
+def test_an_array_that_holds_it_still():
+    assert _fast(in_place_of_its_array).count(" exp(") == 1
