@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from s2sad.diagnostics import Report
-from s2sad.infer.laws import of_rank
+from s2sad.infer.laws import of_rank, written_slice
 from s2sad.infer.promotion import RANKS, join, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, TEXT, UNKNOWN, Type, array, of_value
 from s2sad.infer.types_of_calls import LISTED, CallTypes, TypesOfCalls, stored_into
@@ -168,6 +168,9 @@ class Typing(TypesOfCalls):
 
     def _Subscript(self, node: Subscript) -> Type:
         base = self.of(node.value)
+        if base.kind == "tuple" and isinstance(node.slice, Slice):
+            part = written_slice(node.slice)
+            return UNKNOWN if part is None else Type("tuple", items=base.items[part])
         if base.kind == "tuple":
             if isinstance(node.slice, Constant) and isinstance(node.slice.value, int) and base.items:
                 return base.items[node.slice.value] if node.slice.value < len(base.items) else UNKNOWN

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from s2sad.infer.affine import Affine
 from s2sad.infer.types import UNKNOWN, Type, array
-from s2sad.tree import AST, Constant, List, Tuple, UnaryOp, USub
+from s2sad.tree import AST, Constant, List, Slice, Tuple, UnaryOp, USub
 
 Shape = tuple["Affine | None", ...]
 Options = Mapping[str, AST]
@@ -33,6 +33,13 @@ def whole_number(node: AST) -> int | None:
         inner = whole_number(node.operand)
         return None if inner is None else -inner
     return node.value if isinstance(node, Constant) and type(node.value) is int else None
+
+
+def written_slice(node: Slice) -> slice | None:
+    """The slice whose ends and step are written out, or None."""
+    ends = [None if e is None else whole_number(e) for e in (node.lower, node.upper, node.step)]
+    known = all((e is None) == (f is None) for e, f in zip((node.lower, node.upper, node.step), ends))
+    return slice(*ends) if known and ends[2] != 0 else None
 
 
 def axes_of(node: AST, rank: int) -> tuple[int, ...] | None:

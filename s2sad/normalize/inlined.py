@@ -10,7 +10,7 @@
 Requires structured form; establishes it for a kernel whose calls return no array. What the function's names share with
 the caller's (an argument that is written, a view that is returned) then follows from the statements. Its names are made
 new where the caller has them; a parameter that it never binds is what it is given. Functions that return numbers only,
-or nothing, stay functions.
+or nothing, stay functions, and so do those that can be given what they fill (`given_results`).
 """
 from __future__ import annotations
 
@@ -21,12 +21,14 @@ from s2sad.diagnostics import Report, Source
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
+from s2sad.normalize.given_results import Given, given_results, into
 from s2sad.normalize.lives import lives
 from s2sad.normalize.rotated import rotated
 from s2sad.program import Kernel, Program
 from s2sad.tree import (
     AST, Assign, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, Name, Not, NotEq, Return, Store, Tuple,
-    UnaryOp, While, assign, at, call_name, copy, function, name, names, rebuild, stored_names, walk,
+    UnaryOp, While, assign, at, call_name, copy, function, name, names, rebuild, stored_names, tuple_of,
+    walk,
 )
 
 Structured = Callable[[Kernel, Names, Program], FunctionDef]
@@ -39,6 +41,13 @@ class Helpers:
         self.program, self._structured = program, structured
         self._trees: dict[str, FunctionDef] = {}
         self._results: dict[tuple[str, tuple[Type, ...]], tuple[Type, ...]] = {}
+        self._given: dict[str, Given | None] = {}
+
+    def given(self, kernel: str) -> Given | None:
+        """The function that writes what this one returns, if it stays a function."""
+        if kernel not in self._given:
+            self._given[kernel] = given_results(self.program.kernels[kernel], self.tree(kernel), self.program)
+        return self._given[kernel]
 
     def tree(self, kernel: str) -> FunctionDef:
         if kernel not in self._trees:
@@ -124,7 +133,30 @@ class _Inlined:
         if self.helpers.program.kernels[_called(value)].own is not None:
             return [statement]  # its derivative is the user's own, whatever it returns
         self.changed = True
-        return self.written_out(statement, value)
+        given = self.helpers.given(_called(value))
+        return self.written_out(statement, value) if given is None else self.filled(statement, value, given)
+
+    def filled(self, statement: Assign | Expr, called: Call, given: Given) -> list[AST]:
+        """A call that writes what the function returns, and the arrays that it writes it into."""
+        parameters = [p.id for p in self.helpers.tree(_called(called)).args.args]
+        arguments: dict[str, AST] = {}
+        before: list[AST] = []
+        for parameter, argument in zip(parameters, called.args):
+            arguments[parameter] = argument
+            if not isinstance(argument, (Name, Constant)):
+                arguments[parameter] = name(held := self.free.numbered(parameter))
+                before.append(at(assign(held, argument), statement))
+        fresh = self.bound_by(statement, len(given.results), set(names(list(arguments.values())))) or [
+            self.free.numbered(result) for result, _ in given.results]
+        values = list(map(name, fresh))
+        last = at(Return(values[0] if len(values) == 1 else tuple_of(*values)), statement)
+        return [*before, *into(statement, called, given, arguments, fresh), *self.results(statement, last)]
+
+    def bound_by(self, statement: Assign | Expr, count: int, read: set[str]) -> list[str]:
+        """The names that a call is bound to, if they are no names of its arguments."""
+        target = statement.targets[0] if isinstance(statement, Assign) else None
+        bound = [t.id for t in getattr(target, "elts", [target]) if isinstance(t, Name)]
+        return bound if len(set(bound)) == count and not read & set(bound) else []
 
     def written_out(self, statement: Assign | Expr, called: Call) -> list[AST]:
         """The function's statements in place of a call of it."""

@@ -5,16 +5,18 @@
     r = a.conj()                                    r = a, of an array that is real; else np.conj(a)
     s = np.sum(x).item() + x[1:2].item()            s = np.sum(x) + x[1:2][0]
     np.sum(np.astype(x, dtype=np.float64))          np.sum(x), of an array that is of these already
+    np.zeros(x.shape[1:])                           np.zeros((x.shape[1], x.shape[2])), where x has three axes
 
 Requires structured form and types; changes no type.
 """
 from __future__ import annotations
 
 from s2sad.infer.infer import Typing
+from s2sad.infer.laws import written_slice
 from s2sad.infer.types import Type
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, List, Mult, Tuple, at, call, call_name, const, copy, index,
-    rebuild,
+    AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, List, Mult, Slice, Subscript, Tuple, at, call, call_name,
+    const, copy, index, rebuild, tuple_of,
 )
 
 CONJUGATING = ("conj", "conjugate")     # methods
@@ -39,6 +41,8 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
             return rebuild(made, change)
         if isinstance(node, Call) and isinstance(node.func, Attribute) and node.func.attr == "item":
             return _item(node, typing.of(node.func.value), [rebuild(n, change) for n in [node.func.value, *node.args]])
+        if isinstance(node, Subscript) and isinstance(node.slice, Slice) and isinstance(node.value, Attribute):
+            return _sizes(node, typing)
         if call_name(node) in _REDUCING and node.args and call_name(inner := node.args[0]) == "numpy.astype":
             kind = typing.of(inner.args[0])
             if kind.is_array and kind.dtype == typing.of(inner).dtype == "float64":
@@ -58,6 +62,15 @@ def _with_array(node: BinOp, typing: Typing) -> AST | None:
             made = at(call("numpy.array", side), side)
             return at(BinOp(*((made, node.op, other) if side is node.left else (other, node.op, made))), node)
     return None
+
+
+def _sizes(node: Subscript, typing: Typing) -> AST | None:
+    """The sizes that a written slice of a shape picks."""
+    shape, part = node.value, written_slice(node.slice)
+    kind = typing.of(shape.value) if shape.attr == "shape" else None
+    if part is None or kind is None or not kind.is_array:
+        return None
+    return at(tuple_of(*(index(copy(shape), const(k)) for k in range(kind.rank)[part])), node)
 
 
 def _item(node: Call, kind: Type, parts: list[AST]) -> AST | None:

@@ -72,6 +72,7 @@ class NormalForms(Calls):
     watch: Watch = unwatched
 
     def __post_init__(self) -> None:
+        self.program = replace(self.program, kernels=dict(self.program.kernels))    # more are made on the way
         self.titles.taken |= set(self.program.kernels)
         self.helpers, self.known = Helpers(self.program, plain_form), Known()
         self.singles = any(makes_singles(k.tree) for k in self.program.kernels.values()) or any(
