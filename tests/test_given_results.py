@@ -161,6 +161,48 @@ def of_a_method(x):
     x[:] = x + MODEL.rate(x + 0.1 * k)
 
 
+def waves(u, v):
+    r = np.where(u > 0.0, u * v ** 2, np.sin(v)) + np.roll(u, 1)
+    s = np.clip(r, -0.5, 0.7) * 2.0 - np.exp(-u) * np.roll(v, -1)
+    r[1:] += s[:-1] ** 2
+    return r, 0.3 * s - r * u + np.maximum(u, v) * np.cos(r) / (1.0 + s ** 2) - np.tanh(v) * np.sqrt(1.0 + r ** 2)
+
+
+def of_expressions(x, y):
+    for _ in range(2):
+        a, b = waves(x, y)
+        c, d = waves(x + 0.5 * a, y * b)
+        x += 0.1 * c
+        y -= 0.1 * d * b
+    return np.sum(x * y)
+
+
+def handed_on(u, v):
+    p, q = waves(v, u)
+    w = rhs(p, 0.5)
+    z = rhs(w, 0.1)
+    return q, w, z * 1.0
+
+
+def through(x, y):
+    a, b, c = handed_on(x, y)
+    d, e, f = handed_on(a + c, b)
+    b[0] = 2.0 * e[1]
+    return np.sum(a * b + c * d - e) + f[0]
+
+
+def one_row(u, v):
+    w = u * v
+    for i in range(u.shape[0]):
+        w[i] *= np.sum(v[0])
+    return w
+
+
+def of_one_row(x, y):
+    a = np.reshape(x, (1, 4))
+    return np.sum(one_row(a, a) * one_row(a + 1.0, np.reshape(y, (1, 4))))
+
+
 def none_left(x, n):
     return np.sum(wider(x[:1], n)) + np.sum(wider(x, n)) + np.sum(wider(x[:2], 0))
 
@@ -169,7 +211,8 @@ CASES = [(runge_kutta, (X, 0.4), ("x", "p"), ("x",)), (exchanged, (X, Y), ("x", 
          (bound_anew, (X, 0.4), ("x", "p"), ("return",)), (sizes, (X, 2), ("x",), ("return",)),
          (writes_its_argument, (X,), ("x",), ("return", "x")), (of_defaults, (X,), ("x",), ("return",)),
          (of_dtypes, (X,), ("x",), ("return",)), (cut, (X,), ("x",), ("return",)), (of_a_method, (X,), ("x",), ("x",)),
-         (none_left, (X, 2), ("x",), ("return",))]
+         (of_expressions, (X, Y), ("x", "y"), ("return", "x", "y")), (through, (X, Y), ("x", "y"), ("return",)),
+         (of_one_row, (X, Y), ("x", "y"), ("return",)), (none_left, (X, 2), ("x",), ("return",))]
 
 
 @pytest.mark.parametrize("engine", ["numpy", "loops"])

@@ -21,7 +21,7 @@ from s2sad.diagnostics import Report, Source
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
-from s2sad.normalize.given_results import Given, given_results, into
+from s2sad.normalize.given_results import Given, Results, given_results, into, placed
 from s2sad.normalize.lives import lives
 from s2sad.normalize.rotated import rotated
 from s2sad.program import Kernel, Program
@@ -41,13 +41,33 @@ class Helpers:
         self.program, self._structured = program, structured
         self._trees: dict[str, FunctionDef] = {}
         self._results: dict[tuple[str, tuple[Type, ...]], tuple[Type, ...]] = {}
-        self._given: dict[str, Given | None] = {}
+        self._own: dict[tuple[str, tuple[Type, ...]], Results] = {}
+        self._given: dict[tuple[str, tuple[Type, ...]], Given | None] = {}
 
-    def given(self, kernel: str) -> Given | None:
+    def given(self, kernel: str, types: tuple[Type, ...]) -> Given | None:
         """The function that writes what this one returns, if it stays a function."""
-        if kernel not in self._given:
-            self._given[kernel] = given_results(self.program.kernels[kernel], self.tree(kernel), self.program)
-        return self._given[kernel]
+        if (kernel, types) not in self._given:
+            self._given[kernel, types] = given_results(
+                self.program.kernels[kernel], self.own(kernel, types), self.results(kernel, types), self.program)
+        return self._given[kernel, types]
+
+    def own(self, kernel: str, types: tuple[Type, ...]) -> Results:
+        """What a function returns of its own."""
+        if (kernel, types) not in self._own:
+            tree = self.tree(kernel)
+            tree, typing = self.typing(tree, dict(zip((p.id for p in tree.args.args), types)), self.program.kernels[
+                kernel].source, Names(n.id for n in walk(tree) if isinstance(n, Name)))
+            self._own[kernel, types] = Results(tree, typing, lambda called: self.shapes(called, typing))
+        return self._own[kernel, types]
+
+    def shapes(self, called: Call, typing: Typing) -> list[AST | None]:
+        """The shapes of what a call returns, of its arguments."""
+        kernel = self.program.kernels[_called(called)]
+        if kernel.own is not None:
+            return []
+        found = self.own(kernel.name, tuple(map(typing.argument, called.args)))
+        arguments = dict(zip((p.id for p in found.tree.args.args), called.args))
+        return [None if s is None else placed(s, arguments) for s in found.shapes]
 
     def tree(self, kernel: str) -> FunctionDef:
         if kernel not in self._trees:
@@ -133,7 +153,7 @@ class _Inlined:
         if self.helpers.program.kernels[_called(value)].own is not None:
             return [statement]  # its derivative is the user's own, whatever it returns
         self.changed = True
-        given = self.helpers.given(_called(value))
+        given = self.helpers.given(_called(value), tuple(map(self.typing.argument, value.args)))
         return self.written_out(statement, value) if given is None else self.filled(statement, value, given)
 
     def filled(self, statement: Assign | Expr, called: Call, given: Given) -> list[AST]:

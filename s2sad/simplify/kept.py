@@ -127,8 +127,8 @@ class _Kept:
             if isinstance(target, Subscript) and isinstance(target.value, Name) and dump(
                     tuple_of(*indices(target))) == place and dump(statement.value) == dump(made):
                 array = target.value.id
-                if array not in moving and self.types[array].dtype == "float64" and sum(
-                        base_name(t) == array for t in stores(giving.body)) == 1:
+                double = array not in self.types or self.types[array].dtype == "float64"   # or keeps another value
+                if double and array not in moving and sum(base_name(t) == array for t in stores(giving.body)) == 1:
                     return array
         return ""
 
