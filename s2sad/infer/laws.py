@@ -130,10 +130,6 @@ def _tensor_type(args: list[Type], options: Options) -> Type:
     return UNKNOWN if pairs is None else of_rank(Type("array", _common(args)), sum(ranks) - 2 * len(pairs))
 
 
-def _blocks_type(args: list[Type], options: Options) -> Type:
-    return array(_common(args), args[0].rank) if args[0].rank == args[1].rank else UNKNOWN
-
-
 def _places_type(args: list[Type], options: Options) -> Type:
     axis = whole_number(options["axis"])
     fits = args[0].is_array and axis is not None and -args[0].rank <= axis < args[0].rank
@@ -285,7 +281,6 @@ LAWS: dict[str, Law] = {
     "spread": Law(_spread_type, lambda args, options: None),
     "matmul": Law(_matmul_type, _matmul_shape),
     "tensor": Law(_tensor_type, lambda args, options: None),
-    "blocks": Law(_blocks_type, lambda args, options: None),
     "outer": Law(_outer_type, lambda args, options: (args[0] + args[1]) if len(args[0]) == len(args[1]) == 1 else None),
     "matrix": Law(_of_matrix(2), lambda args, options: args[0]),
     "determinant": Law(_of_matrix(0), lambda args, options: ()),

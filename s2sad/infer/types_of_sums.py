@@ -100,7 +100,7 @@ def _trapezoid(args: list[Type], options: Arguments) -> Type:
 
 def _gradient(args: list[Type], options: Arguments) -> Type:
     axis = options["axis"]
-    if not is_none(options["third"]):
+    if not is_none(options["third"]) or whole_number(options["edge_order"]) not in (1, 2):
         return UNKNOWN
     if not is_none(options["part"]) and known_array(args):
         number, several = whole_number(options["part"]) or 0, args[0].rank > 1 and is_none(axis)
@@ -119,8 +119,16 @@ def _convolve(args: list[Type], options: Arguments) -> Type:
     return array(common(args[:2]), 1) if fits else UNKNOWN
 
 
+def _kron(args: list[Type], options: Arguments) -> Type:
+    a, b = args
+    fits = a.is_array and b.is_array and a.rank == b.rank and a.rank in (1, 2) and {a.dtype, b.dtype} <= set(ORDER)
+    return array(common(args), a.rank) if fits else UNKNOWN
+
+
 def _interp(args: list[Type], options: Arguments) -> Type:
-    x, xp, fp = args
+    x, xp, fp = args[:3]
+    if not all(is_none(options[o]) or not isinstance(options[o], (Tuple, List)) for o in ("left", "right")):
+        return UNKNOWN
     if not (x.is_float and x.rank <= 1 and xp.is_array and fp.is_array and xp.rank == fp.rank == 1):
         return UNKNOWN
     return of_rank(array("float64", 1), x.rank)
@@ -160,7 +168,8 @@ SUMS: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.var": _averaged, "numpy.std": _averaged, "numpy.prod": _product, "numpy.cumprod": _running,
     "numpy.cumsum": _running, "numpy.average": _average, "numpy.linalg.norm": _norm,
     "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.trapezoid": _trapezoid, "numpy.trapz": _trapezoid,
-    "numpy.ptp": _reduced, "numpy.nansum": _summed, "numpy.nan_to_num": _numbered,
+    "numpy.ptp": _reduced, "numpy.nansum": _summed, "numpy.nanmean": _averaged, "numpy.kron": _kron,
+    "numpy.nan_to_num": _numbered,
     "numpy.maximum.accumulate": _running_extreme, "numpy.minimum.accumulate": _running_extreme,
     **{f"numpy.{f}.outer": _outer for f in ("add", "subtract", "multiply", "power", "maximum", "minimum")},
     "numpy.divide.outer": _quotient, "numpy.cross": _crossed, "numpy.vander": _powers, "numpy.polyval": _polynomial,

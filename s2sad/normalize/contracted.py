@@ -18,8 +18,7 @@ from itertools import permutations
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import paired_axes
 from s2sad.tree import (
-    AST, Call, Constant, FunctionDef, Name, Slice, at, attribute, call, call_name, const, copy, index, mult, rebuild,
-    tuple_of,
+    AST, Call, Constant, FunctionDef, Slice, at, call, call_name, const, copy, index, mult, rebuild, tuple_of,
 )
 
 _BATCH = "abcdefgh"
@@ -47,14 +46,13 @@ def contracted(function: FunctionDef) -> FunctionDef:
 
 
 def batched(function: FunctionDef, typing: Typing) -> FunctionDef:
-    """The function with each product of stacks of matrices, and each `np.tensordot` and `np.kron`, as products
-    and sums."""
+    """The function with each product of stacks of matrices, and each `np.tensordot`, as products and sums."""
     def change(node: AST) -> AST | None:
-        if call_name(node) == "numpy.kron":
-            return blocks(node, typing)
-        if not isinstance(node, Call) or call_name(node) not in ("numpy.matmul", "numpy.tensordot"):
+        if not isinstance(node, Call) or call_name(node) not in ("numpy.matmul", "numpy.dot", "numpy.tensordot"):
             return None
         ranks = [typing.of(a).rank for a in node.args]
+        if call_name(node) == "numpy.dot" and 1 not in ranks:
+            return None     # it pairs other axes than a product of stacks does
         if call_name(node) == "numpy.tensordot":
             return tensor_product(node, ranks, [rebuild(a, change) for a in node.args])
         if max(ranks) < 3:
@@ -67,20 +65,6 @@ def batched(function: FunctionDef, typing: Typing) -> FunctionDef:
     new = copy(function)
     new.body = [rebuild(statement, change) for statement in function.body]
     return new
-
-
-def blocks(node: AST, typing: Typing) -> AST | None:
-    """`np.kron` of two vectors or matrices that have names: a product of elements in another shape."""
-    a, b = (n.args[0] if call_name(n) == "numpy.float64" else n for n in node.args)
-    rank = typing.of(a).rank
-    if not (isinstance(a, Name) and isinstance(b, Name)) or typing.of(b).rank != rank or rank not in (1, 2):
-        return None
-    whole, new = Slice(None, None, None), const(None)
-    left, right = index(a, *[whole, new] * rank), index(b, *[new, whole] * rank)
-    product = mult(*(part if given is o else Call(given.func, [part], given.keywords)
-                     for given, o, part in zip(node.args, (a, b), (left, right))))
-    sizes = [mult(*(index(attribute(copy(o), "shape"), const(k)) for o in (a, b))) for k in range(rank)]
-    return at(call("numpy.reshape", product, tuple_of(*sizes)), node)
 
 
 def tensor_product(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:

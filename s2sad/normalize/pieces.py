@@ -2,8 +2,8 @@
 
 Requires functions that stand alone on operands with names; establishes that none of those in `rules/composed` is left,
 and no `np.broadcast_to` of the kernel's.
-What each is made of stands in `normalize/pieces_of_shapes`, `pieces_of_sums`, `pieces_of_places` and
-`pieces_of_transforms`.
+What each is made of stands in `normalize/pieces_of_shapes`, `pieces_of_sums`, `pieces_of_differences`,
+`pieces_of_places` and `pieces_of_transforms`.
 
     d = np.diff(x)                  d = x[1:] - x[:-1]
     y = np.concatenate((u, v))      y = np.empty(u.shape[0] + v.shape[0])
@@ -19,6 +19,7 @@ from s2sad.infer.infer import Typing, learn
 from s2sad.naming import Names
 from s2sad.normalize.asked import Asked
 from s2sad.normalize.functions import functions
+from s2sad.normalize.pieces_of_differences import DIFFERENCES
 from s2sad.normalize.pieces_of_joins import JOINS
 from s2sad.normalize.pieces_of_places import PLACES
 from s2sad.normalize.pieces_of_shapes import SHAPES
@@ -31,7 +32,7 @@ from s2sad.tree import (
     While, assign, at, call_name, copy, indices, name, names, rebuild, statements, stored_names, walk,
 )
 
-_PIECES = {**JOINS, **SHAPES, **SUMS, **PLACES, **TRANSFORMS}
+_PIECES = {**JOINS, **SHAPES, **SUMS, **DIFFERENCES, **PLACES, **TRANSFORMS}
 RESULT = "result"
 _BUILTINS = ("int", "len", "max", "min", "range")
 

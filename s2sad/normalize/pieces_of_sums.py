@@ -1,4 +1,4 @@
-"""What reductions, running products, products and differences are made of: sums, loops and slices, in stable forms."""
+"""What reductions, running products and products are made of: sums, loops and slices, in stable forms."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -144,6 +144,12 @@ def _nansum(asked: Asked) -> str:
                  f"result = numpy.sum(there{_options(asked, asked.rank('x'))})")
 
 
+def _nanmean(asked: Asked) -> str:
+    options = _options(asked, asked.rank("x"))
+    return lines("there = numpy.where(numpy.isnan(x), 0.0, x)", "counted = numpy.where(numpy.isnan(x), 0.0, 1.0)",
+                 f"result = numpy.sum(there{options}) / numpy.sum(counted{options})")
+
+
 # -- products of arrays ----------------------------------------------------------------------------------------------
 
 def _vdot(asked: Asked) -> str:
@@ -162,6 +168,13 @@ def _outer(asked: Asked, text: str) -> str:
     a = f"a[{', '.join([':'] * asked.rank('a') + ['None'] * asked.rank('b'))}]" if asked.rank("b") else "a"
     b = f"b[{', '.join(['None'] * asked.rank('a') + [':'] * asked.rank('b'))}]" if asked.rank("a") else "b"
     return f"result = {text.format(a=a if asked.rank('a') else 'a', b=b if asked.rank('b') else 'b')}"
+
+
+def _kron(asked: Asked) -> str:
+    rank = asked.rank("a")
+    a, b = ", ".join([":, None"] * rank), ", ".join(["None, :"] * rank)
+    whole = ", ".join(f"{size('a', k)} * {size('b', k)}" for k in range(rank))
+    return f"result = numpy.reshape(a[{a}] * b[{b}], ({whole},))"
 
 
 def _cross(asked: Asked) -> str:
@@ -217,88 +230,16 @@ def _convolve(asked: Asked) -> str:
                  "    result[position] = whole[position + first]")
 
 
-# -- differences and integrals ---------------------------------------------------------------------------------------
-
-def _trapezoid(asked: Asked) -> str:
-    rank = asked.rank("y")
-    axis = asked.axis(rank)
-    options = f", axis={axis}" if rank > 1 else ""
-    both = f"{part('y', axis, '1:')} + {part('y', axis, ':-1')}"
-    if not asked.given("x"):
-        return f"result = 0.5 * dx * numpy.sum({both}{options})"
-    along = axis if asked.rank("x") == rank else 0
-    widths = f"widths = {part('x', along, '1:')} - {part('x', along, ':-1')}"
-    fitted = "widths" if along == axis and asked.rank("x") == rank else _along("widths", axis, rank)
-    return lines(widths, f"result = 0.5 * numpy.sum(({both}) * {fitted}{options})")
-
-
-def _along(vector: str, axis: int, rank: int, taken: str = ":") -> str:
-    """A vector, or a part of it, laid along one axis of several."""
-    return f"{vector}[{', '.join(taken if k == axis else 'None' for k in range(rank))}]"
-
-
-def _gradient_part(asked: Asked) -> str:
-    """The part along one axis; of a vector an element."""
-    number = asked.number("part") or 0
-    if asked.rank("f") == 1 or asked.given("axis"):
-        options = f", axis={asked.axis(asked.rank('f'))}" if asked.given("axis") else ""
-        return lines(f"whole = numpy.gradient(f, spacing=spacing{options})", f"result = whole[{number}]")
-    spacing = "second" if number and asked.given("second") else "spacing"
-    return f"result = numpy.gradient(f, spacing={spacing}, axis={number})"
-
-
-def _gradient(asked: Asked) -> str:
-    if asked.given("part"):
-        return _gradient_part(asked)
-    rank = asked.rank("f")
-    axis = asked.axis(rank) if asked.given("axis") else 0
-    n = size("f", axis)
-    dtype = asked.type("f").dtype if asked.type("f").is_float else "float64"
-    found = [f"assert {n} >= 2", f"result = {empty(sizes('f', rank), dtype)}"]
-
-    def at(array: str, taken: str) -> str:
-        return part(array, axis, taken)
-    inner, before, here, after = at("result", "1:-1"), at("f", ":-2"), at("f", "1:-1"), at("f", "2:")
-    ends = [f"{at('result', '0')} = ({at('f', '1')} - {at('f', '0')}) / ",
-            f"{at('result', f'{n} - 1')} = ({at('f', f'{n} - 1')} - {at('f', f'{n} - 2')}) / "]
-    if asked.rank("spacing") == 0:
-        return lines(*found, f"{inner} = ({after} - {before}) / (2.0 * spacing)", *(e + "spacing" for e in ends))
-    lay = (lambda v: v) if rank == 1 else (lambda v: _along(v, axis, rank))
-    return lines(*found, "widths = spacing[1:] - spacing[:-1]", "low = widths[:-1]", "high = widths[1:]",
-                 "left = -high / (low * (low + high))", "middle = (high - low) / (low * high)",
-                 "right = low / (high * (low + high))",
-                 f"{inner} = {lay('left')} * {before} + {lay('middle')} * {here} + {lay('right')} * {after}",
-                 ends[0] + "widths[0]", ends[1] + f"widths[{n} - 2]")
-
-
-def _interp(asked: Asked) -> str:
-    """At a point of the table the slope is the one on its left; outside of it 0."""
-    last = f"{size('xp', 0)} - 1"
-
-    def value(point: str, result: str, indent: str) -> list[str]:
-        slope = "(fp[place] - fp[place - 1]) / (xp[place] - xp[place - 1])"
-        return [indent + line for line in (
-            f"place = numpy.searchsorted(xp, {point})", f"if {point} != {point}:", f"    {result} = {point}",
-            "elif place == 0:", f"    {result} = fp[0]",
-            f"elif place > {last}:", f"    {result} = fp[{last}]", "else:",
-            f"    {result} = fp[place - 1] + {slope} * ({point} - xp[place - 1])")]
-    if asked.rank("x") == 0:
-        return lines(*value("x", "result", ""))
-    return lines(f"result = {empty([size('x', 0)], 'float64')}", f"for position in range({size('x', 0)}):",
-                 *value("x[position]", "result[position]", "    "))
-
-
 OUTER = {"add": "{a} + {b}", "subtract": "{a} - {b}", "multiply": "{a} * {b}", "divide": "{a} / {b}",
          "power": "{a} ** {b}", "maximum": "numpy.maximum({a}, {b})", "minimum": "numpy.minimum({a}, {b})"}
 SUMS: dict[str, Callable[[Asked], str]] = {
     "numpy.var": _var, "numpy.std": _std, "numpy.linalg.norm": _norm, "numpy.average": _average, "numpy.prod": _prod,
     "numpy.cumprod": lambda asked: _running(asked, "*", "1.0", "numpy.cumprod"),
     "numpy.cumsum": lambda asked: _running(asked, "+", "0.0", "numpy.cumsum"),
-    "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.convolve": _convolve, "numpy.trapezoid": _trapezoid,
-    "numpy.ptp": _ptp, "numpy.nansum": _nansum, "numpy.cross": _cross, "numpy.vander": _vander,
-    "numpy.polyval": _polyval, "numpy.correlate": _correlate,
+    "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.convolve": _convolve,
+    "numpy.ptp": _ptp, "numpy.nansum": _nansum, "numpy.nanmean": _nanmean, "numpy.kron": _kron, "numpy.cross": _cross,
+    "numpy.vander": _vander, "numpy.polyval": _polyval, "numpy.correlate": _correlate,
     "numpy.maximum.accumulate": lambda asked: _running_extreme(asked, "maximum"),
     "numpy.minimum.accumulate": lambda asked: _running_extreme(asked, "minimum"),
     **{f"numpy.{f}.outer": lambda asked, text=text: _outer(asked, text) for f, text in OUTER.items()},
-    "numpy.trapz": _trapezoid, "numpy.gradient": _gradient, "numpy.interp": _interp,
 }

@@ -40,9 +40,10 @@ _METHODS = {"sum", "mean", "max", "min", "reshape", "ravel", "transpose", "dot",
             "flatten", "take", "ptp", "astype", "argsort", "clip", "round", "searchsorted"}
 _QUESTIONS = {"any", "all", "argmax", "argmin"}
 _REDUCING = {"linalg.norm", "median", "sort", "diff", "count_nonzero"}
-_LISTED = {"diag", "diagflat", "tril", "triu", "roll", "flip", "interp", "polyval", "searchsorted", "convolve",
-           "cross", "kron", "linalg.solve", "linalg.det", "linalg.inv", "trapezoid", "average", "ediff1d"}
-_PRODUCTS = {"dot", "outer", "inner", "vdot", "matmul", "where"}
+_LISTED = {"diag", "diagflat", "tril", "triu", "roll", "flip", "searchsorted", "linalg.det", "linalg.inv", "trapezoid",
+           "average", "ediff1d"}
+_PRODUCTS = {"dot", "outer", "inner", "vdot", "matmul", "where", "interp", "polyval", "convolve", "correlate", "cross",
+             "kron", "linalg.solve"}
 _SHAPED = {"reshape", "transpose"}
 _PARTS = {"real", "imag"}  # attributes
 
@@ -58,7 +59,7 @@ def _plain(node: AST) -> AST | None:
     if isinstance(node, Name) and node.id == "numpy.newaxis":
         return at(const(None), node)
     if isinstance(node, BinOp) and isinstance(node.op, MatMult):
-        return at(call("numpy.matmul", rebuild(node.left, _plain), rebuild(node.right, _plain)), node)
+        return rebuild(at(call("numpy.matmul", node.left, node.right), node), _plain)
     if isinstance(node, BinOp) and isinstance(node.op, (Sub, Div, Pow)) and any(
             isinstance(side, (Tuple, List)) for side in (node.left, node.right)):
         left, right = (call("numpy.array", s) if isinstance(s, (Tuple, List)) else s for s in (node.left, node.right))

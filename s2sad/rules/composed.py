@@ -53,6 +53,7 @@ for _text in (
         "numpy.prod(x, axis=None, keepdims=False)", "numpy.cumprod(x, axis=None)", "numpy.cumsum(x, axis=None)",
         "numpy.average(x, axis=None, weights=None)", "numpy.linalg.norm(x, ord=None, axis=None, keepdims=False)",
         "numpy.ptp(x, axis=None, keepdims=False)", "numpy.nansum(x, axis=None, keepdims=False)",
+        "numpy.nanmean(x, axis=None, keepdims=False)",
         "numpy.nan_to_num(x, copy=True, nan=0.0, posinf=None, neginf=None)",
         "numpy.maximum.accumulate(x, axis=0)", "numpy.minimum.accumulate(x, axis=0)",
         # products, differences, sums
@@ -61,9 +62,9 @@ for _text in (
         "numpy.minimum.outer(a, b)", "numpy.cross(a, b)", "numpy.vander(x, N=None, increasing=False)",
         "numpy.polyval(p, x)", "numpy.correlate(a, v, mode='valid')",
         "numpy.vdot(a, b)", "numpy.inner(a, b)", "numpy.trapezoid(y, x=None, dx=1.0, axis=-1)",
-        "numpy.gradient(f, spacing=1.0, second=None, third=None, axis=None, part=None)",
+        "numpy.gradient(f, spacing=1.0, second=None, third=None, axis=None, edge_order=1, part=None)",
         "numpy.convolve(a, v, mode='full')",
-        "numpy.interp(x, xp, fp)",
+        "numpy.interp(x, xp, fp, left=None, right=None)", "numpy.kron(a, b)",
         # transforms
         *(f"numpy.fft.{_f}2(x, s=None, axes=(-2, -1), norm=None)" for _f in ("fft", "ifft", "rfft", "irfft")),
         *(f"numpy.fft.{_f}n(x, s=None, axes=None, norm=None)" for _f in ("fft", "ifft", "rfft", "irfft")),

@@ -12,7 +12,6 @@ arrays("numpy.linalg.solve(a, b)", law="solved", shared={"s": "numpy.linalg.solv
 
 # become products and sums (normalize.contracted)
 arrays("numpy.tensordot(a, b, axes=2)", law="tensor")
-arrays("numpy.kron(a, b)", law="blocks")
 
 arrays("numpy.linalg.inv(a)", law="matrix", a="-(y.T @ g @ y.T)", tangent="-(y @ a_dot @ y)")
 arrays("numpy.linalg.det(a)", law="determinant", a="g * runtime.cofactors(a)",
