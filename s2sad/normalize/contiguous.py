@@ -22,7 +22,7 @@ from s2sad.tree import (
     indices, name, walk,
 )
 
-Lying = Callable[[Call], Sequence[int]]
+Asked = Callable[[Call], Sequence[int]]
 _MADE = {f"numpy.{f}" for f in ("zeros", "empty", "ones", "full", "matmul", "dot", "outer", "eye", "arange", "linspace")}
 _ALIKE = {f"numpy.{f}" for f in ("zeros_like", "empty_like", "ones_like", "full_like", "copy", "array")}
 _KEEPING = {f"numpy.{f}" for f in ("asarray", "ascontiguousarray", "reshape", "ravel")}
@@ -32,7 +32,7 @@ _TURNING = {f"numpy.{f}" for f in (
 
 
 class Contiguity:
-    """What the parameters of one function must be for its arrays to lie so."""
+    """What the parameters of one function, as it is written, must be for its arrays to lie so."""
 
     def __init__(self, function: FunctionDef, typing: Typing):
         self.typing = typing
@@ -44,6 +44,10 @@ class Contiguity:
                 if isinstance(n, Name) and isinstance(n.ctx, Store):
                     self.bound.setdefault(n.id, []).append(statement.value if n is target else None)
         self._known: dict[str, frozenset[str] | None] = {}
+
+    def same(self, identifier: str, other: str) -> None:
+        """Another name is bound to what a name is bound to."""
+        self.bound[other] = self.bound.get(identifier, [None])
 
     def needs(self, node: AST) -> frozenset[str] | None:
         """The parameters that must lie so for an array to do; None if it may not even then."""
@@ -124,13 +128,12 @@ class Contiguity:
         return True
 
 
-def of_calls(function: FunctionDef, typing: Typing, lying: Lying, report: Report) -> set[str]:
+def of_calls(function: FunctionDef, whole: Contiguity, asked: Asked, report: Report) -> set[str]:
     """The parameters that must lie so for the arguments of kernels that ask for it; what may not is reported."""
     found: set[str] = set()
-    whole = Contiguity(function, typing)
     for node in walk(function.body):
         if isinstance(node, Call) and (call_name(node) or "").startswith("user."):
-            for argument in (node.args[k] for k in lying(node)):
+            for argument in (node.args[k] for k in asked(node)):
                 needed = whole.needs(argument)
                 if needed is None:
                     report.error("S201", "an array that the function reshapes and writes may not be contiguous here: "

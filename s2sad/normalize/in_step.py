@@ -44,13 +44,14 @@ _LYING = {"numpy.ravel", "numpy.ascontiguousarray"}         # a view of what lie
 _ORDERED = {"numpy.transpose", "numpy.moveaxis", "numpy.swapaxes"}
 
 
-def in_step(function: FunctionDef, typing: Typing, free: Names, writes: Writes) -> tuple[FunctionDef, set[str]]:
+def in_step(function: FunctionDef, typing: Typing, free: Names, writes: Writes,
+            lying: Contiguity) -> tuple[FunctionDef, set[str]]:
     """The function without such views, and its parameters that must be contiguous."""
     needed: set[str] = set()
     tried: set[str] = set()
     if not any(differing(function, typing, writes)):
         return function, needed
-    function = sections(_lives(function, typing, free))
+    function = sections(_lives(function, typing, free, lying))
     while told := [(n, other) for _, n, other in differing(function, typing, writes)]:
         found = next(((b, s) for b in _views(function, typing) if b.targets[0].id not in tried
                       and (s := sides(function, b, typing)).concerned(told)), None)
@@ -58,7 +59,7 @@ def in_step(function: FunctionDef, typing: Typing, free: Names, writes: Writes) 
             break
         binding, both = found
         tried.add(binding.targets[0].id)
-        made = _Kept(function, binding, both, typing, free, writes).made()
+        made = _Kept(function, binding, both, typing, free, writes).made(lying)
         if made is not None:
             function, more = made
             needed |= more
@@ -80,9 +81,9 @@ class _Kept:
         self.called = call_name(binding.value) or ""
         self.operand = binding.value.args[0]
 
-    def made(self) -> tuple[FunctionDef, frozenset[str]] | None:
+    def made(self, lying: Contiguity) -> tuple[FunctionDef, frozenset[str]] | None:
         """The function without the view, and the parameters that must be contiguous for it; None if it cannot be."""
-        needed = self.needed()
+        needed = self.needed(lying)
         if needed is None or self.both.ambiguous:
             return None
         if self.called in _WHOLE:
@@ -93,6 +94,8 @@ class _Kept:
                     for where in ([self.binding, *rest], self.function.body)]
         if mentions[0] != mentions[1]:
             return None     # it, or a part of it, is used where it was not bound
+        if References(self.function).after[id(self.binding)] & self.both.view - {self.target}:
+            return None     # a part of what it was in the iteration before
         before, part = self.part(rest)
         if self.called in _ORDERED and (plain := by_element(self.binding, part, rest, self.typing)) is not None:
             return self.replaced(before, plain), needed
@@ -104,11 +107,11 @@ class _Kept:
         plain = by_element(self.binding, part, rest, self.typing)
         return None if plain is None else (self.replaced(before, plain), needed)
 
-    def needed(self) -> frozenset[str] | None:
-        lying = self.called in _LYING or self.called == "numpy.reshape" and self.typing.of(self.operand).rank > 1
+    def needed(self, lying: Contiguity) -> frozenset[str] | None:
+        asks = self.called in _LYING or self.called == "numpy.reshape" and self.typing.of(self.operand).rank > 1
         if turned_back(self.binding, self.operand, self.typing) is None and self.called not in _WHOLE:
             return None
-        return Contiguity(self.function, self.typing).needs(self.operand) if lying else frozenset()
+        return lying.needs(self.operand) if asks else frozenset()
 
     def part(self, rest: list[AST]) -> tuple[list[AST], AST]:
         """The operand as an expression that stays what it is, with what binds a name for it where one must."""
@@ -159,7 +162,7 @@ def _blocks(statement: AST) -> list[list[AST]]:
     return [statement.body] if isinstance(statement, (For, While)) else []
 
 
-def _lives(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
+def _lives(function: FunctionDef, typing: Typing, free: Names, lying: Contiguity) -> FunctionDef:
     """The function with a name of its own for each view whose name is bound elsewhere, too, where nothing reads it
     behind its block or the next binding there."""
     counted = Counter([p.id for p in function.args.args] + [
@@ -178,6 +181,7 @@ def _lives(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
             counted[target] -= 1
             held = free.fresh(target)
             typing.table[held] = typing.table[target]
+            lying.same(target, held)
             one = {target: held}
             made[k] = at(assign(held, made[k].value), made[k])
             made[k + 1:end] = [rename(s, one) for s in made[k + 1:end]]

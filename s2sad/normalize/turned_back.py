@@ -10,11 +10,13 @@ from dataclasses import dataclass
 
 from s2sad import rules
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import axes_of, whole_number
+from s2sad.infer.laws import whole_number
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Call, FloorDiv, Mod, Name, Subscript, at, attribute, call, call_name, const,
-    copy, index, indices, mult, name, rebuild, tuple_of, walk,
+    AST, Assign, Attribute, BinOp, Call, FloorDiv, List, Mod, Name, Subscript, Tuple, at, attribute, call, call_name,
+    const, copy, index, indices, mult, name, rebuild, tuple_of, walk,
 )
+
+_RESHAPED = ("numpy.reshape", "numpy.ravel")
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ def turned_back(binding: Assign, part: AST, typing: Typing) -> Turned | None:
     """What a view and its operand are made of each other by; None for functions that are not turned back."""
     called, value, view = call_name(binding.value) or "", binding.value, name(binding.targets[0].id)
     shown, given = typing.of(value).rank, typing.of(part).rank
-    if called in ("numpy.reshape", "numpy.ravel"):
+    if called in _RESHAPED:
         shape = attribute(copy(part), "shape")
         back = name(view.id) if shown == given == 1 else call("numpy.ravel", view) if given == 1 else call(
             "numpy.reshape", view, shape)
@@ -65,8 +67,14 @@ def _moved(value: Call, rank: int) -> tuple[tuple[int, ...], tuple[int, ...]] | 
             return None
         a, b = (axis % rank for axis in pair if axis is not None)
         return ((a, b), (b, a)) if a != b else ((), ())
-    source, destination = (axes_of(given[a], rank) for a in ("source", "destination"))
+    source, destination = (_axes(given[a], rank) for a in ("source", "destination"))
     return None if source is None or destination is None else (source, destination)
+
+
+def _axes(node: AST, rank: int) -> tuple[int, ...] | None:
+    """The axes that an argument names, in its order; None if they are not written out."""
+    axes = [whole_number(n) for n in (node.elts if isinstance(node, (Tuple, List)) else [node])]
+    return tuple(a % rank for a in axes if a is not None) if None not in axes else None
 
 
 def by_element(binding: Assign, part: AST, rest: list[AST], typing: Typing) -> list[AST] | None:
@@ -74,7 +82,7 @@ def by_element(binding: Assign, part: AST, rest: list[AST], typing: Typing) -> l
     target, value = binding.targets[0].id, binding.value
     rank, given = typing.of(value).rank, typing.of(part).rank
     order = _order(value, given)
-    if not isinstance(part, Name) or order is None and rank != 1:
+    if not isinstance(part, Name) or order is None and (rank != 1 or call_name(value) not in _RESHAPED):
         return None
     inside = {id(n.value) for n in walk(rest) if isinstance(n, Subscript) and _is_element(n, target, rank, typing)}
     inside |= {id(n.value) for n in walk(rest) if _asks_size(n, target)}

@@ -24,7 +24,7 @@ from s2sad.normalize.arrays_in_rows import arrays_in_rows
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
 from s2sad.normalize.complexes import complexes, of_its_own
-from s2sad.normalize.contiguous import demanded, of_calls
+from s2sad.normalize.contiguous import Contiguity, demanded, of_calls
 from s2sad.normalize.contracted import batched, contracted
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
@@ -186,9 +186,10 @@ class NormalForms(Calls):
 
         def arrays(called: Call) -> list[str]:
             return [base_name(called.args[k]) for k in written(called)]
-        tree, needed = in_step(tree, typing, names, arrays)
+        lying = Contiguity(tree, typing)
+        tree, needed = in_step(tree, typing, names, arrays, lying)
         viewing(tree, typing, arrays, report)
-        needed |= of_calls(tree, typing, lambda called: self.of_call(called, typing).contiguous, report)
+        needed |= of_calls(tree, lying, lambda called: self.of_call(called, typing).contiguous, report)
         plain = tree = pieces(tree, typing, names, report)
         report.finish()
         tree = views(tree, typing.table, typing, names, written, report, self.engine == "numba")
