@@ -1,6 +1,6 @@
 """turned_back: a view that a function makes, its operand made of it, and elements of it as elements of the operand.
 
-    t = np.transpose(u)             u[...] = np.transpose(t)        t[i, j]     u[j, i]
+    t = np.transpose(u)             u[...] = np.transpose(t)        t[i, j]     u[j, i]         t[1:, 0]    u[0, 1:]
     f = np.ravel(u)                 u[...] = np.reshape(f, u.shape) f[k]        u[k // u.shape[1], k % u.shape[1]]
     w = np.flip(u, axis=0)          u[...] = np.flip(w, axis=0)
 """
@@ -12,8 +12,8 @@ from s2sad import rules
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import whole_number
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Call, FloorDiv, List, Mod, Name, Subscript, Tuple, at, attribute, call, call_name,
-    const, copy, index, indices, mult, name, rebuild, tuple_of, walk,
+    AST, Assign, Attribute, BinOp, Call, FloorDiv, List, Mod, Name, Slice, Subscript, Tuple, at, attribute, call,
+    call_name, const, copy, index, indices, mult, name, rebuild, tuple_of, walk,
 )
 
 _RESHAPED = ("numpy.reshape", "numpy.ravel")
@@ -78,20 +78,26 @@ def _axes(node: AST, rank: int) -> tuple[int, ...] | None:
 
 
 def by_element(binding: Assign, part: AST, rest: list[AST], typing: Typing) -> list[AST] | None:
-    """What follows a view's binding over elements of its operand alone; None if it asks for more than elements."""
+    """What follows a view's binding over elements of its operand alone, and rows or columns where the view has the same
+    axes in another order; None if it asks for more."""
     target, value = binding.targets[0].id, binding.value
     rank, given = typing.of(value).rank, typing.of(part).rank
     order = _order(value, given)
     if not isinstance(part, Name) or order is None and (rank != 1 or call_name(value) not in _RESHAPED):
         return None
-    inside = {id(n.value) for n in walk(rest) if isinstance(n, Subscript) and _is_element(n, target, rank, typing)}
-    inside |= {id(n.value) for n in walk(rest) if _asks_size(n, target)}
+    most = 0 if order is None else 1
+
+    def taken(n: AST) -> bool:
+        return isinstance(n, Subscript) and isinstance(n.value, Name) and n.value.id == target and typing.of(
+            n).rank <= most and all(isinstance(s, Slice) or typing.of(s).is_integer for s in indices(n))
+    inside = {id(n.value) for n in walk(rest) if taken(n) or _asks_size(n, target)}
     if any(isinstance(n, Name) and n.id == target and id(n) not in inside for n in walk(rest)):
         return None
 
     def change(n: AST) -> AST | None:
-        if isinstance(n, Subscript) and _is_element(n, target, rank, typing):
+        if taken(n):
             places = [rebuild(s, change) for s in indices(n)]
+            places += [Slice(None, None, None) for _ in range(rank - len(places))]
             found = _unravelled(places[0], part, given) if order is None else [
                 places[order.index(k)] for k in range(given)]
             return at(Subscript(name(part.id), index(name(part.id), *found).slice, n.ctx), n)
@@ -103,11 +109,6 @@ def by_element(binding: Assign, part: AST, rest: list[AST], typing: Typing) -> l
     asked = [n for n in walk(rest) if isinstance(n, Attribute) and _asks_size(n, target) and n.attr == "shape"]
     known = {id(n.value) for n in walk(rest) if isinstance(n, Subscript) and whole_number(n.slice) is not None}
     return None if any(id(n) not in known for n in asked) else [rebuild(s, change) for s in rest]
-
-
-def _is_element(node: AST, target: str, rank: int, typing: Typing) -> bool:
-    return isinstance(node, Subscript) and isinstance(node.value, Name) and node.value.id == target and len(
-        indices(node)) == rank and typing.of(node).is_number
 
 
 def _asks_size(node: AST, target: str) -> bool:
