@@ -48,8 +48,8 @@ __all__ = ["Summary", "derive", "summary"]
 @dataclass(frozen=True)
 class Summary:
     """What an entry writes and returns: names of parameters, types of results, results that are written arguments;
-    whether it holds guards that arrays have one shape, how the results are put into tuples, and the parameters that must
-    be contiguous."""
+    whether it holds guards that arrays have one shape, how results are put into tuples, and which parameters must be
+    contiguous."""
     written: tuple[str, ...]
     results: tuple[Type, ...]
     returned: dict[int, str]

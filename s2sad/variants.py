@@ -210,8 +210,8 @@ class State:
 def own(name: str, array: np.ndarray, summary: Any) -> np.ndarray:
     """A copy of an array that a function may write; refuses one that has to be contiguous and is not."""
     if name in summary.contiguous and not array.flags.c_contiguous:
-        raise S2sadError(Diagnostic("S405", f"'{name.removeprefix(HIDDEN)}' is not contiguous, where it is reshaped and "
-                                    "written", note="NumPy writes a copy of it then",
+        raise S2sadError(Diagnostic("S405", f"'{name.removeprefix(HIDDEN)}' is not contiguous, where it is reshaped "
+                                    "and written", note="NumPy writes a copy of it then",
                                     help="pass np.ascontiguousarray(...), or write it as a loop"))
     return np.array(array, order="C")
 

@@ -1,4 +1,4 @@
-"""contiguous: which arrays lie in memory element after element, in C's order: there `np.reshape` and `np.ravel` give views.
+"""contiguous: which arrays lie in memory element after element, in C's order, where NumPy reshapes without a copy.
 
 Requires structured form in which functions of whole arrays stand alone. What NumPy makes keeps the order of what it is
 made from; a parameter lies as the caller has it, which is a guard's to ask.
@@ -23,7 +23,7 @@ from s2sad.tree import (
 )
 
 Asked = Callable[[Call], Sequence[int]]
-_MADE = {f"numpy.{f}" for f in ("zeros", "empty", "ones", "full", "matmul", "dot", "outer", "eye", "arange", "linspace")}
+_MADE = {f"numpy.{f}" for f in "zeros empty ones full matmul dot outer eye arange linspace".split()}
 _ALIKE = {f"numpy.{f}" for f in ("zeros_like", "empty_like", "ones_like", "full_like", "copy", "array")}
 _KEEPING = {f"numpy.{f}" for f in ("asarray", "ascontiguousarray", "reshape", "ravel")}
 _TURNING = {f"numpy.{f}" for f in (

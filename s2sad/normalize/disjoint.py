@@ -54,8 +54,8 @@ class Disjoint:
             return [] if a is not None and b is not None and 0 <= a < b else None
         step, other = (1 if s.step is None else whole_number(s.step) for s in (low, high))
         if step is not None and step == other and step > 1:
-            starts = [0 if s.lower is None else whole_number(s.lower) for s in (low, high)]
-            if None not in starts and min(starts) >= 0 and (starts[1] - starts[0]) % step:
+            first, second = (0 if s.lower is None else whole_number(s.lower) for s in (low, high))
+            if first is not None and second is not None and min(first, second) >= 0 and (second - first) % step:
                 return []
         if step is None or other is None or min(step, other) < 1 or low.upper is None or high.lower is None:
             return None

@@ -32,11 +32,11 @@ from s2sad.normalize.references import References
 from s2sad.normalize.sections import sections
 from s2sad.normalize.sides import Sides, sides
 from s2sad.normalize.synced import Synced, leaves
-from s2sad.normalize.turned_back import by_element, turned_back
+from s2sad.normalize.turned_back import Turned, by_element, turned_back
 from s2sad.normalize.viewing import Writes, differing, sources
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, For, FunctionDef, If, Name, Store, Subscript, While, assign, at, call, call_name, const, copy, index,
-    name, names, rename, walk,
+    AST, Assign, AugAssign, Call, For, FunctionDef, If, Name, Store, Subscript, While, assign, at, call, call_name,
+    const, copy, index, name, names, rename, walk,
 )
 
 _WHOLE = {"numpy.asarray", "numpy.ascontiguousarray"}
@@ -99,9 +99,11 @@ class _Kept:
         before, part = self.part(rest)
         if self.called in _ORDERED and (plain := by_element(self.binding, part, rest, self.typing)) is not None:
             return self.replaced(before, plain), needed
-        kept = self.synced(part, rest)
+        turned = turned_back(self.binding, part, self.typing)
+        assert turned is not None       # `needed` has asked
+        kept = self.synced(part, turned, rest)
         if kept is not None:
-            own = assign(self.target, call("numpy.copy", turned_back(self.binding, part, self.typing).made))
+            own = assign(self.target, call("numpy.copy", turned.made))
             guards = [at(counts(n), self.binding) for n in self.both.required]
             return self.replaced([*guards, *before, at(own, self.binding)], kept), needed
         plain = by_element(self.binding, part, rest, self.typing)
@@ -123,9 +125,8 @@ class _Kept:
         self.typing.table[held] = self.typing.of(self.operand)
         return [at(assign(held, self.operand), self.binding)], name(held)
 
-    def synced(self, part: AST, rest: list[AST]) -> list[AST] | None:
+    def synced(self, part: AST, turned: Turned, rest: list[AST]) -> list[AST] | None:
         """What follows the binding with both sides in step; None if that copies too much."""
-        turned = turned_back(self.binding, part, self.typing)
         whole = index(name(self.target), const(...))
         place = index(part, const(...)) if isinstance(part, Name) else copy(part)
         pass_ = Synced(self.both, self.typing, self.writes, assign(place, turned.back),

@@ -1,8 +1,9 @@
-"""sections: what the functions of NumPy's that take an array apart give as slices of it, which they are.
+"""sections: what `np.split` and `np.vsplit` give as slices of their operand, which they are.
 
     a = np.split(x, 2, part=0)              assert x.shape[0] % 2 == 0
-                                            a = x[0 * (x.shape[0] // 2):1 * (x.shape[0] // 2)]
-    w = np.flip(u, axis=0)                  w = u[::-1]
+                                            a = x[:1 * (x.shape[0] // 2)]
+
+Requires structured form in which functions of whole arrays stand alone.
 """
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from s2sad import rules
 from s2sad.blocks import with_blocks
 from s2sad.infer.laws import whole_number
 from s2sad.tree import (
-    AST, Assert, Assign, BinOp, Call, Constant, Eq, FloorDiv, FunctionDef, List, Mod, Name, Slice, Subscript, Tuple, assign, at,
+    AST, Assert, Assign, BinOp, Eq, FloorDiv, FunctionDef, List, Mod, Name, Slice, Subscript, Tuple, assign, at,
     attribute, call_name, compare, const, copy, index, mult,
 )
 

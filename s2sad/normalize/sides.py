@@ -34,7 +34,7 @@ class Sides:
 
     def mentioned(self, node: AST | list[AST]) -> tuple[bool, bool]:
         """Whether elements of the view, and of what it is a view of, are mentioned."""
-        shapes = {id(n.value) for n in walk(node) if isinstance(n, Attribute) and n.attr in ("shape", "size", "dtype", "flags")}
+        shapes = {id(n.value) for n in walk(node) if isinstance(n, Attribute) and n.attr in ("shape", "size", "dtype")}
         found = [n for n in occurrences(node) if id(n) not in shapes]
         return (any(base_name(n) in self.view for n in found),
                 any(base_name(n) in self.operand and not self.other(n) for n in found))
