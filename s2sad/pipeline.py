@@ -48,12 +48,14 @@ __all__ = ["Summary", "derive", "summary"]
 @dataclass(frozen=True)
 class Summary:
     """What an entry writes and returns: names of parameters, types of results, results that are written arguments;
-    whether it holds guards that arrays have one shape, and how the results are put into tuples."""
+    whether it holds guards that arrays have one shape, how results are put into tuples, and which parameters must be
+    contiguous."""
     written: tuple[str, ...]
     results: tuple[Type, ...]
     returned: dict[int, str]
     guarded: bool = False
     structure: Structure = None
+    contiguous: tuple[str, ...] = ()
 
 
 def summary(program: Program, types: tuple[Type, ...]) -> Summary:
@@ -62,7 +64,8 @@ def summary(program: Program, types: tuple[Type, ...]) -> Summary:
     parameters = [hidden_name(p.id, units.program) for p in unit.function.args.args]
     returned = {k: hidden_name(name, units.program) for k, name in unit.summary.returned.items()}
     return Summary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, returned,
-                   any(u.guarded for u in units.made.values()), result_structure(program.entry, program))
+                   any(u.guarded for u in units.made.values()), result_structure(program.entry, program),
+                   tuple(parameters[k] for k in unit.contiguous))
 
 
 def derive(program: Program, request: Request, watch: Watch = unwatched) -> Generated:

@@ -18,7 +18,7 @@ from s2sad.program import Request
 from s2sad.selection import (
     RETURN, Results, array_seed, number_seed, places, result_seed, selected_of, selected_wrt, structured,
 )
-from s2sad.variants import State
+from s2sad.variants import State, own
 
 _ONE = {RETURN: 1.0}
 
@@ -60,7 +60,7 @@ class PreparedCall:
         if self._apart is not None:
             self._apart(values)
         for k in self.written:
-            values[k] = np.array(values[k], order="C")
+            values[k] = own(self.names[k], values[k], self.summary)
         return values
 
     def called(self, variant: Variant, values: Mapping[str, Any], shadows: Mapping[str, Any],

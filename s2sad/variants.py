@@ -191,8 +191,8 @@ class State:
 
     def copied(self, values: Sequence[Any], types: tuple[Type, ...]) -> list[Any]:
         """The values, with copies of the arrays that the function may write."""
-        written = self.summary(types).written
-        return [np.array(v, order="C") if name in written and isinstance(v, np.ndarray) else v
+        summary = self.summary(types)
+        return [own(name, v, summary) if name in summary.written and isinstance(v, np.ndarray) else v
                 for name, v in zip(self.parameters, values)]
 
     def arrays_by_name(self) -> dict[str, Any]:
@@ -203,8 +203,17 @@ class State:
         """`arrays_by_name` with copies of what the function writes: no derivative changes its module."""
         if not self.arrays:
             return {}
-        written = self.summary(types).written
-        return {n: np.array(a, order="C") if n in written else a for n, a in self.arrays_by_name().items()}
+        summary = self.summary(types)
+        return {n: own(n, a, summary) if n in summary.written else a for n, a in self.arrays_by_name().items()}
+
+
+def own(name: str, array: np.ndarray, summary: Any) -> np.ndarray:
+    """A copy of an array that a function may write; refuses one that has to be contiguous and is not."""
+    if name in summary.contiguous and not array.flags.c_contiguous:
+        raise S2sadError(Diagnostic("S405", f"'{name.removeprefix(HIDDEN)}' is not contiguous, where it is reshaped "
+                                    "and written", note="NumPy writes a copy of it then",
+                                    help="pass np.ascontiguousarray(...), or write it as a loop"))
+    return np.array(array, order="C")
 
 
 def _same_kernel(ours: Kernel, theirs: Kernel) -> bool:

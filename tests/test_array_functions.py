@@ -270,18 +270,6 @@ def test_refused(kernel):
     assert caught.value.diagnostics[0].code == "S301"
 
 
-def transposed_kept(a, x):
-    c = a.T
-    a[0] = 3.0
-    return np.sum(c * x)
-
-
-def reshaped_written(a, x):
-    c = a.reshape(-1)
-    c[0] = 2.0 * x[0]
-    return np.sum(a * a)
-
-
 def diagonal_read_in_the_next_iteration(a, x):
     d = np.diag(a)
     s = 0.0
@@ -291,11 +279,9 @@ def diagonal_read_in_the_next_iteration(a, x):
     return s
 
 
-@pytest.mark.parametrize("kernel", (transposed_kept, reshaped_written, diagonal_read_in_the_next_iteration),
-                         ids=lambda kernel: kernel.__name__)
-def test_a_view_that_would_be_a_copy_is_refused(kernel):
+def test_a_view_that_would_be_a_copy_is_refused():
     with pytest.raises(s2sad.S2sadError, match="NumPy shares with another one"):
-        s2sad.gradient(kernel)(np.ones((3, 3)), np.ones(3))
+        s2sad.gradient(diagonal_read_in_the_next_iteration)(np.ones((3, 3)), np.ones(3))
 
 
 def made_matrix_written(x):

@@ -39,6 +39,7 @@ def touched(statement: AST) -> set[str]:
     return found
 
 
+_ASKED = ("shape", "size", "dtype", "flags")
 _SHAPES = {"builtins.len", "numpy.zeros_like", "numpy.empty_like"}
 
 
@@ -49,8 +50,12 @@ def read_names(node: AST | list[AST]) -> set[str]:
     while waiting:
         part = waiting.pop()
         base = part.value if isinstance(part, Attribute) else part.args[0] if call_name(part) in _SHAPES else None
-        if isinstance(base, Name) and (not isinstance(part, Attribute) or part.attr in ("shape", "size", "dtype")):
-            found.add("=" + base.id)
+        if isinstance(base, (Name, Subscript)) and (n := base_name(base)) and (
+                not isinstance(part, Attribute) or part.attr in _ASKED):
+            found.add("=" + n)
+            while isinstance(base, Subscript):
+                waiting.append(base.slice)
+                base = base.value
             continue
         if isinstance(part, Name) and not isinstance(part.ctx, Store) and "." not in part.id:
             found.add(part.id)

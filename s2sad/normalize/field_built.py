@@ -21,6 +21,8 @@ from s2sad.tree import (
     const, copy, equal, negate, tuple_of,
 )
 
+_SHARED = "numpy.broadcast_to"      # a view that is never kept in step with what it shows
+
 
 class Built(Decisions):
     """The sparse matrices that expressions make."""
@@ -54,7 +56,7 @@ class Built(Decisions):
             return found if kind == "coo" else self.in_format(found, kind)
         if len(parts) != 3 or kind == "coo":
             return None
-        if any(call_name(spelled(p, node)) == "numpy.ravel" for p in parts[1:]):
+        if any(call_name(spelled(p, node)) == _SHARED for p in parts[1:]):
             self.refuse(given[0], "the indices or the indptr of a sparse matrix are written after it was made",
                         "copy them before, or build it with coo_matrix")
         return laid_out(kind, parts, shape, node)
@@ -66,7 +68,7 @@ class Built(Decisions):
         if isinstance(written, (List, Tuple)):
             return Plain(at(call("numpy.array", written), origin))
         if places and written is not None and self.stores.later(written, origin):
-            return Plain(at(call("numpy.ravel", written), origin))
+            return Plain(at(call(_SHARED, written, attribute(copy(written), "shape")), origin))
         return value
 
     def _shape(self, node: AST) -> Group | None:
@@ -174,6 +176,6 @@ class Built(Decisions):
 
 def _own(places: Value) -> Value:
     """Places that SciPy copies, whatever their type."""
-    if isinstance(places, Plain) and isinstance(places.node, Call) and call_name(places.node) == "numpy.ravel":
-        return Plain(at(call("numpy.copy", *places.node.args), places.node))
+    if isinstance(places, Plain) and isinstance(places.node, Call) and call_name(places.node) == _SHARED:
+        return Plain(at(call("numpy.copy", places.node.args[0]), places.node))
     return places

@@ -7,12 +7,15 @@
 """
 from __future__ import annotations
 
-from s2sad.tree import AST, Assert, Eq, Gt, GtE, Lt, compare, const, copy
+from s2sad.tree import AST, Assert, Eq, Gt, GtE, Lt, attribute, compare, const, copy
 
 INSIDE = "a slice reaches out of its array, where NumPy takes less: bound it by max(..., 0) or min(..., n)"
 EQUAL = "shapes differ: a length of 1 repeats only where it is written, as in x[:, None] or x[:1], or an argument's"
 
 TRIPS = "a loop in which a number becomes an array has no trip: start with an array, np.zeros(...), not with a number"
+COUNTS = "a bound of a slice counts from the end, where parts of an array are to lie side by side: give it from 0"
+CONTIGUOUS = ("an array that is reshaped and written is not contiguous, where NumPy writes a copy: pass "
+              "np.ascontiguousarray(...), or write it as a loop")
 SPARSE = "a sparse matrix and what it meets differ in size"
 
 
@@ -34,3 +37,13 @@ def trips(start: AST, stop: AST, step: int) -> Assert:
 def inside(room: AST, text: str) -> Assert:
     """The guard that there is room in an array for a slice of a statement, with the first line of its text."""
     return Assert(compare(room, GtE(), const(0)), const(f"{INSIDE}: {text}"))
+
+
+def contiguous(array: AST) -> Assert:
+    """The guard that an array lies in memory element after element, so that NumPy reshapes it without a copy."""
+    return Assert(attribute(attribute(array, "flags"), "c_contiguous"), const(CONTIGUOUS))
+
+
+def counts(size: AST) -> Assert:
+    """The guard that what the bounds of slices are made of is not negative: parts of an array lie side by side then."""
+    return Assert(compare(copy(size), GtE(), const(0)), const(COUNTS))

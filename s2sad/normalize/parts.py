@@ -18,8 +18,8 @@ from __future__ import annotations
 
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Assign, Attribute, Call, Constant, FunctionDef, Name, NotEq, Store, Subscript, assign, at, call, call_name,
-    compare, const, copy, keyword, name, rebuild, tuple_of, walk,
+    AST, Assign, Attribute, AugAssign, Call, Constant, FunctionDef, Name, NotEq, Store, Subscript, assign, at, call,
+    call_name, compare, const, copy, keyword, name, rebuild, tuple_of, walk,
 )
 
 # the functions of the parts, with the names that NumPy gives the parts
@@ -199,6 +199,7 @@ def _held(function: FunctionDef) -> tuple[dict[str, dict[str, str]], set[int], d
              if isinstance(s, Assign) and isinstance(s.targets[0], Name) and parted(s.value)}
     stores = [n.id for n in nodes if isinstance(n, Name) and isinstance(n.ctx, Store)]
     loads = [n.id for n in nodes if isinstance(n, Name) and not isinstance(n.ctx, Store)]
+    loads += [n.target.id for n in nodes if isinstance(n, AugAssign) and isinstance(n.target, Name)]
     unread = {id(s.value): id(s) for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)
               and s.targets[0].id not in loads}
     asked = [(id(n), *a) for n in nodes if (a := _asked(n)) and isinstance(a[0], Name)]

@@ -1,30 +1,43 @@
 """viewing: what NumPy's functions give as a view of their operand is here an array of its own; where that would tell,
 it is refused.
 
-Requires structured form in which functions of whole arrays stand alone; changes nothing.
+Requires structured form in which functions of whole arrays stand alone, after `in_step`, which keeps most of these
+views and their operands alike; changes nothing.
 
-    w = m.T                         w = np.transpose(m)
-    w[0] = 1.0                      w[0] = 1.0                      refused: NumPy writes m
+    w = np.diagonal(m)              w = np.diagonal(m)
     m[0] = 2.0; y[:] = w[1]         m[0] = 2.0                      refused: NumPy reads the new m in w
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from s2sad.analyze.liveness import Liveness, base_name, read_names, targets
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
-from s2sad.tree import Assign, AugAssign, Call, Expr, FunctionDef, Name, Subscript, call_name, walk
+from s2sad.tree import (
+    AST, Assign, AugAssign, Call, Expr, FunctionDef, IfExp, List, Name, Subscript, Tuple, call_name, walk,
+)
 
 SHOWN = {f"numpy.{f}" for f in (
     "transpose", "reshape", "ravel", "flip", "fliplr", "flipud", "rot90", "asarray", "ascontiguousarray", "squeeze",
     "swapaxes", "moveaxis", "expand_dims", "atleast_1d", "atleast_2d", "broadcast_to", "diagonal", "diag",
     "split", "array_split", "hsplit", "vsplit", "real", "imag")}
+_SLICED = {f"numpy.{f}" for f in ("squeeze", "expand_dims", "atleast_1d", "atleast_2d")}  # `pieces` writes subscripts
+_ALIASES = {"numpy.asarray", "numpy.ascontiguousarray"}
 Links = dict[str, dict[str, bool]]
+Writes = Callable[[Call], list[str]]
 
 
-def viewing(function: FunctionDef, typing: Typing, writes: Callable[[Call], list[str]], report: Report) -> None:
+def viewing(function: FunctionDef, typing: Typing, writes: Writes, report: Report) -> None:
     """Reports the writes after which such an array and its operand would differ from NumPy's."""
+    for statement in dict.fromkeys(s for s, _, _ in differing(function, typing, writes)):
+        report.error("S201", "an array is written that NumPy shares with another one, which is a view of it by a "
+                     "function", statement, help="write into the array itself, or take a copy: np.copy(...)")
+
+
+def differing(function: FunctionDef, typing: Typing, writes: Writes) -> Iterator[tuple[AST, str, str]]:
+    """The statements that write an array, its name, and the one of another array that then is not what it is in
+    NumPy."""
     links = _links(function, typing)
     if not any(shown for above in links.values() for shown in above.values()):
         return
@@ -35,25 +48,41 @@ def viewing(function: FunctionDef, typing: Typing, writes: Callable[[Call], list
             continue
         value = statement.value
         called = isinstance(value, Call) and (call_name(value) or "").startswith("user.")
-        written = {base_name(t) for t in targets(statement) if isinstance(t, Subscript) or isinstance(
-            statement, AugAssign) and typing.of(t).is_array} | set(writes(value) if called else ())
         near = live.after[id(statement)] | parameters | (read_names(value) if called else set())
-        if any(_differ(n, other, links) for n in written for other in sorted(near)):
-            report.error("S201", "an array is written that NumPy shares with another one, which is a view of it by a "
-                         "function", statement, help="write into the array itself, or take a copy: np.copy(...)")
+        for n in sorted(written_names(statement, typing, writes)):
+            yield from ((statement, n, other) for other in sorted(near) if _differ(n, other, links))
+
+
+def written_names(statement: AST, typing: Typing, writes: Writes) -> set[str]:
+    """The arrays whose elements a simple statement writes."""
+    value = getattr(statement, "value", None)
+    called = isinstance(value, Call) and (call_name(value) or "").startswith("user.")
+    return {base_name(t) for t in targets(statement) if isinstance(t, Subscript) or isinstance(
+        statement, AugAssign) and typing.of(t).is_array} | set(writes(value) if called else ())
+
+
+def sources(statement: AST, typing: Typing) -> list[tuple[AST, bool]]:
+    """The arrays that the name which a statement binds may be a view of; true where a function shows it."""
+    if not isinstance(statement, Assign) or not isinstance(statement.targets[0], Name):
+        return []
+    value, called = statement.value, call_name(statement.value)
+    if isinstance(value, (Tuple, List, IfExp)):
+        return [(n, False) for n in walk(value) if isinstance(n, Name) and typing.of(n).is_array]
+    if called == "numpy.diag" and typing.of(value.args[0]).rank == 1:
+        return []  # a matrix is made
+    if called in _ALIASES and typing.of(value).dtype != typing.of(value.args[0]).dtype:
+        return []  # a copy in another dtype
+    shown = called in SHOWN and isinstance(value, Call) and bool(value.args)
+    source = value.args[0] if shown else value
+    is_array = isinstance(source, (Name, Subscript)) and typing.of(source).is_array
+    return [(source, shown and called not in _SLICED)] if is_array else []
 
 
 def _links(function: FunctionDef, typing: Typing) -> Links:
     """The names that each name may be a view of; true where a function shows it."""
     direct: dict[str, set[tuple[str, bool]]] = {}
     for statement in walk(function.body):
-        if not isinstance(statement, Assign) or not isinstance(statement.targets[0], Name):
-            continue
-        value, shown = statement.value, call_name(statement.value) in SHOWN
-        if call_name(value) == "numpy.diag" and typing.of(value.args[0]).rank == 1:
-            continue  # a matrix is made
-        source = value.args[0] if shown and isinstance(value, Call) and value.args else value
-        if isinstance(source, (Name, Subscript)) and typing.of(source).is_array:
+        for source, shown in sources(statement, typing):
             direct.setdefault(statement.targets[0].id, set()).add((base_name(source), shown))
     return {n: _above(n, direct) for n in direct}
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from s2sad import rules
-from s2sad.analyze.liveness import base_name
+from s2sad.analyze.liveness import base_name, read_names
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import ONE
@@ -36,7 +36,7 @@ from s2sad.normalize.reduced import is_reduction
 from s2sad.normalize.references import References
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, BinOp, Call, Expr, For, FunctionDef, If, Name, Return, Slice, Store, Subscript,
-    Tuple, While, assign, at, attribute, augment, call_name, const, copy, index, indices, is_unset, name, names,
+    Tuple, While, assign, at, attribute, augment, call_name, const, copy, index, indices, is_unset, name,
     rebuild, tuple_of, walk,
 )
 
@@ -232,7 +232,7 @@ class _Views(Carried):
     def made_first(self, place: Subscript, value: AST) -> bool:
         """Whether a value must be there before the place is filled with it."""
         if not self.is_region(place):
-            return rules.find_array(call_name(value)) is not None and base_name(place) in names(value)
+            return rules.find_array(call_name(value)) is not None and base_name(place) in read_names(value)
         looped = self.loops or scattered(place, self.typing)
         if self.typing.of(value).is_array and looped and overlaps(place, value, self.typing):
             return True
@@ -241,7 +241,7 @@ class _Views(Carried):
         filled, made = self.shapes.of(self.load(place)), self.shapes.of(value)
         spread = len(filled) != len(made) or any(m == ONE != f for f, m in zip(filled, made))
         part = looped and is_reduction(value) and not is_whole_place(place)
-        return spread or part or base_name(place) in names(value)
+        return spread or part or base_name(place) in read_names(value)
 
     def effect(self, statement: Expr) -> list[AST]:
         value = statement.value

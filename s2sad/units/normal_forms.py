@@ -24,10 +24,12 @@ from s2sad.normalize.arrays_in_rows import arrays_in_rows
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
 from s2sad.normalize.complexes import complexes, of_its_own
+from s2sad.normalize.contiguous import Contiguity, demanded, of_calls
 from s2sad.normalize.contracted import batched, contracted
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
+from s2sad.normalize.in_step import in_step
 from s2sad.normalize.inlined import Helpers, inlined, returned
 from s2sad.normalize.parts import parts
 from s2sad.normalize.pieces import pieces
@@ -105,7 +107,7 @@ class NormalForms(Calls):
             return self._unread(kernel, types, title)
         names = Names()
         kernel, tree, typing = self._typed(kernel, types, names)
-        tree, guarded = self._over_arrays(tree, typing, names)
+        tree, guarded, needed = self._over_arrays(tree, typing, names)
         tree, lowered, numbers, lowered_types = self._for_engine(tree, typing, names)
         renamed = rename(tree, typing.table, names, self.call_writes)
         self.watch("rename", verify(renamed.function, "rename", "rename"))
@@ -120,7 +122,8 @@ class NormalForms(Calls):
         once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
                     self._summary(tree, typing, kernel), guarded, once=once, numbers=numbers,
-                    lowered_types=_of_one_life(lowered_types, lowered))
+                    lowered_types=_of_one_life(lowered_types, lowered),
+                    contiguous=tuple(k for k, p in enumerate(tree.args.args) if p.id in needed))
 
     def _typed(self, kernel: Kernel, types: tuple[Type, ...], names: Names) -> tuple[Kernel, FunctionDef, Typing]:
         """The kernel in structured form, with the types of its names; what it calls that returns arrays is in it."""
@@ -166,9 +169,9 @@ class NormalForms(Calls):
                 return tree, table
             tree = wider
 
-    def _over_arrays(self, tree: FunctionDef, typing: Typing, names: Names) -> tuple[FunctionDef, bool]:
-        """The kernel with whole-array statements over arrays and parts of them by their own names, and whether guards
-        of shapes were added."""
+    def _over_arrays(self, tree: FunctionDef, typing: Typing, names: Names) -> tuple[FunctionDef, bool, set[str]]:
+        """The kernel with whole-array statements over arrays and parts of them by their own names, whether guards of
+        shapes were added, and the parameters that must be contiguous."""
         report = typing.report
         tree = integers(tree, typing, self.engine == "numba")
         tree = stacked(rotated(tree, typing, names), typing)
@@ -181,17 +184,24 @@ class NormalForms(Calls):
         ruled(tree, typing, report)
         report.finish()
         tree = functions(tree, typing, names, self.engine == "numba")
-        viewing(tree, typing, lambda called: [base_name(called.args[k]) for k in written(called)], report)
+
+        def arrays(called: Call) -> list[str]:
+            return [base_name(called.args[k]) for k in written(called)]
+        lying = Contiguity(tree, typing)
+        tree, needed = in_step(tree, typing, names, arrays, lying)
+        viewing(tree, typing, arrays, report)
+        needed |= of_calls(tree, lying, lambda called: self.of_call(called, typing).contiguous, report)
         plain = tree = pieces(tree, typing, names, report)
         report.finish()
         tree = views(tree, typing.table, typing, names, written, report, self.engine == "numba")
         report.finish()
         guarded = count(tree, Assert) > count(plain, Assert)
+        tree = demanded(tree, needed)
         self.watch("views", tree)
         tree = verify(self.with_titles(workspace(tree), typing, report), "views", "workspace")
         report.finish()
         self.watch("workspace", tree)
-        return tree, guarded
+        return tree, guarded, needed
 
     def _for_engine(self, tree: FunctionDef, typing: Typing,
                     names: Names) -> tuple[FunctionDef, FunctionDef, dict[str, str], dict[str, Type]]:

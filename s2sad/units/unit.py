@@ -41,6 +41,7 @@ class Unit:
     once: bool = False
     numbers: dict[str, str] = field(default_factory=dict)
     lowered_types: dict[str, Type] = field(default_factory=dict)
+    contiguous: tuple[int, ...] = ()            # the parameters that must be
 
     @property
     def owner(self) -> Owner:

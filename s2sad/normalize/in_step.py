@@ -1,0 +1,205 @@
+"""in_step: a view that one of NumPy's functions makes has memory of its own, and it and its operand are kept in step.
+
+Requires structured form in which functions of whole arrays stand alone; establishes it without such views where a write
+would tell them from the operand's memory (`viewing` refuses what is left). What was written is copied to the other side
+before that is mentioned again; where a loop mentions both sides, they are in step at both ends of its body.
+
+    du = np.reshape(dy[:n * n], (n, n))     du = np.copy(np.reshape(dy[:n * n], (n, n)))
+    du[0] = u[1]                            du[0] = u[1]
+    du[1] += du[0]                          du[1] += du[0]
+    s = np.sum(dy)                          dy[:n * n] = np.ravel(du)
+                                            s = np.sum(dy)
+
+    f = np.ravel(u)                         for k in range(u.size):
+    for k in range(f.size):                     u[k // u.shape[1], k % u.shape[1]] += u[0, 0]
+        f[k] += u[0, 0]
+
+    a = np.asarray(u)                       a = u
+
+Whether NumPy gives a view depends on the operand's memory: the parameters that must lie together for it are returned.
+"""
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from s2sad.blocks import with_blocks
+from s2sad.infer.infer import Typing
+from s2sad.naming import Names
+from s2sad.normalize.contiguous import Contiguity
+from s2sad.normalize.guards import counts
+from s2sad.normalize.references import References
+from s2sad.normalize.sections import sections
+from s2sad.normalize.sides import Sides, sides
+from s2sad.normalize.synced import Synced, leaves
+from s2sad.normalize.turned_back import Turned, by_element, turned_back
+from s2sad.normalize.viewing import Writes, differing, sources
+from s2sad.tree import (
+    AST, Assign, AugAssign, Call, For, FunctionDef, If, Name, Store, Subscript, While, assign, at, call, call_name,
+    const, copy, index, name, names, rename, walk,
+)
+
+_WHOLE = {"numpy.asarray", "numpy.ascontiguousarray"}
+_LYING = {"numpy.ravel", "numpy.ascontiguousarray"}         # a view of what lies together only, even of one axis
+_ORDERED = {"numpy.transpose", "numpy.moveaxis", "numpy.swapaxes"}
+
+
+def in_step(function: FunctionDef, typing: Typing, free: Names, writes: Writes,
+            lying: Contiguity) -> tuple[FunctionDef, set[str]]:
+    """The function without such views, and its parameters that must be contiguous."""
+    needed: set[str] = set()
+    tried: set[str] = set()
+    if not any(differing(function, typing, writes)):
+        return function, needed
+    function = sections(_lives(function, typing, free, lying))
+    while told := [(n, other) for _, n, other in differing(function, typing, writes)]:
+        found = next(((b, s) for b in _views(function, typing) if b.targets[0].id not in tried
+                      and (s := sides(function, b, typing)).concerned(told)), None)
+        if found is None:
+            break
+        binding, both = found
+        tried.add(binding.targets[0].id)
+        made = _Kept(function, binding, both, typing, free, writes).made(lying)
+        if made is not None:
+            function, more = made
+            needed |= more
+    return function, needed
+
+
+def _views(function: FunctionDef, typing: Typing) -> Iterator[Assign]:
+    return (s for s in walk(function.body) if any(shown for _, shown in sources(s, typing)))
+
+
+class _Kept:
+    """One view that is given memory of its own."""
+
+    def __init__(self, function: FunctionDef, binding: Assign, both: Sides, typing: Typing, free: Names,
+                 writes: Writes):
+        self.function, self.binding, self.both = function, binding, both
+        self.typing, self.free, self.writes = typing, free, writes
+        self.target: str = binding.targets[0].id
+        self.called = call_name(binding.value) or ""
+        self.operand = binding.value.args[0]
+
+    def made(self, lying: Contiguity) -> tuple[FunctionDef, frozenset[str]] | None:
+        """The function without the view, and the parameters that must be contiguous for it; None if it cannot be."""
+        needed = self.needed(lying)
+        if needed is None or self.both.ambiguous:
+            return None
+        if self.called in _WHOLE:
+            return self.replaced([at(assign(self.target, self.operand), self.binding)], None), needed
+        block, place = _place(self.function.body, self.binding)
+        rest = block[place + 1:]
+        mentions = [sum(isinstance(n, Name) and n.id in self.both.view for n in walk(where))
+                    for where in ([self.binding, *rest], self.function.body)]
+        if mentions[0] != mentions[1]:
+            return None     # it, or a part of it, is used where it was not bound
+        if References(self.function).after[id(self.binding)] & self.both.view - {self.target}:
+            return None     # a part of what it was in the iteration before
+        before, part = self.part(rest)
+        if self.called in _ORDERED and (plain := by_element(self.binding, part, rest, self.typing)) is not None:
+            return self.replaced(before, plain), needed
+        turned = turned_back(self.binding, part, self.typing)
+        assert turned is not None       # `needed` has asked
+        kept = self.synced(part, turned, rest)
+        if kept is not None:
+            own = assign(self.target, call("numpy.copy", turned.made))
+            guards = [at(counts(n), self.binding) for n in self.both.required]
+            return self.replaced([*guards, *before, at(own, self.binding)], kept), needed
+        plain = by_element(self.binding, part, rest, self.typing)
+        return None if plain is None else (self.replaced(before, plain), needed)
+
+    def needed(self, lying: Contiguity) -> frozenset[str] | None:
+        asks = self.called in _LYING or self.called == "numpy.reshape" and self.typing.of(self.operand).rank > 1
+        if turned_back(self.binding, self.operand, self.typing) is None and self.called not in _WHOLE:
+            return None
+        return lying.needs(self.operand) if asks else frozenset()
+
+    def part(self, rest: list[AST]) -> tuple[list[AST], AST]:
+        """The operand as an expression that stays what it is, with what binds a name for it where one must."""
+        stays = not set(names(self.operand)) & _bound_in(rest, self.typing) and not any(
+            isinstance(n, (Subscript, Call)) for n in walk(self.operand) if n is not self.operand)
+        if isinstance(self.operand, Name) and stays or stays and self.typing.of(self.operand).rank == 1:
+            return [], self.operand
+        held = self.free.fresh(f"{self.target}_part")
+        self.typing.table[held] = self.typing.of(self.operand)
+        return [at(assign(held, self.operand), self.binding)], name(held)
+
+    def synced(self, part: AST, turned: Turned, rest: list[AST]) -> list[AST] | None:
+        """What follows the binding with both sides in step; None if that copies too much."""
+        whole = index(name(self.target), const(...))
+        place = index(part, const(...)) if isinstance(part, Name) else copy(part)
+        pass_ = Synced(self.both, self.typing, self.writes, assign(place, turned.back),
+                       assign(whole, turned.again))
+        made = pass_.life(rest)
+        return None if pass_.costly else made
+
+    def replaced(self, own: list[AST], rest: list[AST] | None) -> FunctionDef:
+        """The function with these statements in place of the binding and, if given, of what follows it."""
+        def block(given: list[AST]) -> list[AST]:
+            places = [k for k, s in enumerate(given) if s is self.binding]
+            if places:
+                return [*given[:places[0]], *own, *(given[places[0] + 1:] if rest is None else rest)]
+            return [with_blocks(s, block) for s in given]
+        new = copy(self.function)
+        new.body = block(self.function.body)
+        return new
+
+
+def _place(block: list[AST], binding: AST) -> tuple[list[AST], int]:
+    """The block in which a statement stands, and where."""
+    for k, statement in enumerate(block):
+        if statement is binding:
+            return block, k
+        for inner in _blocks(statement):
+            if any(s is binding for s in walk(inner)):
+                return _place(inner, binding)
+    raise ValueError("a statement of another function")
+
+
+def _blocks(statement: AST) -> list[list[AST]]:
+    if isinstance(statement, If):
+        return [statement.body, statement.orelse]
+    return [statement.body] if isinstance(statement, (For, While)) else []
+
+
+def _lives(function: FunctionDef, typing: Typing, free: Names, lying: Contiguity) -> FunctionDef:
+    """The function with a name of its own for each view whose name is bound elsewhere, too, where nothing reads it
+    behind its block or the next binding there."""
+    counted = Counter([p.id for p in function.args.args] + [
+        s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)])
+    references = References(function)
+
+    def block(given: list[AST]) -> list[AST]:
+        made = [with_blocks(s, block) for s in given]
+        for k in reversed(range(len(made))):
+            target = _bound(made[k])
+            end = next((j for j in range(k + 1, len(made)) if _bound(made[j]) == target), len(made))
+            read_on = end == len(made) and target in references.after[id(given[-1])]
+            if counted[target] < 2 or read_on or not any(shown for _, shown in sources(made[k], typing)) or (
+                    target in _bound_in(made[k + 1:end], typing) or any(map(leaves, made[k + 1:end]))):
+                continue
+            counted[target] -= 1
+            held = free.fresh(target)
+            typing.table[held] = typing.table[target]
+            lying.same(target, held)
+            one = {target: held}
+            made[k] = at(assign(held, made[k].value), made[k])
+            made[k + 1:end] = [rename(s, one) for s in made[k + 1:end]]
+            if end < len(made):
+                made[end] = at(assign(target, rename(made[end].value, one)), made[end])
+        return made
+    new = copy(function)
+    new.body = block(function.body)
+    return new
+
+
+def _bound(statement: AST) -> str:
+    """The name that a statement binds, or ""."""
+    return statement.targets[0].id if isinstance(statement, Assign) and isinstance(statement.targets[0], Name) else ""
+
+
+def _bound_in(block: list[AST], typing: Typing) -> set[str]:
+    """The names that statements bind; an array that is added to in place stays what it is."""
+    kept = {id(s.target) for s in walk(block) if isinstance(s, AugAssign) and typing.of(s.target).is_array}
+    return {n.id for n in walk(block) if isinstance(n, Name) and isinstance(n.ctx, Store) and id(n) not in kept}
