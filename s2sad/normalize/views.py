@@ -56,6 +56,7 @@ def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free
     pass_.parameters = set(pass_.seen)
     pass_.loops, pass_.writes = loops, writes
     pass_.bound_at, pass_.unset, pass_.late, pass_.buffers, pass_.altered = {}, set(), {}, {}, set()
+    pass_.left = []
     pass_.references, pass_.aliases = References(function), Aliases(pass_.parameters)
     new = copy(function)
     lengths = [equal(index(attribute(name(p.id), "shape"), const(k)), const(1))
