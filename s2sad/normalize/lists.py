@@ -26,6 +26,7 @@ from s2sad.normalize.named_rows import COPIED, named_rows
 from s2sad.normalize.picked_lists import has_sizes, picked_lists
 from s2sad.normalize.ranged import Ranged
 from s2sad.normalize.scope import Scope
+from s2sad.normalize.through_lists import through_lists
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If,
     List, ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, add, assign, at,
@@ -38,7 +39,7 @@ _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "re
 
 def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
     """The function without such lists and comprehensions."""
-    function = filled_lists(function, scope)
+    function = filled_lists(through_lists(function), scope)
     if not picked_lists(function) and not any(isinstance(n, (ListComp, GeneratorExp)) or _appended(
             n) or call_name(n) == LISTED for n in walk(function.body)):
         return function

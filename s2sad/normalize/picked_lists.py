@@ -29,7 +29,7 @@ def picked_lists(function: FunctionDef) -> list[str]:
     picks = [n for n in walk(function.body) if isinstance(n, Subscript) and isinstance(n.value, Name)]
     if not written or not picks:
         return []
-    bound, found = _Bound(function), []
+    bound, found = Bound(function), []
     stored = {id(n) for p in walk(function.body) if isinstance(p, Subscript) and isinstance(p.ctx, Store)
               for n in _inside(p)}
     for listed, value in written:
@@ -65,7 +65,7 @@ def _inside(place: Subscript) -> list[AST]:
     return [place, *(_inside(place.value) if isinstance(place.value, Subscript) else [])]
 
 
-class _Bound:
+class Bound:
     """What the names of a function are bound to."""
 
     def __init__(self, function: FunctionDef):
