@@ -13,6 +13,7 @@ INSIDE = "a slice reaches out of its array, where NumPy takes less: bound it by 
 EQUAL = "shapes differ: a length of 1 repeats only where it is written, as in x[:, None] or x[:1], or an argument's"
 
 TRIPS = "a loop in which a number becomes an array has no trip: start with an array, np.zeros(...), not with a number"
+EXCHANGED = "names swap arrays of different sizes in a branch: swap what arrays of one size hold"
 SPARSE = "a sparse matrix and what it meets differ in size"
 
 

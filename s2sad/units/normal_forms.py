@@ -25,6 +25,7 @@ from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
 from s2sad.normalize.complexes import complexes, of_its_own
 from s2sad.normalize.contracted import batched, contracted
+from s2sad.normalize.exchanged import exchanged
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
@@ -176,7 +177,9 @@ class NormalForms(Calls):
         try:
             return *self._over_arrays(tree, typing, names), typing, names
         except S2sadError as refused:
-            moved = tails(tree, known, lambda called: self.of_call(called, known).summary.written)
+            def written(called: Call) -> tuple[int, ...]:
+                return self.of_call(called, known).summary.written
+            moved = tails(exchanged(tree, known, written), known, written)
             if moved is tree:
                 raise
             try:
