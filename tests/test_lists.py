@@ -199,8 +199,9 @@ def rows_stored_into(x):
     return total
 
 
-REFUSED = {table_stored_into: "an element of a list is written", rows_stored_into: "an element of a list is written",
-           mixed_table_added_to: "an element of something that is no array is written",
+REFUSED = {table_stored_into: "a float is put among the integers of a list",
+           rows_stored_into: "an element of a list is written",
+           mixed_table_added_to: "the list 'table' holds arrays of several dtypes",
            repeated: "the list 'out' is used as a list", joined: "the list 'out' is used as a list",
            unknown_length: "how long 'out' becomes", rebound_length: "how long 'out' becomes",
            not_copied: "a list holds an array that is written",

@@ -8,14 +8,14 @@ Requires the normal form of loops: a counter is bound by its loop alone, and not
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from s2sad.infer.affine import Affine, at_most, combined, equals, feasible
 from s2sad.infer.laws import whole_number
 from s2sad.infer.shapes import Shapes
 from s2sad.tree import (
-    AST, Add, And, BinOp, BoolOp, Call, Compare, Eq, For, Gt, GtE, If, Lt, LtE, Mult, Name, Not, NotEq, Or, Sub, USub,
-    UnaryOp, While, const, dump, names, stored_names, walk,
+    AST, Add, And, BinOp, BoolOp, Call, Compare, Eq, For, Gt, GtE, If, Lt, LtE, Mod, Mult, Name, Not, NotEq, Or, Sub,
+    USub, UnaryOp, While, const, dump, names, stored_names, walk,
 )
 
 _NEGATED: dict[type[AST], type[AST]] = {Eq: NotEq, NotEq: Eq, Lt: GtE, GtE: Lt, Gt: LtE, LtE: Gt}
@@ -31,6 +31,7 @@ class Here:
     bound: frozenset[str] = frozenset()
     places: tuple[Affine, ...] = ()
     others: tuple[Affine, ...] = ()
+    remainders: dict[str, tuple[Affine, int]] = field(default_factory=dict)     # what the symbol of a quotient divides
 
     def size(self, node: AST) -> Affine | None:
         """The form of an integer expression; None if it may have changed since the loops and branches asked for it."""
@@ -41,8 +42,19 @@ class Here:
             return inner and inner.times(-1)
         if isinstance(node, BinOp) and isinstance(node.op, (Add, Sub, Mult)):
             return combined(node.op, self.size(node.left), self.size(node.right))
+        if isinstance(node, BinOp) and isinstance(node.op, Mod) and (divisor := whole_number(node.right) or 0) > 0:
+            return self._remainder(node, divisor)
         form = self.shapes.size(node)
         return None if form is None or any(s in self.counting for s, _ in form.terms) else form
+
+    def _remainder(self, node: BinOp, divisor: int) -> Affine | None:
+        """`a % 3` as a - 3 * q, of which `may` knows that it is from 0 to 2."""
+        form, quotient = self.size(node.left), Affine.symbol(f"{dump(node)} quotient")
+        if form is None:
+            return None
+        found = form.plus(quotient, -divisor)
+        self.remainders[quotient.terms[0][0]] = found, divisor
+        return found
 
     def _named(self, node: Name) -> Affine | None:
         """The form of a name: what it is bound to may be what a counter was, if it is not bound on every way."""
@@ -68,6 +80,9 @@ class Here:
     def may(self, system: list[Affine]) -> bool:
         """Whether a system of forms that are not negative may have a solution here."""
         known, least = [*self.places, *system], self.shapes.least()
+        for quotient in sorted({s for form in known for s, _ in form.terms if s in self.remainders}):
+            form, divisor = self.remainders[quotient]
+            known += [form, at_most(form, Affine((), divisor - 1))]
         symbols = sorted({s for form in known for s, _ in form.terms})
         return feasible([*known, *(Affine.symbol(s).shift(-least[s]) for s in symbols if s in least)])
 

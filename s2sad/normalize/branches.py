@@ -77,7 +77,7 @@ class Branches(Places):
         self.tuples = {n: rename(t, one) for n, t in self.tuples.items()}
         self.aliases.renamed(one)
         met = self.met(statement, (first, second), before, older)
-        self.seen = _merged(first.seen, second.seen, self.depth > 0) | met
+        self.seen = merged(first.seen, second.seen, self.depth > 0) | met
         return [If(test, first.block, second.block)]
 
     def arm(self, block: list[AST]) -> _Arm:
@@ -164,7 +164,7 @@ class Branches(Places):
         return found
 
 
-def _merged(a: dict[str, View], b: dict[str, View], looping: bool) -> dict[str, View]:
+def merged(a: dict[str, View], b: dict[str, View], looping: bool) -> dict[str, View]:
     """What names stand for where two branches meet; in a loop a name bound on one side may be an iteration old."""
     made: dict[str, View] = {}
     for bound in {**a, **b}:

@@ -21,20 +21,33 @@ from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.sliced import one_by_one
 from s2sad.tree import (
-    AST, Assign, Call, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign,
-    at, call_name, const, copy, index, indices, name, rebuild, stored_names, tuple_of, walk,
+    AST, Assign, Call, For, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign,
+    at, call_name, const, copy, index, indices, name, names, rebuild, stored_names, tuple_of, walk,
 )
 
 
 def bundles(function: FunctionDef, scope: Scope) -> FunctionDef:
     function = rebuild(function, _picked)
-    function.body = _apart(function.body)
+    function.body = apart(function.body)
     parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in _bundled(function, scope).items()}
     bound = [(s.targets[0].id, s.value) for s in walk(function.body) if isinstance(s, Assign) and isinstance(
         s.targets[0], Name)]
     listed = set(parts) - {n for n, value in bound if not isinstance(value, List)}
+    _unchanged(function, listed, scope)
     function = rebuild(function, lambda node: _taken_apart(node, parts, listed)) if parts else function
     return _rows_apart(function, {n for own in parts.values() for n in own}, scope)
+
+
+def _unchanged(function: FunctionDef, listed: set[str], scope: Scope) -> None:
+    """Refuses a loop that puts something else into a list that it goes through, but for the element at hand: the loop
+    goes through the names of the elements as they were."""
+    for loop in walk(function.body):
+        own = set(names(loop.iter)) & listed if isinstance(loop, For) else set()
+        for n in walk(loop.body) if isinstance(loop, For) and own else ():
+            if isinstance(n, Subscript) and isinstance(n.ctx, Store) and isinstance(n.value, Name) and (
+                    n.value.id in own) and not (isinstance(n.slice, Name) and n.slice.id in stored_names(loop.target)):
+                scope.refuse(n, f"the list {n.value.id!r} is changed in a loop that goes through it",
+                             help="go through a range: for k in range(len(xs))")
 
 
 def _rows_apart(function: FunctionDef, new: set[str], scope: Scope) -> FunctionDef:
@@ -48,7 +61,7 @@ def _rows_apart(function: FunctionDef, new: set[str], scope: Scope) -> FunctionD
         return at(assign(copy(node.targets[0]), tuple_of(*node.value.elts)), node) if several and set(stored_names(
             node.targets[0])) <= new and any(map(row, node.value.elts)) else None
     function = rebuild(function, in_tuple)
-    function.body = _apart(function.body, row)
+    function.body = apart(function.body, row)
     held = {s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
             and s.targets[0].id in new and row(s.value)}
     parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in _bundled(function, scope).items()
@@ -59,14 +72,14 @@ def _rows_apart(function: FunctionDef, new: set[str], scope: Scope) -> FunctionD
     return _rows_apart(function, {n for own in parts.values() for n in own}, scope)
 
 
-def _apart(block: list[AST], wanted: Callable[[AST], bool] = lambda value: isinstance(value, List)) -> list[AST]:
+def apart(block: list[AST], wanted: Callable[[AST], bool] = lambda value: isinstance(value, List)) -> list[AST]:
     """A block in which lists that are bound at once, `rows, columns = [0, 1], [2, 3]`, are bound one by one."""
     made: list[AST] = []
     for statement in block:
         for new in map(copy, one_by_one(statement, wanted)):
             for field in ("body", "orelse"):
                 if isinstance(inner := getattr(new, field, None), list):
-                    setattr(new, field, _apart(inner, wanted))
+                    setattr(new, field, apart(inner, wanted))
             made.append(new)
     return made
 

@@ -23,7 +23,8 @@ from s2sad.infer.laws import ONE, Shape
 from s2sad.infer.shapes import least_of, shape_expression
 from s2sad.infer.types import array
 from s2sad.normalize.allocations import ALLOCATING, dtype_of
-from s2sad.normalize.branches import Branches
+from s2sad.normalize.branches import Branches, merged
+from s2sad.normalize.exits import FALL, endless, exits
 from s2sad.normalize.guards import inside
 from s2sad.normalize.places import AMBIGUOUS, View
 from s2sad.normalize.rename import breaks
@@ -43,6 +44,7 @@ class Carried(Branches):
     bound_at: dict[str, AST]            # the statement that has last bound a name of an array
     writes: Callable[[Call], Sequence[int]]
     altered: set[str]                   # names whose arrays the loop here writes in place
+    left: list[dict[str, View]]         # what names stand for at the breaks of the loop here
 
     def buffer(self, identifier: str, place: AST, origin: AST, near: set[str]) -> tuple[str, list[AST]]:
         """The array that a name stands for from here on, and the statements that make it; `near` are the names that are
@@ -93,11 +95,13 @@ class Carried(Branches):
         outer_altered, self.altered = self.altered, self.stored_into(statement)
         late = {n: self.version(n) for n in dict.fromkeys(inside) if n in self.unset & after}
         outer, self.late = self.late, dict.fromkeys(late.values())
+        outer_left, self.left = self.left, []
         self.depth += 1
         new = self.turn(statement, bounds, buffers | late)
         self.depth -= 1
         start += self.started(late, statement)
         self.late, self.buffers, self.altered = outer, outer_buffers, outer_altered
+        self.seen, self.left = _agreed([*self.left, *([] if endless(statement) else [self.seen])]), outer_left
         self.aliases.end()
         lost = set(buffers.values())    # filled again since another name came to stand for them
         counter = statement.target.id if isinstance(statement, For) else ""     # has no value after its loop
@@ -162,6 +166,7 @@ class Carried(Branches):
             self.shapes.serial += 1
             last = tail is not None and position == len(block) - 1
             if isinstance(statement, Break):
+                self.left.append(dict(self.seen))
                 made = [*self.filled(tail or {}, statement), statement]
             elif last and isinstance(statement, If) and breaks(statement):
                 made, tail = [self.parting(statement, tail or {})], None
@@ -186,14 +191,16 @@ class Carried(Branches):
         return list({dump(g): g for g in guards}.values())
 
     def parting(self, statement: If, tail: Tail) -> If:
-        """The branch at the end of a loop's body of which one side leaves the loop."""
+        """The branch at the end of a loop's body of which a side leaves the loop."""
         test, before = self.resolve(statement.test), dict(self.seen)
         body = self.block(statement.body, tail) if statement.body else []
-        self.seen = dict(before)
+        first, self.seen = self.seen, dict(before)
         orelse = self.block(statement.orelse, tail) if statement.orelse else self.block([], None)
         if tail and not statement.orelse:
             self.seen = before
             orelse = [at(s, statement) for s in self.filled(tail, statement)]
+        stays = [FALL in exits(arm) for arm in (statement.body, statement.orelse)]
+        self.seen = merged(first, self.seen, True) if all(stays) else first if stays[0] else self.seen
         return If(test, body, orelse)
 
     def filled(self, buffers: Tail, origin: AST) -> list[AST]:
@@ -261,3 +268,9 @@ class Carried(Branches):
         """Whether a size is made of what is from before the loop."""
         return all(self.aliases.is_older(n, self.typing.table[n].is_array)
                    for symbol, _ in self.shapes.reduced(size).terms for n in names(self.shapes.atoms[symbol]))
+
+
+def _agreed(ends: list[dict[str, View]]) -> dict[str, View]:
+    """What names stand for behind a loop: what they do wherever it may end, of those places where they are bound."""
+    return {n: view if all(repr(seen.get(n, view)) == repr(view) for seen in ends) else AMBIGUOUS
+            for end in ends for n, view in end.items()}

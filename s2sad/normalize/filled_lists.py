@@ -12,7 +12,7 @@ from s2sad.infer.types_of_calls import LISTED
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
     AST, Assign, BinOp, Compare, Constant, FunctionDef, List, ListComp, Mult, Name, Store, Subscript, UnaryOp, at,
-    call, copy, expression, names, rebuild, rename, walk,
+    call, const, copy, expression, names, rebuild, rename, walk,
 )
 
 
@@ -47,6 +47,8 @@ def filled_lists(function: FunctionDef, scope: Scope) -> FunctionDef:
 
 def _repeated(value: AST) -> tuple[AST, AST] | None:
     """The one item of a list that is repeated, and how often."""
+    if isinstance(value, List) and value.elts and all(isinstance(i, Constant) and i.value is None for i in value.elts):
+        return value.elts[0], const(len(value.elts))
     if not isinstance(value, BinOp) or not isinstance(value.op, Mult):
         return None
     for item, count in ((value.left, value.right), (value.right, value.left)):

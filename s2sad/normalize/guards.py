@@ -16,6 +16,7 @@ TRIPS = "a loop in which a number becomes an array has no trip: start with an ar
 COUNTS = "a bound of a slice counts from the end, where parts of an array are to lie side by side: give it from 0"
 CONTIGUOUS = ("an array that is reshaped and written is not contiguous, where NumPy writes a copy: pass "
               "np.ascontiguousarray(...), or write it as a loop")
+EXCHANGED = "names swap arrays of different sizes in a branch: swap what arrays of one size hold"
 SPARSE = "a sparse matrix and what it meets differ in size"
 
 

@@ -23,7 +23,10 @@ from s2sad.normalize.hoist import impure
 from s2sad.normalize.lasting import changed, made_late, only_after
 from s2sad.normalize.memory import Memory, parameters
 from s2sad.normalize.named_rows import COPIED, named_rows
+from s2sad.normalize.picked_lists import has_sizes, picked_lists
+from s2sad.normalize.ranged import Ranged
 from s2sad.normalize.scope import Scope
+from s2sad.normalize.through_lists import through_lists
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If,
     List, ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, add, assign, at,
@@ -36,16 +39,17 @@ _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "re
 
 def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
     """The function without such lists and comprehensions."""
-    function = filled_lists(function, scope)
-    nodes = list(walk(function.body))
-    if not any(isinstance(n, (ListComp, GeneratorExp)) or _appended(n) or call_name(n) == LISTED for n in nodes):
+    function = filled_lists(through_lists(function), scope)
+    if not picked_lists(function) and not any(isinstance(n, (ListComp, GeneratorExp)) or _appended(
+            n) or call_name(n) == LISTED for n in walk(function.body)):
         return function
     new = made_late(comprehensions(_bound_once(function, scope), scope), scope, _appended)
     scope.report.finish()
     scope.memory = Memory(new, scope.program)
     for store in named_rows(new, _appended):
         scope.refuse(store, "a list holds another list that is written, not a copy of it", help=COPIED)
-    return _Lists(new, scope).function()
+    alone = {s.targets[0].id for s in walk(new.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)}
+    return _Lists(new, scope, [n for n in picked_lists(new) if n in alone]).function()
 
 
 def _bound_once(function: FunctionDef, scope: Scope) -> FunctionDef:
@@ -78,8 +82,8 @@ def _appended(node: AST) -> str | None:
 
 
 class _Lists:
-    def __init__(self, tree: FunctionDef, scope: Scope):
-        self.tree, self.scope = tree, scope
+    def __init__(self, tree: FunctionDef, scope: Scope, picked: list[str]):
+        self.tree, self.scope, self.picked, self.ranged = tree, scope, picked, Ranged(tree)
         self.order = {id(n): k for k, n in enumerate(walk(tree.body))}
         self.plain = _as_arrays(tree)
         self.made: dict[str, Assign] = {}
@@ -88,7 +92,7 @@ class _Lists:
     def function(self) -> FunctionDef:
         empty = {s.targets[0].id: s for s in walk(self.tree.body) if isinstance(s, Assign) and call_name(
             s.value) == LISTED}
-        grown = dict.fromkeys(n for s in walk(self.tree.body) if (n := _appended(s)) is not None)
+        grown = dict.fromkeys([*self.picked, *(n for s in walk(self.tree.body) if (n := _appended(s)) is not None)])
         self.made |= empty
         self.counts |= {n: self.scope.fresh(f"{n}_count") for n in empty}
         for found in grown:
@@ -97,7 +101,7 @@ class _Lists:
             stores = [n for n in walk(self.tree.body) if isinstance(n, Name) and n.id == found
                       and isinstance(n.ctx, Store)]
             if len(bound) != 1 or len(stores) != 1 or len(bound[0].targets) != 1 or not isinstance(
-                    bound[0].value, List):
+                    bound[0].value, (List, Tuple) if found in self.picked else List):
                 place = next(s for s in walk(self.tree.body) if _appended(s) == found)
                 self.scope.refuse(place, f"append to {found!r}, which is not bound once, to a list",
                                   help="bind it once, as [] or as a list of what it starts with")
@@ -156,7 +160,10 @@ class _Lists:
             count = statement.value.args[0]
             return [assign(self.counts[bound], count), assign(bound, call(LISTED, name(self.counts[bound])))]
         items = list(map(marked, statement.value.elts))
-        made: list[AST] = [assign(bound, call(LISTED, self.most(bound, statement)))]
+        first: list[AST] = []
+        if bound in self.picked and not has_sizes(items[0]) and call_name(items[0]) not in MARKS:
+            items[0] = self.scope.held(items[0], f"{bound}_first", first)      # whose sizes `rows` takes
+        made: list[AST] = [*first, assign(bound, call(LISTED, self.most(bound, statement)))]
         made += [assign(index(name(bound), const(k)), self.read(item)) for k, item in enumerate(items)]
         return [*made, assign(self.counts[bound], const(len(items)))]
 
@@ -196,7 +203,7 @@ class _Lists:
         args = [copy(a) for a in getattr(iterable, "args", [])]
         if call_name(iterable) != "builtins.range" or len(args) > 2:
             return iterable
-        if len(args) == 2 and self.from_start(args[0]) and not isinstance(args[0], Constant):
+        if len(args) == 2 and self.ranged.from_start(args[0]) and not isinstance(args[0], Constant):
             args[0] = const(0)
         stops = {n: s for n in names(args[-1]) if (s := self.stop(n)) is not None}
         plain = isinstance(args[-1], Name) or isinstance(args[-1], BinOp) and isinstance(
@@ -206,7 +213,7 @@ class _Lists:
     def stop(self, identifier: str) -> AST | None:
         """What the counter of one loop stays below."""
         loops = [s for s in walk(self.tree.body) if isinstance(s, For) and identifier in stored_names(s.target)]
-        if self.least(identifier) is None or len(loops) != 1:
+        if self.ranged.least(identifier) is None or len(loops) != 1:
             return None
         return self.widest(loops[0].iter).args[-1]
 
@@ -250,33 +257,9 @@ class _Lists:
             found: AST = sub(count, place.operand)
         else:
             found = self.read(place)
-            if not self.from_start(place):
+            if not self.ranged.from_start(place):
                 found = place_of(found, copy(count)) if impure(found) else counted_back(found, copy(count))
         return at(index(live(node.value, copy(count)) if isinstance(node.ctx, Store) else node.value, found), node)
-
-    def from_start(self, place: AST) -> bool:
-        """Whether a place is never negative, as far as the text shows it."""
-        if isinstance(place, Constant):
-            return type(place.value) is int
-        if isinstance(place, Name):
-            return self.least(place.id) is not None and (self.least(place.id) or 0) >= 0
-        moved = isinstance(place, BinOp) and isinstance(place.op, (Add, Sub))
-        if moved and isinstance(place.left, Name) and type(getattr(place.right, "value", None)) is int:
-            low = self.least(place.left.id)
-            shift = place.right.value if isinstance(place.op, Add) else -place.right.value
-            return low is not None and low + shift >= 0
-        return False
-
-    def least(self, identifier: str) -> int | None:
-        """The least value of a name that only loops over ranges with written starts bind."""
-        stores = [m for m in walk(self.tree.body) if isinstance(m, Name) and m.id == identifier and isinstance(
-            m.ctx, Store)]
-        loops = [s for s in walk(self.tree.body) if isinstance(s, For) and isinstance(s.target, Name)
-                 and s.target.id == identifier]
-        if not loops or len(loops) != len(stores):
-            return None
-        lows = [_low(s.iter) for s in loops]
-        return None if None in lows else min(low for low in lows if low is not None)
 
 
 def _as_arrays(tree: FunctionDef) -> set[int]:
@@ -292,15 +275,6 @@ def _as_arrays(tree: FunctionDef) -> set[int]:
         elif isinstance(node, Subscript):
             found |= {id(n) for n in indices(node)}
     return found
-
-
-def _low(iterable: AST) -> int | None:
-    args = getattr(iterable, "args", [])
-    if call_name(iterable) != "builtins.range" or len(args) == 3:
-        return None
-    if len(args) == 1:
-        return 0
-    return args[0].value if isinstance(args[0], Constant) and type(args[0].value) is int else None
 
 
 def _length(iterable: AST) -> AST | None:

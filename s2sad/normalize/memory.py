@@ -17,7 +17,8 @@ from s2sad.tree import (
 # The results of these share no memory with their arguments.
 FRESH = {"builtins." + f for f in "range len int float bool abs round".split()} | {
     "numpy." + f for f in "zeros ones empty full zeros_like ones_like empty_like full_like array copy arange linspace "
-    "sqrt exp log sin cos tan tanh sum dot mean abs maximum minimum where".split()}
+    "sqrt exp log sin cos tan tanh sum dot mean abs maximum minimum where outer eye concatenate stack roll diff "
+    "cumsum cumprod".split()}
 FRESH_METHODS = {"copy", "sum", "mean", "min", "max", "item", "dot", "prod"}
 STABLE = {"shape", "size", "ndim", "dtype"}             # what a store into an array cannot change
 GLOBAL = "array."

@@ -33,7 +33,7 @@ Writes = Callable[[Call], Sequence[int]]
 
 
 @dataclass(frozen=True)
-class _Swap:
+class Swap:
     """Assignments of names to names, one after the other: `given[n]` is whose array the name n has after them."""
     statements: tuple[AST, ...]
     given: dict[str, str]
@@ -42,13 +42,13 @@ class _Swap:
 def rotated(function: FunctionDef, typing: Typing, free: Names, within: bool = False) -> FunctionDef:
     """The function with such copies; the table of `typing` gains their names. `within` another function what is
     returned is the argument itself where its name has it at the end."""
-    swaps = [s for block in _blocks(function.body) for s in _swaps(block, typing)]
+    swaps = [s for block in _blocks(function.body) for s in swaps_of(block, typing)]
     for group in _groups(swaps):
         given = [p.id for p in function.args.args if p.id in group]
         inside = [s for s in swaps if group & s.given.keys()]
         if given and _is_plain(function, group, inside, typing):
             function = _Rotated(function, typing, free, sorted(group), given, inside, within).function
-            swaps = [s for block in _blocks(function.body) for s in _swaps(block, typing)]
+            swaps = [s for block in _blocks(function.body) for s in swaps_of(block, typing)]
     return function
 
 
@@ -60,9 +60,9 @@ def _blocks(block: list[AST]) -> list[list[AST]]:
     return found
 
 
-def _swaps(block: list[AST], typing: Typing) -> list[_Swap]:
+def swaps_of(block: list[AST], typing: Typing) -> list[Swap]:
     """The swaps in a block: each is a permutation of the names that it binds, but for those that only hold one."""
-    found: list[_Swap] = []
+    found: list[Swap] = []
     run: list[tuple[AST, str, str]] = []
     for statement in [*block, None]:
         if isinstance(statement, Assign) and isinstance(statement.targets[0], Name) and isinstance(
@@ -76,12 +76,12 @@ def _swaps(block: list[AST], typing: Typing) -> list[_Swap]:
             held = {n for n in given if n not in given.values()}
             kept = {n: g for n, g in given.items() if n not in held}
             if kept and set(kept) == set(kept.values()):
-                found.append(_Swap(tuple(s for s, _, _ in run), kept))
+                found.append(Swap(tuple(s for s, _, _ in run), kept))
         run = []
     return found
 
 
-def _groups(swaps: list[_Swap]) -> list[set[str]]:
+def _groups(swaps: list[Swap]) -> list[set[str]]:
     """The names that swap with each other, by any of the swaps."""
     groups: list[set[str]] = []
     for swap in swaps:
@@ -90,7 +90,7 @@ def _groups(swaps: list[_Swap]) -> list[set[str]]:
     return groups
 
 
-def _is_plain(function: FunctionDef, group: set[str], swaps: list[_Swap], typing: Typing) -> bool:
+def _is_plain(function: FunctionDef, group: set[str], swaps: list[Swap], typing: Typing) -> bool:
     """Whether nothing but the swaps binds these names after they are made, no other name is a view of their arrays
     before, what only holds an array is read by its swap alone, and one of the arrays is written."""
     first = _first(function.body, swaps)
@@ -128,7 +128,7 @@ def _written(function: FunctionDef, group: set[str]) -> bool:
     return False
 
 
-def _first(body: list[AST], swaps: list[_Swap]) -> int:
+def _first(body: list[AST], swaps: list[Swap]) -> int:
     """The statement of a function in which the first swap is."""
     inside = {id(s) for swap in swaps for s in swap.statements}
     return next(k for k, statement in enumerate(body) if any(id(n) in inside for n in walk(statement)))
@@ -138,7 +138,7 @@ class _Rotated:
     """A function in which the arguments among some names have copies."""
 
     def __init__(self, function: FunctionDef, typing: Typing, free: Names, group: list[str], given: list[str],
-                 swaps: list[_Swap], within: bool):
+                 swaps: list[Swap], within: bool):
         self.group, self.typing, self.free = group, typing, free
         self.copies = {p: free.fresh(f"{p}_own") for p in given}
         self.places = {p: free.fresh(f"{p}_place") for p in given}
@@ -170,7 +170,7 @@ class _Rotated:
                 new += [at(self.moved(p, self.last[id(statement)]), statement) for p in self.places]
         return new
 
-    def moved(self, parameter: str, swap: _Swap) -> AST:
+    def moved(self, parameter: str, swap: Swap) -> AST:
         """Counts which name has an argument's array after a swap."""
         place = self.places[parameter]
         goes = {self.group.index(g): self.group.index(n) for n, g in swap.given.items()}

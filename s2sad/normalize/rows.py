@@ -15,6 +15,7 @@ from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import whole_number
 from s2sad.infer.types_of_calls import LISTED, stored_into
+from s2sad.normalize.alike import alike
 from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.views_in_lists import Writes, views_in_lists
@@ -35,6 +36,7 @@ def rows(function: FunctionDef, typing: Typing, program: Program, writes: Writes
         return function
     memory = Memory(rebuild(function, lambda n: call("numpy.empty", const(0)) if call_name(n) == LISTED else None),
                     program)
+    alike(function, typing, writes, report)
     function = views_in_lists(function, typing, memory, writes, report)
     pass_ = _Rows(function, typing, report)
     return rebuild(function, pass_.change)
@@ -61,6 +63,7 @@ class _Rows:
                               help="allocate an array before and fill it in a for loop")
             return copy(node)
         shape = tuple_of(copy(count), *sizes) if sizes else copy(count)
+        self.typing.listed.add(listed)
         return at(assign(listed, call("numpy.empty", shape, *dtype_of(kind))), node)
 
     def sizes(self, value: AST, rank: int, place: AST, depth: int) -> list[AST] | None:

@@ -26,6 +26,7 @@ from s2sad.infer.laws import ONE
 from s2sad.infer.shapes import Shapes, single_values
 from s2sad.infer.slices import scattered
 from s2sad.infer.types import Type, array
+from s2sad.infer.types_of_calls import stored_into
 from s2sad.naming import Names
 from s2sad.normalize.aliases import Aliases
 from s2sad.normalize.apart import overlaps
@@ -55,6 +56,7 @@ def views(function: FunctionDef, types: Mapping[str, Type], typing: Typing, free
     pass_.parameters = set(pass_.seen)
     pass_.loops, pass_.writes = loops, writes
     pass_.bound_at, pass_.unset, pass_.late, pass_.buffers, pass_.altered = {}, set(), {}, {}, set()
+    pass_.left = []
     pass_.references, pass_.aliases = References(function), Aliases(pass_.parameters)
     new = copy(function)
     lengths = [equal(index(attribute(name(p.id), "shape"), const(k)), const(1))
@@ -196,9 +198,18 @@ class _Views(Carried):
             return self.through_copy(target, view, statement, lambda place: assign(place, value))
         place, new = self.place(target), self.resolve(value)
         self.stored(base_name(place), statement)
+        if self.is_region(place) and stored_into(target, self.typing.listed):
+            self.is_row(place, new, statement)
         checks = self.checks(place, new) if self.is_region(place) else []
         new = self.apart(place, new, checks, target)
         return [*checks, assign(place, new)]
+
+    def is_row(self, place: Subscript, value: AST, statement: AST) -> None:
+        """Refuses what would be repeated in a row of the array in place of a list: the list holds it as it is."""
+        row, made = self.shapes.of(self.load(place)), self.shapes.of(value)
+        if len(row) != len(made) or any(m == ONE and not self.shapes.same(r, m) for r, m in zip(row, made)):
+            self.report.error("S201", "an array of another size than the others is put into a list", statement,
+                              help="give arrays of different sizes different names")
 
     def apart(self, place: Subscript, value: AST, before: list[AST], origin: AST) -> AST:
         """The value, under a name of its own where the place cannot hold it while it is made: a loop would read what

@@ -11,7 +11,7 @@ from functools import cache
 from s2sad.analyze.activity import activity, reach
 from s2sad.analyze.liveness import base_name
 from s2sad.analyze.structure import structure
-from s2sad.diagnostics import Report
+from s2sad.diagnostics import Report, S2sadError
 from s2sad.differentiate.arithmetic import scalar_choices
 from s2sad.differentiate.own import own_edges
 from s2sad.infer.infer import Typing, infer
@@ -26,6 +26,7 @@ from s2sad.normalize.choices import choices
 from s2sad.normalize.complexes import complexes, of_its_own
 from s2sad.normalize.contiguous import Contiguity, demanded, of_calls
 from s2sad.normalize.contracted import batched, contracted
+from s2sad.normalize.exchanged import exchanged
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
 from s2sad.normalize.functions import functions
@@ -47,6 +48,7 @@ from s2sad.normalize.solvers import solvers
 from s2sad.normalize.sought import sought
 from s2sad.normalize.spelled import spelled
 from s2sad.normalize.stacked import stacked
+from s2sad.normalize.tails import tails
 from s2sad.normalize.strengths import Known, Strengths
 from s2sad.normalize.told import told
 from s2sad.normalize.viewing import viewing
@@ -107,7 +109,7 @@ class NormalForms(Calls):
             return self._unread(kernel, types, title)
         names = Names()
         kernel, tree, typing = self._typed(kernel, types, names)
-        tree, guarded, needed = self._over_arrays(tree, typing, names)
+        tree, guarded, needed, typing, names = self._with_arrays(tree, typing, names)
         tree, lowered, numbers, lowered_types = self._for_engine(tree, typing, names)
         renamed = rename(tree, typing.table, names, self.call_writes)
         self.watch("rename", verify(renamed.function, "rename", "rename"))
@@ -168,6 +170,26 @@ class NormalForms(Calls):
                 report.found += said.found
                 return tree, table
             tree = wider
+
+    def _with_arrays(self, tree: FunctionDef, typing: Typing,
+                     names: Names) -> tuple[FunctionDef, bool, set[str], Typing, Names]:
+        """What `_over_arrays` gives; where it refuses names that stand for one array or another, with what follows a
+        branch in its sides."""
+        known, kept = self.apart(typing), Names(names.taken)
+        kept.wanted, kept.meant = dict(names.wanted), dict(names.meant)
+        known.report, known.final = Report(typing.report.source), typing.final
+        try:
+            return *self._over_arrays(tree, typing, names), typing, names
+        except S2sadError as refused:
+            def written(called: Call) -> tuple[int, ...]:
+                return self.of_call(called, known).summary.written
+            moved = tails(exchanged(tree, known, written), known, written)
+            if moved is tree:
+                raise
+            try:
+                return *self._over_arrays(moved, known, kept), known, kept
+            except S2sadError:
+                raise refused from None
 
     def _over_arrays(self, tree: FunctionDef, typing: Typing, names: Names) -> tuple[FunctionDef, bool, set[str]]:
         """The kernel with whole-array statements over arrays and parts of them by their own names, whether guards of

@@ -1,0 +1,120 @@
+"""Names that swap their arrays in a branch."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+from tests.engines import each
+
+X = np.array([0.3, 0.9, 0.7, 0.8, 0.2, 0.4])
+
+
+def in_a_loop(x, n):
+    a, b = x.copy(), x * 2.0
+    for _ in range(n):
+        if a[0] > b[0]:
+            a, b = b, a
+        r = a[1:]
+        r += 0.1 * b[:-1] ** 2
+        a[0] += 0.35
+        b = a * 0.5 + b
+    return a, np.sum(a * b ** 2)
+
+
+def in_several_branches(x, n):
+    a, b = np.outer(x, x), np.zeros((x.size, x.size))
+    for i in range(n):
+        for j in range(2):
+            if a[i, j] > 0.2:
+                a, b = b, a
+            b[i] += a[j] ** 2 + x
+        if i == 1:
+            t = a
+            a = b
+            b = t
+    return np.sum(a * b)
+
+
+KERNELS = [in_a_loop, in_several_branches]
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, every=2))
+def test_derivatives(kernel, engine):
+    check_derivatives(kernel, (X.copy(), 4), ("x",), ("return",), engine=engine)
+
+
+def view_before(x, n):
+    a, b = x.copy(), x * 2.0
+    r = a[1:]
+    for k in range(n):
+        if k % 2 == 0:
+            a, b = b, a
+        a[1:] += 0.1 * b[:-1] ** 2
+        r[0] += 1.0 * x[1]
+    return np.sum(a * b ** 2)
+
+
+def argument(x, n):
+    b = x * 2.0
+    a = x
+    for k in range(n):
+        if k % 2 == 0:
+            a, b = b, a
+        a[1:] += 0.1 * b[:-1] ** 2
+    return np.sum(a * b ** 2)
+
+
+def third_name(x, n):
+    a, b = x.copy(), x * 2.0
+    c = a
+    for k in range(n):
+        if k % 2 == 0:
+            a, b = b, a
+        a[1:] += 0.1 * b[:-1] ** 2
+    return np.sum(a * b ** 2) + c[0]
+
+
+def in_a_list(x, n):
+    a, b = x.copy(), x * 2.0
+    us = []
+    for k in range(n):
+        us.append(a)
+        if k % 2 == 0:
+            a, b = b, a
+        a[0] += 0.1 * b[0] ** 2
+    return np.sum(us[0] * us[1]) + a[0]
+
+
+def name_kept(x, n):
+    a, b = x.copy(), x * 2.0
+    t = a
+    for k in range(n):
+        if k % 2 == 0:
+            t = a
+            a = b
+            b = t
+        a[0] *= 3.0 + t[0]
+    return np.sum(a * b * b) + t[1]
+
+
+@pytest.mark.parametrize("kernel", [view_before, argument, third_name, in_a_list, name_kept])
+def test_refused(kernel):
+    for engine in ("numpy", "numba"):
+        with pytest.raises(s2sad.S2sadError, match="another name may stand for here|a list holds an array that is"):
+            s2sad.differentiate(kernel, engine=engine).adjoint_source(X, 4)
+
+
+def of_two_sizes(x, n):
+    a, b = x[:1].copy(), x * 2.0
+    for k in range(n):
+        if k % 2 == 0:
+            a, b = b, a
+        a[0] += 0.1 * b[0] ** 2
+    return np.sum(a) * np.sum(b ** 2)
+
+
+def test_sizes():
+    with pytest.raises(AssertionError, match="names swap arrays of different sizes in a branch"):
+        s2sad.gradient(s2sad.differentiate(of_two_sizes, engine="numpy"), wrt="x")(X, 3)

@@ -1,0 +1,268 @@
+"""Written lists of arrays, and of numbers, of which a variable picks the one that is read or written."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+from tests.engines import each, running
+
+X = np.array([0.3, 0.9, 0.7, 0.8, 0.2, 0.4])
+
+
+def in_turn(x, n):
+    m = [np.zeros_like(x), np.zeros_like(x)]
+    for t in range(n):
+        m[t % 2][:] = 0.5 * m[(t + 1) % 2] + x ** 2
+        m[t % 2][0] += m[t % 2 - 1][1] ** 2
+    bufs = (x[:3].copy(), x[3:].copy())
+    k = 0
+    for _ in range(n):
+        w = bufs[k]
+        w[1:] *= bufs[1 - k][:-1]
+        bufs[k][0] *= 1.5
+        k = 1 - k
+    return np.sum(m[0] * m[1]) + bufs[0] @ bufs[1]
+
+
+def under_names(u, n):
+    for k in range(2):
+        bufs = [np.outer(u, u), np.zeros((u.size, u.size))]
+        for t in range(n):
+            cur, new = bufs[t % 2], bufs[1 - t % 2]
+            new[1:-1, 1:-1] = 0.25 * (cur[:-2, 1:-1] + cur[2:, 1:-1] ** 2 + cur[1:-1, 2:] * k)
+        u[k] += np.sum(bufs[n % 2] ** 2)
+    old = bufs[0]
+    for t in range(n):
+        new = bufs[(t + 1) % 2]
+        new[0] = old[1] ** 2 + u
+        old = new
+    return old, bufs[n % 2]
+
+
+def moved(v, w):
+    v[0] += w[1] ** 2
+    return v[1]
+
+
+def given_to_helpers(x, n):
+    m, s = [x.copy(), x * 2.0, x ** 2], 0.0
+    for t in range(n):
+        s += moved(m[(t + 1) % 3], m[t % 3]) + moved(m[t % 3], m[(t - 1) % 3])
+        k = t % 2
+        s += moved(m[k], m[1 - k]) + moved(m[k], m[k]) * moved(m[k], x)
+    return s + m[0] @ m[1] + m[2][0]
+
+
+def put_anew(x, n):
+    m = [None, None]
+    m[0] = x.copy()
+    m[1] = x ** 2
+    for t in range(n):
+        m[t % 2] = 0.5 * m[(t + 1) % 2] + x[t]
+    s = 0.0
+    for v in m:
+        v[0] *= 3.0
+        s += np.sum(v ** 2)
+    w = [0.0, x[0], 2]
+    for t in range(n):
+        w[t % 2] += w[1 - t % 2] * x[t]
+    return s * w[0] * w[1] * w[2]
+
+
+def read_alone(x, n):
+    m, s = [x[:3], x[3:]], 0.0
+    for t in range(n):
+        s += np.sum(m[t % 2] * x[t])
+    return s
+
+
+KERNELS = [(in_turn, "x", ("return",)), (under_names, "u", ("u", "return")), (given_to_helpers, "x", ("return",)),
+           (put_anew, "x", ("return",)), (read_alone, "x", ("return",))]
+
+
+@pytest.mark.parametrize(("kernel", "wrt", "of", "engine"), each(KERNELS, every=4))
+def test_derivatives(kernel, wrt, of, engine):
+    check_derivatives(kernel, (X.copy(), 4), (wrt,), of, engine=engine)
+
+
+def test_one_element_in_each():
+    for engine in ("numpy", "loops"):
+        check_derivatives(put_anew_of_one, (X[:1], 3), ("x",), ("return",), engine=engine)
+
+
+def put_anew_of_one(x, n):
+    m = [x.copy(), x * 2.0]
+    for t in range(n):
+        m[t % 2] += x
+        m[t % 2] = m[1 - t % 2] * m[t % 2]
+    return m[0] @ m[1]
+
+
+def under_its_own_name(x, n):
+    z = np.zeros_like(x)
+    m = [z, x.copy()]
+    for t in range(n):
+        m[t % 2][:] = 0.5 * m[(t + 1) % 2] + x ** 2
+        z[0] = 3.0 * x[1]
+    return np.sum(m[0] * m[1]) + z[1]
+
+
+def twice(x, n):
+    z = x.copy()
+    m = [z, z]
+    for t in range(n):
+        m[t % 2][:] = 0.5 * m[(t + 1) % 2] + x ** 2
+    return np.sum(m[0] * m[1])
+
+
+def parts_of_arguments(x, n):
+    m = [x[:3], x[3:]]
+    for t in range(n):
+        m[t % 2][:] = m[1 - t % 2] * 1.5
+
+
+def argument_written(x, n):
+    m, s = [x[:3], x[3:]], 0.0
+    for t in range(n):
+        x[t] += 0.1 * x[0]
+        s += np.sum(m[t % 2] * x[t])
+    return s
+
+
+def in_two_lists(x, n):
+    a, b = x.copy(), x * 2.0
+    m, w = [a, b], [b, a]
+    for t in range(n):
+        m[t % 2][0] += w[t % 2][1] ** 2
+    return np.sum(m[0] * m[1] ** 2)
+
+
+def in_a_list_twice(x, n):
+    m = [x.copy(), x * 2.0]
+    w = [m, m]
+    for t in range(n):
+        w[t % 2][0][0] += 2.0 * x[1]
+    return np.sum(m[0] * m[1] ** 2)
+
+
+def kept_and_put_anew(x, n):
+    m = [np.zeros_like(x), x.copy()]
+    for t in range(n):
+        w = m[t % 2]
+        m[t % 2] = 0.5 * m[(t + 1) % 2] + x ** 2
+        w[0] = 5.0
+    return np.sum(m[0] * m[1])
+
+
+def one_becomes_the_other(x, n):
+    m, k = [np.zeros_like(x), x.copy()], n % 2
+    m[k] = m[1 - k]
+    m[k][0] = x[1] ** 2
+    return np.sum(m[0] * m[1] ** 2)
+
+
+def swapped(x, n):
+    m = [np.zeros_like(x), x.copy()]
+    for t in range(n):
+        m[t % 2], m[1 - t % 2] = m[1 - t % 2], m[t % 2]
+        m[t % 2][0] += x[1] ** 2
+    return np.sum(m[0] * m[1] ** 2)
+
+
+def becomes_an_argument(x, n):
+    m, k = [np.zeros_like(x), x.copy()], n % 2
+    m[k] = x
+    m[k][0] = x[1] ** 2
+    return np.sum(m[0] * m[1] ** 2)
+
+
+def of_one_element(x, n):
+    m = [x.copy(), np.zeros(1)]
+    for t in range(n):
+        m[t % 2][:] += 2.0 * x[1]
+    return np.sum(m[0]) * np.sum(m[1] ** 2)
+
+
+def row_of_one_element(x, n):
+    us, s = [x * 2.0], 0.0
+    for t in range(n):
+        us.append(x[:1] * t)
+    for u in us:
+        s += np.sum(u)
+    return s
+
+
+def number_for_a_row(x, n):
+    m = [x * (k + 1.0) for k in range(2)]
+    for t in range(n):
+        m[t % 2] = x[0] * t
+    return np.sum(m[0]) * np.sum(m[1] ** 2)
+
+
+def of_other_rank(x, n):
+    m = [np.zeros((2, 6)), np.zeros(6)]
+    for t in range(n):
+        m[t % 2][:] += x
+    return np.sum(m[0]) * np.sum(m[1] ** 2)
+
+
+def integers_written(x, n):
+    m = [x.copy(), np.zeros(6, dtype=np.int64)]
+    for t in range(n):
+        m[t % 2][0] = 2.5
+    return np.sum(m[0]) * np.sum(m[1] ** 2)
+
+
+def singles(x, n):
+    m = [x.copy(), np.zeros(6, dtype=np.float32)]
+    return np.sum(m[n % 2])
+
+
+def not_known_to_differ(x, n):
+    m, s = [x.copy(), x * 2.0, x ** 2], 0.0
+    for t in range(n):
+        s += moved(m[(t + 2) % 3], m[(t - 1) % 3])
+    return s + m[0] @ m[1]
+
+
+WRITTEN, SEVERAL = "a list holds an array that is written", "holds views of an array, or one array several times"
+REFUSED = [(under_its_own_name, WRITTEN), (twice, SEVERAL), (parts_of_arguments, SEVERAL), (argument_written, WRITTEN),
+           (in_two_lists, SEVERAL), (in_a_list_twice, SEVERAL), (kept_and_put_anew, "becomes another array"),
+           (one_becomes_the_other, WRITTEN), (swapped, WRITTEN), (becomes_an_argument, SEVERAL),
+           (of_one_element, "an array of another size than the others is put into a list"),
+           (row_of_one_element, "an array of another size than the others is put into a list"),
+           (number_for_a_row, "the list 'm' holds arrays of several numbers of axes"),
+           (of_other_rank, "the list 'm' holds arrays of several numbers of axes"),
+           (integers_written, "the list 'm' holds arrays of several dtypes"),
+           (singles, "the list 'm' holds arrays of several dtypes"),
+           (not_known_to_differ, "two arguments that may share elements of 'm'")]
+
+
+@pytest.mark.parametrize(("kernel", "what"), REFUSED, ids=lambda value: getattr(value, "__name__", ""))
+def test_refused(kernel, what):
+    for engine in ("numpy", "numba"):
+        with pytest.raises(s2sad.S2sadError, match=what):
+            s2sad.differentiate(kernel, engine=engine).adjoint_source(X, 4)
+
+
+def of_two_sizes(x, n):
+    m = [x[:n].copy(), x.copy()]
+    return np.sum(m[n % 2])
+
+
+def of_two_shapes(x, n):
+    """Written out: each element is a name."""
+    m, s = [x[:3].copy(), x.copy()], 0.0
+    m[1][1:] *= 2.0
+    for w in m:
+        s += np.sum(w ** 2)
+    return s * n
+
+
+def test_sizes():
+    check_derivatives(of_two_shapes, (X, 2), ("x",), ("return",), engine="numpy")
+    for engine in ("numpy", "loops"):
+        with running(engine) as name, pytest.raises(AssertionError, match="shapes differ"):
+            s2sad.gradient(s2sad.differentiate(of_two_sizes, engine=name), wrt="x")(X, 4)
