@@ -44,7 +44,16 @@ def means_without_nans(u):
     return np.nanmean(v ** 2) + np.sum(np.nanmean(v, axis=0) ** 2) + np.sum(np.nanmean(v, axis=1, keepdims=True) * u)
 
 
+def open_axes(u):
+    stack = np.stack([u, u ** 2])
+    rows = np.einsum("...i,...i->...", stack, stack)
+    turned = np.einsum("...i, ij -> ...j", stack, u)
+    return np.sum(rows ** 2) + np.sum(turned ** 2) + np.sum(np.einsum("...i,i", u, u[0])) + np.einsum(
+        "...i,...i->...", u[0], u[1])
+
+
 @pytest.mark.parametrize("kernel, engine", each([
-    blocks_of_vectors, products_of_stacks, written_operands, ends_of_gradients, ends_of_tables, means_without_nans]))
+    open_axes, blocks_of_vectors, products_of_stacks, written_operands, ends_of_gradients, ends_of_tables,
+    means_without_nans]))
 def test_derivatives(kernel, engine):
     check_derivatives(kernel, (U,), ("u",), ("return",), engine)

@@ -6,9 +6,10 @@
     np.einsum("ii,i->i", a, x)          np.diagonal(a) * x
     np.tensordot(a, b, axes=1)          np.matmul(a, b)
     np.einsum("bij,bjk->bik", a, b)     np.sum(a[:, :, :, None] * b[:, None, :, :], axis=2)
+    np.einsum("...i,i->...", a, b)      np.matmul(a, b), of a matrix (`undotted`)
 
-`contracted` requires structured form, `batched` and types too. A letter twice in one operand, but for the diagonal of
-a matrix, `...`, and axes in an order that neither the operands nor their transposes have are left, to be refused.
+`contracted` requires structured form, `batched` and `undotted` types too. A letter twice in one operand, but for the
+diagonal of a matrix, and axes in an order that neither the operands nor their transposes have are left, to be refused.
 """
 from __future__ import annotations
 
@@ -22,6 +23,7 @@ from s2sad.tree import (
 )
 
 _BATCH = "abcdefgh"
+_OPEN = "ABCDEF"
 _LETTERS = "ijklmnop"
 
 
@@ -43,6 +45,49 @@ def contracted(function: FunctionDef) -> FunctionDef:
     new = copy(function)
     new.body = [rebuild(statement, change) for statement in function.body]
     return new
+
+
+def undotted(function: FunctionDef, typing: Typing) -> FunctionDef:
+    """The function with each `np.einsum` over operands of known ranks whose subscripts leave axes open, `...`; itself
+    if there is none."""
+    found: list[AST] = []
+
+    def change(node: AST) -> AST | None:
+        subscripts = node.args[0] if call_name(node) == "numpy.einsum" and node.args else None
+        text = subscripts.value if isinstance(subscripts, Constant) else None
+        if not isinstance(text, str) or "..." not in text:
+            return None
+        kinds = list(map(typing.of, node.args[1:]))
+        spelled = _spelled_out(text, [k.rank for k in kinds]) if all(k.is_array for k in kinds) else None
+        if spelled is None:
+            return None
+        found.append(node)
+        return at(Call(node.func, [const(spelled), *(rebuild(a, change) for a in node.args[1:])], node.keywords), node)
+    new = copy(function)
+    new.body = [rebuild(statement, change) for statement in function.body]
+    return contracted(new) if found else function
+
+
+def _spelled_out(subscripts: str, ranks: list[int]) -> str | None:
+    """The subscripts with letters for `...`, of the last axes the same for all operands.
+
+    >>> _spelled_out("...i,ij->...j", [3, 2]), _spelled_out("...i,...i", [2, 1])
+    ('ABi,ij->ABj', 'Ai,i->A')
+    """
+    text = subscripts.replace(" ", "").replace("...", ".")
+    given, arrow, output = text.partition("->")
+    inputs = given.split(",")
+    if len(inputs) != len(ranks):
+        return None
+    open_axes = [r - len(i.replace(".", "")) for i, r in zip(inputs, ranks)]
+    most = max((n for i, n in zip(inputs, open_axes) if "." in i), default=0)
+    if min(open_axes) < 0 or most > len(_OPEN) or any(n and "." not in i for i, n in zip(inputs, open_axes)):
+        return None
+    if not arrow:
+        output = "." + "".join(sorted(c for c in set(given) - {",", "."} if given.count(c) == 1))
+    letters = _OPEN[:most]
+    spelled = [i.replace(".", letters[most - n:]) for i, n in zip(inputs, open_axes)]
+    return ",".join(spelled) + "->" + output.replace(".", letters)
 
 
 def batched(function: FunctionDef, typing: Typing) -> FunctionDef:

@@ -25,7 +25,7 @@ from s2sad.normalize.atoms import atoms
 from s2sad.normalize.choices import choices
 from s2sad.normalize.complexes import complexes, of_its_own
 from s2sad.normalize.contiguous import Contiguity, demanded, of_calls
-from s2sad.normalize.contracted import batched, contracted
+from s2sad.normalize.contracted import batched, contracted, undotted
 from s2sad.normalize.exchanged import exchanged
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
@@ -156,7 +156,7 @@ class NormalForms(Calls):
             typing = Typing({**table, **given}, self.call_types, Report(report.source), values)
             arrays_in_rows(tree, typing, self.program, lambda called, typing=typing: self.of_call(
                 called, typing).summary.written, report)
-            plain = listed_rows(tree, typing, self.helpers, report)
+            plain = undotted(listed_rows(tree, typing, self.helpers, report), typing)
             report.finish()
             if plain is not tree:
                 tree = plain
