@@ -20,16 +20,16 @@ from typing import Any
 import gast
 from gast import (
     AST, Add, And, AnnAssign, Assert, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Break,
-    Call, Compare, Constant, Continue, Dict, Div, Eq, Expr, FloorDiv, For, FunctionDef, GeneratorExp, Gt, GtE, If,
-    IfExp, In, Invert, Is, IsNot, List, ListComp, Load, LShift, Lt, LtE, MatMult, Mod, Module, Mult, Name, Not, NotEq,
-    NotIn, Or, Pass, Pow, Raise, Return, RShift, Slice, Starred, Store, Sub, Subscript, Tuple, UAdd, UnaryOp, USub,
-    While, arguments, expr, keyword,
+    Call, Compare, Constant, Continue, Dict, DictComp, Div, Eq, Expr, FloorDiv, For, FunctionDef, GeneratorExp, Gt, GtE,
+    If, IfExp, In, Invert, Is, IsNot, List, ListComp, Load, LShift, Lt, LtE, MatMult, Mod, Module, Mult, Name, Not,
+    NotEq, NotIn, Or, Pass, Pow, Raise, Return, RShift, Slice, Starred, Store, Sub, Subscript, Tuple, UAdd, UnaryOp,
+    USub, While, arguments, expr, keyword,
 )
 
 __all__ = [
     "AST", "Add", "And", "AnnAssign", "Assert", "Assign", "Attribute", "AugAssign", "BinOp", "BitAnd", "BitOr",
-    "BitXor", "BoolOp", "Break", "Call", "Compare", "Constant", "Continue", "Dict", "Div", "Eq", "Expr", "FloorDiv",
-    "For", "FunctionDef", "GeneratorExp", "Gt", "GtE", "If", "IfExp", "In", "Invert", "Is", "IsNot", "List",
+    "BitXor", "BoolOp", "Break", "Call", "Compare", "Constant", "Continue", "Dict", "DictComp", "Div", "Eq", "Expr",
+    "FloorDiv", "For", "FunctionDef", "GeneratorExp", "Gt", "GtE", "If", "IfExp", "In", "Invert", "Is", "IsNot", "List",
     "ListComp", "Load", "LShift", "Lt", "LtE", "MatMult", "Mod", "Module", "Mult", "Name", "Not", "NotEq", "NotIn",
     "Or", "Pass", "Pow", "Raise", "Return",
     "RShift", "Slice", "Starred", "Store", "Sub", "Subscript", "Tuple", "UAdd", "UnaryOp", "USub", "While",

@@ -166,6 +166,10 @@ class IfExp(expr):
 class ListComp(expr):
     elt: AST
     generators: list[Any]
+class DictComp(expr):
+    key: AST
+    value: AST
+    generators: list[Any]
 
 class GeneratorExp(expr):
     elt: AST

@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from s2sad.diagnostics import Report
 from s2sad.tree import AST
 
+SHARED = "an array is written that another name may stand for here, as it did before a loop or branch bound it anew"
+
 
 @dataclass
 class _Loop:
@@ -89,8 +91,7 @@ class Aliases:
         pairs = self._closed()
         for base, statement, near in self._stores:
             if any(a == base and (b in self.visible or b in near) for a, b in pairs):
-                report.error("S201", "an array is written that another name may stand for here, as it did before a "
-                             "loop or branch bound it anew", statement,
+                report.error("S201", SHARED, statement,
                              help="bind the name to a copy before the loop or branch: u = u.copy(); "
                              "where names swap in a branch, swap what their arrays hold")
 

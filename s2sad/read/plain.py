@@ -25,6 +25,7 @@ for the fence to refuse, as are strings in any other place.
 from __future__ import annotations
 
 from s2sad.read.ranges import ranged, unnamed
+from s2sad.read.turns import turns
 from s2sad.tree import (
     AST, Add, And, Assert, Assign, Attribute, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For, FunctionDef,
     If, IfExp, In, List, Mod, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Starred, Store, Subscript, Tuple,
@@ -38,7 +39,7 @@ _LAZY = ("Lambda", "ListComp", "GeneratorExp", "SetComp", "DictComp")   # run la
 
 def plain(function: FunctionDef) -> FunctionDef:
     """The function with such spellings in their plain form."""
-    new = unnamed(copy(function))
+    new = turns(unnamed(copy(function)))
     read = {n.id for n in walk(function.body) if isinstance(n, Name) and not isinstance(n.ctx, Store)}
 
     def change(node: AST) -> AST | None:

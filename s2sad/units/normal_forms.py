@@ -19,6 +19,7 @@ from s2sad.infer.shapes import shapes_of
 from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
 from s2sad.normalize import structured
+from s2sad.normalize.aliases import SHARED
 from s2sad.normalize.around import around
 from s2sad.normalize.arrays_in_rows import arrays_in_rows
 from s2sad.normalize.atoms import atoms
@@ -183,7 +184,8 @@ class NormalForms(Calls):
         except S2sadError as refused:
             def written(called: Call) -> tuple[int, ...]:
                 return self.of_call(called, known).summary.written
-            moved = tails(exchanged(tree, known, written), known, written)
+            shared = any(d.message == SHARED for d in refused.diagnostics)
+            moved = tails(exchanged(tree, known, written), known, written) if shared else tree
             if moved is tree:
                 raise
             try:
