@@ -1,7 +1,7 @@
 """The pipeline: a program and a request in, a generated module out. Read this first.
 
     read        a function becomes a tree with places and resolved names        (the caller has done it)
-    normalize   structured -> inlined -> functions -> pieces -> views -> workspace -> scalarize
+    normalize   structured -> inlined -> functions -> in_step -> pieces -> views -> workspace -> scalarize
                     -> handed -> rename -> atoms                                     (units/normal_forms.py)
     infer       the types of names, before views and after rename
     analyze     structure, activity, uses, dependence, recorded                      (units/derivatives.py)

@@ -619,3 +619,12 @@ def test_copies_are_made_where_they_must_be(monkeypatch):
         "du = np.copy(np.reshape(dy[:n * n], (n, n)))", "dv = np.copy(np.reshape(dy[n * n:], (n, n)))",
         "du[1:-1, 1:-1] = u[2:, 1:-1] * v[1:-1, 1:-1]", "dv[:] = u * u - v", "dy[:n * n] = np.ravel(du)",
         "dy[n * n:] = np.ravel(dv)", "return"]
+
+
+def part_added_to_by_its_own_elements(u):
+    u[0, :2] += 0.5 * u[1, 1] + 0.1 * u[0, 1] ** 2
+
+
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
+def test_the_seed_of_a_part_is_what_it_was_before_its_elements_gain(engine):
+    check_derivatives(part_added_to_by_its_own_elements, (given(4, 4),), ("u",), ("u",), engine=engine)

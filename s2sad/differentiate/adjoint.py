@@ -212,7 +212,7 @@ class _Adjoint(Shadows):
         leaves = self.pullback.leaves(statement.value)
         made: list[AST] = []
         seed: AST = cell
-        inside = any(isinstance(n, Name) and n.id == base_name(target) for n in walk(statement.value))
+        inside = any(isinstance(n, Name) and self.reads(n.id, base_name(target)) for n in walk(statement.value))
         adds = isinstance(statement, AugAssign)
         if leaves and (not adds or leaves > 1 or inside):
             held = self.bind("seed", cell)
@@ -223,6 +223,11 @@ class _Adjoint(Shadows):
         negative = adds and isinstance(statement.op, Sub)
         result = copy(self.load(target)) if owns_result(statement) else None
         return made + self.gained(statement.value, Term(copy(seed), negative), result, region)
+
+    def reads(self, identifier: str, array: str) -> bool:
+        """Whether a name is an array, or a number that was read from it, whose gain goes there as well."""
+        return identifier == array or any(isinstance(s, Assign) and base_name(s.value) == array
+                                          for s in self.structure.bindings.get(identifier, ()))
 
     def load(self, target: Subscript) -> AST:
         """A place as an expression."""

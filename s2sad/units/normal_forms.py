@@ -1,6 +1,6 @@
 """Kernels become units: the passes of `normalize` and `infer`, for each set of argument types once.
 
-    a kernel, types -> structured -> functions -> pieces -> views -> workspace -> scalarize -> handed
+    a kernel, types -> structured -> functions -> in_step -> pieces -> views -> workspace -> scalarize -> handed
     -> rename -> atoms: Unit
 """
 from __future__ import annotations
