@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.normalize.calls import result_structure, user_call
+from s2sad.normalize.each_round import each_round
 from s2sad.normalize.hoist import constant_index
 from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
@@ -29,7 +30,9 @@ from s2sad.tree import (
 def bundles(function: FunctionDef, scope: Scope) -> FunctionDef:
     function = rebuild(function, _picked)
     function.body = _apart(function.body)
-    parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in _bundled(function, scope).items()}
+    lengths = _bundled(function, scope)
+    function = each_round(function, lengths, scope)
+    parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in lengths.items()}
     bound = [(s.targets[0].id, s.value) for s in walk(function.body) if isinstance(s, Assign) and isinstance(
         s.targets[0], Name)]
     listed = set(parts) - {n for n, value in bound if not isinstance(value, List)}
@@ -51,8 +54,9 @@ def _rows_apart(function: FunctionDef, new: set[str], scope: Scope) -> FunctionD
     function.body = _apart(function.body, row)
     held = {s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
             and s.targets[0].id in new and row(s.value)}
-    parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in _bundled(function, scope).items()
-             if n in held}
+    lengths = {n: count for n, count in _bundled(function, scope).items() if n in held}
+    function = each_round(function, lengths, scope)
+    parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in lengths.items()}
     if not parts:
         return function
     function = rebuild(function, lambda node: _taken_apart(node, parts, set()))
