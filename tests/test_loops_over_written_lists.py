@@ -555,8 +555,39 @@ def given_with_else(us):
     return s
 
 
+def objects_in_a_tuple(m):
+    for s in (m["a"], m["b"], m["a"]):
+        s.a *= 1.5
+        m["b"].a += s.a
+    for s in [m["a"], m["b"]][::-1]:
+        m["b"].a += s.a
+    for s, w in ((m["a"], m["a"].a), (m["b"], m["b"].a)):
+        m["b"].a += s.a * w
+        m["a"].a *= 2.0
+        s.a += w
+    return m["a"].a * m["b"].a
+
+
+def rows_in_parts(us):
+    s = 0.0
+    for r in us[:]:
+        us[1][0] *= 2.0
+        s += r[0] * r[1]
+    for r, v in zip(us[::-1], us[0]):
+        us[1][0] *= 2.0
+        us[0][1] += v
+        s += r[0] * r[1] * v
+    for r, v in zip(us[::-1], us[0][:]):
+        us[1][0] *= 2.0
+        us[0][1] += v
+        s += r[0] * r[1] * v
+    return s
+
+
 X = np.array([2.0, 3.0, 4.0])
 GIVEN = [
+    (objects_in_a_tuple, ({"a": Held([], 2.0), "b": Held([], 3.0)},)),
+    (rows_in_parts, ([[2.0, 3.0], [4.0, 5.0]],)),
     (given, ([2.0, 3.0, 4.0],)),
     (given_enumerated, ([2.0, 3.0, 4.0],)),
     (given_backwards, ([2.0, 3.0, 4.0],)),

@@ -213,12 +213,16 @@ class Blocks(Inner):
         return list(found.items) if found.form.is_sequence else None
 
     def _made_before(self, found: Group, iterable: AST) -> Group:
-        """What a loop goes through; what it writes has names of its own where it is made before the loop."""
-        if not is_of_its_own(iterable) or not reads(found, self.written):
-            return found
-        pairs, found = self._kept(found, iterable, "held", True)
-        self.held += [at(assign(t, v), iterable) for t, v in pairs]
-        return found
+        """What a loop goes through; numbers that it writes have names of their own where it is made before the loop."""
+        def held(item: Value) -> Value:
+            if isinstance(item, Group):
+                return replace(item, items=tuple(map(held, item.items))) if item.path == SPELLED else item
+            if not reads(item, self.written):
+                return item
+            new = self.fresh("held")
+            self.held.append(at(assign(new, spelled(item, iterable) or const(0.0)), iterable))
+            return Leaf(new, new, UNKNOWN)
+        return replace(found, items=tuple(map(held, found.items))) if is_of_its_own(iterable) else found
 
     def _counted(self, node: Call) -> list[Value] | None:
         """The numbers of a range whose bounds are known here."""

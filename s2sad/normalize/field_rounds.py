@@ -38,10 +38,9 @@ def is_of_its_own(iterable: AST) -> bool:
     return isinstance(iterable, (Tuple, List)) or isinstance(iterable, Subscript) and isinstance(iterable.slice, Slice)
 
 
-def reads(group: Group, written: set[str]) -> bool:
-    """Whether some of these flat names are read in a structure."""
-    return bool(written & {n for leaf in flat(group) for n in (
-        names(leaf.node) if isinstance(leaf, Plain) else [leaf.name])})
+def reads(value: Leaf | Plain, written: set[str]) -> bool:
+    """Whether an item reads one of these flat names."""
+    return bool(written & set(names(value.node) if isinstance(value, Plain) else [value.name]))
 
 
 def late(node: AST, written: set[str]) -> AST:
