@@ -39,13 +39,18 @@ def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
     function = filled_lists(function, scope)
     nodes = list(walk(function.body))
     if not any(isinstance(n, (ListComp, GeneratorExp)) or _appended(n) or call_name(n) == LISTED for n in nodes):
+        _refuse_named_rows(function, scope)
         return function
     new = made_late(comprehensions(_bound_once(function, scope), scope), scope, _appended)
     scope.report.finish()
     scope.memory = Memory(new, scope.program)
-    for store in named_rows(new, _appended):
-        scope.refuse(store, "a list holds another list that is written, not a copy of it", help=COPIED)
+    _refuse_named_rows(new, scope)
     return _Lists(new, scope).function()
+
+
+def _refuse_named_rows(function: FunctionDef, scope: Scope) -> None:
+    for store in named_rows(function, _appended):
+        scope.refuse(store, "a list holds another list that is written, not a copy of it", help=COPIED)
 
 
 def _bound_once(function: FunctionDef, scope: Scope) -> FunctionDef:
