@@ -69,7 +69,7 @@ def of_a_dataclass(x):
 def replaced_in_a_loop(x):
     p = Point(x[1], x[2])
     s = 0.0
-    for k in range(2):
+    for _ in range(2):
         p = p._replace(y=up(x) + p.y, x=x[0] * p.x)
         s += p.x * p.y
     return s
@@ -107,7 +107,7 @@ def in_the_order_of_the_fields(x):
 
 
 def of_dictionaries(x):
-    d = dict(y=up(x), x=x[0])
+    d = dict(y=up(x), x=x[0])  # noqa: C408
     e = {"b": up(x), "a": x[0]}
     return d["x"] * e["b"] + d["y"] * e["a"] * 7.0
 
