@@ -77,22 +77,23 @@ def changed_on_the_way(x, n):
     return s * np.sum(ws[0] * ws[1])
 
 
-KERNELS = [(of_one_shape, ("return",)), (of_several_shapes, ("return",)), (of_an_arguments_parts, ("x",)),
-           (of_one_array_twice, ("return",)), (changed_on_the_way, ("return",))]
-
-
-@pytest.mark.parametrize(("kernel", "of", "engine"), each(KERNELS, every=6))
-def test_derivatives(kernel, of, engine):
-    check_derivatives(kernel, (X.copy(), 3), ("x",), of, engine=engine)
-
-
-def changed_until_a_break(x):
+def changed_until_a_break(x, n):
     ws = [x[:2].copy(), x[2:4].copy()]
     for w in ws:
         ws[1] = w * 2.0
         if w[0] > 5.0:
             break
     return np.sum(ws[0] * ws[1])
+
+
+KERNELS = [(of_one_shape, ("return",)), (of_several_shapes, ("return",)), (of_an_arguments_parts, ("x",)),
+           (of_one_array_twice, ("return",)), (changed_on_the_way, ("return",)),
+           (changed_until_a_break, ("return",))]
+
+
+@pytest.mark.parametrize(("kernel", "of", "engine"), each(KERNELS, every=6))
+def test_derivatives(kernel, of, engine):
+    check_derivatives(kernel, (X.copy(), 3), ("x",), of, engine=engine)
 
 
 def bound_anew_on_the_way(x):
@@ -111,7 +112,6 @@ def under_two_names(x):
 
 
 @pytest.mark.parametrize(("kernel", "what"), [
-    (changed_until_a_break, "the list 'ws' is changed in a loop that goes through it"),
     (bound_anew_on_the_way, "append to 'ws', which is not bound once, to a list"),
     (under_two_names, "append to 'ws', which is not bound once, to a list")],
     ids=lambda value: getattr(value, "__name__", ""))

@@ -16,38 +16,28 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.normalize.calls import result_structure, user_call
+from s2sad.normalize.each_round import each_round
 from s2sad.normalize.hoist import constant_index
 from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.sliced import one_by_one
 from s2sad.tree import (
-    AST, Assign, Call, For, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign,
-    at, call_name, const, copy, index, indices, name, names, rebuild, stored_names, tuple_of, walk,
+    AST, Assign, Call, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign,
+    at, call_name, const, copy, index, indices, name, rebuild, stored_names, tuple_of, walk,
 )
 
 
 def bundles(function: FunctionDef, scope: Scope) -> FunctionDef:
     function = rebuild(function, _picked)
     function.body = apart(function.body)
-    parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in _bundled(function, scope).items()}
+    lengths = _bundled(function, scope)
+    function = each_round(function, lengths, scope)
+    parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in lengths.items()}
     bound = [(s.targets[0].id, s.value) for s in walk(function.body) if isinstance(s, Assign) and isinstance(
         s.targets[0], Name)]
     listed = set(parts) - {n for n, value in bound if not isinstance(value, List)}
-    _unchanged(function, listed, scope)
     function = rebuild(function, lambda node: _taken_apart(node, parts, listed)) if parts else function
     return _rows_apart(function, {n for own in parts.values() for n in own}, scope)
-
-
-def _unchanged(function: FunctionDef, listed: set[str], scope: Scope) -> None:
-    """Refuses a loop that puts something else into a list that it goes through, but for the element at hand: the loop
-    goes through the names of the elements as they were."""
-    for loop in walk(function.body):
-        own = set(names(loop.iter)) & listed if isinstance(loop, For) else set()
-        for n in walk(loop.body) if isinstance(loop, For) and own else ():
-            if isinstance(n, Subscript) and isinstance(n.ctx, Store) and isinstance(n.value, Name) and (
-                    n.value.id in own) and not (isinstance(n.slice, Name) and n.slice.id in stored_names(loop.target)):
-                scope.refuse(n, f"the list {n.value.id!r} is changed in a loop that goes through it",
-                             help="go through a range: for k in range(len(xs))")
 
 
 def _rows_apart(function: FunctionDef, new: set[str], scope: Scope) -> FunctionDef:
@@ -64,8 +54,9 @@ def _rows_apart(function: FunctionDef, new: set[str], scope: Scope) -> FunctionD
     function.body = apart(function.body, row)
     held = {s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
             and s.targets[0].id in new and row(s.value)}
-    parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in _bundled(function, scope).items()
-             if n in held}
+    lengths = {n: count for n, count in _bundled(function, scope).items() if n in held}
+    function = each_round(function, lengths, scope)
+    parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in lengths.items()}
     if not parts:
         return function
     function = rebuild(function, lambda node: _taken_apart(node, parts, set()))

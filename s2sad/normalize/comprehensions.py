@@ -9,6 +9,13 @@
                                                         total += x[i_2]
                                                     s = total
 
+    if any(f(x, i) for i in range(n)): ...          found = False
+                                                    for i_2 in range(n):
+                                                        if f(x, i_2):
+                                                            found = True
+                                                            break
+                                                    if found: ...
+
     s = x[0] * sum(f(x) for i in range(n))          held = x[0]                     f writes x
                                                     ...
                                                     s = held * total
@@ -26,11 +33,12 @@ from s2sad.normalize.hoist import impure, operands, replace_operands
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.sliced import one_by_one
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Expr, For, FunctionDef, GeneratorExp, If, IfExp, List,
-    ListComp, Name, Starred, Subscript, Tuple, While, assign, at, augment, call, call_name, const, copy, name, rename,
-    stored_names, walk,
+    AST, Add, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Expr, For, FunctionDef, GeneratorExp, If, IfExp,
+    List, ListComp, Name, Not, Starred, Subscript, Tuple, UnaryOp, While, assign, at, augment, call, call_name, const,
+    copy, name, rename, stored_names, walk,
 )
 
+_STOPPING = {"builtins.any": True, "builtins.all": False}       # what an item is that answers the question
 _ASKED = {"numpy.any": "numpy.any", "numpy.all": "numpy.all", "builtins.max": "numpy.max", "builtins.min": "numpy.min"}
 HELP = "allocate an array before and fill it in a for loop"
 
@@ -154,6 +162,14 @@ class _Comprehensions:
             self.before.append(at(assign(total, const(0)), node))
             self.before += self.loop(node.args[0], lambda item: augment(total, Add(), item))
             return name(total)
+        stop = _STOPPING.get(call_name(node) or "")
+        if stop is not None and len(node.args) == 1 and isinstance(node.args[0], GeneratorExp):
+            found = self.scope.fresh("found" if stop else "fits")
+            self.before.append(at(assign(found, const(not stop)), node))
+            self.before += self.loop(node.args[0], lambda item: If(
+                item if stop else UnaryOp(Not(), item), [assign(found, const(stop)), Break()], []), name(found) if stop
+                else UnaryOp(Not(), name(found)))
+            return name(found)
         if call_name(node) in _ASKED and len(node.args) == 1 and not node.keywords and isinstance(
                 node.args[0], (ListComp, GeneratorExp)):
             items = self.scope.fresh("items")
@@ -172,8 +188,9 @@ class _Comprehensions:
         loops = self.loop(node, lambda item: Expr(Call(Attribute(name(made), "append", name("_").ctx), [item], [])))
         return [at(assign(made, List([], name("_").ctx)), node), *loops]
 
-    def loop(self, node: AST, with_item: Callable[[AST], AST]) -> list[AST]:
-        """The loops of a comprehension, with names of their own, around one statement."""
+    def loop(self, node: AST, with_item: Callable[[AST], AST], ended: AST | None = None) -> list[AST]:
+        """The loops of a comprehension, with names of their own, around one statement; where `ended` holds behind an
+        inner one, they all have ended."""
         own = {n: self.scope.fresh(n) for g in node.generators for n in stored_names(g.target)}
         item = node.elt
         if isinstance(item, ListComp):
@@ -188,7 +205,8 @@ class _Comprehensions:
                 body = [*before, If(asked, body, [])]
             # the first iterable is evaluated outside of the comprehension's names
             before, iterable = self.apart(generator.iter if number == 0 else rename(generator.iter, own))
-            body = [*before, For(rename(generator.target, own), iterable, body, [], None)]
+            after = [If(copy(ended), [Break()], [])] if ended is not None and number else []
+            body = [*before, For(rename(generator.target, own), iterable, body, [], None), *after]
         return [at(s, node) for s in body]
 
 

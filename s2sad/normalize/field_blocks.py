@@ -16,6 +16,7 @@ from s2sad.normalize.calls import user_call
 from s2sad.normalize.exits import BREAK, CONTINUE, FALL, exits
 from s2sad.normalize.field_bindings import Env
 from s2sad.normalize.field_inner import Inner
+from s2sad.normalize.field_rounds import is_of_its_own, late, reads, written_leaves
 from s2sad.normalize.field_values import Maker
 from s2sad.normalize.groups import (
     ORDINARY, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, listed, nothing, spelled, usable,
@@ -24,7 +25,7 @@ from s2sad.normalize.loops import LONGEST
 from s2sad.program import Kernel
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Break, Call, Constant, Continue, Expr, For, If, List, Name, Return,
-    Store, Subscript, Tuple, While, at, call_name, const, copy, name, names, tuple_of, walk,
+    Store, Subscript, Tuple, While, assign, at, call_name, const, copy, name, names, tuple_of, walk,
 )
 
 _ITEMS = ".items"                       # no user's name: what a loop that is written out still goes through
@@ -37,6 +38,8 @@ class Blocks(Inner):
         super().__init__(kernel, maker, report, fresh)
         self.returned: list[tuple[Return, Group]] = []
         self.jumps: list[list[Env]] = []
+        self.written: set[str] = set()          # the flat names that the loop at hand may write
+        self.held: list[AST] = []               # names for what it goes through that is made before it
         self.handed = {a.id for n in walk(kernel.tree.body) if user_call(n) is not None
                        for a in (*n.args, *(k.value for k in n.keywords)) if isinstance(a, Name)}
 
@@ -142,7 +145,9 @@ class Blocks(Inner):
             del self.report.found[mark:], self.returned[returned:]
 
     def _for(self, node: For) -> list[AST]:
+        self.written, self.held = written_leaves([node.target, *node.body], self.env), []
         items = self._items(node.iter, node)
+        before, written = self.held, self.written
         if items is None:
             iterable = self.plain(node.iter)
 
@@ -151,7 +156,7 @@ class Blocks(Inner):
                 return [For(target, iterable, self.block(node.body), [], None)]
             return self._looped(once, node.body, node.orelse)
         if {BREAK, CONTINUE} & exits(node.body):
-            return self._spelled(node, items)
+            return [*before, *self._spelled(node, items, written)]
         if len(items) > LONGEST * 4:
             self.refuse(node.iter, f"a loop over a structure of {len(items)} items", "put them into an array")
             return []
@@ -165,16 +170,16 @@ class Blocks(Inner):
             made += [at(s, node) for s in self.bound(copy(node.target), item, node, frozenset(stored))]
             made += self.block(copy(node.body))
         self.env.pop(mine, None)
-        return made + self.block(node.orelse)
+        return before + made + self.block(node.orelse)
 
-    def _spelled(self, node: For, items: list[Value]) -> list[AST]:
+    def _spelled(self, node: For, items: list[Value], written: set[str]) -> list[AST]:
         """A loop that is left early goes through a tuple that is written out."""
         shown = [spelled(item, node.iter) for item in items]
         if any(s is None for s in shown):
             self.refuse(node, "a loop over structures, or over a structure and None, is left by break or continue",
                         "put the body under an if")
             return []
-        iterable = at(tuple_of(*[s for s in shown if s is not None]), node.iter)
+        iterable = late(at(tuple_of(*[s for s in shown if s is not None]), node.iter), written)
 
         def once() -> list[AST]:
             return [For(self.target(copy(node.target), None), iterable, self.block(node.body), [], None)]
@@ -201,10 +206,23 @@ class Blocks(Inner):
         found = self.structural(iterable)
         if not isinstance(found, Group):
             return None
+        found = self._made_before(found, iterable)
         self.gone_through(found, iterable)
         if found.form.kind == "dict":
             return [Plain(at(const(k), iterable)) for k in found.form.keys]
         return list(found.items) if found.form.is_sequence else None
+
+    def _made_before(self, found: Group, iterable: AST) -> Group:
+        """What a loop goes through; numbers that it writes have names of their own where it is made before the loop."""
+        def held(item: Value) -> Value:
+            if isinstance(item, Group):
+                return replace(item, items=tuple(map(held, item.items))) if item.path == SPELLED else item
+            if not reads(item, self.written):
+                return item
+            new = self.fresh("held")
+            self.held.append(at(assign(new, spelled(item, iterable) or const(0.0)), iterable))
+            return Leaf(new, new, UNKNOWN)
+        return replace(found, items=tuple(map(held, found.items))) if is_of_its_own(iterable) else found
 
     def _counted(self, node: Call) -> list[Value] | None:
         """The numbers of a range whose bounds are known here."""
@@ -219,7 +237,7 @@ class Blocks(Inner):
             return None
         for k, part in enumerate(iterable.args):
             if columns[k] is None and isinstance(part, (Tuple, List)):
-                columns[k] = [self.value(e) for e in part.elts]
+                columns[k] = list(self._made_before(listed(tuple(map(self.value, part.elts))), part).items)
             elif columns[k] is None and call_name(part) == "builtins.range":
                 columns[k] = self._counted(part)
         if any(c is None for c in columns):

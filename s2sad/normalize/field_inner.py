@@ -8,12 +8,17 @@ nothing but in names, and nothing that may was called before it. Any other is re
 """
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from s2sad.normalize.calls import user_call
 from s2sad.normalize.field_bindings import Bindings
+from s2sad.normalize.field_order import in_order, is_turned, may_write, stores
 from s2sad.normalize.field_values import plain_tuple
+from s2sad.normalize.groups import Group
+from s2sad.structure import record_fields
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Expr, For, If, IfExp, Load, Name,
-    Return, Store, Subscript, UnaryOp, at, call_name, expr, name, rebuild, walk,
+    Return, Store, Subscript, UnaryOp, While, at, call_name, expr, name, rebuild, walk,
 )
 
 _PARTS = {Assign: "value", AugAssign: "value", Expr: "value", Return: "value", If: "test", For: "iter", Assert: "test"}
@@ -33,14 +38,47 @@ class Inner(Bindings):
         """The statements before a statement, and the statement with names in the place of structures."""
         field = _PARTS.get(type(node))
         value = getattr(node, field) if field else None
+        if isinstance(node, While):
+            self.refuse_unordered(node.test)
         if value is None or not any(isinstance(n, (BinOp, UnaryOp, Call)) for n in walk(value)):
             return [], node
         before: list[AST] = []
+        if isinstance(value, Call) and any(isinstance(n, Call) and self.out_of_order(n) for n in walk(value)):
+            before, value = in_order(value, self.fresh, self._assigned_first)
         new = _Names(self, before).within(value)
+        self.refuse_unordered(new)
         if not before:
             return [], node
         made = type(node)(*[new if f == field else getattr(node, f) for f in node._fields])
         return before, at(made, node)
+
+    def _assigned_first(self, node: Assign) -> list[AST]:
+        before, left = self.named_first(node)
+        return [*before, *self.assign(left if isinstance(left, Assign) else node)]
+
+    def out_of_order(self, node: Call) -> bool:
+        """Whether a structure is made of values that would be computed in another order than Python's, with one that
+        may store in it."""
+        title = (call_name(node) or "").partition("record.")[2]
+        if title:
+            fields: Iterable[str | int] = (record_fields(self.program.records[title]) or ("", {}))[1]
+            moved = is_turned(node, fields)
+        elif isinstance(node.func, Attribute) and node.func.attr == "_replace" and node.keywords:
+            mark = len(self.report.found)
+            base = self.structural(node.func.value)
+            del self.report.found[mark:]
+            fields = base.form.keys if isinstance(base, Group) else ()
+            moved = isinstance(node.func.value, Call) or is_turned(node, fields)
+        else:
+            return False
+        return moved and any(stores(k.value, self.may_store) for k in node.keywords)
+
+    def refuse_unordered(self, node: AST) -> None:
+        """Refuses such a structure inside an expression."""
+        for n in walk(node):
+            if isinstance(n, Call) and self.out_of_order(n):
+                self.refuse(n, "a structure is made by name, in another order than that of its fields, of what a call "
+                            "may change", "bind it to a name in a statement of its own before")
 
     def may_store(self, called: Call) -> bool:
         """Whether the function that is called may store in anything but its names."""
@@ -92,7 +130,7 @@ class _Names:
         said = self.of.report.found[mark:]
         del self.of.report.found[mark:]         # said again where the statement is taken apart, unless that is here
         if called is None:
-            self.stopped = self.stopped or isinstance(new, Call) and _may_write(new)
+            self.stopped = self.stopped or isinstance(new, Call) and may_write(new)
             return new
         callee = self.of.call(called)[0]
         given = None if callee is None else callee.result
@@ -113,9 +151,3 @@ def _stores(node: AST) -> bool:
         return True
     return isinstance(node, Call) and any(k.arg == "out" for k in node.keywords) or isinstance(
         node, Attribute) and node.attr in _STORING
-
-
-def _may_write(node: Call) -> bool:
-    """Whether a call of what is no user's function may store in an array."""
-    return any(k.arg == "out" for k in node.keywords) or not (call_name(node) or "").startswith((
-        "builtins.", "math.", "numpy.", "record."))

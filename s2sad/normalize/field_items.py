@@ -12,14 +12,15 @@ from collections.abc import Callable
 from typing import Any, ClassVar
 
 from s2sad.diagnostics import Report
+from s2sad.normalize.field_rounds import late_comprehension
 from s2sad.normalize.groups import (
     CELL, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, listed, nothing, spelled, usable,
 )
 from s2sad.program import Kernel
 from s2sad.structure import own_method
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, List, Mod, Mult, Name, Slice, Store, Sub, Subscript, Tuple,
-    UnaryOp, USub, at, call_name, const, copy, rebuild, walk,
+    AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, GeneratorExp, List, ListComp, Mod, Mult, Name, Slice, Store,
+    Sub, Subscript, Tuple, UnaryOp, USub, at, call_name, const, copy, rebuild, walk,
 )
 
 _ARITHMETIC: dict[type, Callable[[int, int], int]] = {
@@ -46,7 +47,8 @@ class Items:
         found = self.structural(node)
         if found is not None:
             return found
-        return Plain(rebuild(node, lambda n: None if n is node else self._changed(n)))
+        inside = isinstance(node, (ListComp, GeneratorExp))
+        return Plain(rebuild(node, lambda n: None if n is node and not inside else self._changed(n)))
 
     def whole(self, node: AST) -> Value:
         """The value of an expression, a tuple that is written out as a structure."""
@@ -86,6 +88,8 @@ class Items:
     def _changed(self, node: AST) -> AST | None:
         if isinstance(node, (Attribute, Subscript)) and isinstance(node.ctx, Store):
             return self.stored(node)
+        if isinstance(node, (ListComp, GeneratorExp)):
+            return late_comprehension(node, self.env, lambda n: rebuild(n, self._changed))
         found = self.structural(node)
         return None if found is None else self.plainly(found, node)
 

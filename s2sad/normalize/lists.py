@@ -40,16 +40,22 @@ _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "re
 def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
     """The function without such lists and comprehensions."""
     function = filled_lists(through_lists(function), scope)
-    if not picked_lists(function) and not any(isinstance(n, (ListComp, GeneratorExp)) or _appended(
-            n) or call_name(n) == LISTED for n in walk(function.body)):
+    nodes = list(walk(function.body))
+    if not picked_lists(function) and not any(
+            isinstance(n, (ListComp, GeneratorExp)) or _appended(n) or call_name(n) == LISTED for n in nodes):
+        _refuse_named_rows(function, scope)
         return function
     new = made_late(comprehensions(_bound_once(function, scope), scope), scope, _appended)
     scope.report.finish()
     scope.memory = Memory(new, scope.program)
-    for store in named_rows(new, _appended):
-        scope.refuse(store, "a list holds another list that is written, not a copy of it", help=COPIED)
+    _refuse_named_rows(new, scope)
     alone = {s.targets[0].id for s in walk(new.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)}
     return _Lists(new, scope, [n for n in picked_lists(new) if n in alone]).function()
+
+
+def _refuse_named_rows(function: FunctionDef, scope: Scope) -> None:
+    for store in named_rows(function, _appended):
+        scope.refuse(store, "a list holds another list that is written, not a copy of it", help=COPIED)
 
 
 def _bound_once(function: FunctionDef, scope: Scope) -> FunctionDef:

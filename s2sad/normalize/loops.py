@@ -16,13 +16,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.normalize.columns import Column, bound_columns
+from s2sad.normalize.each_round import is_read_late, plain_item
 from s2sad.normalize.exits import BREAK, exits
 from s2sad.normalize.indices import IndexLoops, is_index_loop
 from s2sad.normalize.live import live_after_loops
 from s2sad.normalize.memory import Memory, bindings, parameters
 from s2sad.normalize.rounds import Rounds
 from s2sad.normalize.scope import Scope
-from s2sad.normalize.sequences import literal, sequence
+from s2sad.normalize.sequences import Hold, literal, sequence
 from s2sad.normalize.settled import in_round
 from s2sad.normalize.unpack import unpack
 from s2sad.tree import (
@@ -147,8 +148,7 @@ class _Loops:
             return []
         before: list[AST] = []
         hold = self._hold(node, before)
-        items = [tuple_of(*[hold(i, "held") for i in item.elts]) if isinstance(item, Tuple) else hold(item, "held")
-                 for item in items]
+        items = [_kept(item, hold) for item in items]
         stopped = self._scope.fresh("stopped") if BREAK in exits(body) else ""
         rest: list[AST] = []
         for item in reversed(items):
@@ -158,6 +158,13 @@ class _Loops:
             rest = [*this_round, at(If(UnaryOp(Not(), name(stopped)), rest, []), node)] if stopped and rest \
                 else this_round + rest
         return [*before, *([assign(stopped, const(False))] if stopped else []), *rest]
+
+
+def _kept(item: AST, hold: Hold) -> AST:
+    """An item as it is before the loop, or in its round where it is to be read then."""
+    if isinstance(item, Tuple):
+        return tuple_of(*[_kept(i, hold) for i in item.elts])
+    return plain_item(item) if is_read_late(item) else hold(item, "held")
 
 
 def _over_indices(node: AST) -> AST | None:

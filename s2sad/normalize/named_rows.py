@@ -1,7 +1,7 @@
 """named_rows: a list under a name that is put into another list is copied; where that would tell, it is refused.
 
     w = [x[0], x[1]]
-    h.append(w)
+    h.append(w)             or h = [w, v], h[0] = w
     w[0] = 0.0              refused: Python's h holds the new number
 
 Requires resolved names; changes nothing. Only lists that are spelled out are asked about: the others are arrays, of
@@ -30,8 +30,7 @@ def named_rows(function: FunctionDef, appended: Appended) -> list[AST]:
     lists = {n for n, s in bound if isinstance(s.value, List) or call_name(s.value) == LISTED}
     written = [n for n in nodes if isinstance(n, Subscript) and isinstance(n.ctx, Store)]
     found = []
-    for store in nodes:
-        outer, value = _put(store, appended)
+    for store, outer, value, several in ((s, *put) for s in nodes for put in _puts(s, appended, spelled)):
         before = [order[id(s)] for n, s in bound if n == value and order[id(s)] < order[id(store)]]
         if outer not in lists or value not in spelled or not before:
             continue
@@ -44,17 +43,20 @@ def named_rows(function: FunctionDef, appended: Appended) -> list[AST]:
         by_others = {n for t, v in bindings(function) if outer in names(v) for n in stored_names(t)} - {outer}
         rows = any(n in by_others or n == outer and isinstance(w.value, Subscript)
                    for w in written for n in [getattr(_base(w), "id", "")])
-        if later & {id(_base(w)) for w in written} or (later or again) and rows:
+        if later & {id(_base(w)) for w in written} or (later or again or several) and rows:
             found.append(store)
     return found
 
 
-def _put(store: AST, appended: Appended) -> tuple[str, str]:
-    """The names of a list and of the one that a statement puts into it; empty for any other statement."""
+def _puts(store: AST, appended: Appended, spelled: set[str]) -> list[tuple[str, str, bool]]:
+    """The names of a list and of those that a statement puts into it, and whether it does so more than once."""
     outer, target = appended(store), store.targets[0] if isinstance(store, Assign) else None
     value = store.value.args[0] if outer else getattr(store, "value", None)
+    if isinstance(target, Name) and isinstance(value, List):
+        held = [i.id for i in value.elts if isinstance(i, Name) and i.id in spelled]
+        return [(target.id, n, held.count(n) > 1) for n in dict.fromkeys(held)]
     outer = outer or (_base(target).id if isinstance(target, Subscript) and isinstance(_base(target), Name) else "")
-    return (outer, value.id) if outer and isinstance(value, Name) else ("", "")
+    return [(outer, value.id, False)] if outer and isinstance(value, Name) else []
 
 
 def _again(store: AST, loops: list[AST]) -> set[int]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from s2sad.normalize.each_round import is_read_late
 from s2sad.normalize.scope import Scope, atomic
 from s2sad.tree import (
     AST, Call, Constant, List, Slice, Starred, Subscript, Tuple, UnaryOp, USub, add, call, call_name, const,
@@ -96,7 +97,7 @@ def _column(node: AST, hold: Hold, scope: Scope) -> tuple[AST, Callable[[AST], A
             scope.refuse(node, "reversed() of this", help="reverse a range or an array")
             return None
         return inner[0], lambda k: inner[1](sub(sub(copy(inner[0]), const(1)), k))
-    if isinstance(node, (Tuple, List)) and any(_is_number(item) for item in node.elts):
+    if isinstance(node, (Tuple, List)) and any(map(_is_number, node.elts)) and not any(map(is_read_late, node.elts)):
         return _rows(hold(call("numpy.array", List(list(node.elts), node.ctx)), "items"))
     if (called or "").startswith("builtins.") or isinstance(node, (Tuple, List, Constant)):
         scope.refuse(node, "this cannot be looped over here", help="loop over a range, an array, enumerate or zip")

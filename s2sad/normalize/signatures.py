@@ -19,8 +19,8 @@ from s2sad.normalize.calls import user_call
 from s2sad.normalize.scope import Scope
 from s2sad.read.meaning import library_value
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, FunctionDef, Load, Mod, Starred, Tuple, at, call, call_name,
-    copy, dump, keyword, rebuild, tuple_of, walk,
+    AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, FunctionDef, GeneratorExp, Load, Mod, Starred, Tuple, at,
+    call, call_name, copy, dump, keyword, rebuild, tuple_of, walk,
 )
 
 # functions whose own signature is not there, or says less than how they are called
@@ -51,7 +51,8 @@ def _changed(node: AST) -> AST | None:
     if call_name(node) == "builtins.divmod" and len(node.args) == 2:
         parts = [BinOp(*map(copy, (node.args[0], op, node.args[1]))) for op in (FloorDiv(), Mod())]
         return rebuild(at(tuple_of(*parts), node), _changed)
-    if call_name(node) in ("builtins.any", "builtins.all") and len(node.args) == 1:
+    if call_name(node) in ("builtins.any", "builtins.all") and len(node.args) == 1 and not isinstance(
+            node.args[0], GeneratorExp):                # which stops early (comprehensions)
         return rebuild(at(call(f"numpy.{(call_name(node) or '')[9:]}", *node.args), node), _changed)
     if isinstance(node, Tuple) and isinstance(node.ctx, Load) and any(isinstance(i, Starred) for i in node.elts):
         return rebuild(at(_summed(node.elts), node), _changed)
