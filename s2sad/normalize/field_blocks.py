@@ -12,15 +12,16 @@ from dataclasses import replace
 
 from s2sad.diagnostics import Report
 from s2sad.infer.types import UNKNOWN
-from s2sad.normalize.calls import user_call
 from s2sad.normalize.exits import BREAK, CONTINUE, FALL, exits
 from s2sad.normalize.field_bindings import Env
+from s2sad.normalize.field_handed import given_names
 from s2sad.normalize.field_inner import Inner
 from s2sad.normalize.field_values import Maker
 from s2sad.normalize.groups import (
     ORDINARY, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, listed, nothing, spelled, usable,
 )
 from s2sad.normalize.loops import LONGEST
+from s2sad.normalize.memory import bindings
 from s2sad.program import Kernel
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Break, Call, Constant, Continue, Expr, For, If, List, Name, Return,
@@ -37,8 +38,9 @@ class Blocks(Inner):
         super().__init__(kernel, maker, report, fresh)
         self.returned: list[tuple[Return, Group]] = []
         self.jumps: list[list[Env]] = []
-        self.handed = {a.id for n in walk(kernel.tree.body) if user_call(n) is not None
-                       for a in (*n.args, *(k.value for k in n.keywords)) if isinstance(a, Name)}
+        self.handed = given_names(kernel.tree)
+        others = {t.id for t, v in bindings(kernel.tree) if isinstance(t, Name) and not isinstance(v, (Tuple, List))}
+        self.again = (self.rebound & set(self.nests)) - others
 
     def block(self, statements: list[AST]) -> list[AST]:
         made: list[AST] = []
@@ -74,9 +76,11 @@ class Blocks(Inner):
         return [*before, Assign(targets, plain, None)]
 
     def _as_structure(self, target: AST) -> bool:
-        """Whether a tuple is taken apart for a target: a name that held one, or is handed to helpers."""
-        return isinstance(target, Name) and (target.id in self.handed or isinstance(
-            self.env.get(target.id), (Group, Conflict)))
+        """Whether a tuple is taken apart for a target: a name that held one, or is handed to helpers. One that is bound
+        again is handed on by its items, if nothing in it is a structure."""
+        if not isinstance(target, Name):
+            return False
+        return target.id in self.handed - self.again or isinstance(self.env.get(target.id), (Group, Conflict))
 
     def _augmented(self, node: AugAssign) -> list[AST]:
         target = node.target

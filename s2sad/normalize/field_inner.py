@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from s2sad.normalize.calls import user_call
 from s2sad.normalize.field_bindings import Bindings
+from s2sad.normalize.field_handed import arguments
 from s2sad.normalize.field_values import plain_tuple
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Expr, For, If, IfExp, Load, Name,
@@ -36,7 +37,7 @@ class Inner(Bindings):
         if value is None or not any(isinstance(n, (BinOp, UnaryOp, Call)) for n in walk(value)):
             return [], node
         before: list[AST] = []
-        new = _Names(self, before).within(value)
+        new = _Names(self, before).whole(value)
         if not before:
             return [], node
         made = type(node)(*[new if f == field else getattr(node, f) for f in node._fields])
@@ -64,6 +65,12 @@ class _Names:
 
     def __init__(self, of: Inner, before: list[AST]):
         self.of, self.before, self.stopped = of, before, False
+        self.given: set[int] = set()            # what functions are given
+
+    def whole(self, node: AST) -> AST:
+        """A statement's expression, whose own call stays."""
+        self.given |= set(map(id, arguments(node)))
+        return self.within(node)
 
     def within(self, node: AST) -> AST:
         """The expression with names in the place of what is inside it."""
@@ -84,6 +91,7 @@ class _Names:
         return at(made, node)
 
     def change(self, node: AST) -> AST:
+        self.given |= set(map(id, arguments(node)))
         new = self.within(node)
         if not isinstance(new, (BinOp, UnaryOp, Call, Subscript)):
             return new
@@ -97,7 +105,7 @@ class _Names:
         callee = self.of.call(called)[0]
         given = None if callee is None else callee.result
         quiet = not self.of.may_store(called)
-        if given is None or plain_tuple(given) or self.stopped or not quiet:
+        if given is None or plain_tuple(given) and id(node) not in self.given or self.stopped or not quiet:
             self.stopped = self.stopped or not quiet
             return new
         held = self.of.fresh("inner")
