@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.uses import sources
+from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.infer import Typing
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, Expr, FunctionDef, Return, Tuple,
-    call_name, walk,
+    AST, Assign, AugAssign, Call, Expr, FunctionDef, List, Return, Tuple, call_name, walk,
 )
 
 CallEdges = Callable[[Call], list[tuple[int, "int | str"]]]
@@ -46,7 +46,34 @@ def activity(function: FunctionDef, typing: Typing, independents: set[str], depe
     for a, b in edges:
         forwards.setdefault(a, []).append(b)
         backwards.setdefault(b, []).append(a)
-    return Activity(frozenset(reach(forwards, independents)), frozenset(reach(backwards, dependents)), edges)
+    varied = reach(forwards, independents)
+    _none_together(function, typing, varied)
+    return Activity(frozenset(varied), frozenset(reach(backwards, dependents)), edges)
+
+
+def _none_together(function: FunctionDef, typing: Typing, varied: set[str]) -> None:
+    """Raises where values that vary are together in a tuple that is bound, given to a kernel or returned: it would be
+    taken for one that has no derivative."""
+    for statement in walk(function.body):
+        values = []
+        if isinstance(statement, (Assign, AugAssign, Expr)):
+            called = statement.value if isinstance(statement.value, Call) else None
+            kernel = called is not None and (call_name(called) or "").startswith("user.")
+            values = called.args if called is not None and kernel else [statement.value]
+        elif isinstance(statement, Return) and statement.value is not None:
+            values = statement.value.elts if isinstance(statement.value, Tuple) else [statement.value]
+        for value in values:
+            if isinstance(value, (Tuple, List)) and not varied.isdisjoint(_in_tuple(value, typing)):
+                raise S2sadError(Diagnostic(
+                    "S901", f"internal error: '{function.name}' has values with derivatives in one tuple",
+                    note=f"made from line {getattr(statement, 'lineno', None)}",
+                    help="this is a defect of s2sad: please report it with the kernel"))
+
+
+def _in_tuple(node: AST, typing: Typing) -> Iterator[str]:
+    """The names on which what is in a tuple depends differentiably."""
+    for item in node.elts if isinstance(node, (Tuple, List)) else ():
+        yield from _in_tuple(item, typing) if isinstance(item, (Tuple, List)) else sources(item, typing)
 
 
 def reach(arrows: dict[str, list[str]], start: set[str]) -> set[str]:

@@ -12,9 +12,9 @@ from dataclasses import replace
 
 from s2sad.diagnostics import Report
 from s2sad.infer.types import UNKNOWN
-from s2sad.normalize.calls import user_call
 from s2sad.normalize.exits import BREAK, CONTINUE, FALL, exits
 from s2sad.normalize.field_bindings import Env
+from s2sad.normalize.field_handed import given_names
 from s2sad.normalize.field_inner import Inner
 from s2sad.normalize.field_rounds import is_of_its_own, late, reads, written_leaves
 from s2sad.normalize.field_values import Maker
@@ -22,6 +22,7 @@ from s2sad.normalize.groups import (
     ORDINARY, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, listed, nothing, spelled, usable,
 )
 from s2sad.normalize.loops import LONGEST
+from s2sad.normalize.memory import bindings
 from s2sad.program import Kernel
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Break, Call, Constant, Continue, Expr, For, If, List, Name, Return,
@@ -40,8 +41,9 @@ class Blocks(Inner):
         self.jumps: list[list[Env]] = []
         self.written: set[str] = set()          # the flat names that the loop at hand may write
         self.held: list[AST] = []               # names for what it goes through that is made before it
-        self.handed = {a.id for n in walk(kernel.tree.body) if user_call(n) is not None
-                       for a in (*n.args, *(k.value for k in n.keywords)) if isinstance(a, Name)}
+        self.handed = given_names(kernel.tree)
+        others = {t.id for t, v in bindings(kernel.tree) if isinstance(t, Name) and not isinstance(v, (Tuple, List))}
+        self.again = (self.rebound & set(self.nests)) - others
 
     def block(self, statements: list[AST]) -> list[AST]:
         made: list[AST] = []
@@ -77,9 +79,11 @@ class Blocks(Inner):
         return [*before, Assign(targets, plain, None)]
 
     def _as_structure(self, target: AST) -> bool:
-        """Whether a tuple is taken apart for a target: a name that held one, or is handed to helpers."""
-        return isinstance(target, Name) and (target.id in self.handed or isinstance(
-            self.env.get(target.id), (Group, Conflict)))
+        """Whether a tuple is taken apart for a target: a name that held one, or is handed to helpers. One that is bound
+        again is handed on by its items, if nothing in it is a structure."""
+        if not isinstance(target, Name):
+            return False
+        return target.id in self.handed - self.again or isinstance(self.env.get(target.id), (Group, Conflict))
 
     def _augmented(self, node: AugAssign) -> list[AST]:
         target = node.target

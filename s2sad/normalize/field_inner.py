@@ -12,6 +12,7 @@ from collections.abc import Iterable
 
 from s2sad.normalize.calls import user_call
 from s2sad.normalize.field_bindings import Bindings
+from s2sad.normalize.field_handed import arguments
 from s2sad.normalize.field_order import in_order, is_turned, may_write, stores
 from s2sad.normalize.field_values import plain_tuple
 from s2sad.normalize.groups import Group
@@ -45,7 +46,7 @@ class Inner(Bindings):
         before: list[AST] = []
         if isinstance(value, Call) and any(isinstance(n, Call) and self.out_of_order(n) for n in walk(value)):
             before, value = in_order(value, self.fresh, self._assigned_first)
-        new = _Names(self, before).within(value)
+        new = _Names(self, before).whole(value)
         self.refuse_unordered(new)
         if not before:
             return [], node
@@ -102,6 +103,12 @@ class _Names:
 
     def __init__(self, of: Inner, before: list[AST]):
         self.of, self.before, self.stopped = of, before, False
+        self.given: set[int] = set()            # what functions are given
+
+    def whole(self, node: AST) -> AST:
+        """A statement's expression, whose own call stays."""
+        self.given |= set(map(id, arguments(node)))
+        return self.within(node)
 
     def within(self, node: AST) -> AST:
         """The expression with names in the place of what is inside it."""
@@ -122,6 +129,7 @@ class _Names:
         return at(made, node)
 
     def change(self, node: AST) -> AST:
+        self.given |= set(map(id, arguments(node)))
         new = self.within(node)
         if not isinstance(new, (BinOp, UnaryOp, Call, Subscript)):
             return new
@@ -135,7 +143,7 @@ class _Names:
         callee = self.of.call(called)[0]
         given = None if callee is None else callee.result
         quiet = not self.of.may_store(called)
-        if given is None or plain_tuple(given) or self.stopped or not quiet:
+        if given is None or plain_tuple(given) and id(node) not in self.given or self.stopped or not quiet:
             self.stopped = self.stopped or not quiet
             return new
         held = self.of.fresh("inner")

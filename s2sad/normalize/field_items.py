@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import Any, ClassVar
 
 from s2sad.diagnostics import Report
+from s2sad.normalize.field_handed import Nest, by_item
 from s2sad.normalize.field_rounds import late_comprehension
 from s2sad.normalize.groups import (
     CELL, SPELLED, Conflict, Group, Leaf, Ordinary, Plain, Value, listed, nothing, spelled, usable,
@@ -37,6 +38,7 @@ class Items:
     def __init__(self, kernel: Kernel, report: Report):
         self.kernel, self.report = kernel, report
         self.env: dict[str, Value | Conflict | Ordinary] = {}
+        self.nests: dict[str, Nest] = {}
 
     def refuse(self, node: AST, message: str, help: str = "", code: str = "S201") -> None:
         self.report.error(code, message, node, help=help)
@@ -55,9 +57,19 @@ class Items:
         spelled_out = isinstance(node, (Tuple, List)) and self.structural(node) is None
         return self._spelled_out(node) if spelled_out else self.value(node)
 
+    def argument(self, node: AST) -> Value:
+        """The value of what a function is given, of a name of what is spelled out its items."""
+        base = node
+        while isinstance(base, Subscript):
+            base = base.value
+        held = isinstance(base, Name) and base.id in self.nests and not isinstance(
+            self.env.get(base.id), (Group, Leaf, Conflict))
+        found = by_item(node, self.nests) if held else None
+        return self.whole(node) if found is None else self._spelled_out(found)
+
     def _spelled_out(self, node: Tuple | List) -> Group:
         kind = "tuple" if isinstance(node, Tuple) else "list"
-        return listed(tuple(self.now(self.whole(item), item) for item in node.elts), kind)
+        return listed(tuple(self.now(self.argument(item), item) for item in node.elts), kind)
 
     def now(self, value: Value, origin: AST, own: bool = False) -> Value:
         """A value as it is when a structure is made of it: of a field that is assigned, the number that it holds. A

@@ -16,6 +16,7 @@ from s2sad.diagnostics import Report
 from s2sad.infer.types import UNKNOWN
 from s2sad.normalize.calls import bound_arguments, user_call
 from s2sad.normalize.field_decisions import NO
+from s2sad.normalize.field_handed import nests
 from s2sad.normalize.field_items import parts_of, spoken
 from s2sad.normalize.field_matrices import Matrices
 from s2sad.normalize.groups import NOTHING, SPELLED, Group, Leaf, Plain, Value, flat, listed, pattern, usable
@@ -65,6 +66,7 @@ class Values(Matrices):
         super().__init__(kernel, report)
         self.maker, self.program = maker, maker.program
         self.needed: set[int] = set()
+        self.nests = nests(kernel.tree, maker.program)
 
     def as_call(self, node: AST) -> Call | None:
         """A call of a kernel: as it is, or what a method's call means, `user.norm(state)` for `state.norm()`."""
@@ -201,7 +203,7 @@ class Values(Matrices):
         if len(self.report.found) > before:
             return None, node, {}
         given = [*zip(kernel.parameters, node.args), *((k.arg or "", k.value) for k in node.keywords)]
-        values = {p: self.whole(a) for p, a in given}
+        values = {p: self.argument(a) for p, a in given}
         patterns = tuple(self._pattern(values.get(p), kernel.defaults.get(p, 0)) for p in kernel.parameters)
         callee = self.maker.callee(called, patterns)
         positional, keywords = [], []

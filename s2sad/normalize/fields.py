@@ -18,9 +18,9 @@ from dataclasses import dataclass, field, replace
 from s2sad.diagnostics import Report, S2sadError
 from s2sad.infer.types import FLOAT, UNKNOWN, Type
 from s2sad.naming import Names
-from s2sad.normalize.calls import user_call
 from s2sad.normalize.exits import FALL, exits
 from s2sad.normalize.field_blocks import Blocks
+from s2sad.normalize.field_handed import gives_tuples
 from s2sad.normalize.groups import (
     CELL, ORDINARY, SPELLED, Group, Leaf, Plain, Value, flat, grouped, nothing, spelled, usable,
 )
@@ -28,7 +28,7 @@ from s2sad.normalize.sparse_groups import ROOM as SPARSE_ROOM, given_matrices, h
 from s2sad.program import Kernel, Program
 from s2sad.structure import SPARSE, Form, Structure, is_held, leaves, step
 from s2sad.tree import (
-    AST, Attribute, Compare, Dict, In, Is, IsNot, List, Name, NotIn, Return, Store, Tuple, at, const, copy, function,
+    AST, Attribute, Compare, Dict, In, Is, IsNot, Name, NotIn, Return, Store, at, const, copy, function,
     tuple_of, walk,
 )
 
@@ -57,8 +57,10 @@ class Made:
 
 def asks(program: Program) -> bool:
     """Whether kernels assign attributes, make structures or test what arguments are: that is settled here."""
+    if any(gives_tuples(k.tree, program) for k in program.kernels.values()):
+        return True
     return bool(program.records) or has_sparse(program) or any(
-               isinstance(n, Dict) or user_call(n) is not None and any(isinstance(a, (Tuple, List)) for a in n.args) or
+               isinstance(n, Dict) or
                isinstance(n, Attribute) and isinstance(n.ctx, Store) or
                isinstance(n, Compare) and any(isinstance(o, (Is, IsNot, In, NotIn)) for o in n.ops)
                for k in program.kernels.values() for n in walk(k.tree.body))

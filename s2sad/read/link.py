@@ -9,7 +9,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.diagnostics import Report, S2sadError, Span
 from s2sad.program import Kernel, Program
-from s2sad.read import fence
+from s2sad.read import fence, shared_lists
 from s2sad.read.handed import by_default, definition, handed
 from s2sad.read.live import live_meaning
 from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number, Record
@@ -87,6 +87,7 @@ class Linker:
             resolved = unread(captured, own)
         else:
             fence.check(captured.tree, report)
+            shared_lists.check(captured.tree, report)
             if fence.opaque(captured.tree) and not isinstance(captured.tree, tree.FunctionDef):
                 return
             resolved = resolve(captured, report, self.identify)

@@ -51,6 +51,7 @@ from s2sad.normalize.spelled import spelled
 from s2sad.normalize.stacked import stacked
 from s2sad.normalize.tails import tails
 from s2sad.normalize.strengths import Known, Strengths
+from s2sad.normalize.together import together
 from s2sad.normalize.told import told
 from s2sad.normalize.viewing import viewing
 from s2sad.normalize.views import views
@@ -136,6 +137,8 @@ class NormalForms(Calls):
         tree, source = inlined(tree, given, names, kernel.source, self.helpers)
         kernel, report = replace(kernel, source=source), Report(source)
         self.watch("structured", tree)
+        together(*self.helpers.typing(tree, given, source, Names(names.taken)), report)
+        report.finish()
         tree, table = self._widened(tree, given, report, names)
         typing = Typing({**table, **given}, self.call_types, first := Report(source), values)
         tree = told(tree, typing)
