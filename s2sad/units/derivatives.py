@@ -31,7 +31,8 @@ from s2sad.simplify import Effect, simplify
 from s2sad.simplify.dead import dead
 from s2sad.simplify.quotients import quotients
 from s2sad.tree import AST, Assign, AugAssign, Expr, FunctionDef, Return, const, index, walk
-from s2sad.units.normal_forms import NormalForms, with_choices
+from s2sad.units.array_forms import with_choices
+from s2sad.units.normal_forms import NormalForms
 from s2sad.units.unit import Unit
 
 
