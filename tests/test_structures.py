@@ -750,7 +750,7 @@ REFUSED = [
     (one_or_the_other, (state_of(), state_of(), 1.0), "q", "S203", "'q' is one thing on one way to here and another on "
      "another, one of them a structure or None", "give the two different names"),
     (int_that_becomes_a_float, ({"n": 1},), 's["n"]', "S203", "'s['n']' is of type int64, and what is assigned need "
-     "not be", "give a float (0.0, not 0) if it is a real quantity"),
+     "not be", "give a float (0.0, not 0) if it is a real quantity, else write int(...) around it"),
     (array_as_a_list, ([1.0, 2.0],), "s.size", "S203", "'s' is a list, which has no attribute 'size' in a kernel",
      "pass numpy.array(s, dtype=float)"),
     (logged, (State(U, U, 0.0, log=print),), "s.log", "S203",

@@ -22,13 +22,13 @@ from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.sliced import one_by_one
 from s2sad.tree import (
-    AST, Assign, Call, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign,
+    AST, Assign, Call, For, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign,
     at, call_name, const, copy, index, indices, name, rebuild, stored_names, tuple_of, walk,
 )
 
 
 def bundles(function: FunctionDef, scope: Scope) -> FunctionDef:
-    function = rebuild(function, _picked)
+    function = rebuild(rebuild(function, _picked), lambda node: _with_rows_apart(node, function, scope))
     function.body = apart(function.body)
     lengths = _bundled(function, scope)
     function = each_round(function, lengths, scope)
@@ -38,6 +38,50 @@ def bundles(function: FunctionDef, scope: Scope) -> FunctionDef:
     listed = set(parts) - {n for n, value in bound if not isinstance(value, List)}
     function = rebuild(function, lambda node: _taken_apart(node, parts, listed)) if parts else function
     return _rows_apart(function, {n for own in parts.values() for n in own}, scope)
+
+
+def _with_rows_apart(node: AST, function: FunctionDef, scope: Scope) -> AST | None:
+    """A loop over tuples under one name, of which constants pick the items: `for t in zip(u, v)` with `t[0]` has a name
+    for each."""
+    if not isinstance(node, For):
+        return None
+    new = copy(node)
+    for field in ("body", "orelse"):
+        setattr(new, field, [rebuild(s, lambda n: _with_rows_apart(n, function, scope)) for s in getattr(node, field)])
+    word, count = getattr(node.target, "id", ""), _width(node.iter, function)
+    if not count or not word or word in parameters(function) or not _is_of_loops(word, function) or _odd_use(
+            node, word, count) is not None:
+        return new
+    parts = {word: [scope.fresh(f"{word}_{k}") for k in range(count)]}
+    new.target = at(tuple_of(*(Name(n, Store(), None, None) for n in parts[word])), node.target)
+    new.body = [rebuild(s, lambda n: _taken_apart(n, parts, set())) for s in new.body]
+    return new
+
+
+def _is_of_loops(word: str, function: FunctionDef) -> bool:
+    """Whether a name stands for what loops go through, each by itself, and for nothing else."""
+    loops = [n for n in walk(function.body) if isinstance(n, For) and getattr(n.target, "id", "") == word]
+    within = [n for s in loops for n in walk([s.target, *s.body]) if isinstance(n, Name) and n.id == word]
+    everywhere = [n for n in walk(function.body) if isinstance(n, Name) and n.id == word]
+    return len(within) == len(everywhere) and not any(word in stored_names(s.body) for s in loops)
+
+
+def _width(iterable: AST, function: FunctionDef) -> int:
+    """How many items each of what a loop goes through has, as far as the text shows it, else 0."""
+    if call_name(iterable) in ("builtins.zip", "builtins.enumerate"):
+        starred = any(isinstance(a, Starred) for a in iterable.args)
+        return 0 if starred else 2 if call_name(iterable) == "builtins.enumerate" else len(iterable.args)
+    if isinstance(iterable, Name):
+        values = [s.value for s in walk(function.body) if isinstance(s, Assign) and any(
+            isinstance(t, Name) and t.id == iterable.id for t in s.targets)]
+        stores = [n for n in walk(function.body) if isinstance(n, Name) and n.id == iterable.id and isinstance(
+            n.ctx, Store)]
+        alone = len(values) == len(stores) == 1
+        return _width(values[0], function) if alone and isinstance(values[0], (Tuple, List)) else 0
+    rows = iterable.elts if isinstance(iterable, (Tuple, List)) else []
+    lengths = {len(r.elts) if isinstance(r, Tuple) and not any(isinstance(i, Starred) for i in r.elts) else 0
+               for r in rows}
+    return lengths.pop() if len(lengths) == 1 else 0
 
 
 def _rows_apart(function: FunctionDef, new: set[str], scope: Scope) -> FunctionDef:
@@ -63,8 +107,10 @@ def _rows_apart(function: FunctionDef, new: set[str], scope: Scope) -> FunctionD
     return _rows_apart(function, {n for own in parts.values() for n in own}, scope)
 
 
-def apart(block: list[AST], wanted: Callable[[AST], bool] = lambda value: isinstance(value, List)) -> list[AST]:
-    """A block in which lists that are bound at once, `rows, columns = [0, 1], [2, 3]`, are bound one by one."""
+def apart(block: list[AST], wanted: Callable[[AST], bool] = lambda value: isinstance(value, (List, Tuple))
+          ) -> list[AST]:
+    """A block in which lists and tuples that are bound at once, `rows, columns = [0, 1], [2, 3]`, are bound one by
+    one."""
     made: list[AST] = []
     for statement in block:
         for new in map(copy, one_by_one(statement, wanted)):

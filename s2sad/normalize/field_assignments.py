@@ -6,8 +6,9 @@
 from __future__ import annotations
 
 from s2sad.normalize.field_decisions import NO
+from s2sad.normalize.field_integers import KEEPING, is_whole, whole_names
 from s2sad.normalize.field_operators import Operators
-from s2sad.normalize.groups import Group, Leaf, Plain, nothing, usable
+from s2sad.normalize.groups import Group, Leaf, Plain, flat, nothing, usable
 from s2sad.normalize.sparse_groups import PLACES, is_matrix
 from s2sad.tree import (
     AST, Add, Attribute, BoolOp, Compare, Constant, Mult, Name, Not, Store, Sub, Subscript, UnaryOp, at, const, index,
@@ -51,13 +52,22 @@ class Assignments(Operators):
             return at(Name(item.name, Store(), None, None), node)
         if not item.is_cell and item.place < 0:
             return at(Name(item.name, Store(), None, None), node)
-        if not _keeps_dtype(item, value, augmented, op):
+        if not _keeps_dtype(item, value, augmented, op) and not self._keeps_whole(item, value, augmented, op):
+            whole = ", else write int(...) around it" if item.type.dtype == "int64" else ""
             self.refuse(node, f"'{item.path}' is of type {item.type.dtype or item.type}, and what is assigned need not "
-                        "be", "give a float (0.0, not 0) if it is a real quantity", "S203")
+                        "be", f"give a float (0.0, not 0) if it is a real quantity{whole}", "S203")
         if not item.is_cell:
             self.needed.add(item.place)
         cell = index(name(item.name), const(0))
         return at(Subscript(cell.value, cell.slice, Store()), node)
+
+    def _keeps_whole(self, item: Leaf, value: AST | None, augmented: bool, op: AST | None) -> bool:
+        """Whether an integer is assigned to a field of integers."""
+        if item.type.dtype != "int64" or augmented and not isinstance(op, KEEPING):
+            return False
+        types = {leaf.name: leaf.type.dtype for v in self.env.values() if isinstance(v, (Group, Leaf))
+                 for leaf in flat(v) if isinstance(leaf, Leaf) and not leaf.type.is_array}
+        return is_whole(value, whole_names(self.kernel.tree, types))
 
     def _assignable(self, base: Group, item: Leaf, node: AST, augmented: bool) -> bool:
         if base.form.fixed:
