@@ -229,7 +229,7 @@ def not_known_to_differ(x, n):
 
 WRITTEN, SEVERAL = "a list holds an array that is written", "holds views of an array, or one array several times"
 REFUSED = [(under_its_own_name, WRITTEN), (twice, SEVERAL), (parts_of_arguments, SEVERAL), (argument_written, WRITTEN),
-           (in_two_lists, SEVERAL), (in_a_list_twice, "a list holds another list that is written"),
+           (in_two_lists, SEVERAL), (in_a_list_twice, "a list holds a list that is written"),
            (kept_and_put_anew, "becomes another array"),
            (one_becomes_the_other, WRITTEN), (swapped, WRITTEN), (becomes_an_argument, SEVERAL),
            (of_one_element, "an array of another size than the others is put into a list"),
