@@ -70,8 +70,9 @@ def in_a_row(seed: Any, structure: Structure) -> list[Any]:
     """The parts of a seed in a row; None stands for a tuple in which nothing is a float."""
     if structure is None:
         return [seed]
-    if seed is not None and (not isinstance(seed, tuple) or len(seed) != len(structure)):
-        what = f"a tuple of {len(seed)}" if isinstance(seed, tuple) else f"of type {type(seed).__name__}"
+    if seed is not None and (not isinstance(seed, (tuple, list)) or len(seed) != len(structure)):
+        kind = type(seed).__name__
+        what = f"a {kind} of {len(seed)}" if isinstance(seed, (tuple, list)) else f"of type {kind}"
         raise misfit(f"the seed of 'return' is {what}, the result is a tuple of {len(structure)}",
                      "give a tuple of the same length, with None for what is no float")
     parts = seed if seed is not None else (None,) * len(structure)

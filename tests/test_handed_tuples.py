@@ -167,7 +167,33 @@ def numbers(x, c):
     return h(t) * h(q) + t[0] * q[1]
 
 
-KERNELS = [(f, (X,)) for f in (steps, arrays, lists, bound_again, parts, results, nested)] + [(numbers, (X, 1.5))]
+def picks(a, ks):
+    return a[ks][0] @ a[ks][1] + np.sum(a[:, ks])
+
+
+def stores(a, ks, c):
+    a[ks] = c
+
+
+def places(x):
+    return [0, 2]
+
+
+def subscripts(x):
+    a = x[:, None] * x[None, :] + 1.0
+    rows = places(x)
+    ks = [0, 2]
+    ones = [1, 0]
+
+    def g(v):
+        return np.sum(a[ones] * v)
+    s = picks(a, [0, 1]) + picks(a, ones) + picks(a, rows) + picks(a, places(x)) + g(x[0])
+    stores(a, ones, x[1])
+    return s + np.sum(a[ks]) * a[0, 2]
+
+
+KERNELS = [*((f, (X,)) for f in (steps, arrays, lists, bound_again, parts, results, nested, subscripts)),
+           (numbers, (X, 1.5))]
 
 
 @pytest.mark.parametrize("kernel, args, engine", each(KERNELS, every=5))

@@ -6,7 +6,7 @@ import pytest
 
 import s2sad
 from s2sad.emit import text
-from s2sad.units import normal_forms
+from s2sad.units import array_forms
 from tests.derivatives import check_derivatives
 from tests.engines import running
 
@@ -610,8 +610,8 @@ def test_a_bound_that_counts_from_the_end_is_refused_where_parts_are_to_lie_side
 def test_copies_are_made_where_they_must_be(monkeypatch):
     """What the pass writes is Python that computes the same; the usual right-hand side has one copy back."""
     seen = []
-    made = normal_forms.in_step
-    monkeypatch.setattr(normal_forms, "in_step", lambda *given: seen.append(made(*given)) or seen[-1])
+    made = array_forms.in_step
+    monkeypatch.setattr(array_forms, "in_step", lambda *given: seen.append(made(*given)) or seen[-1])
     s2sad.differentiate(rhs, engine="numpy").adjoint_source(given(18), given(18), 3)
     lines = [line.strip() for line in text(seen[0][0]).splitlines()]
     assert lines[1:] == [

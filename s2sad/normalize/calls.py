@@ -7,7 +7,7 @@ from typing import Any
 from s2sad.normalize.memory import bindings
 from s2sad.normalize.scope import Scope
 from s2sad.program import Kernel, Program
-from s2sad.tree import AST, Call, Constant, IfExp, Name, Return, Tuple, call_name, literal, walk
+from s2sad.tree import AST, Call, Constant, IfExp, List, Name, Return, Tuple, call_name, literal, walk
 
 Structure = tuple[Any, ...] | None
 
@@ -50,8 +50,8 @@ def _default(kernel: Kernel, parameter: str, node: Call, scope: Scope) -> AST:
 
 
 def result_structure(kernel: str, program: Program, seen: tuple[str, ...] = ()) -> Structure:
-    """What a kernel returns: a tuple of structures, or None for a single value; of tuples of several lengths the
-    longest."""
+    """What a kernel returns: a tuple of structures, for a list that is spelled out, too, or None for a single value; of
+    tuples of several lengths the longest."""
     given = program.kernels.get(kernel)
     if given is None or kernel in seen:
         return None
@@ -88,8 +88,9 @@ def nested(values: Iterable[Any], structure: Structure, made: Callable[[list[Any
 
 
 def _structure(value: AST, kernel: Kernel, program: Program, seen: tuple[str, ...]) -> Structure:
-    if isinstance(value, Tuple):
-        return tuple(_structure(e, kernel, program, seen) if isinstance(e, Tuple) else None for e in value.elts)
+    if isinstance(value, (Tuple, List)):
+        return tuple(_structure(e, kernel, program, seen) if isinstance(e, (Tuple, List)) else None
+                     for e in value.elts)
     if isinstance(value, IfExp):
         return _structure(value.body, kernel, program, seen)
     called = user_call(value)

@@ -43,6 +43,8 @@ class Blocks(Inner):
         self.held: list[AST] = []               # names for what it goes through that is made before it
         self.handed = given_names(kernel.tree)
         others = {t.id for t, v in bindings(kernel.tree) if isinstance(t, Name) and not isinstance(v, (Tuple, List))}
+        self.item_stores = {n.value.id for n in walk(kernel.tree.body) if isinstance(n, Subscript) and isinstance(
+            n.value, Name) and isinstance(n.ctx, Store)}
         self.again = (self.rebound & set(self.nests)) - others
 
     def block(self, statements: list[AST]) -> list[AST]:
@@ -67,7 +69,7 @@ class Blocks(Inner):
 
     def assign(self, node: Assign) -> list[AST]:
         before, value = self.result(node.value, node.targets)
-        if isinstance(value, Plain) and isinstance(node.value, Tuple) and self._as_structure(node.targets[0]):
+        if isinstance(value, Plain) and self._as_structure(node.targets[0], node.value):
             value = self.whole(node.value)
         if isinstance(value, Group) and len(node.targets) > 1:
             made, value = self.kept(value, node, "held")
@@ -78,12 +80,16 @@ class Blocks(Inner):
         targets = [self.target(t, plain) for t in node.targets]
         return [*before, Assign(targets, plain, None)]
 
-    def _as_structure(self, target: AST) -> bool:
+    def _as_structure(self, target: AST, value: AST) -> bool:
         """Whether a tuple is taken apart for a target: a name that held one, or is handed to helpers. One that is bound
-        again is handed on by its items, if nothing in it is a structure."""
-        if not isinstance(target, Name):
+        again is handed on by its items, if nothing in it is a structure. A list is where its name held one, too, and
+        no item is ever assigned."""
+        if not isinstance(target, Name) or not isinstance(value, (Tuple, List)):
             return False
-        return target.id in self.handed - self.again or isinstance(self.env.get(target.id), (Group, Conflict))
+        held = isinstance(self.env.get(target.id), (Group, Conflict))
+        if isinstance(value, List):
+            return held and target.id not in self.item_stores
+        return held or target.id in self.handed - self.again
 
     def _augmented(self, node: AugAssign) -> list[AST]:
         target = node.target
@@ -275,7 +281,7 @@ class Blocks(Inner):
         if node.value is None or isinstance(node.value, Constant) and node.value.value is None:
             return [Return(node.value)]
         before, value = self.result(node.value, [])
-        if isinstance(node.value, Tuple):
+        if isinstance(node.value, (Tuple, List)):
             value = self.whole(node.value)
         if nothing(value):
             return [*before, Return(at(const(None), node))]

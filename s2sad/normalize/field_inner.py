@@ -16,10 +16,11 @@ from s2sad.normalize.field_handed import arguments
 from s2sad.normalize.field_order import in_order, is_turned, may_write, stores
 from s2sad.normalize.field_values import plain_tuple
 from s2sad.normalize.groups import Group
+from s2sad.normalize.memory import bindings, parameters
 from s2sad.structure import record_fields
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Expr, For, If, IfExp, Load, Name,
-    Return, Store, Subscript, UnaryOp, While, at, call_name, expr, name, rebuild, walk,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Expr, For, FunctionDef, If, IfExp, List, Load, Name,
+    Return, Store, Subscript, UnaryOp, While, at, call_name, children, expr, name, rebuild, stored_names, walk,
 )
 
 _PARTS = {Assign: "value", AugAssign: "value", Expr: "value", Return: "value", If: "test", For: "iter", Assert: "test"}
@@ -46,7 +47,8 @@ class Inner(Bindings):
         before: list[AST] = []
         if isinstance(value, Call) and any(isinstance(n, Call) and self.out_of_order(n) for n in walk(value)):
             before, value = in_order(value, self.fresh, self._assigned_first)
-        new = _Names(self, before).whole(value)
+        stored = isinstance(node, AugAssign) and not isinstance(node.target, Name)      # read before the value
+        new = _Names(self, before).whole(value, not stored)
         self.refuse_unordered(new)
         if not before:
             return [], node
@@ -91,7 +93,8 @@ class Inner(Bindings):
                 continue
             seen.add(title)
             nodes = list(walk(kernels[title].tree.body))
-            if kernels[title].own is not None or any(map(_stores, nodes)):
+            lists = _own_lists(kernels[title].tree)
+            if kernels[title].own is not None or any(_stores(n, lists) for n in nodes):
                 return True
             waiting += [c for n in nodes if (c := user_call(n)) is not None]
             waiting += [methods[n.attr] for n in nodes if isinstance(n, Attribute) and n.attr in methods]
@@ -104,10 +107,16 @@ class _Names:
     def __init__(self, of: Inner, before: list[AST]):
         self.of, self.before, self.stopped = of, before, False
         self.given: set[int] = set()            # what functions are given
+        self.first: set[int] = set()            # what is evaluated before anything else
 
-    def whole(self, node: AST) -> AST:
-        """A statement's expression, whose own call stays."""
+    def whole(self, node: AST, first: bool) -> AST:
+        """A statement's expression, whose own call stays; `first` if it is evaluated before anything else."""
         self.given |= set(map(id, arguments(node)))
+        part: AST | None = node if first else None
+        while part is not None:
+            self.first.add(id(part))
+            part = next((n for n in children(part) if isinstance(n, expr) and not (
+                isinstance(part, Call) and n is part.func and isinstance(n, Name))), None)
         return self.within(node)
 
     def within(self, node: AST) -> AST:
@@ -142,7 +151,7 @@ class _Names:
             return new
         callee = self.of.call(called)[0]
         given = None if callee is None else callee.result
-        quiet = not self.of.may_store(called)
+        quiet = id(node) in self.first or not self.of.may_store(called)
         if given is None or plain_tuple(given) and id(node) not in self.given or self.stopped or not quiet:
             self.stopped = self.stopped or not quiet
             return new
@@ -153,8 +162,19 @@ class _Names:
         return at(name(held), node)
 
 
-def _stores(node: AST) -> bool:
-    """Whether a part of a function may store in anything but its names."""
+def _own_lists(function: FunctionDef) -> set[str]:
+    """The names that a function only binds to lists that it spells out."""
+    values: dict[str, list[AST]] = {}
+    for target, value in bindings(function):
+        for n in stored_names(target):
+            values.setdefault(n, []).append(value if isinstance(target, Name) else target)
+    return {n for n, v in values.items() if all(isinstance(each, List) for each in v)} - set(parameters(function))
+
+
+def _stores(node: AST, lists: set[str]) -> bool:
+    """Whether a part of a function may store in anything but its names and items of its own lists."""
+    if isinstance(node, Subscript) and isinstance(node.value, Name) and node.value.id in lists:
+        return False
     if isinstance(node, (Attribute, Subscript)) and not isinstance(node.ctx, Load) or isinstance(node, AugAssign):
         return True
     return isinstance(node, Call) and any(k.arg == "out" for k in node.keywords) or isinstance(

@@ -20,8 +20,8 @@ from s2sad.normalize.groups import (
 from s2sad.program import Kernel
 from s2sad.structure import own_method
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, GeneratorExp, List, ListComp, Mod, Mult, Name, Slice, Store,
-    Sub, Subscript, Tuple, UnaryOp, USub, at, call_name, const, copy, rebuild, walk,
+    AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, GeneratorExp, List, ListComp, Load, Mod, Mult, Name, Slice,
+    Store, Sub, Subscript, Tuple, UnaryOp, USub, at, call_name, const, copy, index, indices, rebuild, walk,
 )
 
 _ARITHMETIC: dict[type, Callable[[int, int], int]] = {
@@ -50,7 +50,22 @@ class Items:
         if found is not None:
             return found
         inside = isinstance(node, (ListComp, GeneratorExp))
-        return Plain(rebuild(node, lambda n: None if n is node and not inside else self._changed(n)))
+        return Plain(rebuild(node, self._changed) if inside else self._parts_changed(node))
+
+    def _parts_changed(self, node: AST) -> AST:
+        new = self._picking(node) if isinstance(node, Subscript) else node
+        return rebuild(new, lambda n: None if n is new else self._changed(n))
+
+    def _picking(self, node: Subscript) -> Subscript:
+        """A subscript that is a list picks several; a tuple is one subscript for each axis."""
+        places = indices(node)
+        found = [self.structural(p) if isinstance(p, (Name, Attribute, Subscript)) else None for p in places]
+        shown = [spelled(f, p) if isinstance(f, Group) and f.form.kind == "list" else None
+                 for f, p in zip(found, places)]
+        if not any(isinstance(s, Tuple) for s in shown):
+            return node
+        picked = [at(List(list(s.elts), Load()), p) if isinstance(s, Tuple) else p for s, p in zip(shown, places)]
+        return at(Subscript(node.value, index(node.value, *picked).slice, node.ctx), node)
 
     def whole(self, node: AST) -> Value:
         """The value of an expression, a tuple that is written out as a structure."""
@@ -103,7 +118,9 @@ class Items:
         if isinstance(node, (ListComp, GeneratorExp)):
             return late_comprehension(node, self.env, lambda n: rebuild(n, self._changed))
         found = self.structural(node)
-        return None if found is None else self.plainly(found, node)
+        if found is None:
+            return self._parts_changed(node) if isinstance(node, Subscript) else None
+        return self.plainly(found, node)
 
     def stored(self, node: AST) -> AST | None:
         """A target inside another one; field_blocks knows what may be stored where."""

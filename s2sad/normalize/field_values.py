@@ -260,8 +260,8 @@ def _group(form: Structure, items: list[Value]) -> Group:
 
 
 def plain_tuple(result: Group) -> bool:
-    """Whether a result is a tuple of values as any function may return one."""
-    return result.path == SPELLED and result.form.kind == "tuple" and all(
+    """Whether a result is a tuple or a list of values as any function may return one."""
+    return result.path == SPELLED and result.form.kind in ("tuple", "list") and all(
         isinstance(i, Leaf) and usable(i) and i.place < 0 for i in result.items)
 
 

@@ -211,7 +211,7 @@ class _Making:
         given = {id(r) for r, _ in blocks.returned}
         others = [n for n in walk(body) if isinstance(n, Return) and id(n) not in given]
         tuples = all(isinstance(i, (Plain, Leaf)) for _, g in blocks.returned for i in g.items)
-        plain = tuples and all(g.path == SPELLED and g.form.kind == "tuple" for _, g in blocks.returned)
+        plain = tuples and all(g.path == SPELLED and g.form.kind in ("tuple", "list") for _, g in blocks.returned)
         if not blocks.returned or (others or is_entry) and plain:
             for node, group in blocks.returned:
                 node.value = spelled(group, node)

@@ -22,7 +22,9 @@ from s2sad.normalize.signatures import signatures
 from s2sad.normalize.sliced import sliced
 from s2sad.normalize.tables import tables
 from s2sad.program import Kernel, Program
-from s2sad.tree import AST, FunctionDef, Name, Return, Tuple, at, const, copy, dump, rebuild, tuple_of, walk
+from s2sad.tree import (
+    AST, FunctionDef, IfExp, List, Name, Return, Tuple, at, const, copy, dump, rebuild, tuple_of, walk,
+)
 
 
 def structured(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
@@ -39,7 +41,11 @@ def structured(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
 
 
 def flat(tree: FunctionDef, scope: Scope) -> None:
-    """Every return of tuples within tuples returns their values in a row; `calls.result_structure` tells the rest."""
+    """Every return of tuples within tuples returns their values in a row; `calls.result_structure` tells the rest. A
+    list that is spelled out there is a tuple."""
+    for node in walk(tree.body):
+        if isinstance(node, Return) and node.value is not None:
+            node.value = _as_tuples(node.value)
     returns = [n for n in walk(tree.body) if isinstance(n, Return) and isinstance(n.value, Tuple)]
     shapes = [dump(rebuild(n.value, lambda v: None if isinstance(v, Tuple) else const(0))) for n in returns]
     for node, shape in zip(returns, shapes):
@@ -47,6 +53,12 @@ def flat(tree: FunctionDef, scope: Scope) -> None:
             if shape != shapes[0]:
                 scope.refuse(node, "returns of tuples of different structure", help="return the same on every path")
             node.value = at(tuple_of(*_items(node.value)), node.value)
+
+
+def _as_tuples(value: AST) -> AST:
+    if isinstance(value, IfExp):
+        return at(IfExp(value.test, _as_tuples(value.body), _as_tuples(value.orelse)), value)
+    return at(tuple_of(*map(_as_tuples, value.elts)), value) if isinstance(value, (Tuple, List)) else value
 
 
 def _items(value: AST) -> list[AST]:

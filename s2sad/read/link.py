@@ -16,6 +16,7 @@ from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Numb
 from s2sad.read.nested import lifted
 from s2sad.read.plain import plain
 from s2sad.read.resolve import Resolved, resolve
+from s2sad.read.returned_lists import returned_lists
 from s2sad.rules.given import GIVEN, Own
 
 
@@ -77,7 +78,7 @@ class Linker:
 
     def visit(self, function: Function, callers: list[Function]) -> None:
         captured = definition(function)
-        captured = lifted(replace(captured, tree=plain(captured.tree)), function.key)
+        captured = lifted(replace(captured, tree=returned_lists(plain(captured.tree))), function.key)
         report = Report(captured.source)
         self.reports.append(report)
         own = None if hasattr(function.handle, "captured") else GIVEN.own(function.handle)
