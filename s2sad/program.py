@@ -15,7 +15,8 @@ class Kernel:
     """One user's function as read: its name in the program, its tree with resolved names, its source.
 
     `parameters` in order; `defaults` by name (Python values); `annotations` by name (their text); `own` is the
-    derivative that the user gave it, `residual` the kernel that it makes zero, if it is an implicit function.
+    derivative that the user gave it, `residual` the kernel that it makes zero, if it is an implicit function;
+    `results` says how many of its last parameters take what the user's function returns.
     """
     name: str
     tree: FunctionDef
@@ -25,6 +26,7 @@ class Kernel:
     annotations: dict[str, str] = field(default_factory=dict)
     own: Own | None = None
     residual: str = ""
+    results: int = 0
 
 
 @dataclass(frozen=True)

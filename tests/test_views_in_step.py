@@ -396,16 +396,6 @@ def branches_in_a_loop(u, c):
     return f[1] * f[5]
 
 
-def rebinding_other(u):
-    f = u.ravel()
-    f[0] *= 2.0
-    u = u * 3.0
-    f[1] *= u[0, 0]
-    g = u.ravel()
-    g[0] = f[1]
-    return np.sum(u) * np.sum(f)
-
-
 def two_of_three_axes(q, n):
     u = q.reshape(2, n, n)
     rho, e = u[0], u[1]
@@ -446,7 +436,7 @@ def given(*shape):
 
 SQUARE = (
     written_in_turn, two_views, view_of_view, bound_anew, returned_view, element_mix, squeezed, alias, bound_by_itself,
-    pass_row, self_overlap, while_test, by_masks, in_a_tuple, of_any_size, rebinding_other, views_of_parts,
+    pass_row, self_overlap, while_test, by_masks, in_a_tuple, of_any_size, views_of_parts,
     lines_of_a_transpose)
 CASES = {
     left_early: (given(4, 4), 1), branches: (given(4, 4), 2), helper_view: (given(16), given(4)),
@@ -543,6 +533,113 @@ def in_either_branch(u):
 def given_twice(u, q):
     f = u.ravel()
     step(u, f[:4])
+
+
+def rebinding_other(u):
+    f = u.ravel()
+    f[0] *= 2.0
+    u = u * 3.0
+    f[1] *= u[0, 0]
+    g = u.ravel()
+    g[0] = f[1]
+    return np.sum(u) * np.sum(f)
+
+
+def bound_to_its_own_memory(u):
+    f = u.ravel()
+    if u[0, 0] > 0.0:
+        f = f * 2.0
+    f[0] = 7.0 * u[0, 1]
+    return np.sum(u ** 2)
+
+
+def its_own_after_a_round(u):
+    x = u.reshape(-1)
+    for _ in range(2):
+        x = x + 0.1 * x ** 2
+        x[0] = 0.5
+    return np.sum(x ** 2)
+
+
+def a_copy_in_a_branch(u):
+    t = u.T
+    if u[0, 0] > 0.0:
+        t = t.copy()
+    t[1] *= 2.0
+    return np.sum(u * t)
+
+
+def under_the_parameters_name(u):
+    s = u[0, 0]
+    u = u.ravel()
+    for _ in range(2):
+        u = u + 0.1 * u ** 2
+        u[0] = 0.5
+    return np.sum(u ** 2) + s
+
+
+def scaled(u):
+    s = 0.0
+    for i in range(u.shape[0]):
+        s += u[i, 0]
+    return u * s
+
+
+def result_of_a_function(u):
+    a = scaled(u.T)
+    f = a.ravel()
+    f[1] = 0.0
+    return np.sum(a ** 2 * scaled(u))
+
+
+def zeroed(u):
+    r = np.zeros_like(u)
+    f = r.ravel()
+    for i in range(u.size):
+        f[i] = u[i // 4, i % 4] ** 2
+    return r
+
+
+def reshaped_in_a_function(u):
+    return np.sum(zeroed(u.T) * zeroed(u + 1.0))
+
+
+def swapped_in_a_branch(u):
+    a = u * 1.0
+    b = u.T * 2.0
+    if u[0, 0] > 0.0:
+        a, b = b, a
+    f = a.ravel()
+    f[1] = 0.0
+    return np.sum(a ** 2 * b)
+
+
+def picked_from_a_list(u):
+    m = [u.T * (i + 1.0) for i in range(2)]
+    for k in range(2):
+        f = m[k % 2].ravel()
+        f[1] = 0.0
+    return np.sum(m[0] ** 2 * m[1])
+
+
+def put_into_a_list(u):
+    m = []
+    for i in range(2):
+        m.append(u.T * (i + 1.0))
+    f = m[1].ravel()
+    f[1] = 0.0
+    return np.sum(m[0] ** 2 * m[1])
+
+
+@pytest.mark.parametrize("kernel", (
+    rebinding_other, bound_to_its_own_memory, its_own_after_a_round, a_copy_in_a_branch, under_the_parameters_name,
+    result_of_a_function, reshaped_in_a_function, swapped_in_a_branch, picked_from_a_list, put_into_a_list),
+    ids=lambda kernel: kernel.__name__)
+def test_names_that_may_stand_for_other_memory_are_refused(kernel):
+    """Or the memory that they stand for may lie otherwise: NumPy would write a copy."""
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.differentiate(kernel, engine="numpy").adjoint_source(given(4, 4))
+    assert caught.value.diagnostics[0].code == "S201"
 
 
 def for_each_element(x):

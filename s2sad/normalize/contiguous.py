@@ -9,7 +9,7 @@ made from; a parameter lies as the caller has it, which is a guard's to ask.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Set
 
 from s2sad import rules
 from s2sad.diagnostics import Report
@@ -32,10 +32,11 @@ _TURNING = {f"numpy.{f}" for f in (
 
 
 class Contiguity:
-    """What the parameters of one function, as it is written, must be for its arrays to lie so."""
+    """What the parameters of one function, as it is written, must be for its arrays to lie so; `moved` are names of
+    arrays that stand for others in NumPy, which may lie otherwise: lists' items, a called function's results."""
 
-    def __init__(self, function: FunctionDef, typing: Typing):
-        self.typing = typing
+    def __init__(self, function: FunctionDef, typing: Typing, moved: Set[str] = frozenset()):
+        self.typing, self.moved = typing, moved
         self.parameters = {p.id for p in function.args.args}
         self.bound: dict[str, list[AST | None]] = {}
         for statement in walk(function.body):
@@ -74,6 +75,8 @@ class Contiguity:
     def _name(self, identifier: str) -> frozenset[str] | None:
         if identifier not in self._known:
             found: frozenset[str] | None = frozenset({identifier} & self.parameters)
+            if identifier in self.moved:
+                return self._fresh(name(identifier))
             if not found and identifier not in self.bound:
                 return None
             self._known[identifier] = found     # where it is made from itself

@@ -68,7 +68,7 @@ def given_results(kernel: Kernel, found: Results, types: tuple[Type, ...], progr
     known, filled = [s for s in found.shapes if s is not None], found.filled()
     names = [v.id for v in found.values if isinstance(v, Name)]
     if len(known) < len(types) or len(set(names)) < len(names) or not all(t.is_array for t in types) or not _is_worth(
-            kernel, found.tree, program):
+            kernel, found.tree, program) or _reshapes(found.tree):
         return None
     title = f"{kernel.name}_into"
     while title in program.kernels:
@@ -81,7 +81,8 @@ def given_results(kernel: Kernel, found: Results, types: tuple[Type, ...], progr
         isinstance(v, Name) and v.id == w)]
     own = [p.id for p in found.tree.args.args]
     new = at(function(title, [*own, *words], [*(s for s in body if s is not None), *stores]), found.tree)
-    program.kernels[title] = replace(kernel, name=title, tree=new, parameters=(*kernel.parameters, *words))
+    program.kernels[title] = replace(kernel, name=title, tree=new, parameters=(*kernel.parameters, *words),
+                                      results=len(words))
     made = [call("numpy.empty", s, *([] if t.dtype == "float64" else [name(f"numpy.{t.dtype}")]))
             for s, t in zip(known, types)]
     return Given(title, tuple(zip(words, made)))
@@ -93,6 +94,13 @@ def _is_worth(kernel: Kernel, tree: FunctionDef, program: Program) -> bool:
     if calls < 2:
         return False
     return any(isinstance(n, (For, While)) for n in walk(tree.body)) or _length(tree, program, ()) > _LEAST
+
+
+def _reshapes(tree: FunctionDef) -> bool:
+    """Whether a function reshapes what it makes: how that lies in memory is then to be seen."""
+    parameters = {p.id for p in tree.args.args}
+    return any(call_name(n) in ("numpy.ravel", "numpy.reshape") and not (isinstance(n.args[0], Name)
+               and n.args[0].id in parameters) for n in walk(tree.body) if isinstance(n, Call) and n.args)
 
 
 def _length(tree: FunctionDef, program: Program, within: tuple[str, ...]) -> int:

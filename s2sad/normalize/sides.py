@@ -6,6 +6,7 @@
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -14,7 +15,7 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.shapes import single_values
 from s2sad.normalize.disjoint import Disjoint, occurrences
 from s2sad.normalize.viewing import sources
-from s2sad.tree import AST, Assign, Attribute, FunctionDef, Name, Subscript, copy, dump, walk
+from s2sad.tree import AST, Assign, Attribute, For, FunctionDef, Name, Store, Subscript, copy, dump, walk
 
 
 @dataclass
@@ -66,8 +67,21 @@ def sides(function: FunctionDef, binding: Assign, typing: Typing) -> Sides:
     while more := {n for t, source in edges for n in (t, base_name(source))
                    if {t, base_name(source)} & operand and not {t, base_name(source)} & view} - operand:
         operand |= more
-    both.ambiguous = bool(view & operand) or any(t in view and base_name(source) not in view for t, source in edges)
+    both.ambiguous = bool(view & operand) or any(
+        t in view and base_name(source) not in view for t, source in edges) or _is_bound_to_others(function, both, [
+            binding.targets[0].id, *(t for t, _ in edges)])
     return both
+
+
+def _is_bound_to_others(function: FunctionDef, both: Sides, known: list[str]) -> bool:
+    """Whether a name of either side is bound to memory of its own as well, in a branch or in a loop: then it shares
+    none of the other side's. `known` are the names as often as they are bound to what is on a side."""
+    times = Counter(n.id for s in walk(function.body) if isinstance(s, (Assign, For))
+                    for n in walk(s.target if isinstance(s, For) else s.targets)
+                    if isinstance(n, Name) and isinstance(n.ctx, Store))
+    times.update(p.id for p in function.args.args)
+    sides = Counter(known)
+    return any(times[n] > sides[n] for n in both.view) or any(times[n] > max(sides[n], 1) for n in both.operand)
 
 
 def _resolved(part: AST) -> AST:

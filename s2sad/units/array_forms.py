@@ -4,7 +4,8 @@
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Set
 from dataclasses import dataclass
 
 from s2sad.analyze.liveness import base_name
@@ -38,7 +39,7 @@ from s2sad.program import Program
 from s2sad.simplify import Watch
 from s2sad.simplify.handed import handed
 from s2sad.simplify.quotients import quotients
-from s2sad.tree import Assert, Call, FunctionDef, call_name, copy, walk
+from s2sad.tree import Assert, Assign, Call, FunctionDef, Name, Store, call_name, copy, walk
 from s2sad.units.calls import Calls
 from s2sad.units.unit import Unit
 
@@ -71,14 +72,16 @@ class ArrayForms:
             moved = tails(exchanged(tree, known, written), known, written) if shared else tree
             if moved is tree:
                 raise
+            again = {n for n, times in bindings_of(tree).items() if times > 1}
             try:
-                return *self._over_arrays(moved, known, kept), known, kept
+                return *self._over_arrays(moved, known, kept, again), known, kept
             except S2sadError:
                 raise refused from None
 
-    def _over_arrays(self, tree: FunctionDef, typing: Typing, names: Names) -> tuple[FunctionDef, bool, set[str]]:
+    def _over_arrays(self, tree: FunctionDef, typing: Typing, names: Names,
+                     swapped: Set[str] = frozenset()) -> tuple[FunctionDef, bool, set[str]]:
         """The kernel with whole-array statements over arrays and parts of them by their own names, whether guards of
-        shapes were added, and the parameters that must be contiguous."""
+        shapes were added, and the parameters that must be contiguous; `swapped` names may stand for other arrays."""
         report = typing.report
         tree = integers(tree, typing, self.engine == "numba")
         tree = stacked(rotated(tree, typing, names), typing)
@@ -94,7 +97,7 @@ class ArrayForms:
 
         def arrays(called: Call) -> list[str]:
             return [base_name(called.args[k]) for k in written(called)]
-        lying = Contiguity(tree, typing)
+        lying = Contiguity(tree, typing, {*swapped, *typing.listed, *self.results(tree)})
         tree, needed = in_step(tree, typing, names, arrays, lying)
         viewing(tree, typing, arrays, report)
         needed |= of_calls(tree, lying, lambda called: self.of_call(called, typing).contiguous, report)
@@ -109,6 +112,13 @@ class ArrayForms:
         report.finish()
         self.watch("workspace", tree)
         return tree, guarded, needed
+
+    def results(self, tree: FunctionDef) -> list[str]:
+        """The arrays that take what functions return."""
+        return [base_name(a) for n in walk(tree.body) if isinstance(n, Call)
+                for room, _, kernel in [(call_name(n) or "").partition(".")] if room == "user"
+                if kernel in self.program.kernels
+                for a in n.args[len(n.args) - self.program.kernels[kernel].results:]]
 
     def for_engine(self, tree: FunctionDef, typing: Typing,
                    names: Names) -> tuple[FunctionDef, FunctionDef, dict[str, str], dict[str, Type]]:
@@ -136,6 +146,12 @@ def with_choices(function: FunctionDef, typing: Typing) -> FunctionDef:
     new = copy(function)
     new.body = [scalar_choices(s, lambda n: not typing.of(n).is_array) for s in new.body]
     return new
+
+
+def bindings_of(function: FunctionDef) -> Counter[str]:
+    """How often a function binds each name."""
+    return Counter(n.id for s in walk(function.body) if isinstance(s, Assign) for n in walk(s.targets)
+                   if isinstance(n, Name) and isinstance(n.ctx, Store))
 
 
 def count(function: FunctionDef, kind: type) -> int:
