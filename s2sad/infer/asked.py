@@ -86,8 +86,9 @@ class Asked(Slices):
         """The value of a name of the module, or of an item of a tuple of numbers there."""
         if isinstance(node, Subscript):
             whole, number = self._constant(node.value), whole_number(node.slice)
-            known = isinstance(whole, (tuple, list)) and number is not None and -len(whole) <= number < len(whole)
-            return whole[number] if known else None
+            if number is None or not isinstance(whole, (tuple, list)) or not -len(whole) <= number < len(whole):
+                return None
+            return whole[number]
         if isinstance(node, Name) and node.id.startswith("const."):
             return self.typing.constants.get(node.id.removeprefix("const."))
         return None
