@@ -10,19 +10,19 @@ from collections.abc import Mapping
 
 from s2sad import rules
 from s2sad.infer.affine import Affine
+from s2sad.infer.asked import Asked
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import GIVEN, LAWS, LEAST, ONE, Shape, whole_number
-from s2sad.infer.slices import Slices
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Mult, Name,
-    Store, Subscript, Tuple, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Name,
+    Store, Subscript, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of,
     walk,
 )
 
 ALLOCATIONS = frozenset({"numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like"})
 
 
-class Shapes(Slices):
+class Shapes(Asked):
     """The shapes of one function, as its allocations and guards tell them."""
 
     def of(self, node: AST) -> Shape:
@@ -74,55 +74,12 @@ class Shapes(Slices):
         """Goes to a statement: what the guards before it say holds from here on."""
         self.equal = self.scopes.get(id(statement), self.equal)
 
-    def asked_for(self, shape: AST, old: Shape = ()) -> Shape | None:
-        """The shape that an argument spells; a size of -1 is what is left of the elements of the old shape."""
-        parts = list(shape.elts) if isinstance(shape, Tuple) else [shape]
-        if isinstance(shape, Attribute) and shape.attr == "shape":
-            return self.of(shape.value)
-        if isinstance(shape, BinOp) and self.typing.of(shape).kind == "tuple":
-            left, right = self.asked_for(shape.left), self.asked_for(shape.right)
-            return None if left is None or right is None else left + right
-        if not isinstance(shape, Tuple) and self.typing.of(shape).kind == "tuple":
-            return None
-        found = [self.length(p) for p in parts]
-        for k, part in enumerate(parts):
-            if whole_number(part) == -1:
-                others = [d for j, d in enumerate(found) if j != k]
-                found[k] = None if None in others or None in old else self._rest(old, others)
-        return tuple(found)
-
-    def length(self, node: AST) -> Affine | None:
-        """The size that an argument spells; one that would be negative is none, as of a slice: `max(n - 2, 0)`."""
-        clipped = call_name(node) == "builtins.max" and len(node.args) == 2 and whole_number(node.args[1]) == 0
-        inner = node.args[0] if clipped else node
-        asked = self.asked(inner)
-        return self.size(inner) if asked is None else asked
-
-    def _rest(self, old: Shape, others: list[Affine | None]) -> Affine | None:
-        """The size that is left when the elements of the old shape are put into rows of the others."""
-        above = [d for d in old if d is not None and d != ONE]
-        below = [d for d in others if d is not None and d != ONE]
-        for size in list(below):
-            if size in above:
-                above.remove(size)
-                below.remove(size)
-        if not below and len(above) <= 1:
-            return above[0] if above else ONE
-        made = self._product(above)
-        return self.symbol(BinOp(made, FloorDiv(), self._product(below)) if below else made)
-
     def _least(self, sizes: Shape) -> Affine | None:
         if None in sizes:
             return None
         if len(set(sizes)) == 1:
             return sizes[0]
         return self.symbol(call("builtins.min", *(self.expression(d) for d in sizes if d is not None)))
-
-    def _product(self, sizes: list[Affine]) -> AST:
-        made = self.expression(sizes[0])
-        for size in sizes[1:]:
-            made = BinOp(made, Mult(), self.expression(size))
-        return made
 
     def allocated(self, array: str, shape: Shape) -> None:
         """Notes the shape in which an array has been allocated; it holds as long as equal sizes are remembered."""

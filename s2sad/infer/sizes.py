@@ -82,6 +82,8 @@ class Sizes(ABC):
             inner = None if value is None else self.size(value, depth + 1)
             if inner is not None:
                 return inner
+        if isinstance(node, Attribute) and node.attr == "ndim" and self.typing.of(node.value).is_array:
+            return Affine((), self.typing.of(node.value).rank)
         asked = self.asked(node)
         if asked is not None and self.is_extent(asked):
             return asked

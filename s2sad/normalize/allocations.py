@@ -16,7 +16,7 @@ from s2sad.infer.laws import ONE, Shape
 from s2sad.infer.shapes import Shapes, shape_expression
 from s2sad.infer.types import Type
 from s2sad.normalize.functions import is_function
-from s2sad.normalize.guards import equal
+from s2sad.normalize.guards import equal, written
 from s2sad.tree import (
     AST, Assign, Attribute, Call, List, Name, Subscript, Tuple, assign, attribute, call, call_name,
     children, const, dump, index, name, tuple_of, walk,
@@ -58,13 +58,19 @@ class Allocations:
             self.report.error("S201", f"an array made by {call_name(value) or 'this expression'}", place,
                               help="allocate it with np.empty and write it in a loop")
             return []
-        guards = [] if is_function(value) else self.operands_fit(value, shape)
+        guards = self.reshaped(value) if is_function(value) else self.operands_fit(value, shape)
         model = next((n for n in walk(value) if isinstance(n, Name) and self.typing.of(n) == kind
                       and self.shapes.of(n) == shape), None)
         made = call("numpy.empty_like", model) if model is not None else call(
             "numpy.empty", shape_expression(self.shapes, shape), *dtype_of(kind))
         self.shapes.allocated(target, shape)
         return [*guards, assign(target, made), assign(index(name(target), const(...)), value)]
+
+    def reshaped(self, value: AST) -> list[AST]:
+        """Guards that the sizes which a reshape is given are not negative."""
+        if call_name(value) != "numpy.reshape":
+            return []
+        return [written(s) for s in self.shapes.may_be_left(value.args[1])]
 
     def operands_fit(self, value: AST, shape: Shape) -> list[AST]:
         """Guards that the arrays of an elementwise expression have the shape, or length 1."""

@@ -23,10 +23,11 @@ from s2sad.normalize.hoist import bound_call, hoist, hoist_all, impure, operands
 from s2sad.normalize.in_place import UNSUPPORTED, stored_by_call, stored_out
 from s2sad.normalize.scope import Scope
 from s2sad.normalize.unpack import unpack
+from s2sad.rules.composed import WRITING
 from s2sad.tree import (
     AST, And, AnnAssign, Assert, Assign, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr, For,
     FunctionDef, If, IfExp, Name, Not, Pass, Raise, Return, Subscript, UnaryOp, While, assign, at, call_name, const,
-    copy, function, name, walk,
+    copy, function, index, name, walk,
 )
 
 
@@ -96,13 +97,29 @@ def _expression(node: Expr, scope: Scope) -> list[AST]:
         return hoist(value, scope)[0]
     stored = stored_by_call(value)
     if stored is not None:
-        return unpack([stored[0]], stored[1], scope)
+        before, (target, filled) = _viewed(value, *stored, scope)
+        return [*before, *unpack([target], filled, scope)]
     if call_name(value) == "builtins.print":
         before, left = hoist(value, scope)
         return [*before, Expr(left)]
     scope.refuse(node, "a call whose result is not used", help=UNSUPPORTED.get(
         call_name(value) or "", "only calls of kernels, print and functions that write an argument stand alone"))
     return []
+
+
+def _viewed(node: Call, target: AST, value: AST, scope: Scope) -> tuple[list[AST], tuple[AST, AST]]:
+    """A name for the view that a function makes of what another one writes: `np.add.at(u.ravel(), k, v)`."""
+    if call_name(node) not in WRITING:
+        return [], (target, value)
+    base = node.args[0]
+    while isinstance(base, Subscript):
+        base = base.value
+    if isinstance(base, Name):
+        return [], (target, value)
+    before, place = hoist(node.args[0], scope)
+    place = scope.held(place, "filled", before)
+    call = at(Call(node.func, [copy(place), *node.args[1:]], node.keywords), node)
+    return before, (index(place, const(...)), call)
 
 
 def _if(node: If, scope: Scope) -> list[AST]:

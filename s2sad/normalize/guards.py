@@ -17,6 +17,7 @@ COUNTS = "a bound of a slice counts from the end, where parts of an array are to
 CONTIGUOUS = ("an array that is reshaped and written is not contiguous, where NumPy writes a copy: pass "
               "np.ascontiguousarray(...), or write it as a loop")
 EXCHANGED = "names swap arrays of different sizes in a branch: swap what arrays of one size hold"
+LEFT = "a size of np.reshape is negative: write -1 where it stands, or bind it to a name of its own: n = -1"
 SPARSE = "a sparse matrix and what it meets differ in size"
 
 
@@ -48,3 +49,8 @@ def contiguous(array: AST) -> Assert:
 def counts(size: AST) -> Assert:
     """The guard that what the bounds of slices are made of is not negative: parts of an array lie side by side then."""
     return Assert(compare(copy(size), GtE(), const(0)), const(COUNTS))
+
+
+def written(size: AST) -> Assert:
+    """The guard that a size of a reshape is one, not -1 for what is left."""
+    return Assert(compare(copy(size), GtE(), const(0)), const(LEFT))

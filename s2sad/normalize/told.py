@@ -3,6 +3,7 @@
     sum((a, b))         `spelled`: 0 + a + b        a + b, but of bools, whose sum from 0 is an integer
     q * [1, -1, -1, -1]                             q * np.array([1, -1, -1, -1]), where q is an array
     r = a.conj()                                    r = a, of an array that is real; else np.conj(a)
+    x > [0.5, 0.9]                                  x > np.array([0.5, 0.9]), where x is an array
     s = np.sum(x).item() + x[1:2].item()            s = np.sum(x) + x[1:2][0]
     np.sum(np.astype(x, dtype=np.float64))          np.sum(x), of an array that is of these already
     np.zeros(x.shape[1:])                           np.zeros((x.shape[1], x.shape[2])), where x has three axes
@@ -15,8 +16,8 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.laws import written_slice
 from s2sad.infer.types import Type
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, List, Mult, Slice, Subscript, Tuple, at, call, call_name,
-    const, copy, index, rebuild, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Compare, Constant, FunctionDef, In, Is, IsNot, List, Mult, NotIn, Slice,
+    Subscript, Tuple, at, call, call_name, const, copy, index, rebuild, tuple_of,
 )
 
 CONJUGATING = ("conj", "conjugate")     # methods
@@ -38,6 +39,8 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
             kind, inner = typing.of(node.func.value), rebuild(node.func.value, change)
             return inner if kind.is_array and not kind.is_complex else at(call("numpy.conj", inner), node)
         if isinstance(node, BinOp) and (made := _with_array(node, typing)) is not None:
+            return rebuild(made, change)
+        if isinstance(node, Compare) and (made := _compared(node, typing)) is not None:
             return rebuild(made, change)
         if isinstance(node, Call) and isinstance(node.func, Attribute) and node.func.attr == "item":
             return _item(node, typing.of(node.func.value), [rebuild(n, change) for n in [node.func.value, *node.args]])
@@ -62,6 +65,22 @@ def _with_array(node: BinOp, typing: Typing) -> AST | None:
             made = at(call("numpy.array", side), side)
             return at(BinOp(*((made, node.op, other) if side is node.left else (other, node.op, made))), node)
     return None
+
+
+def _compared(node: Compare, typing: Typing) -> AST | None:
+    """The comparison of an array with an array of the numbers that are spelled out."""
+    if len(node.ops) > 1 or isinstance(node.ops[0], (In, Is, IsNot, NotIn)):
+        return None
+    sides = [node.left, node.comparators[0]]
+    if not any(isinstance(s, (List, Tuple)) for s in sides):
+        return None
+    if any(typing.of(s).is_number for s in sides):
+        typing.report.error("S201", "a number is compared with a list or tuple that is spelled out", node,
+                            help="make it an array: np.array([...])")
+    if not any(typing.of(s).is_array for s in sides):
+        return None
+    left, right = (at(call("numpy.array", s), s) if isinstance(s, (List, Tuple)) else s for s in sides)
+    return at(Compare(left, node.ops, [right]), node)
 
 
 def _sizes(node: Subscript, typing: Typing) -> AST | None:
