@@ -43,7 +43,7 @@ def by_default(w):
 
 
 def by_module(w):
-    return np.sum(w.reshape(M1, 4)[1:] ** 2) + np.sum(w.reshape(SH)[2] ** 3)
+    return np.sum(w.reshape(M1, 4)[1:] ** 2) + np.sum(w.reshape(SH)[2] ** 3) + np.sum(w.reshape([-1, 4])[1] ** 2)
 
 
 def stored(w):

@@ -82,6 +82,8 @@ def _plain(node: AST) -> AST | None:
         return None
     if call_name(node) == "numpy.shape" and len(node.args) == 1 and isinstance(node.args[0], Name):
         return at(attribute(node.args[0], "shape"), node)
+    if call_name(node) == "numpy.reshape" and len(node.args) == 2 and isinstance(shape := node.args[1], List):
+        return rebuild(at(call("numpy.reshape", node.args[0], tuple_of(*shape.elts)), node), _plain)
     whole = _whole_operands(node)
     if any(isinstance(a, (Tuple, List)) for a in whole):
         made = [call("numpy.array", a) if isinstance(a, (Tuple, List)) else a for a in whole]
