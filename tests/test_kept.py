@@ -103,8 +103,21 @@ def both(x, w):
     return out
 
 
-KERNELS = [overwritten, hyperbolic, in_place_of_its_array, argument_moves, one_more, only_inside, of_a_moving_name,
-           twice_in_one, both]
+TURN = 0.5j
+
+
+def of_complex_numbers(x, w):
+    z = np.zeros(w.size, np.complex128)
+    for i in range(x.shape[0]):
+        z[:] = x[i] + 0.1j
+        z *= np.exp(TURN * w * x[i])
+        z[:] = np.fft.ifft(np.exp(-0.5j * w) * np.fft.fft(z))
+        z *= np.exp(TURN * w * x[i]) * np.exp(-0.5j * w)
+        x[i] += np.abs(z) ** 2
+
+
+KERNELS = [of_complex_numbers, overwritten, hyperbolic, in_place_of_its_array, argument_moves, one_more, only_inside,
+           of_a_moving_name, twice_in_one, both]
 
 
 @pytest.mark.parametrize("engine", ["loops", "numba"])

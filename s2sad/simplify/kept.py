@@ -31,8 +31,8 @@ from s2sad.simplify.exponentials import cosh_of_slope, slope_of_tanh
 from s2sad.simplify.extents import Extents
 from s2sad.simplify.nests import Nest, nest_of
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, BoolOp, Expr, For, FunctionDef, If, IfExp, Name, Subscript, While, assign, at,
-    call, call_name, const, copy, dump, index, indices, name, names, rebuild, tuple_of, walk,
+    AST, Assign, Attribute, AugAssign, BoolOp, Constant, Expr, For, FunctionDef, If, IfExp, Name, Subscript, While,
+    assign, at, call, call_name, const, copy, dump, index, indices, name, names, rebuild, tuple_of, walk,
 )
 
 _COSTLY = {f"{room}.{f}" for room in ("numpy", "math") for f in (
@@ -96,7 +96,8 @@ class _Kept:
         counters, still = dict(zip(taking.counters, map(name, giving.counters))), set().union(*moving)
         places: dict[int, AST] = {}
         for value in _values(taking):
-            if (set(names(value.argument)) - set(taking.counters)) & still or not self.is_double(value.argument):
+            if (set(names(value.argument)) - set(taking.counters)) & still or not self.is_double(
+                    value.argument, taking.counters):
                 continue
             value.argument = rebuild(value.argument, lambda n: copy(counters[n.id]) if isinstance(
                 n, Name) and n.id in counters else None)
@@ -111,9 +112,13 @@ class _Kept:
         source = next((v for v in _values(giving) if v.sure and value.is_of(v)), None)
         return "" if source is None else self.held(value, source, giving, moving) or self.stored(value, source, giving)
 
-    def is_double(self, argument: AST) -> bool:
-        arrays = [n.id for n in walk(argument) if isinstance(n, Name) and n.id in self.types]
-        return all(self.types[a].dtype in ("float64", "int64") for a in arrays)
+    def is_double(self, argument: AST, counters: list[str]) -> bool:
+        """Whether a value is a float64 number for certain: one of a complex argument is none."""
+        known = {n for n, kind in self.types.items() if kind.dtype in ("float64", "int64")} | set(counters)
+        library = ("numpy.", "math.", "builtins.")
+        words = {n.id for n in walk(argument) if isinstance(n, Name) and not n.id.startswith(library)}
+        return words <= known and not any(
+            isinstance(n, Constant) and isinstance(n.value, complex) for n in walk(argument))
 
     def held(self, value: _Value, source: _Value, giving: Nest, moving: set[str]) -> str:
         """The array in which the first nest stores the value anyway, and which nothing changes behind it."""
