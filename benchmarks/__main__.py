@@ -9,7 +9,9 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from benchmarks import accuracy, against_jax, arrays, arrays_against_jax, first_gradient, memory, overhead, ratios
+from benchmarks import (
+    accuracy, against_jax, arrays, arrays_against_jax, first_gradient, memory, overhead, ratios, returning,
+)
 from benchmarks.tables import Table, show
 
 PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
@@ -18,6 +20,7 @@ PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
     "jax": (against_jax.tables, "the Brusselator's vjp against JAX's"),
     "jax-arrays": (arrays_against_jax.tables, "gradients of the kernels of whole arrays against JAX's"),
     "overhead": (overhead.tables, "what a call costs over the bare compiled one"),
+    "returning": (returning.tables, "functions that return arrays, called four times a step"),
     "first": (first_gradient.tables, "time to the first gradient, cold and warm cache"),
     "memory": (memory.tables, "peak memory against arrays, shadows and recorded values"),
     "accuracy": (accuracy.tables, "errors of gradients, and where rounding is hardest"),
