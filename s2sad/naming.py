@@ -22,6 +22,12 @@ class Names:
         self.wanted: dict[str, str] = {}
         self.meant: dict[str, str] = {}
 
+    def copy(self) -> Names:
+        """The same names, for a function of which another version is made."""
+        new = Names(self.taken)
+        new.wanted, new.meant = dict(self.wanted), dict(self.meant)
+        return new
+
     def numbered(self, wanted: str) -> str:
         """A new name: the wanted one, else numbered from 2."""
         candidate, number = wanted, 1

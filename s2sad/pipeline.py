@@ -45,6 +45,10 @@ from s2sad.units import Derived, Unit, Units
 __all__ = ["Summary", "derive", "summary"]
 
 
+Forms = dict[tuple[str, tuple[Type, ...]], tuple[Units, Unit]]
+"""The normal forms of one program: its units and that of its entry, by engine and types."""
+
+
 @dataclass(frozen=True)
 class Summary:
     """What an entry writes and returns: names of parameters, types of results, results that are written arguments;
@@ -58,9 +62,9 @@ class Summary:
     contiguous: tuple[str, ...] = ()
 
 
-def summary(program: Program, types: tuple[Type, ...]) -> Summary:
+def summary(program: Program, types: tuple[Type, ...], forms: Forms | None = None) -> Summary:
     """What the program's entry writes and returns for arguments of these types."""
-    units, unit = entry(program, types, "numpy")
+    units, unit = entry(program, types, "numpy", forms=forms)
     parameters = [hidden_name(p.id, units.program) for p in unit.function.args.args]
     returned = {k: hidden_name(name, units.program) for k, name in unit.summary.returned.items()}
     return Summary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, returned,
@@ -68,12 +72,13 @@ def summary(program: Program, types: tuple[Type, ...]) -> Summary:
                    tuple(parameters[k] for k in unit.contiguous))
 
 
-def derive(program: Program, request: Request, watch: Watch = unwatched) -> Generated:
+def derive(program: Program, request: Request, watch: Watch = unwatched, forms: Forms | None = None) -> Generated:
     """The generated module that a request asks for; raises S2sadError with everything that is refused.
 
-    `watch(stage, function)` is shown every function after every pass.
+    `watch(stage, function)` is shown every function after every pass; `forms` are the program's normal forms that were
+    made before, and take those that are made now.
     """
-    units, unit = entry(program, request.types, request.engine, watch)
+    units, unit = entry(program, request.types, request.engine, watch, forms)
     if request.engine == "numba":
         compilable(units)
     if request.mode == "primal":
@@ -177,12 +182,17 @@ def kept_tape(derived: Derived, function: FunctionDef, units: Units) -> Taped | 
                  units.titles.fresh(f"{derived.function.name}_taped"))
 
 
-def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch = unwatched) -> tuple[Units, Unit]:
+def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch = unwatched,
+          forms: Forms | None = None) -> tuple[Units, Unit]:
     """The units of a program and the one of its entry; arrays from outside have become parameters."""
-    program = numbered(hidden(program))
-    units = Units(program, engine, watch=watch)
-    outside = tuple(of_value(a) for a in program.arrays.values())
-    return units, units.unit(program.entry, types + outside)
+    made = {} if forms is None else forms
+    if (engine, types) not in made:
+        program = numbered(hidden(program))
+        units = Units(program, engine, watch=watch)
+        outside = tuple(of_value(a) for a in program.arrays.values())
+        made[engine, types] = units, units.unit(program.entry, types + outside)
+    units, unit = made[engine, types]
+    return units.again(), unit
 
 
 def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:

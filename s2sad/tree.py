@@ -208,17 +208,37 @@ class _Below(dict[type[AST], tuple[str, ...]]):
         return fields
 
 
+class _Backwards(dict[type[AST], tuple[str, ...]]):
+    """The same fields from the last to the first, as a stack takes them."""
+
+    def __missing__(self, kind: type[AST]) -> tuple[str, ...]:
+        self[kind] = _below[kind][::-1]
+        return self[kind]
+
+
 _below = _Below()
+_backwards = _Backwards()
 
 
 def walk(node: AST | list[AST]) -> Iterator[AST]:
     """Every node below, the given one first, in the order of the text."""
-    stack = list(reversed(node)) if isinstance(node, list) else [node]
+    # most of the compiler's time goes by here, hence neither a call for each node nor a list of its children
+    stack = node[::-1] if isinstance(node, list) else [node]
+    pop, push = stack.pop, stack.append
     while stack:
-        current = stack.pop()
+        current = pop()
         yield current
-        if _below[type(current)]:
-            stack.extend(reversed(children(current)))
+        fields = _backwards[type(current)]
+        if fields:
+            held = current.__dict__
+            for field in fields:
+                value = held.get(field)
+                if type(value) is list:
+                    for item in reversed(value):
+                        if isinstance(item, AST):
+                            push(item)
+                elif isinstance(value, AST):
+                    push(value)
 
 
 def children(node: AST) -> list[AST]:

@@ -91,6 +91,7 @@ class State:
         self.entries: dict[Any, Any] = {}
         self._variants: dict[Any, Variant] = {}
         self._summaries: dict[tuple[Type, ...], Any] = {}
+        self._forms: pipeline.Forms = {}
         self.given = given_of(program)
         self._watched = [Watch(g.plain) for g in self.given if isinstance(g.plain, FunctionType)]
 
@@ -112,7 +113,7 @@ class State:
         """What the pipeline says of the kernel's writes and results for these types."""
         found = self._summaries.get(types)
         if found is None:
-            found = self._summaries[types] = pipeline.summary(self.program, types)
+            found = self._summaries[types] = pipeline.summary(self.program, types, self._forms)
             for array in (n for n in found.returned.values() if n.startswith(HIDDEN)):
                 raise S2sadError(Diagnostic("S201", f"'{self.kernel.name}' returns '{array[len(HIDDEN):]}', an array "
                                             "of its module", help="pass the array as an argument"))
@@ -139,7 +140,7 @@ class State:
             if key not in self._variants:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
                                   request.with_primal)
-                generated = pipeline.derive(self.program, request)
+                generated = pipeline.derive(self.program, request, forms=self._forms)
                 self._variants[key] = Variant(generated, engine, self.summary(request.types), self.kernel.name,
                                                self.given)
             return self._variants[key]

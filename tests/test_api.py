@@ -31,7 +31,7 @@ def derived(monkeypatch):
     requests = []
     derive = pipeline.derive
     monkeypatch.setattr(pipeline, "derive",
-                        lambda program, request: requests.append(request) or derive(program, request))
+                        lambda program, request, **given: requests.append(request) or derive(program, request, **given))
     return requests
 
 

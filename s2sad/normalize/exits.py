@@ -1,9 +1,8 @@
 """How control leaves statements, and which names are then bound for certain."""
 from __future__ import annotations
 
-from s2sad.normalize.memory import walk_children
 from s2sad.tree import (
-    AST, Break, Constant, Continue, For, If, Name, Raise, Return, Store, While, stored_names,
+    AST, Break, Constant, Continue, For, If, Name, Raise, Return, Store, While, children, stored_names,
 )
 
 FALL, BREAK, CONTINUE, RETURN, RAISE = "fall", "break", "continue", "return", "raise"
@@ -73,7 +72,7 @@ def _both(a: frozenset[str] | None, b: frozenset[str] | None) -> frozenset[str] 
 
 
 def _names_bound(node: AST) -> list[str]:
-    return [n.id for child in walk_children(node) for n in _targets(child) if isinstance(n.ctx, Store)]
+    return [n.id for child in children(node) for n in _targets(child) if isinstance(n.ctx, Store)]
 
 
 def _targets(node: AST) -> list[Name]:

@@ -14,12 +14,12 @@ chained comparison is evaluated only where Python does.
 from __future__ import annotations
 
 from s2sad.normalize.calls import bound_arguments, leaves, nested, result_structure, user_call
-from s2sad.normalize.memory import walk_children
 from s2sad.normalize.in_place import changed, stored_out
 from s2sad.normalize.scope import Scope, atomic
 from s2sad.tree import (
     AST, And, Attribute, BoolOp, Call, Compare, Constant, If, IfExp, Name, Not, Slice, Starred, Subscript, Tuple,
-    USub, UnaryOp, assign, const, copy, dump, expr, index, indices, keyword, name, names, rebuild, tuple_of, walk,
+    USub, UnaryOp, assign, children, const, copy, dump, expr, index, indices, keyword, name, names, rebuild, tuple_of,
+    walk,
 )
 
 
@@ -153,7 +153,7 @@ def operands(node: AST) -> list[AST]:
     if isinstance(node, Call):
         function = [node.func.value] if isinstance(node.func, Attribute) else []
         return [*function, *node.args, *(k.value for k in node.keywords)]
-    return [child for child in walk_children(node) if _is_operand(child)]
+    return [child for child in children(node) if _is_operand(child)]
 
 
 def _present(node: Slice) -> list[AST]:

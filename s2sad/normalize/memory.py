@@ -6,12 +6,13 @@ taken to be apart: arguments that overlap are refused at the call if either is w
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cached_property
 
 from s2sad.normalize.in_place import stored_by_call, stored_out
 from s2sad.program import Program
 from s2sad.tree import (
     AST, AnnAssign, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, IfExp,
-    List, Name, Store, Subscript, Tuple, UnaryOp, call_name, stored_names, walk,
+    List, Name, Store, Subscript, Tuple, UnaryOp, call_name, children, stored_names, walk,
 )
 
 # The results of these share no memory with their arguments.
@@ -64,9 +65,13 @@ class Memory:
         self._parent: dict[str, str] = {}
         self._program = program
         self._writers: dict[str, bool] = {}
+        self._function = function
         for target, value in bindings(function):
             self.bind(stored_names(target), value)
-        self._scalars = _scalars(function)
+
+    @cached_property
+    def _scalars(self) -> set[str]:
+        return _scalars(self._function)
 
     def bind(self, targets: list[str], value: AST) -> None:
         if fresh_value(value):
@@ -146,16 +151,7 @@ def _names(node: AST | list[AST]) -> list[str]:
             continue
         if isinstance(current, Name) and ("." not in current.id or current.id.startswith(GLOBAL)):
             found.append(current.id)
-        stack.extend(child for child in walk_children(current))
-    return found
-
-
-def walk_children(node: AST) -> list[AST]:
-    """The nodes directly below, in the order of the text."""
-    found: list[AST] = []
-    for field in node._fields:
-        value = getattr(node, field)
-        found += [v for v in (value if isinstance(value, list) else [value]) if isinstance(v, AST)]
+        stack += children(current)
     return found
 
 

@@ -60,8 +60,7 @@ class ArrayForms:
                     names: Names) -> tuple[FunctionDef, bool, set[str], Typing, Names]:
         """What `_over_arrays` gives, with the types and the names that it has then; where it refuses names that stand
         for one array or another, with what follows a branch in its sides."""
-        known, kept = self.apart(typing), Names(names.taken)
-        kept.wanted, kept.meant = dict(names.wanted), dict(names.meant)
+        known, kept = self.apart(typing), names.copy()
         known.report, known.final = Report(typing.report.source), typing.final
         try:
             return *self._over_arrays(tree, typing, names), typing, names

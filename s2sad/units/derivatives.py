@@ -1,7 +1,7 @@
 """Units are differentiated: `analyze`, `differentiate` and `simplify`, for what is wanted of each once."""
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from s2sad.analyze.activity import Activity, activity
 from s2sad.analyze.dependence import Dependence
@@ -27,7 +27,7 @@ from s2sad.normalize.functions import functions
 from s2sad.normalize.hidden import hidden_arrays
 from s2sad.normalize.scalarize import scalarize
 from s2sad.normalize.workspace import is_allocation
-from s2sad.simplify import Effect, simplify
+from s2sad.simplify import Effect, Effects, simplify
 from s2sad.simplify.dead import dead
 from s2sad.simplify.quotients import quotients
 from s2sad.tree import AST, Assign, AugAssign, Expr, FunctionDef, Return, const, index, walk
@@ -59,6 +59,11 @@ class Units(NormalForms):
     """Everything made for one program and one engine."""
     derived: dict[tuple, Derived] = field(default_factory=dict)
     forwards: dict[str, str] = field(default_factory=dict)
+
+    def again(self) -> Units:
+        """The same units with nothing derived: no text depends on what was derived before it."""
+        return replace(self, made=dict(self.made), titled=dict(self.titled), titles=self.titles.copy(),
+                       effects=Effects(dict(self.effects.table)), derived={}, forwards={})
 
     def derive(self, mode: str, unit: Unit, wanted: Wanted, flat: bool = False) -> Derived:
         key = (mode, unit.title, wanted, flat)
