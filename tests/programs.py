@@ -112,6 +112,23 @@ def _mutator(choices: Choices, name: str, arrays: int, earlier: list[str], witho
     return [f"def {name}({', '.join(vectors)}, a):", *writer.lines]
 
 
+def _maker(choices: Choices, name: str, earlier: list[str], without: frozenset[str]) -> list[str]:
+    """A helper that returns a new array of the shape of its first; sometimes it writes it element by element."""
+    writer = Writer(choices, Scope(floats=["a"], vectors={"u": "n"}, frozen={"u"}), without | {"trips", "result"})
+    writer.pure, writer.arrays, writer.least, writer.budget = list(earlier), True, 3, 5
+    writer.write("n = u.shape[0]")
+    writer.statements(0, choices.integer(0, 2))
+    if choices.chance(50):
+        writer.write(f"r = np.{choices.pick(['zeros', 'empty'])}_like(u)")
+        writer.write("for e in range(n):")
+        writer.scope.ints["e"] = "n"
+        writer.write(f"    r[e] = {writer.tame(2)}")
+        writer.write("return r")
+    else:
+        writer.write(f"return {writer.new_values(('n',))}")
+    return [f"def {name}(u, a):", *writer.lines]
+
+
 def _helpers(choices: Choices, writer: Writer, without: frozenset[str]) -> list[str]:
     """The text of some helpers; the writer is told what it may call."""
     lines: list[str] = []
@@ -128,6 +145,10 @@ def _helpers(choices: Choices, writer: Writer, without: frozenset[str]) -> list[
     if choices.chance(25):
         lines += [*_mutator(choices, "turn0", 1, writer.pure, without, writer.arrays, returns=True), "", ""]
         writer.returning = ["turn0"]
+    if writer.arrays:
+        for k in range(choices.integer(0, 2)):
+            lines += [*_maker(choices, f"make{k}", writer.pure, without), "", ""]
+            writer.makers = [*writer.makers, f"make{k}"]
     return lines
 
 
@@ -166,6 +187,7 @@ def generate(choices: Choices, without: frozenset[str] = frozenset()) -> Program
     count = choices.integer(0, 2)
     writer = Writer(choices, _scope(parameters), without)
     writer.arrays = "arrays" not in without and choices.chance(50)
+    writer.given = frozenset(name for name, _ in parameters)
     helpers = _helpers(choices, writer, without)
     writer.results = lambda: _results(writer, count)
     writer.budget = choices.integer(4, 26)

@@ -78,7 +78,15 @@ def read_alone(x, n):
     return s
 
 
-KERNELS = [(in_turn, "x", ("return",)), (under_names, "u", ("u", "return")), (given_to_helpers, "x", ("return",)),
+def made_element_by_element(x, n):
+    low, high = np.clip(np.tanh(x), 0.1, 0.6), np.square(x)
+    m = [low, high]
+    for t in range(n):
+        m[(t + 1) % 2][0] = 0.5 * m[t % 2][1] * m[t % 2][2]
+    return m[0][0] + m[1][0] * m[1][1]
+
+
+KERNELS = [(made_element_by_element, "x", ("return",)), (in_turn, "x", ("return",)), (under_names, "u", ("u", "return")), (given_to_helpers, "x", ("return",)),
            (put_anew, "x", ("return",)), (read_alone, "x", ("return",))]
 
 

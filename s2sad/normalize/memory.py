@@ -10,6 +10,7 @@ from functools import cached_property
 
 from s2sad.normalize.in_place import stored_by_call, stored_out
 from s2sad.program import Program
+from s2sad.rules import find
 from s2sad.tree import (
     AST, AnnAssign, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, IfExp,
     List, Name, Store, Subscript, Tuple, UnaryOp, call_name, children, stored_names, walk,
@@ -20,6 +21,7 @@ FRESH = {"builtins." + f for f in "range len int float bool abs round".split()} 
     "numpy." + f for f in "zeros ones empty full zeros_like ones_like empty_like full_like array copy arange linspace "
     "sqrt exp log sin cos tan tanh sum dot mean abs maximum minimum where outer eye concatenate stack roll diff "
     "cumsum cumprod".split()}
+_GIVEN_BACK = {f"numpy.{f}" for f in ("real", "imag", "float64", "float32")}    # these may give what they are given
 FRESH_METHODS = {"copy", "sum", "mean", "min", "max", "item", "dot", "prod"}
 STABLE = {"shape", "size", "ndim", "dtype"}             # what a store into an array cannot change
 GLOBAL = "array."
@@ -39,8 +41,13 @@ def fresh_value(value: AST) -> bool:
     if stored_out(value) is not None or any(k.arg == "copy" for k in getattr(value, "keywords", [])):
         return False                                    # the array that it is given may be its result
     if called is not None:
-        return called in FRESH or called.startswith("math.")
+        return called in FRESH or called.startswith("math.") or _is_new(called)
     return isinstance(value, Call) and isinstance(value.func, Attribute) and value.func.attr in FRESH_METHODS
+
+
+def _is_new(called: str) -> bool:
+    """Whether a function has a rule element by element, and so makes a new array of any."""
+    return called.startswith("numpy.") and called not in _GIVEN_BACK and find(called) is not None
 
 
 def parameters(function: FunctionDef) -> list[str]:
