@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import ast as _ast
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -268,6 +269,13 @@ def names(node: AST | list[AST]) -> list[str]:
 def stored_names(node: AST | list[AST]) -> list[str]:
     """The names that are bound, in order, each once (element stores do not bind)."""
     return list(dict.fromkeys(n.id for n in walk(node) if isinstance(n, Name) and isinstance(n.ctx, Store)))
+
+
+def times_bound(node: AST | list[AST], *kinds: type[AST]) -> Counter[str]:
+    """How often each name is bound; if kinds of statements are given, by these only (`x += y` binds no array anew)."""
+    places = [t for s in walk(node) if isinstance(s, kinds) for t in (
+        s.targets if isinstance(s, Assign) else [s.target])] if kinds else node
+    return Counter(n.id for n in walk(places) if isinstance(n, Name) and isinstance(n.ctx, Store))
 
 
 def call_name(node: AST | None) -> str | None:

@@ -7,7 +7,6 @@
 """
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable
 
 import numpy
@@ -16,8 +15,8 @@ from s2sad.infer.infer import Typing
 from s2sad.read.meaning import library_value
 from s2sad.rules import find_array
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Call, Constant, FunctionDef, Name, Store, Subscript, Tuple, UnaryOp,
-    attribute, call_name, copy, name, rebuild, walk,
+    AST, Assign, Attribute, BinOp, Call, Constant, FunctionDef, Name, Store, Subscript, Tuple, UnaryOp, attribute,
+    call_name, copy, name, rebuild, times_bound, walk,
 )
 
 MAKERS = {"numpy.empty": None, "numpy.empty_like": None, "numpy.zeros": 0.0, "numpy.zeros_like": 0.0,
@@ -34,7 +33,7 @@ class GivenSizes:
 
     def __init__(self, tree: FunctionDef, typing: Typing, called: Shapes):
         self.typing, self.called = typing, called
-        self.bound = Counter(n.id for n in walk(tree.body) if isinstance(n, Name) and isinstance(n.ctx, Store))
+        self.bound = times_bound(tree.body)
         self.known: dict[str, AST] = {p.id: name(p.id) for p in tree.args.args}
         self.made: dict[str, AST] = {}
         for statement in tree.body:

@@ -20,7 +20,6 @@ Whether NumPy gives a view depends on the operand's memory: the parameters that 
 """
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 
 from s2sad.blocks import with_blocks
@@ -36,7 +35,7 @@ from s2sad.normalize.turned_back import Turned, by_element, turned_back
 from s2sad.normalize.viewing import Writes, differing, sources
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, For, FunctionDef, If, Name, Store, Subscript, While, assign, at, call, call_name,
-    const, copy, index, name, names, rename, walk,
+    const, copy, index, name, names, rename, times_bound, walk,
 )
 
 _WHOLE = {"numpy.asarray", "numpy.ascontiguousarray"}
@@ -166,8 +165,8 @@ def _blocks(statement: AST) -> list[list[AST]]:
 def _lives(function: FunctionDef, typing: Typing, free: Names, lying: Contiguity) -> FunctionDef:
     """The function with a name of its own for each view whose name is bound elsewhere, too, where nothing reads it
     behind its block or the next binding there."""
-    counted = Counter([p.id for p in function.args.args] + [
-        s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)])
+    counted = times_bound(function.body, Assign)
+    counted.update(p.id for p in function.args.args)
     references = References(function)
 
     def block(given: list[AST]) -> list[AST]:

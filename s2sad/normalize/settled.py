@@ -12,7 +12,6 @@ written out, and `loops` puts each in its place.
 from __future__ import annotations
 
 import inspect
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any
@@ -26,8 +25,8 @@ from s2sad.program import Kernel, Program
 from s2sad.read.meaning import library_value
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Call, Constant, For, FunctionDef, GeneratorExp, List, ListComp, Mult, Name,
-    Store, Sub, Tuple, USub, UnaryOp, at, call_name, const, copy, keyword, literal, names, rebuild, stored_names,
-    tuple_of, walk,
+    Sub, Tuple, USub, UnaryOp, at, call_name, const, copy, keyword, literal, names, rebuild, stored_names,
+    times_bound, tuple_of, walk,
 )
 
 AXES = ("axis", "axis1", "axis2", "axes", "source", "destination")
@@ -134,7 +133,7 @@ def _signature(path: str) -> tuple[str, ...]:
 def known_names(function: FunctionDef, kernel: Kernel, program: Program, seen: tuple[str, ...] = ()) -> dict[str, Any]:
     """What the names of a kernel are known to be."""
     known: dict[str, Any] = {f"const.{n}": v for n, v in program.constants.items() if _is_plain(v)}
-    stores = Counter(n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store))
+    stores = times_bound(function.body)
     known |= {p: v for p in parameters(function) if p not in stores
               and (v := _given(kernel, p, program, (*seen, kernel.name))) is not UNKNOWN}
     for bound, what in _bindings(function):

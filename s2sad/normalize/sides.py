@@ -15,7 +15,7 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.shapes import single_values
 from s2sad.normalize.disjoint import Disjoint, occurrences
 from s2sad.normalize.viewing import sources
-from s2sad.tree import AST, Assign, Attribute, For, FunctionDef, Name, Store, Subscript, copy, dump, walk
+from s2sad.tree import AST, Assign, Attribute, For, FunctionDef, Name, Subscript, copy, dump, times_bound, walk
 
 
 @dataclass
@@ -76,9 +76,7 @@ def sides(function: FunctionDef, binding: Assign, typing: Typing) -> Sides:
 def _is_bound_to_others(function: FunctionDef, both: Sides, known: list[str]) -> bool:
     """Whether a name of either side is bound to memory of its own as well, in a branch or in a loop: then it shares
     none of the other side's. `known` are the names as often as they are bound to what is on a side."""
-    times = Counter(n.id for s in walk(function.body) if isinstance(s, (Assign, For))
-                    for n in walk(s.target if isinstance(s, For) else s.targets)
-                    if isinstance(n, Name) and isinstance(n.ctx, Store))
+    times = times_bound(function.body, Assign, For)
     times.update(p.id for p in function.args.args)
     sides = Counter(known)
     return any(times[n] > sides[n] for n in both.view) or any(times[n] > max(sides[n], 1) for n in both.operand)

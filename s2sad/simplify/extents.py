@@ -7,13 +7,12 @@ Only arrays and numbers that are bound once, outside of loops and branches, have
 """
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Set
 
 from s2sad.infer.affine import Affine, combined
 from s2sad.tree import (
-    AST, Add, Assert, Assign, Attribute, BinOp, Compare, Constant, Eq, FunctionDef, Name, Store, Subscript, Tuple,
-    UnaryOp, USub, call_name, walk,
+    AST, Add, Assert, Assign, Attribute, BinOp, Compare, Constant, Eq, FunctionDef, Name, Subscript, Tuple, UnaryOp,
+    USub, call_name, times_bound, walk,
 )
 
 Size = tuple[str, int]
@@ -28,7 +27,7 @@ class Extents:
 
     def __init__(self, function: FunctionDef, writing: Set[str] = frozenset()):
         self.writing = writing
-        bound = Counter(n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store))
+        bound = times_bound(function.body)
         parameters = {p.id for p in function.args.args}
         self.fixed = {p for p in parameters if not bound[p]}
         self.numbers: dict[str, AST] = {}

@@ -18,11 +18,10 @@ is computed beside it, shares its exponential (`runtime.sech_squared`).
 """
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
 
-from s2sad.analyze.liveness import base_name, targets
+from s2sad.analyze.liveness import base_name
 from s2sad.blocks import with_blocks
 from s2sad.infer.types import Type
 from s2sad.naming import Names
@@ -32,7 +31,8 @@ from s2sad.simplify.extents import Extents
 from s2sad.simplify.nests import Nest, nest_of
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, BoolOp, Constant, Expr, For, FunctionDef, If, IfExp, Name, Subscript, While,
-    assign, at, call, call_name, const, copy, dump, index, indices, name, names, rebuild, tuple_of, walk,
+    assign, at, call, call_name, const, copy, dump, index, indices, name, names, rebuild, times_bound, tuple_of,
+    walk,
 )
 
 _COSTLY = {f"{room}.{f}" for room in ("numpy", "math") for f in (
@@ -126,7 +126,7 @@ class _Kept:
             return ""
         made, place = _made(source), dump(tuple_of(*map(name, giving.counters)))
         position = next(k for k, s in enumerate(giving.body) if s is source.statement)
-        once = not isinstance(made, Name) or _bindings(giving.body)[made.id] == 1
+        once = not isinstance(made, Name) or times_bound(giving.body, Assign, AugAssign)[made.id] == 1
         for statement in giving.body[position:] if once else []:
             target = statement.targets[0] if isinstance(statement, Assign) else None
             if isinstance(target, Subscript) and isinstance(target.value, Name) and dump(
@@ -159,12 +159,6 @@ def _made(source: _Value) -> AST:
     return name(target.id) if isinstance(target, Name) and source.statement.value is source.node else copy(source.node)
 
 
-def _bindings(body: list[AST]) -> Counter[str]:
-    """How often a block binds each name."""
-    return Counter(t.id for s in walk(body) if isinstance(s, (Assign, AugAssign)) for t in targets(s)
-                   if isinstance(t, Name))
-
-
 def _is_costly(node: AST) -> bool:
     return call_name(node) in _COSTLY
 
@@ -178,7 +172,7 @@ def _changed(statement: AST, writing: Set[str]) -> set[str]:
 def _values(nest: Nest) -> Iterator[_Value]:
     """The values of the straight statements of a nest, with what the names in their arguments are bound to."""
     known: dict[str, AST] = {}
-    times = _bindings(nest.body)
+    times = times_bound(nest.body, Assign, AugAssign)
 
     def spelled(node: AST) -> AST:
         return rebuild(node, lambda n: copy(known[n.id]) if isinstance(n, Name) and n.id in known else None)

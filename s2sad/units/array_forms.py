@@ -4,7 +4,6 @@
 """
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Set
 from dataclasses import dataclass
 
@@ -39,7 +38,7 @@ from s2sad.program import Program
 from s2sad.simplify import Watch
 from s2sad.simplify.handed import handed
 from s2sad.simplify.quotients import quotients
-from s2sad.tree import Assert, Assign, Call, FunctionDef, Name, Store, call_name, copy, walk
+from s2sad.tree import Assert, Assign, Call, FunctionDef, call_name, copy, times_bound, walk
 from s2sad.units.calls import Calls
 from s2sad.units.unit import Unit
 
@@ -71,7 +70,7 @@ class ArrayForms:
             moved = tails(exchanged(tree, known, written), known, written) if shared else tree
             if moved is tree:
                 raise
-            again = {n for n, times in bindings_of(tree).items() if times > 1}
+            again = {n for n, times in times_bound(tree.body, Assign).items() if times > 1}
             try:
                 return *self._over_arrays(moved, known, kept, again), known, kept
             except S2sadError:
@@ -145,12 +144,6 @@ def with_choices(function: FunctionDef, typing: Typing) -> FunctionDef:
     new = copy(function)
     new.body = [scalar_choices(s, lambda n: not typing.of(n).is_array) for s in new.body]
     return new
-
-
-def bindings_of(function: FunctionDef) -> Counter[str]:
-    """How often a function binds each name."""
-    return Counter(n.id for s in walk(function.body) if isinstance(s, Assign) for n in walk(s.targets)
-                   if isinstance(n, Name) and isinstance(n.ctx, Store))
 
 
 def count(function: FunctionDef, kind: type) -> int:
