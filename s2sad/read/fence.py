@@ -15,6 +15,7 @@ from s2sad.tree import AST
 _NOT = "is not supported in a kernel"
 _COMPREHENSION = "allocate an array before and fill it in a for loop"
 _STRINGS = "write a plain string; print takes several values: print('step', i)"
+_IMPORT = "move the import to the top of the function or of the module"
 _ASYNC = "write a plain function with plain loops"
 
 # construct: (what it is called, what to write instead)
@@ -35,8 +36,8 @@ _REFUSED = {
     "Global": ("global", "return the new value, or keep it in an element of an array argument"),
     "Nonlocal": ("nonlocal", "return the new value, or keep it in an element of an array argument"),
     "Delete": ("del", "leave the line out: local arrays are freed when the kernel returns"),
-    "Import": ("import inside a function", "move the import to the top of the module"),
-    "ImportFrom": ("import inside a function", "move the import to the top of the module"),
+    "Import": ("an import in a branch or loop, or of a name that is bound twice", _IMPORT),
+    "ImportFrom": ("an import in a branch or loop, or of a name that is bound twice", _IMPORT),
     "Match": ("match", "write if, elif and else"),
     "TypeAlias": ("type", "move it to module level"),
     "SetComp": ("a set comprehension", _COMPREHENSION),

@@ -11,6 +11,7 @@ from s2sad.diagnostics import Report, S2sadError, Span
 from s2sad.program import Kernel, Program
 from s2sad.read import fence, shared_lists
 from s2sad.read.handed import by_default, definition, handed
+from s2sad.read.imports import imports
 from s2sad.read.live import live_meaning
 from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number, Record
 from s2sad.read.nested import lifted
@@ -77,7 +78,7 @@ class Linker:
         return self.outside.setdefault((kind, key), (f"{kind}.{len(self.outside)}", meaning))[0]
 
     def visit(self, function: Function, callers: list[Function]) -> None:
-        captured = definition(function)
+        captured = imports(definition(function))
         captured = lifted(replace(captured, tree=returned_lists(plain(captured.tree))), function.key)
         report = Report(captured.source)
         self.reports.append(report)

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import builtins
 import functools
+import importlib
 import sys
 import types
 from collections.abc import Callable, Mapping
@@ -47,6 +48,17 @@ class LiveScope:
 
     def known(self) -> list[str]:
         return [*self.given, *self.cells, *self.function.__globals__]
+
+    def imported(self, module: str, level: int, name: str | None) -> Meaning:
+        """What an import in the function binds: a module, or what it has under a name."""
+        try:
+            found = importlib.import_module("." * level + module, self.function.__globals__.get("__package__"))
+            if name is not None and not hasattr(found, name):
+                importlib.import_module(f"{found.__name__}.{name}")
+            value = found if name is None else getattr(found, name)
+        except (ImportError, AttributeError) as error:
+            return Unusable(f"imported, which fails: {error}", "correct the import")
+        return live_meaning(name or module, value)
 
 
 class ModuleScope:

@@ -102,11 +102,17 @@ _WRITTEN_OUT = 64   # items of a sequence from outside: more are an array's
 
 
 class Scope(Protocol):
-    """The names around a kernel, or those of a module."""
+    """The names of a module."""
 
     def lookup(self, name: str) -> Meaning | None: ...
 
     def known(self) -> list[str]: ...
+
+
+class Surroundings(Scope, Protocol):
+    """The names around a kernel, and what it imports itself."""
+
+    def imported(self, module: str, level: int, name: str | None) -> Meaning: ...
 
 
 @dataclass(frozen=True)
@@ -137,7 +143,7 @@ class Captured:
     name: str
     tree: FunctionDef
     source: Source
-    scope: Scope
+    scope: Surroundings
     default: Callable[[str, AST], Any]
 
 

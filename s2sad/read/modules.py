@@ -55,6 +55,10 @@ class FileModule:
     def known(self) -> list[str]:
         return list(self.meanings)
 
+    def imported(self, module: str, level: int, name: str | None) -> Meaning:
+        """What an import in a function of the file binds."""
+        return _Member(self, module, level, name).found()
+
     # -- statements ---------------------------------------------------------------------------------------------------
 
     def _follow(self, statement: AST) -> None:

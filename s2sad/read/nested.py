@@ -16,7 +16,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, replace
 
 from s2sad import tree
-from s2sad.read.meaning import AST, Captured, Function, Library, Meaning, NotConstant, Scope
+from s2sad.read.meaning import AST, Captured, Function, Meaning, NotConstant, Surroundings
 from s2sad.tree import FunctionDef
 
 
@@ -32,7 +32,7 @@ class NestedFunction:
 class Around:
     """The names around a function with nested ones."""
 
-    def __init__(self, scope: Scope, inner: Mapping[str, Function | Library]):
+    def __init__(self, scope: Surroundings, inner: Mapping[str, Meaning]):
         self.scope, self.inner = scope, inner
 
     def lookup(self, name: str) -> Meaning | None:
@@ -40,6 +40,9 @@ class Around:
 
     def known(self) -> list[str]:
         return [*self.inner, *self.scope.known()]
+
+    def imported(self, module: str, level: int, name: str | None) -> Meaning:
+        return self.scope.imported(module, level, name)
 
 
 def lifted(captured: Captured, key: Hashable) -> Captured:

@@ -16,6 +16,7 @@
     if k in (1, m - 1):             if k == 1 or k == m - 1:
     a, b, *_ = x                    a, b = x[0], x[1]           where nothing reads `_`
     a, *_ = f(x)                    a = f(x)[0]
+    a.shape = (n, n)                a = a.reshape((n, n))               where `a` is the only name (reshaped)
 
 The text of an error is none that a derivative computes: it shows what stands between the braces. What NumPy warns of
 is no matter of a derivative either. An assignment inside
@@ -25,6 +26,7 @@ for the fence to refuse, as are strings in any other place.
 from __future__ import annotations
 
 from s2sad.read.ranges import ranged, unnamed
+from s2sad.read.reshaped import reshaped
 from s2sad.read.turns import turns
 from s2sad.tree import (
     AST, Add, And, Assert, Assign, Attribute, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For, FunctionDef,
@@ -39,7 +41,7 @@ _LAZY = ("Lambda", "ListComp", "GeneratorExp", "SetComp", "DictComp")   # run la
 
 def plain(function: FunctionDef) -> FunctionDef:
     """The function with such spellings in their plain form."""
-    new = turns(unnamed(copy(function)))
+    new = turns(unnamed(copy(reshaped(function))))
     read = {n.id for n in walk(function.body) if isinstance(n, Name) and not isinstance(n.ctx, Store)}
 
     def change(node: AST) -> AST | None:
