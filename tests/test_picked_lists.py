@@ -86,7 +86,8 @@ def made_element_by_element(x, n):
     return m[0][0] + m[1][0] * m[1][1]
 
 
-KERNELS = [(made_element_by_element, "x", ("return",)), (in_turn, "x", ("return",)), (under_names, "u", ("u", "return")), (given_to_helpers, "x", ("return",)),
+KERNELS = [(made_element_by_element, "x", ("return",)), (in_turn, "x", ("return",)),
+           (under_names, "u", ("u", "return")), (given_to_helpers, "x", ("return",)),
            (put_anew, "x", ("return",)), (read_alone, "x", ("return",))]
 
 

@@ -225,7 +225,8 @@ def _array_call(node: Call) -> AST | None:
         return None
     if call_name(node) == "numpy.roll" and (moved := _rolled(ordered)) is not None:
         return at(moved, node)
-    return at(Call(ordered.func, [rebuild(a, _plain) for a in ordered.args], ordered.keywords), node)
+    keywords = [rebuild(k, _plain) for k in ordered.keywords]
+    return at(Call(ordered.func, [rebuild(a, _plain) for a in ordered.args], keywords), node)
 
 
 def _in_blocks(node: Call) -> AST | None:

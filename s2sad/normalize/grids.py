@@ -1,0 +1,70 @@
+"""grids: NumPy's grids by slices are those of ranges.
+
+    X, Y = np.mgrid[0:n, 0:m]           X, Y = np.meshgrid(np.arange(0, n, 1), np.arange(0, m, 1), indexing="ij")
+    X, Y = np.ogrid[0:n, 0:1:5j]        X, Y = np.arange(0, n, 1)[:, None] * 1.0, np.linspace(0, 1, 5)[None, :]
+    x = np.mgrid[0:n]                   x = np.arange(0, n, 1)
+
+Requires resolved names. A step that is an imaginary number is how many there are; the others are floats then, too.
+"""
+from __future__ import annotations
+
+from s2sad.normalize.scope import Scope
+from s2sad.tree import (
+    AST, BinOp, Constant, FunctionDef, Mult, Name, Slice, Subscript, Tuple, UnaryOp, USub, at, call, const, copy, index,
+    indices, keyword, rebuild, tuple_of,
+)
+
+_OPEN, _FULL = "numpy.ogrid", "numpy.mgrid"
+
+
+def grids(function: FunctionDef, scope: Scope) -> FunctionDef:
+    """The function without them; what cannot be told goes into the report."""
+    def change(node: AST) -> AST | None:
+        if not isinstance(node, Subscript) or not isinstance(node.value, Name) or node.value.id not in (_OPEN, _FULL):
+            return None
+        made = _made(node)
+        if made is None:
+            scope.refuse(node, f"a grid of other than one to three slices with written bounds by np.{node.value.id[6:]}",
+                         help="write np.meshgrid(x, y, indexing='ij'), of ranges that have names")
+        return None if made is None else at(made, node)
+    new = copy(function)
+    new.body = [rebuild(statement, change) for statement in new.body]
+    return new
+
+
+def _made(node: Subscript) -> AST | None:
+    slices = [s for s in indices(node) if isinstance(s, Slice) and s.upper is not None]
+    if len(slices) != len(indices(node)) or not 1 <= len(slices) <= 3:
+        return None
+    counted = [_count(s) for s in slices]
+    if any(c is not None and not isinstance(c, int) for c in counted):
+        return None
+    axes = [_axis(s, c, any(k is not None for k in counted)) for s, c in zip(slices, counted)]
+    if not isinstance(node.slice, Tuple):
+        return axes[0]
+    if node.value.id == _OPEN:
+        whole = Slice(None, None, None)
+        return tuple_of(*(index(a, *[whole if j == k else const(None) for j in range(len(axes))])
+                          for k, a in enumerate(axes))) if len(axes) > 1 else None
+    if len(axes) == 1:
+        return None
+    grid = call("numpy.meshgrid", *axes)
+    grid.keywords = [keyword("indexing", const("ij"))]
+    return grid
+
+
+def _count(part: Slice) -> int | float | None:
+    """How many numbers a slice asks for by an imaginary step; None if the step is a step."""
+    step = part.step.operand if isinstance(part.step, UnaryOp) and isinstance(part.step.op, USub) else part.step
+    value = step.value if isinstance(step, Constant) else None
+    if not isinstance(value, complex):
+        return None
+    return int(value.imag) if value.imag == int(value.imag) and value.real == 0.0 else value.imag
+
+
+def _axis(part: Slice, count: int | float | None, floats: bool) -> AST:
+    start, step = part.lower or const(0), part.step or const(1)
+    if count is not None:
+        return call("numpy.linspace", start, part.upper, const(count))
+    made = call("numpy.arange", start, part.upper, step)
+    return BinOp(made, Mult(), const(1.0)) if floats else made
