@@ -24,7 +24,7 @@ def grids(function: FunctionDef, scope: Scope) -> FunctionDef:
             return None
         made = _made(node)
         if made is None:
-            scope.refuse(node, f"a grid of other than one to three slices with written bounds by np.{node.value.id[6:]}",
+            scope.refuse(node, f"a grid by np.{node.value.id[6:]} of other slices than one to three with ends",
                          help="write np.meshgrid(x, y, indexing='ij'), of ranges that have names")
         return None if made is None else at(made, node)
     new = copy(function)

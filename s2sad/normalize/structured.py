@@ -1,10 +1,10 @@
 """A kernel in structured form: the first half of normalize.
 
 Requires a fenced tree with resolved names. Establishes, in this order: elements are assigned one by one (chained),
-grids are of ranges (grids), NumPy's functions are given by place what they must be given (signatures), options are numbers (settled), tables of
-numbers are arrays (tables), slices have no names (sliced), lists that grow are arrays (lists), no name holds several
-results (bundles), one target per assignment and pure expressions (desugar), control flow with one return and breaks in
-tail position (jumps), loops that count (loops).
+grids are of ranges (grids), NumPy's functions are given by place what they must be given (signatures), options are
+numbers (settled), tables of numbers are arrays (tables), slices have no names (sliced), lists that grow are arrays
+(lists), no name holds several results (bundles), one target per assignment and pure expressions (desugar), control
+flow with one return and breaks in tail position (jumps), loops that count (loops).
 """
 from __future__ import annotations
 

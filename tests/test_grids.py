@@ -1,0 +1,59 @@
+"""NumPy's grids by slices: np.mgrid and np.ogrid."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+from tests.engines import each
+
+X = np.array([0.3, 0.9, 0.7, 0.62])
+
+
+def of_ranges(x):
+    n = len(x)
+    i, j = np.mgrid[:n, 0:n]
+    a = np.where((i - 1) ** 2 + (j - 2) ** 2 < 4, x[i], x[j] ** 2)
+    p, q, r = np.mgrid[0:2, 1:3, 0:n:2]
+    return np.sum(a) + np.sum(p * x[0] + q * x[1] ** 2 + x[r])
+
+
+def of_counts(x):
+    u, v = np.mgrid[0:1:4j, x[0]:1:4j]
+    s = np.mgrid[0:1:0.25, 0:4]
+    w = np.mgrid[0:1:4j, 0:4][1] / 2
+    return np.sum(u * x[:, None] + v ** 2) + np.sum(s[0] * x) + np.sum(w * x)
+
+
+def open_ones(x):
+    u, k = np.ogrid[-1:1:4j, :4]
+    i, j = np.ogrid[0:4, 1:4]
+    return np.sum(u ** 2 * x + k / 3 * x ** 2) + np.sum(x[i] * x[j])
+
+
+def of_one_axis(x):
+    k = np.mgrid[0:4]
+    return np.sum(x[k] * k) + np.sum(np.mgrid[0:1:4j] * x)
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each([of_ranges, of_counts, open_ones, of_one_axis], every=4))
+def test_derivatives(kernel, engine):
+    check_derivatives(kernel, (X.copy(),), ("x",), ("return",), engine=engine)
+
+
+def of_two_counts(x):
+    return np.sum(np.mgrid[0:1:2.5j] * x)
+
+
+def of_an_open_slice(x):
+    return np.sum(np.ogrid[0:, 0:4][1] * x)
+
+
+@pytest.mark.parametrize(("kernel", "name"), [(of_two_counts, "mgrid"), (of_an_open_slice, "ogrid")])
+def test_refused(kernel, name):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(kernel)(X)
+    said = str(caught.value)
+    assert f"a grid by np.{name} of other slices than one to three with ends" in said
+    assert "help: write np.meshgrid(x, y, indexing='ij'), of ranges that have names" in said
