@@ -725,3 +725,20 @@ def part_added_to_by_its_own_elements(u):
 @pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_the_seed_of_a_part_is_what_it_was_before_its_elements_gain(engine):
     check_derivatives(part_added_to_by_its_own_elements, (given(4, 4),), ("u",), ("u",), engine=engine)
+
+
+def columns_and_rows(x):
+    c, r = x.reshape(-1, 1), np.reshape(x, (1, -1))
+    for k in range(3):
+        c[k, 0] *= x[3]
+    r[0, 1] += 2.0 * c[2, 0]
+    f = x[::-1].reshape(-1)
+    f[0] = f[1] ** 2
+    d = x[::2].reshape(-1, 1)
+    d *= 0.5
+    return np.sum(c * r) + np.sum(d)
+
+
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
+def test_an_array_of_one_axis_is_a_column_and_a_row_wherever_it_lies(engine):
+    check_derivatives(columns_and_rows, (given(4),), ("x",), ("x", "return"), engine=engine)

@@ -1,8 +1,7 @@
-"""signatures: what NumPy takes by place and by name alike is given by place; a tuple that takes in others is a sum.
+"""signatures: what NumPy takes by place and by name alike is given by place.
 
     np.full(shape=n, fill_value=c)      np.full(n, c)
     np.sum(a=x, axis=0)                 np.sum(x, axis=0)
-    (*x.shape, 2)                       x.shape + (2,)
     np.var(x, 0, None, None, 1)         np.var(x, 0, ddof=1)
     np.argsort(x, kind="stable")        np.argsort(x, kind="mergesort")     which compiled code has, too
     q, r = divmod(a, b)                 q, r = a // b, a % b
@@ -13,13 +12,13 @@ Requires resolved names. Establishes: of NumPy's functions the parameters that m
 from __future__ import annotations
 
 import inspect
-from functools import reduce, cache
+from functools import cache
 
 from s2sad.normalize.calls import user_call
 from s2sad.normalize.scope import Scope
 from s2sad.read.meaning import library_value
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, FunctionDef, GeneratorExp, Load, Mod, Starred, Tuple, at,
+    AST, Attribute, BinOp, Call, Constant, FloorDiv, FunctionDef, GeneratorExp, Mod, at,
     call, call_name, copy, dump, keyword, rebuild, tuple_of, walk,
 )
 
@@ -54,8 +53,6 @@ def _changed(node: AST) -> AST | None:
     if call_name(node) in ("builtins.any", "builtins.all") and len(node.args) == 1 and not isinstance(
             node.args[0], GeneratorExp):                # which stops early (comprehensions)
         return rebuild(at(call(f"numpy.{(call_name(node) or '')[9:]}", *node.args), node), _changed)
-    if isinstance(node, Tuple) and isinstance(node.ctx, Load) and any(isinstance(i, Starred) for i in node.elts):
-        return rebuild(at(_summed(node.elts), node), _changed)
     if not isinstance(node, Call) or not node.keywords or not (call_name(node) or "").startswith("numpy."):
         return None
     given = {k.arg: k.value for k in node.keywords}
@@ -67,19 +64,6 @@ def _changed(node: AST) -> AST | None:
     if len(args) == len(node.args):
         return None
     return rebuild(at(Call(node.func, args, [k for k in node.keywords if k.arg in given]), node), _changed)
-
-
-def _summed(items: list[AST]) -> AST:
-    """A tuple's items as a sum of the tuples it takes in and of those between."""
-    parts: list[AST] = []
-    plain: list[AST] = []
-    for item in items:
-        if isinstance(item, Starred):
-            parts += [*([tuple_of(*plain)] if plain else []), item.value]
-            plain = []
-        else:
-            plain.append(item)
-    return reduce(lambda a, b: BinOp(a, Add(), b), [*parts, *([tuple_of(*plain)] if plain else [])])
 
 
 @cache

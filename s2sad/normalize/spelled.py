@@ -25,11 +25,12 @@ from __future__ import annotations
 from functools import reduce
 
 from s2sad import rules
+from s2sad.normalize.joined import items_of
 from s2sad.normalize.optioned import item, matrices_turned, optioned
 from s2sad.normalize.told import CONJUGATING, start
 from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Mult, Name, NotEq, Pow,
+    AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Name, NotEq, Pow,
     Slice, Starred, Store, Sub, Subscript, Tuple, at, attribute, call, call_name, compare, const, copy, index, indices,
     mult, name, rebuild, tuple_of, walk,
 )
@@ -65,7 +66,7 @@ def _plain(node: AST) -> AST | None:
         left, right = (call("numpy.array", s) if isinstance(s, (Tuple, List)) else s for s in (node.left, node.right))
         return rebuild(at(BinOp(left, node.op, right), node), _plain)
     for kind in (List, Tuple):
-        if isinstance(node, BinOp) and (listed := _listed(node, kind)) is not None:
+        if isinstance(node, BinOp) and (listed := items_of(node, kind)) is not None:
             return at(kind([rebuild(item, _plain) for item in listed], name("_").ctx), node)
     if isinstance(node, Subscript) and (joined := _joined(node) or _crossed(node)) is not None:
         return rebuild(at(joined, node), _plain)
@@ -185,20 +186,6 @@ def _lengthened(node: Call) -> AST | None:
     whole = [p if k == 1 else call("numpy.atleast_1d", p) for k, p in enumerate(parts) if p is not None]
     axis = copy(options.get("axis", const(-1)))
     return call("numpy.diff", call("numpy.concatenate", tuple_of(*whole), axis=axis), **options)
-
-
-def _listed(node: AST, kind: type) -> list[AST] | None:
-    """The items of lists or tuples that are added and repeated: `[a] * 2 + [b]`."""
-    if isinstance(node, kind):
-        return node.elts
-    if isinstance(node, BinOp) and isinstance(node.op, Add):
-        left, right = _listed(node.left, kind), _listed(node.right, kind)
-        return None if left is None or right is None else [*left, *right]
-    if isinstance(node, BinOp) and isinstance(node.op, Mult) and isinstance(node.right, Constant):
-        left = _listed(node.left, kind)
-        return None if left is None or type(node.right.value) is not int else [
-            copy(item) for _ in range(node.right.value) for item in left]
-    return None
 
 
 def _axes(node: Call) -> Tuple | None:

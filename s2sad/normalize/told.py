@@ -6,6 +6,7 @@
     x > [0.5, 0.9]                                  x > np.array([0.5, 0.9]), where x is an array
     s = np.sum(x).item() + x[1:2].item()            s = np.sum(x) + x[1:2][0]
     np.sum(np.astype(x, dtype=np.float64))          np.sum(x), of an array that is of these already
+    x.reshape(-1, 1)                                x[:, None], of an array of one axis: a view wherever it lies
     np.zeros(x.shape[1:])                           np.zeros((x.shape[1], x.shape[2])), where x has three axes
 
 Requires structured form and types; changes no type.
@@ -13,10 +14,10 @@ Requires structured form and types; changes no type.
 from __future__ import annotations
 
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import written_slice
+from s2sad.infer.laws import whole_number, written_slice
 from s2sad.infer.types import Type
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Compare, Constant, FunctionDef, In, Is, IsNot, List, Mult, NotIn, Slice,
+    AST, Add, Attribute, BinOp, Call, Compare, Constant, FunctionDef, In, Is, IsNot, List, Mult, Name, NotIn, Slice,
     Subscript, Tuple, at, call, call_name, const, copy, index, rebuild, tuple_of,
 )
 
@@ -46,6 +47,8 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
             return _item(node, typing.of(node.func.value), [rebuild(n, change) for n in [node.func.value, *node.args]])
         if isinstance(node, Subscript) and isinstance(node.slice, Slice) and isinstance(node.value, Attribute):
             return _sizes(node, typing)
+        if call_name(node) == "numpy.reshape" and (made := _spread(node, typing)) is not None:
+            return made
         if call_name(node) in _REDUCING and node.args and call_name(inner := node.args[0]) == "numpy.astype":
             kind = typing.of(inner.args[0])
             if kind.is_array and kind.dtype == typing.of(inner).dtype == "float64":
@@ -90,6 +93,18 @@ def _sizes(node: Subscript, typing: Typing) -> AST | None:
     if part is None or kind is None or not kind.is_array:
         return None
     return at(tuple_of(*(index(copy(shape), const(k)) for k in range(kind.rank)[part])), node)
+
+
+def _spread(node: Call, typing: Typing) -> AST | None:
+    """An array of one axis, or a part of one, as a column, a row, or as it is."""
+    if len(node.args) != 2 or node.keywords or not isinstance(node.args[0], (Name, Subscript)):
+        return None
+    operand, shape = node.args
+    kind = typing.of(operand)
+    sizes = [whole_number(s) for s in (shape.elts if isinstance(shape, Tuple) else [shape])]
+    whole = Slice(None, None, None)
+    spread = {(-1,): [whole], (-1, 1): [whole, const(None)], (1, -1): [const(None), whole]}.get(tuple(sizes))
+    return at(index(operand, *spread), node) if spread and kind.is_array and kind.rank == 1 else None
 
 
 def _item(node: Call, kind: Type, parts: list[AST]) -> AST | None:

@@ -174,6 +174,14 @@ def _assignment(node: AST, report: Report) -> list[AST] | None:
     return None
 
 
+def _augmented(node: AST, report: Report) -> list[AST] | None:
+    if isinstance(node.op, tree.MatMult):
+        report.error("S201", f"'@=' of what a variable picks, or of a call, {_NOT}", node,
+                     help="write into the array itself: a[k][...] = a[k] @ b")
+        return []
+    return None
+
+
 def _is_range(node: AST | None) -> bool:
     if isinstance(node, tree.IfExp):
         return _is_range(node.body) or _is_range(node.orelse)
@@ -204,8 +212,6 @@ def _tuple(node: AST, report: Report) -> list[AST] | None:
 
 
 _CHECKS: dict[str, Callable[[AST, Report], list[AST] | None]] = {
-    "AnnAssign": _annotated, "Assign": _assignment, "Attribute": _attribute, "BinOp": _binary, "Call": _call,
-    "Compare": _comparison,
-    "Constant": _constant, "Subscript": _subscript,
-    "Tuple": _tuple,
+    "AnnAssign": _annotated, "Assign": _assignment, "AugAssign": _augmented, "Attribute": _attribute, "BinOp": _binary,
+    "Call": _call, "Compare": _comparison, "Constant": _constant, "Subscript": _subscript, "Tuple": _tuple,
 }

@@ -16,6 +16,7 @@
     if k in (1, m - 1):             if k == 1 or k == m - 1:
     a, b, *_ = x                    a, b = x[0], x[1]           where nothing reads `_`
     a, *_ = f(x)                    a = f(x)[0]
+    t @= r                          t[...] = t @ r                      (multiplied)
     a.shape = (n, n)                a = a.reshape((n, n))               where `a` is the only name (reshaped)
 
 The text of an error is none that a derivative computes: it shows what stands between the braces. What NumPy warns of
@@ -25,13 +26,14 @@ for the fence to refuse, as are strings in any other place.
 """
 from __future__ import annotations
 
+from s2sad.read.multiplied import multiplied
 from s2sad.read.ranges import ranged, unnamed
 from s2sad.read.reshaped import reshaped
 from s2sad.read.turns import turns
 from s2sad.tree import (
-    AST, Add, And, Assert, Assign, Attribute, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For, FunctionDef,
-    If, IfExp, In, List, Mod, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Starred, Store, Subscript, Tuple,
-    UnaryOp, While, at, children, const, copy, expr, index, name, rebuild, tuple_of, walk, written,
+    AST, Add, And, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For,
+    FunctionDef, If, IfExp, In, List, Mod, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Starred, Store,
+    Subscript, Tuple, UnaryOp, While, at, children, const, copy, expr, index, name, rebuild, tuple_of, walk, written,
 )
 
 _EXPRESSIONS = {Assign: "value", Expr: "value", Return: "value", If: "test", While: "test", For: "iter", Assert: "test"}
@@ -103,6 +105,8 @@ def _statement(statement: AST) -> list[AST]:
         return [Pass()]
     if isinstance(statement, (Raise, Assert)):
         statement = _said(statement)
+    if isinstance(statement, AugAssign):
+        statement = multiplied(statement)
     if isinstance(statement, For):
         statement.iter = ranged(statement.iter)
     if isinstance(statement, Expr) and _is_print(statement.value):

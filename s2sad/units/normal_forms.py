@@ -13,6 +13,7 @@ from s2sad.analyze.structure import structure
 from s2sad.diagnostics import Report
 from s2sad.differentiate.own import own_edges
 from s2sad.infer.infer import Typing, infer
+from s2sad.infer.known import known
 from s2sad.infer.shapes import shapes_of
 from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
@@ -102,6 +103,8 @@ class NormalForms(Calls):
         tree = self.with_titles(renamed.function, typing, report)
         tree = verify(atoms(tree, typing, names, written_arrays(tree, self)), "atoms", "atoms")
         self.watch("atoms", tree)
+        known(tree, typing, report)
+        report.finish()
         typing.runs_once = self.runs_once
         once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),

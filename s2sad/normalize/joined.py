@@ -1,0 +1,93 @@
+"""joined: tuples and lists that are put together where they are written are written out.
+
+    (a,) + (b, c)                       (a, b, c)
+    (a,) * 2                            (a, a)
+    (*x.shape, 2)                       x.shape + (2,)
+    (c, *x)     of an array             refused: its elements would be taken in
+
+Requires resolved names; a star stands before what the text shows to be a tuple.
+"""
+from __future__ import annotations
+
+from functools import reduce
+
+from s2sad.normalize.memory import bindings
+from s2sad.normalize.scope import Scope
+from s2sad.tree import (
+    AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, List, Load, Mult, Name, Slice, Starred, Subscript, Tuple,
+    at, copy, rebuild, tuple_of, walk,
+)
+
+
+def joined(function: FunctionDef, scope: Scope) -> FunctionDef:
+    """The function with such tuples; a star before anything else goes into the report."""
+    bound: dict[str, list[AST]] = {}
+    for target, value in bindings(function):
+        for n in walk(target):
+            if isinstance(n, Name):
+                bound.setdefault(n.id, []).append(value if n is target else n)
+
+    def change(node: AST) -> AST | None:
+        if isinstance(node, BinOp) and (items := items_of(node, Tuple)) is not None and _repeats(node, items):
+            return at(Tuple([rebuild(item, change) for item in items], Load()), node)
+        if not isinstance(node, Tuple) or not isinstance(node.ctx, Load):
+            return None
+        stars = [i.value for i in node.elts if isinstance(i, Starred)]
+        for value in stars:
+            if not _is_tuple(value, bound, set()):
+                scope.refuse(value, "a star before what is not known to be a tuple", help="write its elements out, or "
+                             "join arrays: np.concatenate(([a], x))")
+        return rebuild(at(_summed(node.elts), node), change) if stars else None
+    new = copy(function)
+    new.body = [rebuild(statement, change) for statement in new.body]
+    return new
+
+
+def items_of(node: AST, kind: type) -> list[AST] | None:
+    """The items of lists or tuples that are added and repeated: `[a] * 2 + [b]`."""
+    if isinstance(node, kind):
+        return node.elts
+    if isinstance(node, BinOp) and isinstance(node.op, Add):
+        left, right = items_of(node.left, kind), items_of(node.right, kind)
+        return None if left is None or right is None else [*left, *right]
+    if isinstance(node, BinOp) and isinstance(node.op, Mult) and isinstance(node.right, Constant):
+        left = items_of(node.left, kind)
+        return None if left is None or type(node.right.value) is not int else [
+            copy(item) for _ in range(node.right.value) for item in left]
+    return None
+
+
+def _repeats(node: BinOp, items: list[AST]) -> bool:
+    """Whether every item may stand as often as it does: what is repeated calls nothing."""
+    repeated = any(isinstance(n, BinOp) and isinstance(n.op, Mult) for n in (node, node.left, node.right))
+    return not any(isinstance(i, Starred) for i in items) and (
+        not repeated or not any(isinstance(n, Call) for n in walk(items)))
+
+
+def _is_tuple(value: AST, bound: dict[str, list[AST]], seen: set[str]) -> bool:
+    """Whether a value is a tuple for certain, as far as the text shows it."""
+    if isinstance(value, (Tuple, List)):
+        return True
+    if isinstance(value, Attribute):
+        return value.attr == "shape"
+    if isinstance(value, Subscript):
+        return isinstance(value.slice, Slice) and _is_tuple(value.value, bound, seen)
+    if isinstance(value, BinOp) and isinstance(value.op, (Add, Mult)):
+        sides = (value.left, value.right) if isinstance(value.op, Add) else (value.left,)
+        return all(_is_tuple(side, bound, seen) for side in sides)
+    if not isinstance(value, Name) or value.id in seen:
+        return False
+    return value.id in bound and all(_is_tuple(v, bound, {*seen, value.id}) for v in bound[value.id])
+
+
+def _summed(items: list[AST]) -> AST:
+    """A tuple's items as a sum of the tuples it takes in and of those between."""
+    parts: list[AST] = []
+    plain: list[AST] = []
+    for item in items:
+        if isinstance(item, Starred):
+            parts += [*([tuple_of(*plain)] if plain else []), item.value]
+            plain = []
+        else:
+            plain.append(item)
+    return reduce(lambda a, b: BinOp(a, Add(), b), [*parts, *([tuple_of(*plain)] if plain else [])])

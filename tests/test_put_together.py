@@ -1,0 +1,109 @@
+"""Products in place, and tuples that are put together where they are read: the values, and what is refused."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+from tests.engines import each
+
+X = np.array([0.3, 0.9, 0.7, 0.62])
+R = np.eye(4) * 0.8 + 0.1 * np.outer(X, X)
+
+
+def turned(r, x):
+    t = np.eye(4)
+    for _ in range(3):
+        t @= r
+    w = x * 2.0
+    w @= t
+    s = r.copy()
+    s @= s
+    return np.trace(t) + np.sum(w ** 2) + np.sum(s * r)
+
+
+def of_parts(r, x):
+    a = np.stack([r, 2.0 * r])
+    a[0] @= r
+    a[-1][:, :3] @= r[:3, :3]
+    a[:, 1:, 1:] @= r[1:, 1:]
+    r[:2, :2] @= a[0, :2, :2]
+    return np.sum(a ** 2 * x)
+
+
+def of_items(r, x):
+    a = r * 1.0
+    both = [a, r * 2.0]
+    both[0] @= r
+    both[1] @= both[0]
+    return np.sum(a * x) + np.sum(both[1])
+
+
+def reduced(r, x):
+    c, d = x[0], x[1] ** 2
+    total = x[2] * sum((c,) + (d,)) + sum((c,) * 3) * d + max((c,) + (d, 0.1)) + min((c, d) * 2)
+    return total * np.mean((c,) + (d,)) + np.sum((c, x[3]) * 2) * len((c,) * 3)
+
+
+def with_stars(r, x):
+    inner = (x[0], x[1])
+    a = np.zeros((*r.shape, 2))
+    a[..., 0] = r
+    u = (*inner, 2.0)
+    return np.sum(a * x[0]) + u[0] * u[2] * len(u)
+
+
+KERNELS = [turned, of_parts, of_items, reduced, with_stars]
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, every=2))
+def test_derivatives(kernel, engine):
+    of = ("r", "return") if kernel is of_parts else ("return",)
+    check_derivatives(kernel, (R.copy(), X.copy()), ("r", "x"), of, engine=engine)
+
+
+def starred_array(r, x):
+    return np.sum((2.0, *x))
+
+
+def starred_in_a_loop(r, x):
+    s = 0.0
+    for v in (1.0, *x):
+        s += v
+    return s
+
+
+def picked(r, x):
+    both = [r * 2.0, r * 3.0]
+    for k in range(2):
+        both[k] @= r
+    return np.sum(both[0])
+
+
+def of_names(r, x):
+    t = (x[0],) + (x[1],)
+    return max(t + (x[2],))
+
+
+REFUSED = [
+    (starred_array, "x", "S201", "a star before what is not known to be a tuple",
+     "write its elements out, or join arrays: np.concatenate(([a], x))"),
+    (starred_in_a_loop, "x", "S201", "a star before what is not known to be a tuple",
+     "write its elements out, or join arrays: np.concatenate(([a], x))"),
+    (picked, "both[k] @= r", "S201", "'@=' of what a variable picks, or of a call, is not supported in a kernel",
+     "write into the array itself: a[k][...] = a[k] @ b"),
+    (of_names, "max(t + (x[2],))", "S203", "the type of this cannot be inferred",
+     "write it with operations on numbers and arrays, each of which has a name"),
+]
+
+
+@pytest.mark.parametrize(("kernel", "marked", "code", "message", "help"), REFUSED)
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_refused(kernel, marked, code, message, help, engine):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(s2sad.differentiate(kernel, engine=engine), wrt="x")(R.copy(), X.copy())
+    said = str(caught.value)
+    assert f"error[{code}]: {message}\n" in said and said.endswith(f"help: {help}"), said
+    line, caret = said.splitlines()[1:3]
+    assert line[caret.index("^"):][:caret.count("^")] == marked
