@@ -54,7 +54,22 @@ def with_stars(r, x):
     return np.sum(a * x[0]) + u[0] * u[2] * len(u)
 
 
-KERNELS = [turned, of_parts, of_items, reduced, with_stars]
+def repeated(r, x):
+    n = x.size - 1
+    a = np.array([0.5] * n) * x[:n] + np.array([[2.0] * n] * 2)[1]
+    b = np.array([1.0] + [-0.5] * n) * x
+    c = np.sum([x[0]] + [x[1]]) + np.sum(x[[1] * 3] * x[[0, 1] + [2]])
+    d = np.sum(np.sum([x, x * x[0]] + [x * 2.0], axis=0) ** 2)
+    return np.sum(a ** 2) + np.sum(b ** 2) + c + d + len([1, x[0]] + [2.0]) * x[1]
+
+
+def axes_in_lists(r, x):
+    q = np.stack([r, r * x])
+    a = np.moveaxis(q, [0, 2], [-1, 0]) * np.flip(np.roll(r, [1, 2], axis=[0, 1]), [0, 1])[..., None]
+    return np.sum(a ** 2) + np.sum(np.searchsorted(np.cumsum(x), [1.0, 2.0]) * x[:2])
+
+
+KERNELS = [turned, of_parts, of_items, reduced, with_stars, repeated, axes_in_lists]
 
 
 @pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, every=2))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.uses import sources
-from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Expr, FunctionDef, List, Return, Tuple, call_name, walk,
@@ -64,10 +64,10 @@ def _none_together(function: FunctionDef, typing: Typing, varied: set[str]) -> N
             values = statement.value.elts if isinstance(statement.value, Tuple) else [statement.value]
         for value in values:
             if isinstance(value, (Tuple, List)) and not varied.isdisjoint(_in_tuple(value, typing)):
-                raise S2sadError(Diagnostic(
-                    "S901", f"internal error: '{function.name}' has values with derivatives in one tuple",
-                    note=f"made from line {getattr(statement, 'lineno', None)}",
-                    help="this is a defect of s2sad: please report it with the kernel"))
+                report = Report(typing.report.source)
+                report.error("S201", "values with derivatives stay together in a tuple or a list here", statement,
+                             help="give its items names, or put them into an array: np.array([...])")
+                report.finish()
 
 
 def _in_tuple(node: AST, typing: Typing) -> Iterator[str]:

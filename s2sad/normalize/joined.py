@@ -2,6 +2,7 @@
 
     (a,) + (b, c)                       (a, b, c)
     (a,) * 2                            (a, a)
+    np.array([1.0] + [0.5] * n)         np.concatenate(([1.0], np.full(n, 0.5)))
     (*x.shape, 2)                       x.shape + (2,)
     (c, *x)     of an array             refused: its elements would be taken in
 
@@ -15,8 +16,11 @@ from s2sad.normalize.memory import bindings
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, List, Load, Mult, Name, Slice, Starred, Subscript, Tuple,
-    at, copy, rebuild, tuple_of, walk,
+    UnaryOp, at, call, call_name, copy, rebuild, tuple_of, walk,
 )
+
+
+_ARRAYS = ("numpy.array", "numpy.asarray")
 
 
 def joined(function: FunctionDef, scope: Scope) -> FunctionDef:
@@ -28,8 +32,11 @@ def joined(function: FunctionDef, scope: Scope) -> FunctionDef:
                 bound.setdefault(n.id, []).append(value if n is target else n)
 
     def change(node: AST) -> AST | None:
-        if isinstance(node, BinOp) and (items := items_of(node, Tuple)) is not None and _repeats(node, items):
-            return at(Tuple([rebuild(item, change) for item in items], Load()), node)
+        if call_name(node) in _ARRAYS and len(node.args) == 1 and (made := _filled(node)) is not None:
+            return rebuild(at(made, node), change)
+        for kind in (Tuple, List):
+            if isinstance(node, BinOp) and (items := items_of(node, kind)) is not None and _repeats(node, items):
+                return at(kind([rebuild(item, change) for item in items], Load()), node)
         if not isinstance(node, Tuple) or not isinstance(node.ctx, Load):
             return None
         stars = [i.value for i in node.elts if isinstance(i, Starred)]
@@ -55,6 +62,37 @@ def items_of(node: AST, kind: type) -> list[AST] | None:
         return None if left is None or type(node.right.value) is not int else [
             copy(item) for _ in range(node.right.value) for item in left]
     return None
+
+
+def _filled(node: Call) -> AST | None:
+    """An array of a list of which a number is repeated, as often as a variable says."""
+    parts = _added(node.args[0])
+    sizes = [_sizes(part) for part in parts]
+    if not any(s is not None and any(not isinstance(c, Constant) for c in s[1]) for s in sizes):
+        return None
+    made = [part if s is None else call("numpy.full", tuple_of(*s[1]) if len(s[1]) > 1 else s[1][0], s[0])
+            for part, s in zip(parts, sizes)]
+    if len(made) == 1:
+        return Call(made[0].func, made[0].args, node.keywords)
+    return None if node.keywords or not all(isinstance(p, List) or s for p, s in zip(parts, sizes)) else call(
+        "numpy.concatenate", tuple_of(*made))
+
+
+def _added(node: AST) -> list[AST]:
+    return [*_added(node.left), *_added(node.right)] if isinstance(node, BinOp) and isinstance(node.op, Add) else [node]
+
+
+def _sizes(node: AST) -> tuple[AST, list[AST]] | None:
+    """The number that a list of one repeats, and how often along each axis: `[[0.0] * n] * m`."""
+    if not isinstance(node, BinOp) or not isinstance(node.op, Mult) or not isinstance(
+            node.left, List) or len(node.left.elts) != 1:
+        return None
+    item = node.left.elts[0]
+    inner = _sizes(item)
+    if inner is not None:
+        return inner[0], [node.right, *inner[1]]
+    number = item.operand if isinstance(item, UnaryOp) else item
+    return (item, [node.right]) if isinstance(number, Constant) and isinstance(number.value, (int, float)) else None
 
 
 def _repeats(node: BinOp, items: list[AST]) -> bool:

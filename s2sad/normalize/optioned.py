@@ -7,6 +7,7 @@
     x.item(1, 2)                            x[1, 2]
     a.mT                                    np.swapaxes(a, -1, -2)
     np.add.at(x, [0, 0, 1], v)              np.add.at(x, np.array([0, 0, 1]), v)
+    np.flip(a, [0, 1])                      np.flip(a, (0, 1))
 
 Requires that methods are functions: `spelled` asks for each call.
 """
@@ -14,12 +15,13 @@ from __future__ import annotations
 
 from s2sad.rules.composed import WRITING
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Tuple, call, call_name, const, index, negate,
+    AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Tuple, call, call_name, const, index, keyword, negate,
     tuple_of,
 )
 
 _NEUTRAL = {"numpy.sum": 0, "numpy.prod": 1}
 _TYPED = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
+_AXES = ("numpy.moveaxis", "numpy.flip", "numpy.roll")
 _FLOATS = ("builtins.float", "numpy.float64", "numpy.double")
 
 
@@ -38,6 +40,10 @@ def optioned(node: Call) -> AST | None:
         return call("numpy.copy", node.args[0]) if not _is_true(given.get("subok")) else None
     if called in _NEUTRAL:
         return _picked(node, called, given)
+    if called in _AXES and any(isinstance(a, List) for a in (*node.args[1:], *given.values())):
+        args, named = ([tuple_of(*a.elts) if isinstance(a, List) else a for a in part]
+                       for part in (node.args[1:], given.values()))
+        return Call(node.func, [node.args[0], *args], [keyword(k, v) for k, v in zip(given, named)])
     if called in WRITING and len(node.args) > 1:
         made = [node.args[0], *map(_listed, node.args[1:])]
         return None if all(a is b for a, b in zip(made, node.args)) else Call(node.func, made, node.keywords)

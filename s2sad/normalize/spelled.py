@@ -141,6 +141,8 @@ def _whole_operands(node: Call) -> list[AST]:
         return []
     if function in _PRODUCTS or rules.find(called) is not None:
         return node.args
+    if function == "searchsorted":
+        return node.args[:2]
     return node.args[:1] if function in _METHODS | _QUESTIONS | _REDUCING | _LISTED else []
 
 

@@ -84,7 +84,7 @@ import numpy as np
 
 def folded(a):
     for k in range(a.ndim):
-        if a.strides[k] == 0 and a.shape[k] > 1:
+        if a.strides[k] == 0 and a.shape[k] > 1 and a.size > 0:
             return True
     return False
 
@@ -117,7 +117,7 @@ def overlap(a: np.ndarray, b: np.ndarray) -> bool:
 
 def folded(array: np.ndarray) -> bool:
     """Whether an array's cells share memory through a stride of 0."""
-    return any(n > 1 and s == 0 for n, s in zip(array.shape, array.strides))
+    return array.size > 0 and any(n > 1 and s == 0 for n, s in zip(array.shape, array.strides))
 
 
 def self_overlap(shadow: str, primal: str) -> Diagnostic:
