@@ -67,6 +67,8 @@ class AnnotatedCall:
         marked = tuple(n for n in names if n in self.active or n in self.duplicated)
         of = (*(n for n in self.duplicated if names.index(n) in self.written),
               *((RETURN,) if self.results.own else ()))
+        if marked:
+            self._refuse_returned(selected_wrt(name, names, self.types, marked))
         if not marked or not of:
             return None
         wrt = selected_wrt(name, names, self.types, marked)
@@ -77,6 +79,18 @@ class AnnotatedCall:
         if lost:
             raise S2sadError(*(_lost(n, s, self.state.kernel.source, self.mode) for n, s in lost))
         return variant
+
+    def _refuse_returned(self, wrt: tuple[str, ...]) -> None:
+        """Refuses arguments that are Const, and are returned with active values in them."""
+        for name in sorted({*self.results.aliases.values()} - {*self.duplicated}):
+            if self.state.parameters.index(name) not in self.written:
+                continue
+            asked = Request("adjoint", self.types, wrt, (name,))
+            found = self.state.variant(asked, self.engine).generated.facts
+            if not {*wrt} <= {*found.get("independent", ())}:
+                raise S2sadError(Diagnostic(
+                    "S406", f"the argument '{name}' is Const, but active values are stored in it and it is returned",
+                    help=f"say Duplicated({name}, s2sad.make_zero({name})), or return nothing"))
 
     def __call__(self, given: Sequence[Any], shadows: Sequence[Any], seed: Any) -> Any:
         values = self._values(given)

@@ -217,6 +217,35 @@ def test_const_where_derivatives_would_flow(engine):
     assert u_bar.tolist() == [3.0, 4.0]
 
 
+def scaled_and_returned(x, c):
+    x *= c
+    return x, c * c
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_a_const_argument_that_is_returned_with_active_values_is_refused(engine):
+    f = s2sad.differentiate(scaled_and_returned, engine=engine)
+    calls = [(s2sad.ForwardWithPrimal, s2sad.Duplicated(2.0, 1.0), {}),
+             (s2sad.Reverse, s2sad.Active(2.0), {"seed": (None, 1.0)})]
+    for mode, c, options in calls:
+        with pytest.raises(s2sad.S2sadError) as refused:
+            s2sad.autodiff(mode, f, s2sad.Const(np.ones(3)), c, **options)
+        assert str(refused.value) == (
+            "error[S406]: the argument 'x' is Const, but active values are stored in it and it is returned\n"
+            "  help: say Duplicated(x, s2sad.make_zero(x)), or return nothing")
+    assert s2sad.autodiff(s2sad.Reverse, f, s2sad.Duplicated(np.ones(3), np.zeros(3)), s2sad.Active(2.0),
+                          seed=(np.ones(3), 1.0)) == (7.0,)
+
+
+def test_the_shadow_of_an_array_without_elements_does_not_overlap_itself():
+    def total(z, c):
+        return np.sum(z) * c
+    empty = np.zeros((0, 4))
+    assert s2sad.autodiff(s2sad.Reverse, total, s2sad.Duplicated(empty, s2sad.make_zero(empty)),
+                          s2sad.Active(2.0)) == (0.0,)
+
+
+
 def test_a_default_that_was_changed(engine, monkeypatch):
     f = gradient(Differentiated(kernels.norm, engine=engine), "u")
     assert f(np.ones(2)).tolist() == [2.0, 2.0]
