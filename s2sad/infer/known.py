@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
-from s2sad.tree import Assign, AugAssign, BinOp, Call, FunctionDef, Return, UnaryOp, call_name, walk
+from s2sad.tree import Assign, AugAssign, BinOp, Call, FunctionDef, IfExp, Return, Subscript, UnaryOp, call_name, walk
 
-_WRONG = {Call: ("unknown", "tuple"), BinOp: ("unknown",), UnaryOp: ("unknown", "tuple")}   # x.shape + (2,) is a shape
+_WRONG = {Call: ("unknown", "tuple"), BinOp: ("unknown",), UnaryOp: ("unknown", "tuple"), IfExp: ("unknown", "tuple"),
+          Subscript: ("unknown",)}      # x.shape + (2,) and x.shape[1:] are shapes
 
 
 def known(function: FunctionDef, typing: Typing, report: Report) -> None:
@@ -19,7 +20,7 @@ def known(function: FunctionDef, typing: Typing, report: Report) -> None:
         if not isinstance(statement, (Assign, AugAssign, Return)) or statement.value is None:
             continue
         for node in walk(statement.value):
-            if isinstance(node, (Call, BinOp, UnaryOp)) and typing.of(node).kind in _WRONG[type(node)] and not (
+            if typing.of(node).kind in _WRONG.get(type(node), ()) and not (
                     call_name(node) or "").startswith("user."):
                 report.error("S203", "the type of this cannot be inferred", node,
                              help="write it with operations on numbers and arrays, each of which has a name")
