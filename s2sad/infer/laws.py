@@ -8,7 +8,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from s2sad.infer.affine import Affine
-from s2sad.infer.types import UNKNOWN, Type, array
+from s2sad.infer.types import UNKNOWN, Type, array, of_rank
+from s2sad.infer.types_of_matrices import common_dtype, least, of_matrices, of_matrix, solution, solved
 from s2sad.tree import AST, Constant, List, Slice, Tuple, UnaryOp, USub
 
 Shape = tuple["Affine | None", ...]
@@ -76,11 +77,6 @@ def is_true(node: AST | None) -> bool:
     return isinstance(node, Constant) and bool(node.value)
 
 
-def of_rank(kind: Type, rank: int) -> Type:
-    """The type with another rank: a number for 0."""
-    return array(kind.dtype, rank) if rank else Type("number", kind.dtype)
-
-
 def _widened(kind: Type) -> Type:
     return replace(kind, dtype="int64") if kind.dtype in ("bool", "int8", "int16", "int32", "uint8", "uint16") else kind
 
@@ -104,17 +100,12 @@ def _averaged_type(args: list[Type], options: Options) -> Type:
     return made if made.is_inexact or made.kind == "unknown" else replace(made, dtype="float64")
 
 
-def _common(args: list[Type]) -> str:
-    order = ("bool", "int64", "float32", "float64", "complex64", "complex128")
-    return max((a.dtype for a in args), key=lambda d: order.index(d) if d in order else 1)
-
-
 def _matmul_type(args: list[Type], options: Options) -> Type:
     a, b = args
     if not (a.is_array and b.is_array):
         return UNKNOWN
     rank = max(a.rank, b.rank, 2) - (a.rank == 1) - (b.rank == 1)
-    return of_rank(Type("array", _common(args)), rank)
+    return of_rank(Type("array", common_dtype(args)), rank)
 
 
 def _matmul_shape(args: list[Shape], options: Options) -> Shape | None:
@@ -127,7 +118,7 @@ def _matmul_shape(args: list[Shape], options: Options) -> Shape | None:
 def _tensor_type(args: list[Type], options: Options) -> Type:
     ranks = [a.rank for a in args]
     pairs = paired_axes(options["axes"], ranks) if all(ranks) else None
-    return UNKNOWN if pairs is None else of_rank(Type("array", _common(args)), sum(ranks) - 2 * len(pairs))
+    return UNKNOWN if pairs is None else of_rank(Type("array", common_dtype(args)), sum(ranks) - 2 * len(pairs))
 
 
 def _places_type(args: list[Type], options: Options) -> Type:
@@ -137,26 +128,12 @@ def _places_type(args: list[Type], options: Options) -> Type:
 
 
 def _outer_type(args: list[Type], options: Options) -> Type:
-    return array(_common(args), 2)
+    return array(common_dtype(args), 2)
 
 
-def _solved_type(args: list[Type], options: Options) -> Type:
-    dtype = _common(args)
-    if args[0].rank != 2 or args[1].rank not in (1, 2):
-        return UNKNOWN      # stacks of matrices
-    return array(dtype if dtype == "float32" or dtype.startswith("complex") else "float64", args[1].rank)
-
-
-def _of_matrix(rank: int) -> Callable[[list[Type], Options], Type]:
-    """The type of what a float matrix gives (stacks of matrices and integers are for NumPy alone)."""
-    def made(args: list[Type], options: Options) -> Type:
-        return of_rank(args[0], rank) if args[0].is_inexact and args[0].rank == 2 else UNKNOWN
-    return made
-
-
-def _least_type(args: list[Type], options: Options) -> Type:
-    a, b = args[:2]
-    return b if a.is_float and a.rank == 2 and b.dtype == a.dtype and b.rank in (1, 2) else UNKNOWN
+def _of_matrices(rank: int, shape: Callable[[list[Shape], Options], Shape]) -> Law:
+    """What a matrix gives, or each matrix of a stack; nothing is said of a stack's sizes."""
+    return Law(of_matrices(rank), lambda args, options: shape(args, options) if len(args[0]) == 2 else None)
 
 
 def _one_more(size: Affine | None) -> Affine | None:
@@ -238,7 +215,7 @@ def _sparse_type(data: int, x: int) -> Callable[[list[Type], Options], Type]:
     """The type of a product or a solution; where `data` and `x` stand among the arguments."""
     def made(args: list[Type], options: Options) -> Type:
         fits = _entries(args[data:]) and args[x].is_array and args[x].rank in (1, 2)
-        dtype = _common([args[data], args[x]])
+        dtype = common_dtype([args[data], args[x]])
         return array(dtype, args[x].rank) if fits and dtype in ("float32", "float64") else UNKNOWN
     return made
 
@@ -282,24 +259,25 @@ LAWS: dict[str, Law] = {
     "matmul": Law(_matmul_type, _matmul_shape),
     "tensor": Law(_tensor_type, lambda args, options: None),
     "outer": Law(_outer_type, lambda args, options: (args[0] + args[1]) if len(args[0]) == len(args[1]) == 1 else None),
-    "matrix": Law(_of_matrix(2), lambda args, options: args[0]),
-    "determinant": Law(_of_matrix(0), lambda args, options: ()),
-    "eigenvalues": Law(_of_matrix(1), lambda args, options: args[0][:1]),
-    "singular": Law(_of_matrix(1), lambda args, options: (LEAST,)),
-    "orthogonal": Law(_of_matrix(2), lambda args, options: (args[0][0], LEAST)),
-    "triangular": Law(_of_matrix(2), lambda args, options: (LEAST, args[0][1])),
+    "matrix": _of_matrices(2, lambda args, options: args[0]),
+    "determinant": _of_matrices(0, lambda args, options: ()),
+    "eigenvalues": _of_matrices(1, lambda args, options: args[0][:1]),
+    "singular": _of_matrices(1, lambda args, options: (LEAST,)),
+    "orthogonal": _of_matrices(2, lambda args, options: (args[0][0], LEAST)),
+    "triangular": _of_matrices(2, lambda args, options: (LEAST, args[0][1])),
     "square": Law(lambda args, options: array(args[0].dtype, 2), lambda args, options: (args[0][0], args[0][0])),
-    "inverted": Law(_of_matrix(2), lambda args, options: args[0][::-1]),
-    "least": Law(_least_type, lambda args, options: args[0][1:] + args[1][1:]),
-    "factored": Law(_of_matrix(2), lambda args, options: (_one_more(args[0][0]), args[0][1])),
-    "unfactored": Law(_of_matrix(2), lambda args, options: (args[0][1], args[0][1])),
+    "inverted": _of_matrices(2, lambda args, options: args[0][::-1]),
+    "least": Law(least, lambda args, options: args[0][1:] + args[1][1:]),
+    "factored": Law(of_matrix(2), lambda args, options: (_one_more(args[0][0]), args[0][1])),
+    "unfactored": Law(of_matrix(2), lambda args, options: (args[0][1], args[0][1])),
     "gained": Law(lambda args, options: array(args[0].dtype, 2),
                   lambda args, options: (_one_more(args[0][0]), args[0][0])),
     **{law: Law(_transformed_type(dtype), lambda args, options: None)   # `Shapes.transformed` has their shapes
        for law, dtype in (("transformed", "complex128"), ("half", "complex128"), ("signal", "float64"))},
     "spectrum": Law(lambda args, options: array("complex128", args[0].rank), lambda args, options: None),
     "real": Law(lambda args, options: array("float64", args[0].rank), lambda args, options: None),
-    "solved": Law(_solved_type, lambda args, options: args[1]),
+    "solved": Law(solved, lambda args, options: args[1]),
+    "solution": Law(solution, lambda args, options: args[1] if len(args[0]) == 2 >= len(args[1]) else None),
     "sparse product": Law(_sparse_type(0, 3), lambda args, options: (_M, *args[3][1:])),
     "sparse left product": Law(_sparse_type(1, 0), lambda args, options: (*args[0][:-1], _N)),
     "sparse solve": Law(_sparse_type(0, 3), lambda args, options: args[3]),

@@ -72,6 +72,11 @@ def array(dtype: str, rank: int) -> Type:
     return Type("array", dtype, rank)
 
 
+def of_rank(kind: Type, rank: int) -> Type:
+    """The type with another rank: a number for 0."""
+    return array(kind.dtype, rank) if rank else Type("number", kind.dtype)
+
+
 @lru_cache(maxsize=256)
 def _of_array(dtype: np.dtype, rank: int, ones: tuple[int, ...]) -> Type:
     """The type of an array: NumPy makes the name of a dtype anew each time, which takes longer than all else here."""

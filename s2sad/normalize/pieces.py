@@ -3,7 +3,7 @@
 Requires functions that stand alone on operands with names; establishes that none of those in `rules/composed` is left,
 and no `np.broadcast_to` of the kernel's.
 What each is made of stands in `normalize/pieces_of_shapes`, `pieces_of_sums`, `pieces_of_differences`,
-`pieces_of_places` and `pieces_of_transforms`.
+`pieces_of_places`, `pieces_of_transforms`, and for stacks of matrices `pieces_of_stacks`.
 
     d = np.diff(x)                  d = x[1:] - x[:-1]
     y = np.concatenate((u, v))      y = np.empty(u.shape[0] + v.shape[0])
@@ -11,6 +11,8 @@ What each is made of stands in `normalize/pieces_of_shapes`, `pieces_of_sums`, `
                                     y[u.shape[0]:] = v
 """
 from __future__ import annotations
+
+from collections.abc import Callable
 
 from s2sad import rules
 from s2sad.blocks import with_blocks
@@ -23,12 +25,13 @@ from s2sad.normalize.pieces_of_differences import DIFFERENCES
 from s2sad.normalize.pieces_of_joins import JOINS
 from s2sad.normalize.pieces_of_places import PLACES
 from s2sad.normalize.pieces_of_shapes import SHAPES
+from s2sad.normalize.pieces_of_stacks import of_stack
 from s2sad.normalize.pieces_of_sums import SUMS
 from s2sad.normalize.pieces_of_transforms import TRANSFORMS
 from s2sad.rules.composed import WRITING
 from s2sad.rules.rule import resolved
 from s2sad.tree import (
-    AST, Assign, Constant, Expr, For, FunctionDef, If, List, Name, Slice, Store, Subscript, Tuple, UnaryOp,
+    AST, Assign, Call, Constant, Expr, For, FunctionDef, If, List, Name, Slice, Store, Subscript, Tuple, UnaryOp,
     While, assign, at, call_name, copy, indices, name, names, rebuild, statements, stored_names, walk,
 )
 
@@ -39,23 +42,24 @@ _BUILTINS = ("int", "len", "max", "min", "range")
 
 def pieces(function: FunctionDef, typing: Typing, free: Names, report: Report) -> FunctionDef:
     """The function with its pieces; the table of `typing` gains their names."""
-    while any(_is_made(s) for s in walk(function.body) if isinstance(s, Assign)):
+    while any(_is_made(s, typing) for s in walk(function.body) if isinstance(s, Assign)):
         new = copy(function)
         new.body = _Pieces(typing, free).block(function.body)
         function = functions(new, typing, free)
     for statement in walk(function.body):
-        if isinstance(statement, (Assign, Expr)) and any(_is_piece(n) for n in walk(statement)):
+        if isinstance(statement, (Assign, Expr)) and any(_piece(n, typing) for n in walk(statement)):
             report.error("S301", "no derivative rule for this function here", statement,
                          help="bind its result to a name")
     return function
 
 
-def _is_piece(node: AST) -> bool:
-    return call_name(node) in _PIECES
+def _piece(node: AST, typing: Typing) -> Callable[[Asked], str] | None:
+    """What gives the text of a call, None if it is none of such a function."""
+    return _PIECES.get(call_name(node) or "") or (of_stack(node, typing) if isinstance(node, Call) else None)
 
 
-def _is_made(statement: Assign) -> bool:
-    return isinstance(statement.targets[0], (Name, Subscript)) and _is_piece(statement.value)
+def _is_made(statement: Assign, typing: Typing) -> bool:
+    return isinstance(statement.targets[0], (Name, Subscript)) and _piece(statement.value, typing) is not None
 
 
 class _Pieces:
@@ -68,7 +72,7 @@ class _Pieces:
     def statement(self, statement: AST) -> list[AST]:
         if isinstance(statement, (For, If, While)):
             return [with_blocks(statement, self.block)]
-        if isinstance(statement, Assign) and _is_made(statement):
+        if isinstance(statement, Assign) and _is_made(statement, self.typing):
             return self.written(statement)
         return [statement]
 
@@ -76,9 +80,10 @@ class _Pieces:
         """The statements in place of one; what they read more than once has a name."""
         target, value = statement.targets[0], statement.value
         rule = rules.find_array(call_name(value))
-        assert rule is not None
+        piece = _piece(value, self.typing)
+        assert rule is not None and piece is not None
         asked = Asked(rule.arguments(value), self.typing)
-        text = _PIECES[rule.name](asked)
+        text = piece(asked)
         before = [made for key, node in asked.arguments.items() for made in self.held(asked, key, node)]
         body = [resolved(s) for s in statements(text)]
         direct = isinstance(target, Name) and target.id not in names([value, *asked.arguments.values()])

@@ -43,6 +43,7 @@ _HELP = {
     "numpy.insert": "write np.concatenate((x[:k], [value], x[k:]))", "numpy.ix_": "write x[rows][:, columns]",
     "numpy.argwhere": "write places = np.nonzero(x)", "numpy.logspace": "write 10.0 ** np.linspace(a, b, n)",
     "numpy.geomspace": "write np.exp(np.linspace(np.log(a), np.log(b), n))",
+    "numpy.linalg.solve": "give both the same leading axes: stacks of as many matrices, or one matrix of two axes",
     "numpy.linalg.cond": "divide the largest of np.linalg.svd(a, compute_uv=False) by the smallest",
     "numpy.linalg.svd": "write full_matrices=False: the vectors beyond the smaller size are not determined",
     "numpy.linalg.qr": "write q, r = np.linalg.qr(a), in the reduced mode",
