@@ -126,11 +126,11 @@ def stack(a):
 
 
 def factors_of(a):
-    return np.sum(np.linalg.qr(a, mode="complete")[0])
+    return np.sum(np.linalg.qr(a, mode="raw")[0])
 
 
 def singular_vectors(a):
-    return np.sum(np.linalg.svd(a)[0])
+    return np.sum(np.linalg.svd(a, full_matrices=True, compute_uv=True)[0])
 
 
 def part_of_a_derivative(a):

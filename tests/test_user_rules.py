@@ -105,18 +105,18 @@ def test_an_array_goes_to_a_function_as_a_whole(engine):
     np.testing.assert_array_equal(found["u"], 3.0 * u)
 
 
-s2sad.nondifferentiable("numpy.linalg.cond")
+s2sad.nondifferentiable("numpy.nanmedian")
 
 
-def times_condition(a):
-    return a[0, 0] * np.linalg.cond(a)
+def times_median(a):
+    return a[0, 0] * np.nanmedian(a)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_function_of_a_library_is_held_fixed(engine):
     a = np.array([[2.0, 1.0], [0.5, 3.0]])
-    found = s2sad.gradient(s2sad.differentiate(times_condition, engine=engine))(a)
-    np.testing.assert_allclose(found, [[np.linalg.cond(a), 0.0], [0.0, 0.0]], rtol=1e-13)
+    found = s2sad.gradient(s2sad.differentiate(times_median, engine=engine))(a)
+    np.testing.assert_allclose(found, [[np.nanmedian(a), 0.0], [0.0, 0.0]], rtol=1e-13)
 
 
 @s2sad.nondifferentiable

@@ -16,6 +16,7 @@ Shape = tuple["Affine | None", ...]
 Options = Mapping[str, AST]
 ONE = Affine((), 1)
 _UNSAID = Constant(None, None)
+MOST_PAIRED = 7     # axes that two factors have together, of which one is summed over (`normalize.contracted`)
 LEAST = Affine.symbol("the least")  # stands for the least size of the first argument
 GIVEN = {Affine.symbol(f"the argument {n}"): n for n in ("m", "n", "size")}    # stand for sizes that are arguments
 _M, _N, _SIZE = GIVEN
@@ -106,6 +107,13 @@ def _matmul_type(args: list[Type], options: Options) -> Type:
         return UNKNOWN
     rank = max(a.rank, b.rank, 2) - (a.rank == 1) - (b.rank == 1)
     return of_rank(Type("array", common_dtype(args)), rank)
+
+
+def _dot_type(args: list[Type], options: Options) -> Type:
+    """The last axis of the first with the last but one of the second."""
+    a, b = args
+    fits = a.is_array and b.is_array and a.rank + b.rank <= MOST_PAIRED
+    return of_rank(array(common_dtype(args), 1), a.rank + b.rank - 2) if fits else UNKNOWN
 
 
 def _matmul_shape(args: list[Shape], options: Options) -> Shape | None:
@@ -235,7 +243,7 @@ def _joined_size(args: list[Shape], options: Options) -> Shape | None:
 INNER = -3                   # of a second factor the axis that a product sums over: the last but one, or the only one
 _SAME_ENTRIES = ((("data", 0), ("rows", 0)), (("data", 0), ("columns", 0)))
 FITTING: dict[str, tuple[tuple[tuple[str, int], tuple[str, int]], ...]] = {
-    "matmul": ((("a", -1), ("b", INNER)),),
+    **dict.fromkeys(("matmul", "dot"), ((("a", -1), ("b", INNER)),)),
     "sparse product": (*_SAME_ENTRIES, (("x", 0), ("n", 0))),
     "sparse left product": (*_SAME_ENTRIES, (("x", -1), ("m", 0))),
     "sparse solve": (*_SAME_ENTRIES, (("b", 0), ("m", 0)), (("m", 0), ("n", 0))),
@@ -257,6 +265,7 @@ LAWS: dict[str, Law] = {
     "raveled": Law(lambda args, options: array(args[0].dtype, 1), lambda args, options: None),
     "spread": Law(_spread_type, lambda args, options: None),
     "matmul": Law(_matmul_type, _matmul_shape),
+    "dot": Law(_dot_type, _matmul_shape),
     "tensor": Law(_tensor_type, lambda args, options: None),
     "outer": Law(_outer_type, lambda args, options: (args[0] + args[1]) if len(args[0]) == len(args[1]) == 1 else None),
     "matrix": _of_matrices(2, lambda args, options: args[0]),

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from s2sad.infer.laws import axes_of, is_true, of_rank, whole_number, written_axes
+from s2sad.infer.laws import MOST_PAIRED, axes_of, is_true, of_rank, whole_number, written_axes
 from s2sad.infer.options import Arguments, is_none, norm_order, one_axis, text_of
 from s2sad.infer.promotion import ORDER, common, known_array
 from s2sad.infer.types import UNKNOWN, Type, array
+from s2sad.infer.types_of_matrices import of_matrices
 from s2sad.tree import Constant, List, Tuple
 
 
@@ -76,9 +77,21 @@ def _norm(args: list[Type], options: Arguments) -> Type:
     if vector:
         known = order in (None, "inf", "-inf") or isinstance(order, (int, float)) and order > 0
     else:
-        whole = args[0].rank == 2 and is_none(options["axis"]) and not is_true(options["keepdims"])
-        known = order in (None, "fro") or whole and order in (1, -1, 2, -2, "inf", "-inf", "nuc")
+        whole = args[0].rank == 2 and is_none(options["axis"])
+        pair = whole or (written_axes(options["axis"], args[0].rank) or ()) and len(axes) == 2
+        known = order in (None, "fro") or pair and not is_true(options["keepdims"]) and order in (
+            1, -1, 2, -2, "inf", "-inf", "nuc")
     return made if known and (is_none(options["axis"]) or len(axes) <= 2) else UNKNOWN
+
+
+def _condition(args: list[Type], options: Arguments) -> Type:
+    fits = known_array(args) and args[0].is_float and args[0].rank >= 2
+    known = norm_order(options["p"]) in (None, 1, -1, 2, -2, "inf", "-inf", "fro", "nuc")
+    return of_rank(args[0], args[0].rank - 2) if fits and known else UNKNOWN
+
+
+def _vectors(args: list[Type], options: Arguments) -> Type:
+    return of_matrices(2)(args, options) if args[0].is_float else UNKNOWN
 
 
 def _vdot(args: list[Type], options: Arguments) -> Type:
@@ -89,7 +102,7 @@ def _vdot(args: list[Type], options: Arguments) -> Type:
 
 def _inner(args: list[Type], options: Arguments) -> Type:
     a, b = args
-    fits = a.is_array and b.is_array and max(a.rank, b.rank) <= 2
+    fits = a.is_array and b.is_array and a.rank + b.rank <= MOST_PAIRED
     return of_rank(array(common(args), 1), a.rank + b.rank - 2) if fits else UNKNOWN
 
 
@@ -121,8 +134,8 @@ def _convolve(args: list[Type], options: Arguments) -> Type:
 
 def _kron(args: list[Type], options: Arguments) -> Type:
     a, b = args
-    fits = a.is_array and b.is_array and a.rank == b.rank and a.rank in (1, 2) and {a.dtype, b.dtype} <= set(ORDER)
-    return array(common(args), a.rank) if fits else UNKNOWN
+    fits = a.is_array and b.is_array and max(a.rank, b.rank) <= 3 and {a.dtype, b.dtype} <= set(ORDER)
+    return array(common(args), max(a.rank, b.rank)) if fits else UNKNOWN
 
 
 def _interp(args: list[Type], options: Arguments) -> Type:
@@ -169,7 +182,9 @@ SUMS: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.cumsum": _running, "numpy.average": _average, "numpy.linalg.norm": _norm,
     "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.trapezoid": _trapezoid, "numpy.trapz": _trapezoid,
     "numpy.ptp": _reduced, "numpy.nansum": _summed, "numpy.nanmean": _averaged, "numpy.kron": _kron,
-    "numpy.nan_to_num": _numbered,
+    "numpy.nan_to_num": _numbered, "numpy.linalg.cond": _condition,
+    **dict.fromkeys(("numpy.linalg.svd.left", "numpy.linalg.svd.right", "numpy.linalg.qr.orthogonal",
+                     "numpy.linalg.qr.triangular"), _vectors),
     "numpy.maximum.accumulate": _running_extreme, "numpy.minimum.accumulate": _running_extreme,
     **{f"numpy.{f}.outer": _outer for f in ("add", "subtract", "multiply", "power", "maximum", "minimum")},
     "numpy.divide.outer": _quotient, "numpy.cross": _crossed, "numpy.vander": _powers, "numpy.polyval": _polynomial,

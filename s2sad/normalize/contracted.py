@@ -6,6 +6,8 @@
     np.einsum("ii,i->i", a, x)          np.diagonal(a) * x
     np.tensordot(a, b, axes=1)          np.matmul(a, b)
     np.einsum("bij,bjk->bik", a, b)     np.sum(a[:, :, :, None] * b[:, None, :, :], axis=2)
+    np.dot(a, b)                        np.sum(a[:, :, :, None, None] * ..., axis=2)     of three axes: tensordot's
+    np.outer(a, b)                      np.outer(np.ravel(a), np.ravel(b))              of matrices
     np.einsum("...i,i->...", a, b)      np.matmul(a, b), of a matrix (`undotted`)
 
 `contracted` requires structured form, `batched` and `undotted` types too. A letter twice in one operand, but for the
@@ -25,6 +27,8 @@ from s2sad.tree import (
 _BATCH = "abcdefgh"
 _OPEN = "ABCDEF"
 _LETTERS = "ijklmnop"
+_LAST = {"numpy.dot": 2, "numpy.inner": 1}      # sum over the last axis of the first, and the last or last but one
+_PRODUCTS = {"numpy.matmul", "numpy.tensordot", "numpy.outer", *_LAST}
 
 
 def contracted(function: FunctionDef) -> FunctionDef:
@@ -91,17 +95,21 @@ def _spelled_out(subscripts: str, ranks: list[int]) -> str | None:
 
 
 def batched(function: FunctionDef, typing: Typing) -> FunctionDef:
-    """The function with each product of stacks of matrices, and each `np.tensordot`, as products and sums."""
+    """The function with each product of stacks of matrices, and each over named axes, as products and sums."""
     def change(node: AST) -> AST | None:
-        if not isinstance(node, Call) or call_name(node) not in ("numpy.matmul", "numpy.dot", "numpy.tensordot"):
+        if not isinstance(node, Call) or call_name(node) not in _PRODUCTS or len(node.args) != 2:
             return None
         ranks = [typing.of(a).rank for a in node.args]
-        if call_name(node) == "numpy.dot" and 1 not in ranks:
-            return None     # it pairs other axes than a product of stacks does
+        if call_name(node) == "numpy.outer":
+            return _raveled(node, ranks, [rebuild(a, change) for a in node.args])
         if call_name(node) == "numpy.tensordot":
             return tensor_product(node, ranks, [rebuild(a, change) for a in node.args])
-        if max(ranks) < 3:
+        if max(ranks) < 3 or min(ranks) < 1:
             return None
+        if call_name(node) in _LAST:
+            axes = tuple_of(const(ranks[0] - 1), const(max(ranks[1] - _LAST[call_name(node) or ""], 0)))
+            product = at(call("numpy.tensordot", *node.args, axes=axes), node)
+            return tensor_product(product, ranks, [rebuild(a, change) for a in node.args])
         outer = _BATCH[:max(ranks) - 2]
         left, right = ("j" if r == 1 else outer[len(outer) - (r - 2):] + own for r, own in zip(ranks, ("ij", "jk")))
         output = outer + ("i" if ranks[0] > 1 else "") + ("k" if ranks[1] > 1 else "")
@@ -110,6 +118,13 @@ def batched(function: FunctionDef, typing: Typing) -> FunctionDef:
     new = copy(function)
     new.body = [rebuild(statement, change) for statement in function.body]
     return new
+
+
+def _raveled(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:
+    """`np.outer` of all elements."""
+    if max(ranks) < 2 or min(ranks) < 1:
+        return None
+    return at(Call(node.func, [call("numpy.ravel", o) if r > 1 else o for o, r in zip(operands, ranks)], []), node)
 
 
 def tensor_product(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:

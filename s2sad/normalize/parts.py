@@ -26,7 +26,7 @@ from s2sad.tree import (
 _PARTS: dict[str, dict[str, str]] = {
     "numpy.linalg.slogdet": {"sign": "runtime.det_sign", "logabsdet": "runtime.log_det"},
     "numpy.linalg.eigh": {"eigenvalues": "numpy.linalg.eigvalsh", "eigenvectors": "runtime.eigenvectors"},
-    "numpy.linalg.svd": {"U": "", "S": "runtime.singular_values", "Vh": ""},
+    "numpy.linalg.svd": {"U": "numpy.linalg.svd.left", "S": "runtime.singular_values", "Vh": "numpy.linalg.svd.right"},
     "numpy.linalg.qr": {"Q": "runtime.orthogonal_part", "R": "runtime.triangular_part"},
     "numpy.linalg.lstsq": {"solution": "runtime.least_squares"},
 }
@@ -39,6 +39,7 @@ _MOST = 16
 _MASK = "mask"  # all parts as one subscript
 _OPERANDS = {"numpy.linalg.lstsq": 2}
 _REDUCED = {"U": "runtime.left_vectors", "S": "runtime.singular_values", "Vh": "runtime.right_vectors"}
+_COMPLETE = {"Q": "numpy.linalg.qr.orthogonal", "R": "numpy.linalg.qr.triangular"}
 _NONE = {"numpy.linalg.lstsq": "rcond"}
 
 
@@ -65,18 +66,25 @@ def parted(node: AST) -> dict[str, str]:
         return {f"{word}_{k}": called for k in range(_MOST)} | masked
     if called not in _PARTS:
         return {}
-    if called == "numpy.linalg.svd" and _reduced(node):
-        return _REDUCED
+    written = _option(node)
+    if called == "numpy.linalg.svd" and written in (("full_matrices", False), ("full_matrices", True)):
+        return _PARTS[called] if written[1] else _REDUCED
+    if called == "numpy.linalg.qr" and written in (("mode", "reduced"), ("mode", "complete")):
+        return _PARTS[called] if written[1] == "reduced" else _COMPLETE
     left = [k for k in node.keywords if k.arg != _NONE.get(called) or not _is_none(k.value)]
     extra = node.args[_OPERANDS.get(called, 1):]
     plain = not left and all(called in _NONE and _is_none(a) for a in extra) and len(extra) <= 1
     return _PARTS[called] if plain and len(node.args) >= _OPERANDS.get(called, 1) else {}
 
 
-def _reduced(node: Call) -> bool:
-    """Whether a call is `np.linalg.svd(a, full_matrices=False)`."""
-    given = [*node.args[1:], *(k.value for k in node.keywords if k.arg == "full_matrices")]
-    return len(node.args) + len(node.keywords) == 2 and len(given) == 1 and getattr(given[0], "value", None) is False
+def _option(node: AST) -> tuple[str, object] | None:
+    """The one option of a decomposition, and how it is written."""
+    if not isinstance(node, Call) or len(node.args) + len(node.keywords) != 2 or not node.args:
+        return None
+    if node.keywords:
+        return str(node.keywords[0].arg), getattr(node.keywords[0].value, "value", None)
+    first = "full_matrices" if call_name(node) == "numpy.linalg.svd" else "mode"
+    return first, getattr(node.args[1], "value", None)
 
 
 def _picks(node: AST) -> bool:
@@ -158,8 +166,7 @@ def _values_alone(node: AST) -> bool:
 
 def _triangle_alone(node: AST) -> bool:
     """Whether a call is `np.linalg.qr(a, mode="r")`."""
-    return call_name(node) == "numpy.linalg.qr" and len(node.args) + len(node.keywords) == 2 and "r" == getattr(
-        [*node.args[1:], *(k.value for k in node.keywords if k.arg == "mode")][0], "value", None)
+    return call_name(node) == "numpy.linalg.qr" and _option(node) == ("mode", "r")
 
 
 def _call(value: AST, part: str, function: str) -> AST:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from s2sad.infer.options import norm_order
 from s2sad.infer.promotion import common
 from s2sad.normalize.asked import Asked, empty, guard, lines, made, part, size, sizes, zeros
+from s2sad.normalize.pieces_of_matrices import matrix_axes, matrix_norm
 
 
 def _options(asked: Asked, rank: int) -> str:
@@ -48,8 +49,8 @@ def _std(asked: Asked) -> str:
 def _norm(asked: Asked) -> str:
     node, options = asked.arguments["ord"], _options(asked, asked.rank("x"))
     order = norm_order(node)
-    if asked.rank("x") == 2 and not asked.given("axis") and order not in (None, "fro"):
-        return _matrix_norm(order)
+    if order not in (None, "fro") and (axes := matrix_axes(asked)):
+        return matrix_norm(order, axes, asked.rank("x"))
     if order in ("inf", "-inf"):
         return lines("large = numpy.abs(x)", f"result = numpy.{'max' if order == 'inf' else 'min'}(large{options})")
     if order == 1:
@@ -58,15 +59,6 @@ def _norm(asked: Asked) -> str:
         return lines(f"squared = numpy.sum(x * x{options})", _root(asked, "squared"))
     return lines(f"powers = numpy.sum(numpy.abs(x) ** {order}{options})", _root(
         asked, "powers", f"{{}} ** (1.0 / {order})"))
-
-
-def _matrix_norm(order: int | float | str | None) -> str:
-    if order in (2, -2, "nuc"):
-        found = {2: "numpy.max(values)", -2: "numpy.min(values)", "nuc": "numpy.sum(values)"}[order]
-        return lines("values = runtime.singular_values(x)", f"result = {found}")
-    axis = 1 if order in ("inf", "-inf") else 0
-    extreme = "min" if order in (-1, "-inf") else "max"
-    return lines(f"sums = numpy.sum(numpy.abs(x), axis={axis})", f"result = numpy.{extreme}(sums)")
 
 
 def _average(asked: Asked) -> str:
@@ -157,24 +149,10 @@ def _vdot(asked: Asked) -> str:
     return f"result = numpy.dot({a}, b)" if asked.rank("a") == 1 else f"result = numpy.sum({a} * b)"
 
 
-def _inner(asked: Asked) -> str:
-    a, b = asked.rank("a"), asked.rank("b")
-    if b == 1:
-        return "result = numpy.matmul(a, b)"
-    return "result = numpy.matmul(b, a)" if a == 1 else "result = numpy.matmul(a, numpy.transpose(b))"
-
-
 def _outer(asked: Asked, text: str) -> str:
     a = f"a[{', '.join([':'] * asked.rank('a') + ['None'] * asked.rank('b'))}]" if asked.rank("b") else "a"
     b = f"b[{', '.join(['None'] * asked.rank('a') + [':'] * asked.rank('b'))}]" if asked.rank("a") else "b"
     return f"result = {text.format(a=a if asked.rank('a') else 'a', b=b if asked.rank('b') else 'b')}"
-
-
-def _kron(asked: Asked) -> str:
-    rank = asked.rank("a")
-    a, b = ", ".join([":, None"] * rank), ", ".join(["None, :"] * rank)
-    whole = ", ".join(f"{size('a', k)} * {size('b', k)}" for k in range(rank))
-    return f"result = numpy.reshape(a[{a}] * b[{b}], ({whole},))"
 
 
 def _cross(asked: Asked) -> str:
@@ -236,8 +214,8 @@ SUMS: dict[str, Callable[[Asked], str]] = {
     "numpy.var": _var, "numpy.std": _std, "numpy.linalg.norm": _norm, "numpy.average": _average, "numpy.prod": _prod,
     "numpy.cumprod": lambda asked: _running(asked, "*", "1.0", "numpy.cumprod"),
     "numpy.cumsum": lambda asked: _running(asked, "+", "0.0", "numpy.cumsum"),
-    "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.convolve": _convolve,
-    "numpy.ptp": _ptp, "numpy.nansum": _nansum, "numpy.nanmean": _nanmean, "numpy.kron": _kron, "numpy.cross": _cross,
+    "numpy.vdot": _vdot, "numpy.convolve": _convolve,
+    "numpy.ptp": _ptp, "numpy.nansum": _nansum, "numpy.nanmean": _nanmean, "numpy.cross": _cross,
     "numpy.vander": _vander, "numpy.polyval": _polyval, "numpy.correlate": _correlate,
     "numpy.maximum.accumulate": lambda asked: _running_extreme(asked, "maximum"),
     "numpy.minimum.accumulate": lambda asked: _running_extreme(asked, "minimum"),

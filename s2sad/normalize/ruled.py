@@ -4,7 +4,7 @@ refused.
 Requires structured form and types; establishes that an operation without a rule is none that a value of a float can
 pass through: what the analyses find no rule for is truly inactive.
 
-    np.unique(u)[0]     np.histogram(u)     np.linalg.cond(a)       each refused, with its place
+    np.unique(u)[0]     np.histogram(u)     np.linalg.matrix_rank(a)        each refused, with its place
 """
 from __future__ import annotations
 

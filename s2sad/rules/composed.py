@@ -52,6 +52,8 @@ for _text in (
         "numpy.var(x, axis=None, ddof=0, keepdims=False)", "numpy.std(x, axis=None, ddof=0, keepdims=False)",
         "numpy.prod(x, axis=None, keepdims=False)", "numpy.cumprod(x, axis=None)", "numpy.cumsum(x, axis=None)",
         "numpy.average(x, axis=None, weights=None)", "numpy.linalg.norm(x, ord=None, axis=None, keepdims=False)",
+        "numpy.linalg.cond(x, p=None)", "numpy.linalg.svd.left(a)", "numpy.linalg.svd.right(a)",
+        "numpy.linalg.qr.orthogonal(a)", "numpy.linalg.qr.triangular(a)",
         "numpy.ptp(x, axis=None, keepdims=False)", "numpy.nansum(x, axis=None, keepdims=False)",
         "numpy.nanmean(x, axis=None, keepdims=False)",
         "numpy.nan_to_num(x, copy=True, nan=0.0, posinf=None, neginf=None)",

@@ -84,7 +84,15 @@ for _function in ("fftfreq(n, d=1.0)", "rfftfreq(n, d=1.0)"):
 for _function in ("fftshift", "ifftshift"):
     same(f"scipy.fft.{_function}(x, axes=None)", f"numpy.fft.{_function}(x, axes=axes)")
 same("numpy.flatnonzero(a)", "numpy.nonzero(numpy.ravel(a), part=0)")
-same("numpy.linalg.trace(x, offset=0)", "numpy.trace(x, offset=offset)")     # of a matrix
+for _function in ("trace(x, offset=0)", "diagonal(x, offset=0)"):     # of a matrix
+    same(f"numpy.linalg.{_function}", f"numpy.{_function}".replace("offset=0", "offset=offset"))
+for _function in ("outer(a, b)", "matmul(a, b)", "cross(a, b)", "tensordot(a, b, axes=2)"):
+    same(f"numpy.linalg.{_function}", f"numpy.{_function}".replace("axes=2", "axes=axes"))
+for _function in ("numpy.vecdot", "numpy.linalg.vecdot"):
+    same(f"{_function}(a, b)", "numpy.sum(numpy.conj(a) * b, axis=-1)")
+same("numpy.linalg.svdvals(a)", "runtime.singular_values(a)")
+same("numpy.linalg.matrix_norm(x, keepdims=False, ord='fro')",
+     "numpy.linalg.norm(x, ord=ord, axis=(-2, -1), keepdims=keepdims)")
 same("numpy.ediff1d(a)", "numpy.diff(numpy.ravel(a))")
 same("numpy.extract(condition, array)", "array[condition != 0]")
 same("numpy.fliplr(m)", "numpy.flip(m, axis=1)")
