@@ -5,12 +5,13 @@ from __future__ import annotations
 from s2sad.infer.options import Arguments
 from s2sad.infer.promotion import ORDER
 from s2sad.infer.types import UNKNOWN, Type
+from s2sad.infer.types_of_matrices import FORMS
 from s2sad.infer.types_of_places import PLACES
 from s2sad.infer.types_of_shapes import SHAPES
 from s2sad.infer.types_of_sums import SUMS
 from s2sad.infer.types_of_transforms import TRANSFORMS
 
-_TYPES = {**SHAPES, **SUMS, **PLACES, **TRANSFORMS}
+_TYPES = {**SHAPES, **SUMS, **PLACES, **TRANSFORMS, **FORMS}
 
 
 def piece_type(function: str, args: list[Type], options: Arguments) -> Type:

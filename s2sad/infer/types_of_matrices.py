@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from s2sad.infer.types import UNKNOWN, Type, array, of_rank
-from s2sad.tree import AST
+from s2sad.tree import AST, Constant
 
 Options = Mapping[str, AST]
 _NEW_STACKS = np.lib.NumpyVersion(np.__version__) >= "2.0.0"    # before, b with one rank less was a stack of vectors
@@ -56,3 +56,33 @@ def of_matrices(rank: int) -> Callable[[list[Type], Options], Type]:
 def least(args: list[Type], options: Options) -> Type:
     a, b = args[:2]
     return b if a.is_float and a.rank == 2 and b.dtype == a.dtype and b.rank in (1, 2) else UNKNOWN
+
+
+def _mirrored(args: list[Type], options: Options) -> Type:
+    return args[0] if _is_float(args[0], 2) and isinstance(options["lower"], Constant) else UNKNOWN
+
+
+def _toeplitz(args: list[Type], options: Options) -> Type:
+    alone = isinstance(options["r"], Constant) and options["r"].value is None
+    both = args[:1] if alone else args
+    return array(common_dtype(both), 2) if all(_is_float(a, 1) for a in both) else UNKNOWN
+
+
+def _in_blocks(args: list[Type], options: Options) -> Type:
+    return array(common_dtype(args), 2) if all(_is_float(a, 1) or _is_float(a, 2) for a in args) else UNKNOWN
+
+
+def _in_bands(args: list[Type], options: Options) -> Type:
+    a, b = args[:2]
+    fits = _is_float(a, 2) and (_is_float(b, 1) or _is_float(b, 2)) and a.dtype == b.dtype
+    return b if fits and isinstance(options["lower"], Constant) else UNKNOWN
+
+
+def _is_float(kind: Type, rank: int) -> bool:
+    return kind.is_array and kind.is_float and kind.rank == rank
+
+
+# of functions that `normalize/pieces_of_forms` writes out
+FORMS: dict[str, Callable[[list[Type], Options], Type]] = {
+    "scipy.linalg.mirrored": _mirrored, "scipy.linalg.toeplitz": _toeplitz, "scipy.linalg.block_diag": _in_blocks,
+    "scipy.linalg.solveh_banded": _in_bands}

@@ -172,5 +172,6 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
             f" with {', '.join(other)}" if other else "")
         name = name.removeprefix(ROOM)
         note = f"there is one for {name}({', '.join(known.parameters)})" if known else ""
+        loop = any(typing.of(a).is_array for a in node.args) and not name.startswith("scipy.linalg.")
         report.error("S301", f"no derivative rule for {name}{given}", node, note, _HELP.get(name) or (
-                     _LOOP if any(typing.of(a).is_array for a in node.args) else _OTHERS))
+                     _LOOP if loop else _OTHERS))

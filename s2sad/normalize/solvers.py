@@ -6,22 +6,36 @@
     x = lu_solve((lu, piv), b)          x = runtime.solved(lu, b)
     x = solve_banded((1, 2), ab, b)     x = runtime.solve_banded(ab, b, 1, 2)
 
-Requires structured form. A factorization is for the solvers alone: elsewhere SciPy's holds entries that mean nothing.
+Requires structured form, and calls as `as_numpy` leaves them; what is left of `scipy.linalg` then is refused here, or
+has a rule. A factorization is for the solvers alone: elsewhere SciPy's holds entries that mean nothing.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from s2sad import rules
 from s2sad.diagnostics import Report
+from s2sad.normalize.as_numpy import IGNORED, SCIPY
+from s2sad.rules.spellings import TABLE
 from s2sad.tree import (
     AST, Assign, Call, Constant, FunctionDef, List, Name, Store, Subscript, Tuple, at, call, call_name, const, copy,
     keyword, rebuild, walk,
 )
 
-_SCIPY = "scipy.linalg."
-_IGNORED = ("check_finite", "overwrite_a", "overwrite_b", "overwrite_ab")
 _FACTORS, _SOLVES = ("lu_factor", "cho_factor"), ("lu_solve", "cho_solve")
 _TRANS = {"N": 0, "T": 1, "C": 1, 2: 1}
+_HELP = {
+    "eigh": "write w, v = np.linalg.eigh(a), or driver='evd' with lower=True: others turn vectors round; the "
+    "values alone are eigvalsh(a)",
+    "eig": "write np.linalg.eigh for a symmetric matrix: other ones have complex eigenvalues",
+    "eigvals": "write eigvalsh for a symmetric matrix: other ones have complex eigenvalues",
+    "pinv": "write np.linalg.pinv(a), which takes other singular values for zero",
+    "lstsq": "write np.linalg.lstsq(a, b, rcond=None), which takes other singular values for zero",
+    "lu": "write factors = lu_factor(a) and lu_solve(factors, b)",
+    "qr": "write mode='full' or mode='economic', without pivoting",
+    "svd": "write full_matrices= and compute_uv= as True or False, without another driver",
+    "solve": "write assume_a as 'gen', 'sym' or 'pos', and lower and transposed as True or False"}
+_OTHERS = "write it with functions that have a rule, or give it one: s2sad.rule, s2sad.nondifferentiable"
 
 
 @dataclass(frozen=True)
@@ -34,7 +48,7 @@ class _Factors:
 
 def solvers(function: FunctionDef, report: Report) -> FunctionDef:
     """The function with those functions; what it cannot follow goes into the report."""
-    if not any((call_name(n) or "").startswith(_SCIPY) for n in walk(function.body)):
+    if not any((call_name(n) or "").startswith(SCIPY) for n in walk(function.body)):
         return function
     new = copy(function)
     new.body = [rebuild(statement, _plain) for statement in function.body]
@@ -47,19 +61,19 @@ def solvers(function: FunctionDef, report: Report) -> FunctionDef:
 def _plain(node: AST) -> AST | None:
     """The call without the options that say nothing of its result; how a triangle is used as a number."""
     called = call_name(node) or ""
-    if not isinstance(node, Call) or not called.startswith(_SCIPY):
+    if not isinstance(node, Call) or not called.startswith(SCIPY):
         return None
-    keywords = [rebuild(k, _plain) for k in node.keywords if k.arg not in _IGNORED]
+    keywords = [rebuild(k, _plain) for k in node.keywords if k.arg not in IGNORED]
     args = [rebuild(a, _plain) for a in node.args]
-    if called == f"{_SCIPY}solve_triangular" and len(args) == 3:
+    if called == f"{SCIPY}solve_triangular" and len(args) == 3:
         keywords.append(keyword("trans", args.pop()))
     for k in keywords:
         if k.arg == "trans" and isinstance(k.value, Constant):
             k.value = const(_TRANS.get(k.value.value, k.value.value))
-    if called == f"{_SCIPY}cholesky" and (lower := _flag(args[1:], keywords)) is not None:
+    if called == f"{SCIPY}cholesky" and (lower := _flag(args[1:], keywords)) is not None:
         return at(_cholesky(args[0], lower), node)
     written = args and isinstance(args[0], (Tuple, List)) and len(args[0].elts) == 2
-    if called == f"{_SCIPY}solve_banded" and written and len(args) == 3 and not keywords:
+    if called == f"{SCIPY}solve_banded" and written and len(args) == 3 and not keywords:
         return at(call("runtime.solve_banded", args[1], args[2], *args[0].elts), node)
     return at(Call(node.func, args, keywords), node)
 
@@ -94,7 +108,7 @@ class _Solvers:
 
     def factors(self, node: AST) -> _Factors | None:
         """What an expression holds of a factorization."""
-        called = (call_name(node) or "").removeprefix(_SCIPY)
+        called = (call_name(node) or "").removeprefix(SCIPY)
         if called in _FACTORS and isinstance(node, Call):
             lower = _flag(node.args[1:], node.keywords)
             plain = lower is not None and (called == "cho_factor" or len(node.args) + len(node.keywords) == 1)
@@ -136,7 +150,7 @@ class _Solvers:
         return call("runtime.factored", a) if found.function == "lu_factor" else _cholesky(a, bool(found.lower))
 
     def solved(self, node: AST) -> AST | None:
-        called = (call_name(node) or "").removeprefix(_SCIPY)
+        called = (call_name(node) or "").removeprefix(SCIPY)
         if called not in _SOLVES or not isinstance(node, Call) or len(node.args) < 2:
             return None
         options = {k.arg: k.value for k in node.keywords}
@@ -160,10 +174,14 @@ class _Solvers:
     def check(self, block: list[AST]) -> None:
         """Reports what is left of such functions, and what else reads their results."""
         for node in walk(block):
-            called = (call_name(node) or "").removeprefix(_SCIPY)
+            path = call_name(node) or ""
+            called = path.removeprefix(SCIPY)
             if called in (*_FACTORS, *_SOLVES):
-                self.report.error("S301", f"no derivative rule for {_SCIPY}{called} here", node, help="write factors = "
+                self.report.error("S301", f"no derivative rule for {SCIPY}{called} here", node, help="write factors = "
                                   f"{called.split('_')[0]}_factor(a), once, and give it to the solver as it is")
+            elif called != path and path not in TABLE and not rules.find_array(path):
+                self.report.error("S301", f"no derivative rule for {path}", node,
+                                  help=_HELP.get(called, _OTHERS))
         read = {id(n) for s in walk(block) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
                 and s.targets[0].id in self.held for n in walk(s.value)}
         read |= {id(n) for c in walk(block) if (call_name(c) or "") in (

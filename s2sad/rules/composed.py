@@ -72,6 +72,9 @@ for _text in (
         *(f"numpy.fft.{_f}n(x, s=None, axes=None, norm=None)" for _f in ("fft", "ifft", "rfft", "irfft")),
         "numpy.fft.fftshift(x, axes=None)", "numpy.fft.ifftshift(x, axes=None)",
         "numpy.fft.fftfreq(n, d=1.0)", "numpy.fft.rfftfreq(n, d=1.0)",
+        # matrices of a certain form, as scipy.linalg has them
+        "scipy.linalg.mirrored(a, lower=False)", "scipy.linalg.toeplitz(c, r=None)", "scipy.linalg.block_diag(a, b)",
+        "scipy.linalg.solveh_banded(a, b, lower=False)",
         # sparse matrices
         "scipy.sparse.entries(data, c)", "scipy.sparse.along(values, size)"):
     arrays(_text, law=LAW, also=("numpy.trapz",) if "trapezoid" in _text else ())

@@ -41,16 +41,11 @@ def same(text: str, value: str) -> None:
     TABLE[call_name(called) or ""] = Spelling(inspect.Signature(parameters), defaults, template(value))
 
 
-# functions that `normalize.solvers` takes apart
-_TAKEN_APART = {"lu_factor", "lu_solve", "cho_factor", "cho_solve", "solve_banded", "cholesky"}
-
-
 def is_scipy(path: str) -> bool:
-    """Whether a function of SciPy's has a derivative here, or may: `normalize.field_matrices` says which of
-    `scipy.sparse` have none."""
-    room, _, last = path.rpartition(".")
-    return path in TABLE or room == "scipy.linalg" and last in _TAKEN_APART or room in (
-        "scipy.sparse", "scipy.sparse.linalg")
+    """Whether a function of SciPy's has a derivative here, or may: `normalize.ruled` says which of `scipy.linalg` have
+    none, and `normalize.field_matrices` which of `scipy.sparse`."""
+    room = path.rpartition(".")[0]
+    return path in TABLE or room in ("scipy.linalg", "scipy.sparse", "scipy.sparse.linalg")
 
 
 def other_spelling(node: Call) -> AST | None:
@@ -64,7 +59,7 @@ for _ufunc, _function in (("add", "sum"), ("multiply", "prod"), ("maximum", "max
          f"numpy.{_function}(array, axis=axis, keepdims=keepdims)")
 same("numpy.add.accumulate(array, axis=0)", "numpy.cumsum(array, axis=axis)")
 same("numpy.multiply.accumulate(array, axis=0)", "numpy.cumprod(array, axis=axis)")
-for _function in ("inv(a)", "det(a)", "norm(a, ord=None, axis=None, keepdims=False)", "solve(a, b)", "eigvalsh(a)"):
+for _function in ("inv(a)", "det(a)", "norm(a, ord=None, axis=None, keepdims=False)"):
     _name, _, _rest = _function.partition("(")
     _given = ", ".join(f"{p}={p}" if d else p for p, d, _ in (p.partition("=") for p in _rest[:-1].split(", ")))
     same(f"scipy.linalg.{_function}", f"numpy.linalg.{_name}({_given})")

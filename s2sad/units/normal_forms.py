@@ -20,6 +20,7 @@ from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.around import around
 from s2sad.normalize.arrays_in_rows import arrays_in_rows
+from s2sad.normalize.as_numpy import as_numpy
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.complexes import complexes, of_its_own
 from s2sad.normalize.contracted import contracted, undotted
@@ -240,7 +241,7 @@ def _of_one_life(types: dict[str, Type], function: FunctionDef) -> dict[str, Typ
 def plain_form(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
     """A kernel in structured form, before types are known."""
     report = Report(kernel.source)
-    tree = solvers(structured(kernel, names, program), report)
+    tree = solvers(as_numpy(structured(kernel, names, program)), report)
     report.finish()
     tree = spelled(contracted(parts(tree, names)))
     unsettled(tree, report)
