@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from s2sad.rules import find_array
 from s2sad.tree import AST, AugAssign, Call, Expr, For, FunctionDef, Subscript, call_name, copy, function, walk
 from s2sad.units import Unit, Units
 
@@ -46,5 +47,6 @@ def _undocumented(body: list[AST]) -> list[AST]:
 def _is_plain(unit: Unit) -> bool:
     simple = all(t.is_number for t in unit.types)
     tree = unit.kernel.tree
-    calls = any((call_name(n) or "").startswith("user.") for n in walk(tree.body))
+    called = [call_name(n) or "" for n in walk(tree.body) if isinstance(n, Call)]
+    calls = any(c.startswith("user.") or find_array(c) is not None for c in called)     # Numba reduces no numbers
     return simple and not calls and not any(isinstance(n, (Subscript, For, AugAssign)) for n in walk(tree.body))

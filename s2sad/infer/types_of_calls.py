@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 
 from s2sad import rules
 from s2sad.infer.laws import LAWS
+from s2sad.infer.of_numbers import reduced_number
 from s2sad.infer.piece_types import piece_type
 from s2sad.infer.promotion import CASTS, dtype_of, listed, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, UNKNOWN, Type, array
@@ -96,6 +97,8 @@ class TypesOfCalls(ABC):
         arguments = rule.arguments(node)
         if not arguments.keys() <= {*rule.operands, *rule.options}:
             return UNKNOWN
+        if len(types) == 1 and (of_number := reduced_number(rule.name, types[0], arguments)) != UNKNOWN:
+            return of_number
         if rule.law == PIECES:
             return piece_type(rule.name, [*types, *(self.of(arguments[o]) for o in rule.options)], arguments)
         return LAWS[rule.law].type(types, arguments)

@@ -7,6 +7,7 @@
     s = np.sum(x).item() + x[1:2].item()            s = np.sum(x) + x[1:2][0]
     np.sum(np.astype(x, dtype=np.float64))          np.sum(x), of an array that is of these already
     x.reshape(-1, 1)                                x[:, None], of an array of one axis: a view wherever it lies
+    np.sum(a), np.std(a), np.linalg.norm(a)         a, a - a, abs(a), of a number
     np.zeros(x.shape[1:])                           np.zeros((x.shape[1], x.shape[2])), where x has three axes
 
 Requires structured form and types; changes no type.
@@ -15,9 +16,11 @@ from __future__ import annotations
 
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import whole_number, written_slice
-from s2sad.infer.types import Type
+from s2sad.infer.of_numbers import NORM, SPREAD, reduced_number
+from s2sad.infer.types import UNKNOWN, Type
+from s2sad.rules import find_array
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Compare, Constant, FunctionDef, In, Is, IsNot, List, Mult, Name, NotIn, Slice,
+    AST, Add, Attribute, BinOp, Call, Compare, Constant, FunctionDef, In, Is, IsNot, List, Mult, Name, NotIn, Slice, Sub,
     Subscript, Tuple, at, call, call_name, const, copy, index, rebuild, tuple_of,
 )
 
@@ -49,6 +52,10 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
             return _sizes(node, typing)
         if call_name(node) == "numpy.reshape" and (made := _spread(node, typing)) is not None:
             return made
+        if isinstance(node, Call) and (rule := find_array(call_name(node))) is not None and len(node.args) == 1 and (
+                reduced_number(rule.name, typing.of(node.args[0]), rule.arguments(node))) != UNKNOWN:
+            return _of_number(node, rule.name, rebuild(node.args[0], change),
+                              exact=typing.of(node) == typing.of(node.args[0]))
         if call_name(node) in _REDUCING and node.args and call_name(inner := node.args[0]) == "numpy.astype":
             kind = typing.of(inner.args[0])
             if kind.is_array and kind.dtype == typing.of(inner).dtype == "float64":
@@ -57,6 +64,15 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
     new = copy(function)
     new.body = [rebuild(statement, change) for statement in function.body]
     return new
+
+
+def _of_number(node: Call, reduction: str, value: AST, exact: bool) -> AST:
+    """A reduction of a number without it: a spread is nothing, but NaN where the number is not finite."""
+    if reduction in SPREAD:
+        return at(BinOp(value, Sub(), copy(value)), node)
+    if reduction == NORM:
+        return at(call("builtins.abs", value), node)
+    return value if exact else at(call("builtins.float", value), node)
 
 
 def _with_array(node: BinOp, typing: Typing) -> AST | None:
