@@ -30,12 +30,13 @@ from collections.abc import Callable
 
 from s2sad.infer.types_of_calls import MARKS
 from s2sad.normalize.hoist import impure, operands, replace_operands
-from s2sad.normalize.scope import Scope
+from s2sad.normalize.scope import Scope, atomic
 from s2sad.normalize.sliced import one_by_one
+from s2sad.read.turns import pairs, written_items
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Expr, For, FunctionDef, GeneratorExp, If, IfExp,
     List, ListComp, Name, Not, Starred, Subscript, Tuple, UnaryOp, While, assign, at, augment, call, call_name, const,
-    copy, name, rename, stored_names, walk,
+    copy, name, rename, stored_names, substitute, walk,
 )
 
 _STOPPING = {"builtins.any": True, "builtins.all": False}       # what an item is that answers the question
@@ -74,7 +75,9 @@ class _Comprehensions:
         target = statement.targets[0] if isinstance(statement, Assign) and len(statement.targets) == 1 else None
         if isinstance(target, Name) and isinstance(statement.value, ListComp):
             self.refuse_unordered(statement.value, False)
-            made = self.listed(statement.value, target.id)
+            items = self.written_out(statement.value)
+            made = [at(assign(target.id, self.read(List(items, name("_").ctx))), statement)] if items else self.listed(
+                statement.value, target.id)
             made, self.before = [*self.before, *made], outer
             return made
         if isinstance(statement, AugAssign) and isinstance(statement.target, Subscript) and _moved(statement.value):
@@ -177,11 +180,27 @@ class _Comprehensions:
             return at(call(_ASKED[call_name(node) or ""], name(items)), node)
         if isinstance(node, GeneratorExp):
             self.scope.refuse(node, "a generator expression that is not summed", help=HELP)
+        if isinstance(node, ListComp) and (items := self.written_out(node)):
+            return self.read(at(List(items, name("_").ctx), node))
         if isinstance(node, ListComp):
             made = self.scope.fresh("items")
             self.before += self.listed(node, made)
             return name(made)
         return None
+
+    def written_out(self, node: ListComp) -> list[AST]:
+        """The elements of a comprehension through values that are written out, which have names before; none of any
+        other."""
+        one = node.generators[0]
+        rows = written_items(one.iter) if len(node.generators) == 1 and not one.ifs else []
+        own = stored_names(node.elt)
+        if not rows or any(pairs(one.target, row) is None for row in rows) or {*own} & {*stored_names(one.target)}:
+            return []
+        leaves = [leaf for row in rows for _, leaf in pairs(one.target, row) or []]
+        named = [v if atomic(v) and not isinstance(v, Name) else self.scope.held(v, "item", self.before)
+                 for v in self.ordered(leaves)]
+        names = [n for n, _ in pairs(one.target, rows[0]) or []]
+        return [substitute(copy(node.elt), dict(zip(names, named[k:]))) for k in range(0, len(named), len(names))]
 
     def listed(self, node: AST, made: str) -> list[AST]:
         """The statements that make a list under a name."""

@@ -3,18 +3,19 @@
     for f in (np.sin, np.cos):              s += np.sin(x)
         s += f(x)                           s += np.cos(x)
     e = [f(x) for f in (np.sin, np.cos)]    e = [np.sin(x), np.cos(x)]
+    p, q = [w * v for w, v in zip((0.1, 0.6), (a, b))]      p, q = [0.1 * a, 0.6 * b]
     g = {k: 2.0 * p[k] for k in p}          g = {"a": 2.0 * p["a"], "b": 2.0 * p["b"]}      p = {"a": ..., "b": ...}
 
 Before the fence is asked, which refuses what is left of them.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from s2sad.tree import (
     AST, Assign, Attribute, Break, Call, Constant, Continue, Dict, DictComp, For, FunctionDef, GeneratorExp, List,
-    ListComp, Name, Store, Subscript, Tuple, assign, at, children, copy, rebuild, stored_names, substitute, tuple_of,
-    walk,
+    ListComp, Load, Name, Store, Subscript, Tuple, UnaryOp, assign, at, call_name, children, const, copy, rebuild,
+    stored_names, substitute, tuple_of, walk,
 )
 
 _LONGEST = 16
@@ -94,7 +95,7 @@ class _Turns:
             return None
         keys = self.keys[through.id]
         items = [k if method != "items" else tuple_of(k, Subscript(copy(through), k, through.ctx)) for k in keys]
-        found = [_pairs(one.target, i) for i in items]
+        found = [pairs(one.target, i) for i in items]
         return None if None in found else [row for row in found if row is not None]
 
     # -- rewriting ---------------------------------------------------------------------------------------------------
@@ -133,8 +134,8 @@ class _Turns:
         if isinstance(node, Call) and isinstance(node.func, Name) and node.func.id == "sum" and len(
                 node.args) == 1 and isinstance(node.args[0], GeneratorExp) and (items := self.items(node.args[0])):
             return at(Call(node.func, [tuple_of(*items)], []), node)
-        if isinstance(node, ListComp) and (items := self.items(node)):
-            return at(List(items, tuple_of().ctx), node)
+        if isinstance(node, ListComp) and (items := self.items(node) or self.written(node)):
+            return at(List([rebuild(i, self.spelled) for i in items], tuple_of().ctx), node)
         return None
 
     def items(self, node: AST) -> list[AST]:
@@ -145,12 +146,24 @@ class _Turns:
         rows = self.through_functions(one.target, one.iter, [node.elt]) if plain else None
         return [substitute(copy(node.elt), dict(row)) for row in rows or []]
 
+    def written(self, node: ListComp) -> list[AST]:
+        """The elements of a comprehension through names and numbers that are written out; none of any other."""
+        one = node.generators[0]
+        bound = {*self.stores, *(p.id for p in self.function.args.args)}
+        items = written_items(one.iter, bound) if len(node.generators) == 1 and not one.ifs else []
+        rows = [pairs(one.target, i) for i in items if all(isinstance(n, (Name, Constant)) for n in _leaves(i))]
+        own = {n.id for n in walk(node.elt) if isinstance(n, Name) and not isinstance(n.ctx, Load)}
+        if not 0 < len(rows) == len(items) or None in rows or own & {
+                n.id for part in (*items, one.target) for n in walk(part) if isinstance(n, Name)}:
+            return []
+        return [substitute(copy(node.elt), dict(row)) for row in rows if row is not None]
+
     def through_functions(self, target: AST, iterable: AST, body: list[AST]) -> list[Pairs] | None:
         """What the names of a target are bound to, turn by turn, where one of them is called and the others are
         written numbers."""
         if not isinstance(iterable, (Tuple, List)) or not 0 < len(iterable.elts) <= _LONGEST:
             return None
-        rows, called = [_pairs(target, i) for i in iterable.elts], _called(body)
+        rows, called = [pairs(target, i) for i in iterable.elts], _called(body)
         if any(row is None or not any(n in called for n, _ in row) or not all(
                 self.is_function(item) if n in called else isinstance(item, Constant) for n, item in row)
                 for row in rows):
@@ -173,16 +186,37 @@ def _is_used(block: list[AST], identifier: str) -> bool:
     return False
 
 
+def written_items(iterable: AST, bound: Collection[str] = ()) -> list[AST]:
+    """What an iterable gives, where that is written out, also through `zip` and `enumerate`, which are not `bound` to
+    anything else; nothing of any other."""
+    if isinstance(iterable, (Tuple, List)):
+        return list(iterable.elts) if len(iterable.elts) <= _LONGEST else []
+    called = (call_name(iterable) or "").removeprefix("builtins.")
+    if called not in ("zip", "enumerate") or called in bound or iterable.keywords or not iterable.args:
+        return []
+    through = [written_items(a, bound) for a in iterable.args]
+    if called == "zip":
+        return [tuple_of(*row) for row in zip(*through)] if all(through) else []
+    return [tuple_of(const(k), i) for k, i in enumerate(through[0])] if len(through) == 1 else []
+
+
+def _leaves(item: AST) -> list[AST]:
+    """What a tuple within tuples holds; the number behind a sign."""
+    if isinstance(item, (Tuple, List)):
+        return [leaf for i in item.elts for leaf in _leaves(i)]
+    return [item.operand if isinstance(item, UnaryOp) and isinstance(item.operand, Constant) else item]
+
+
 def _called(body: Iterable[AST]) -> set[str]:
     return {n.func.id for s in body for n in walk(s) if isinstance(n, Call) and isinstance(n.func, Name)}
 
 
-def _pairs(target: AST, item: AST) -> Pairs | None:
+def pairs(target: AST, item: AST) -> Pairs | None:
     """The names of a target and what each is bound to."""
     if isinstance(target, Name):
         return [(target.id, item)]
     if not isinstance(target, (Tuple, List)) or not isinstance(item, (Tuple, List)) or len(target.elts) != len(
             item.elts):
         return None
-    found = [_pairs(t, i) for t, i in zip(target.elts, item.elts)]
+    found = [pairs(t, i) for t, i in zip(target.elts, item.elts)]
     return None if None in found else [pair for row in found if row is not None for pair in row]
