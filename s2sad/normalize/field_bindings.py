@@ -46,9 +46,8 @@ class Bindings(Assignments):
         self.rebound = {n for n in stores if stores.count(n) > 1 or n in kernel.parameters}
         loops = [s for s in walk(kernel.tree.body) if isinstance(s, (For, While))]
         self.changing = self.rebound | set(stored_names(loops))
-        stored = [n for n in walk(kernel.tree.body) if isinstance(n, (Attribute, Subscript)) and isinstance(
-            n.ctx, Store)]
-        self.assigned_keys = {n.attr if isinstance(n, Attribute) else getattr(n.slice, "value", None) for n in stored}
+        self.assigned_keys = _assigned(kernel)
+        self.anywhere_assigned = {k for every in maker.program.kernels.values() for k in _assigned(every)}
 
     # -- values --------------------------------------------------------------------------------------------------------
 
@@ -150,19 +149,19 @@ class Bindings(Assignments):
 
     def _read_at_once(self, value: Value) -> bool:
         """Whether a value is copied where it is bound, so that it does not change with names that it was read from."""
-        return self.in_loop and _fixed(value) if isinstance(value, Group) else True
+        return self.in_loop and self.is_fixed(value) if isinstance(value, Group) else True
 
     def _named(self, target: Name, value: Value, unrolled: frozenset[str] | None, env: Env) -> list[Pair]:
         if isinstance(value, Group):
             old = self.env.get(target.id)
-            copying = self.in_loop and unrolled is None and _fixed(value)
+            copying = self.in_loop and unrolled is None and self.is_fixed(value)
             anew = is_sparse(value) and target.id not in self.before_loop
             if isinstance(old, Group) and (copying or value.path == SPELLED) and not anew and self._replaceable(
                     target.id, old, value):
                 env[target.id] = _unplaced(old)
                 return [(name(was.name), spelled(new, target) or const(0.0)) for was, new in zip(flat(old), flat(value))
                         if isinstance(was, Leaf) and was != new]
-            constants = target.id in self.rebound and _fixed(value)
+            constants = target.id in self.rebound and self.is_fixed(value)
             pairs, env[target.id] = self._kept(value, target, target.id, copying, constants)
             return pairs
         if nothing(value) or isinstance(value, Leaf) and not usable(value):
@@ -227,7 +226,7 @@ class Bindings(Assignments):
         made: list[AST] = []
         for identifier in stored_names(body):
             old = self.env.get(identifier)
-            if not isinstance(old, Group) or not _fixed(old) or not self._shared(identifier, old) or any(
+            if not isinstance(old, Group) or not self.is_fixed(old) or not self._shared(identifier, old) or any(
                     isinstance(leaf, Plain) or leaf.is_cell for leaf in flat(old)):
                 continue
             fresh = {leaf.name: self.fresh(leaf.path.replace(old.path, identifier, 1)) for leaf in flat(old)
@@ -235,6 +234,12 @@ class Bindings(Assignments):
             made += [assign(new, name(was)) for was, new in fresh.items()]
             self.env[identifier] = _unplaced(old, fresh)
         return made
+
+    def is_fixed(self, value: Value) -> bool:
+        """Whether no part of a structure can be assigned, or none is, so that nobody sees that its names take new
+        values."""
+        return not isinstance(value, Group) or all(map(self.is_fixed, value.items)) and (
+            value.form.fixed or value.form.kind == "record" and not self.anywhere_assigned & {*value.form.keys})
 
     def _shared(self, identifier: str, group: Group) -> bool:
         """Whether another name means a part of the structure."""
@@ -244,9 +249,15 @@ class Bindings(Assignments):
 
     def _replaceable(self, identifier: str, old: Group, result: Group) -> bool:
         """Whether a name's flat names can take new values: nothing else means them, and no field can be assigned."""
-        return (_shape(old) == _shape(result) and _fixed(old) and not self._shared(identifier, old)
+        return (_shape(old) == _shape(result) and self.is_fixed(old) and not self._shared(identifier, old)
                 and all(isinstance(leaf, Leaf) and not leaf.is_cell or isinstance(leaf, Plain) and isinstance(
                     new, Plain) and equal(leaf.node, new.node) for leaf, new in zip(flat(old), flat(result))))
+
+
+def _assigned(kernel: Kernel) -> set[object]:
+    """The names of fields, and the keys, that a kernel assigns to."""
+    stored = [n for n in walk(kernel.tree.body) if isinstance(n, (Attribute, Subscript)) and isinstance(n.ctx, Store)]
+    return {n.attr if isinstance(n, Attribute) else getattr(n.slice, "value", None) for n in stored}
 
 
 def _storing(target: AST) -> AST:
@@ -272,8 +283,3 @@ def _shape(value: Value) -> object:
     if isinstance(value, Group):
         return (value.form.kind, value.form.keys, tuple(map(_shape, value.items)))
     return nothing(value)
-
-
-def _fixed(value: Value) -> bool:
-    """Whether no part of a structure can be assigned, so that nobody sees that its names take new values."""
-    return not isinstance(value, Group) or value.form.fixed and all(map(_fixed, value.items))

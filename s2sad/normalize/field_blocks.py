@@ -122,7 +122,7 @@ class Blocks(Inner):
         if FALL not in exits(orelse):
             self.env = after
         elif FALL in exits(body):
-            self.env = _merged(after, self.env)
+            self.env = _merged(after, self.env, self.is_fixed)
         return [If(test, body, orelse)]
 
     def _while(self, node: While) -> list[AST]:
@@ -146,7 +146,7 @@ class Blocks(Inner):
             ends = [self.env, *self.jumps.pop()]
             merged = start
             for end in ends:
-                merged = _merged(merged, end)
+                merged = _merged(merged, end, self.is_fixed)
             if all(merged.get(n) == start[n] for n in start):
                 self.env, (self.in_loop, self.before_loop) = merged, outer
                 made[0].orelse = self.block(orelse)
@@ -300,7 +300,7 @@ class Blocks(Inner):
         return [Assert(test, None if node.msg is None else self.plain(node.msg))]
 
 
-def _merged(a: Env, b: Env) -> Env:
+def _merged(a: Env, b: Env, fixed: Callable[[Value], bool]) -> Env:
     """What holds where two ways meet."""
     found: Env = {}
     for n in {**a, **b}:
@@ -312,14 +312,15 @@ def _merged(a: Env, b: Env) -> Env:
         elif isinstance(one, (Plain, Ordinary)) and isinstance(other, (Plain, Ordinary)):
             found[n] = ORDINARY
         else:
-            found[n] = _either(one, other)
+            found[n] = _either(one, other, fixed)
     return found
 
 
-def _either(one: Value | Conflict | Ordinary, other: Value | Conflict | Ordinary) -> Value | Conflict | Ordinary:
+def _either(one: Value | Conflict | Ordinary, other: Value | Conflict | Ordinary,
+            fixed: Callable[[Value], bool]) -> Value | Conflict | Ordinary:
     """One structure whose flat names are the same, whatever they hold; else a conflict."""
-    if isinstance(one, Group) and isinstance(other, Group) and one.form.keys == other.form.keys and one.form.fixed:
-        parts = [_either(x, y) for x, y in zip(one.items, other.items)]
+    if isinstance(one, Group) and isinstance(other, Group) and one.form.keys == other.form.keys and fixed(one):
+        parts = [_either(x, y, fixed) for x, y in zip(one.items, other.items)]
         if all(isinstance(p, (Plain, Leaf, Group)) for p in parts):
             return replace(one, items=tuple(parts))  # pyright: ignore[reportArgumentType]
     if isinstance(one, Leaf) and isinstance(other, Leaf) and one.name and one.name == other.name and not (

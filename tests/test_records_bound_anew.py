@@ -1,0 +1,135 @@
+"""Plain dataclasses whose names are bound anew in loops: nobody assigns to their fields, so none can tell."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from s2sad import S2sadError, check, gradient
+from tests.derivatives import check_derivatives
+from tests.engines import each, running
+
+X = np.array([0.3, 1.1, 0.7])
+
+
+@dataclass
+class State:
+    u: np.ndarray
+    t: float = 0.0
+
+
+@dataclass
+class Pair:
+    a: float
+    b: float = 1.0
+
+
+def numbers(x):
+    s = Pair(x[0])
+    for _ in range(3):
+        s = Pair(s.b * s.a, s.b + x[1])
+    return s.a * s.b
+
+
+def arrays(x):
+    s = State(x)
+    for _ in range(3):
+        s = State(np.sin(s.u) + s.t, s.t + s.u[0])
+    return s.u.sum() * s.t
+
+
+def other_names(x):
+    s = Pair(x[0])
+    t = first = s
+    for i in range(3):
+        t = s
+        s = Pair(s.a * x[i], s.b + s.a)
+    return s.a * s.b + t.a * first.a
+
+
+def shared_array(x):
+    s = State(x * 1.0, x[1])
+    kept = s
+    for i in range(2):
+        v = s.u * 2.0
+        v[0] = s.t * x[i]
+        s = State(v, s.t + s.u[0])
+    return (s.u * kept.u).sum() + kept.t * s.t
+
+
+def stepped(s, dt):
+    return State(s.u + dt * np.cos(s.u), s.t + dt)
+
+
+def by_a_function(x):
+    s = State(x, 0.5)
+    while s.t < 1.0:
+        s = stepped(s, 0.2)
+    return (s.u ** 2).sum() * s.t
+
+
+def in_branches(x):
+    s = Pair(x[0], x[1])
+    for i in range(3):
+        if i == 1:
+            s = Pair(s.b, s.a)
+        elif x[i] > 0.5:
+            s = Pair(s.a * x[i])
+    return s.a * s.b
+
+
+def of_two(x):
+    best, last = Pair(x[0]), Pair(x[1])
+    for i in range(3):
+        best, last = last, Pair(best.a * last.a, x[i])
+    return best.a * last.b + last.a
+
+
+KERNELS = [numbers, arrays, other_names, shared_array, by_a_function, in_branches, of_two]
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
+def test_bound_anew(kernel, engine):
+    check_derivatives(kernel, (X,), ("x",), ("return",), engine=engine)
+
+
+def given(s, n):
+    for _ in range(n):
+        s = State(s.u * s.t, s.t + s.u[0])
+    return s.u.sum()
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_of_an_argument(engine):
+    with running(engine) as name:
+        for n in (0, 1, 3):
+            assert check(given, State(X.copy(), 0.4), n, engine=name)
+    assert check(given, State(X[:1].astype("float32"), 0.4), 2)
+
+
+def assigned(x):
+    s = Pair(x[0])
+    for i in range(3):
+        t = s
+        t.b = x[i]
+        s = Pair(s.a * s.b, x[0])
+    return s.a
+
+
+def test_what_is_refused():
+    with pytest.raises(S2sadError, match="'s' is one thing on one way to here and another on another"):
+        gradient(assigned)(X)
+
+
+def assigned_before(x):
+    s = Pair(x[0])
+    s.b = x[1]
+    t = s
+    t.a = s.b * x[2]
+    s = Pair(s.b, s.a)
+    return s.a * s.b
+
+
+def test_without_a_loop():
+    check_derivatives(assigned_before, (X,), ("x",), ("return",))
