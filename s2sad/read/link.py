@@ -10,6 +10,7 @@ from s2sad import tree
 from s2sad.diagnostics import Report, S2sadError, Span
 from s2sad.program import Kernel, Program
 from s2sad.read import fence, shared_lists
+from s2sad.read.defined import defined
 from s2sad.read.handed import by_default, definition, handed
 from s2sad.read.imports import imports
 from s2sad.read.live import live_meaning
@@ -79,7 +80,7 @@ class Linker:
 
     def visit(self, function: Function, callers: list[Function]) -> None:
         captured = imports(definition(function))
-        captured = lifted(replace(captured, tree=returned_lists(plain(captured.tree))), function.key)
+        captured = lifted(replace(captured, tree=returned_lists(plain(defined(captured.tree)))), function.key)
         report = Report(captured.source)
         self.reports.append(report)
         own = None if hasattr(function.handle, "captured") else GIVEN.own(function.handle)

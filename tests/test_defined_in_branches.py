@@ -1,0 +1,116 @@
+"""Functions that are defined in branches and loops, or several times."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from s2sad import S2sadError, gradient
+from tests.derivatives import check_derivatives
+from tests.engines import each
+
+X = np.array([0.3, 1.1, 0.7])
+
+
+def branches(x, a, opt):
+    if opt == 1:
+        g = lambda d: d * a
+    elif opt == 2:
+        g = lambda d: d / a
+    else:
+        def g(d):
+            return np.sin(d) + a
+    return g(x).sum() * g(x[0])
+
+
+def chosen(x, a, opt):
+    g = (lambda d: d * a) if opt == 1 else (lambda d: np.exp(d)) if opt == 2 else (lambda d: d - a)
+    return (g(g(x)) ** 2).sum()
+
+
+def looped(x, a, opt):
+    s = 0.0
+    for i in range(opt + 1):
+        g = lambda q: a * q ** 2 + i
+        s += g(x[i])
+        a = a * 1.1
+        s *= g(x[0])
+    return s
+
+
+def again(x, a, opt):
+    g = lambda d: d * a
+    s = g(x[0])
+    for i in range(opt):
+        s += g(x[i])
+        if i == 1:
+            def g(d):
+                return d ** 2 / a
+    a = s * 2.0
+    return s * g(x[2])
+
+
+def own_names(x, a, opt):
+    if opt > 1:
+        k = x[0] * 2.0
+        g = lambda d: d * k
+    else:
+        m = x[1]
+        g = lambda d: d + m * a
+    s = 0.0
+    for i in range(3):
+        s += g(x[i])
+    return s
+
+
+def steps(f, x, dt, n):
+    for _ in range(n):
+        x = x + dt * f(x)
+    return x
+
+
+def handed(x, a, opt):
+    if opt == 1:
+        f = lambda y: -a * y
+    else:
+        f = lambda y: a * y * (1.0 - y)
+    return steps(f, x, 0.1, 3).sum() + steps(f, x[0], 0.2, 2)
+
+
+CASES = [(k, opt) for k in (branches, chosen, looped, again, own_names, handed) for opt in (1, 2)]
+
+
+@pytest.mark.parametrize(("kernel", "opt", "engine"), each([*CASES, (branches, 3)], 5))
+def test_defined_in_branches(kernel, opt, engine):
+    check_derivatives(kernel, (X, 1.3, opt), ("x", "a"), ("return",), engine=engine)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_sizes_and_types(engine):
+    check_derivatives(handed, (X[:1], 1.3, 1), ("x", "a"), ("return",), engine=engine)
+    check_derivatives(chosen, (X[:0], 1.3, 2), ("x", "a"), ("return",), engine=engine)
+    check_derivatives(branches, (X.astype("float32"), 1.3, 1), ("x",), ("return",), engine=engine)
+
+
+def at_its_definition(x, a, opt):
+    s = 0.0
+    for i in range(opt):
+        g = lambda q, k=i: a * q ** k
+        s += g(x[i])
+    return s
+
+
+def kept(x, a, opt):
+    fs = [np.sin]
+    for _ in range(opt):
+        g = lambda q: a * q
+        fs.append(g)
+    return x[0]
+
+
+@pytest.mark.parametrize(("kernel", "message"), [
+    (at_its_definition, "lambda is not supported in a kernel"),
+    (kept, "the function 'g' as a value is not supported in a kernel")])
+def test_what_is_refused(kernel, message):
+    with pytest.raises(S2sadError, match=r"error\[S201\]") as refused:
+        gradient(kernel, wrt="x")(X, 1.3, 2)
+    assert message in str(refused.value)
