@@ -1,3 +1,4 @@
+# ruff: noqa: E731, B023, PLW0108
 """Functions that are defined in branches and loops, or several times."""
 from __future__ import annotations
 

@@ -56,4 +56,4 @@ def astype_dtype(options: Arguments) -> str:
     found = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": "bool", "numpy.bool_": "bool",
              "builtins.complex": "complex128",
              "numpy.bool": "bool"}.get(named, named.removeprefix("numpy."))
-    return found if found in ORDER else "complex128" if dtype_of(node) == "complex128" else ""
+    return found if found in (*ORDER, "int32") else "complex128" if dtype_of(node) == "complex128" else ""

@@ -11,10 +11,12 @@ from s2sad.infer.types_of_shapes import SHAPES
 from s2sad.infer.types_of_sums import SUMS
 from s2sad.infer.types_of_transforms import TRANSFORMS
 
+_DTYPED = ("numpy.arange", "numpy.astype", "numpy.eye", "numpy.identity")
 _TYPES = {**SHAPES, **SUMS, **PLACES, **TRANSFORMS, **FORMS}
 
 
 def piece_type(function: str, args: list[Type], options: Arguments) -> Type:
     """The type of a call of such a function; `args` are the types of its operands, then of its options."""
     made = _TYPES[function](args, options)
-    return UNKNOWN if made.dtype and made.dtype not in ORDER else made
+    known = (*ORDER, "int32") if function in _DTYPED else ORDER
+    return UNKNOWN if made.dtype and made.dtype not in known else made

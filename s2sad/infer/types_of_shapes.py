@@ -156,8 +156,8 @@ def _arange(args: list[Type], options: Arguments) -> Type:
     given = [a for a in args[:3] if a.kind != "none"]
     own = "float64" if any(a.is_float for a in given) else "int64"
     dtype = own if is_none(options["dtype"]) else astype_dtype(options)
-    fits = all(a.is_number for a in given) and dtype in (own, "float64")
-    return array(dtype, 1) if fits else UNKNOWN
+    fits = dtype in (own, "float64") or own == "int64" and dtype in ("int32", "float32")
+    return array(dtype, 1) if fits and all(a.is_number for a in given) else UNKNOWN
 
 
 def _cast(args: list[Type], options: Arguments) -> Type:

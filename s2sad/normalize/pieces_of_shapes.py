@@ -191,7 +191,7 @@ def _tri(asked: Asked) -> str:
 def _eye(asked: Asked) -> str:
     columns = "M" if asked.given("M") else "N"
     dtype = astype_dtype(asked.arguments)
-    one = {"bool": "True", "int64": "1"}.get(dtype, "1.0")
+    one = {"bool": "True", "int64": "1", "int32": "1"}.get(dtype, "1.0")
     return lines(f"result = {zeros(['N', columns], dtype)}",
                  f"for place in range(max(0, -k), min(N, {columns} - k)):", f"    result[place, place + k] = {one}")
 

@@ -17,6 +17,7 @@
     math.prod((a, b))   a * b
     np.sum([a, b])      np.sum(np.array([a, b]))
     np.r_[a, 1:3]       np.r_((a, np.arange(1, 3)))     which joins along the first axis
+    p[range(n), k]      p[np.arange(n), k]
     K[np.ix_(i, j)]     K[i[:, None], j]
     np.diff(x, prepend=a)   np.diff(np.concatenate((np.atleast_1d(a), x), axis=-1))
 """
@@ -70,8 +71,8 @@ def _plain(node: AST) -> AST | None:
             return at(kind([rebuild(item, _plain) for item in listed], name("_").ctx), node)
     if isinstance(node, Subscript) and (joined := _joined(node) or _crossed(node)) is not None:
         return rebuild(at(joined, node), _plain)
-    if isinstance(node, Subscript) and any(isinstance(s, List) for s in indices(node)):
-        parts = [call("numpy.array", s) if isinstance(s, List) else s for s in indices(node)]
+    if isinstance(node, Subscript) and any(isinstance(s, List) or _is_range(s) for s in indices(node)):
+        parts = [call("numpy.array", s) if isinstance(s, List) else _arranged(s) for s in indices(node)]
         return rebuild(at(Subscript(node.value, index(node.value, *parts).slice, node.ctx), node), _plain)
     if isinstance(node, Attribute) and node.attr == "T":
         return at(call("numpy.transpose", rebuild(node.value, _plain)), node)
@@ -81,6 +82,8 @@ def _plain(node: AST) -> AST | None:
         return at(call(f"numpy.{node.attr}", rebuild(node.value, _plain)), node)
     if not isinstance(node, Call):
         return None
+    if call_name(node) in ("numpy.array", "numpy.asarray") and node.args and _is_range(node.args[0]):
+        return rebuild(at(Call(name("numpy.arange"), node.args[0].args, node.keywords), node), _plain)
     if call_name(node) == "numpy.shape" and len(node.args) == 1 and isinstance(node.args[0], Name):
         return at(attribute(node.args[0], "shape"), node)
     if call_name(node) == "numpy.reshape" and len(node.args) == 2 and isinstance(shape := node.args[1], List):
@@ -102,6 +105,15 @@ def _plain(node: AST) -> AST | None:
     if other is not None:
         return rebuild(at(other, node), _plain)
     return _question(node) or _array_call(node) or _scalar_call(node)
+
+
+def _is_range(node: AST) -> bool:
+    return call_name(node) == "builtins.range" and not node.keywords
+
+
+def _arranged(node: AST) -> AST:
+    """A range as an array; anything else as it is."""
+    return call("numpy.arange", *node.args) if _is_range(node) else node
 
 
 def _joined(node: Subscript) -> AST | None:

@@ -20,8 +20,8 @@ from s2sad.infer.of_numbers import NORM, SPREAD, reduced_number
 from s2sad.infer.types import UNKNOWN, Type
 from s2sad.rules import find_array
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Compare, Constant, FunctionDef, In, Is, IsNot, List, Mult, Name, NotIn, Slice, Sub,
-    Subscript, Tuple, at, call, call_name, const, copy, index, rebuild, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Compare, Constant, FunctionDef, In, Is, IsNot, List, Mult, Name, NotIn, Slice,
+    Sub, Subscript, Tuple, at, call, call_name, const, copy, index, rebuild, tuple_of,
 )
 
 CONJUGATING = ("conj", "conjugate")     # methods

@@ -14,6 +14,7 @@
     del work                        pass
     for i in range(n)[::-1]:        for i in reversed(range(n)):        (ranges)
     if k in (1, m - 1):             if k == 1 or k == m - 1:
+    k = list(range(n))              k = [item for item in range(n)]
     a, b, *_ = x                    a, b = x[0], x[1]           where nothing reads `_`
     a, *_ = f(x)                    a = f(x)[0]
     t @= r                          t[...] = t @ r                      (multiplied)
@@ -32,8 +33,9 @@ from s2sad.read.reshaped import reshaped
 from s2sad.read.turns import turns
 from s2sad.tree import (
     AST, Add, And, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For,
-    FunctionDef, If, IfExp, In, List, Mod, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Starred, Store,
-    Subscript, Tuple, UnaryOp, While, at, children, const, copy, expr, index, name, rebuild, tuple_of, walk, written,
+    FunctionDef, If, IfExp, In, List, Load, Mod, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Starred,
+    Store, Subscript, Tuple, UnaryOp, While, at, children, const, copy, expr, index, name, rebuild, statements, tuple_of,
+    walk, written,
 )
 
 _EXPRESSIONS = {Assign: "value", Expr: "value", Return: "value", If: "test", While: "test", For: "iter", Assert: "test"}
@@ -46,11 +48,25 @@ def plain(function: FunctionDef) -> FunctionDef:
     new = turns(unnamed(copy(reshaped(function))))
     read = {n.id for n in walk(function.body) if isinstance(n, Name) and not isinstance(n.ctx, Store)}
 
+    bound = {n.id for n in walk(function) if isinstance(n, Name) and not isinstance(n.ctx, Load)}
+
     def change(node: AST) -> AST | None:
+        if not bound & {"list", "range"} and (made := _listed(node)) is not None:
+            return made
         return _unstarred(node, read) if isinstance(node, Assign) else _member(node)
     new.body = [rebuild(s, change) for s in new.body]
     _blocks(new)
     return new
+
+
+def _listed(node: AST) -> AST | None:
+    """A list of a range."""
+    if not isinstance(node, Call) or written(node.func) != "list" or len(node.args) != 1 or node.keywords or not (
+            isinstance(node.args[0], Call) and written(node.args[0].func) == "range"):
+        return None
+    [made] = statements("[item for item in range(0)]")
+    made.value.generators[0].iter = node.args[0]
+    return at(made.value, node)
 
 
 def _unstarred(node: Assign, read: set[str]) -> AST | None:

@@ -2,12 +2,14 @@
 
     steps = range(n)                for i in range(n):
     for i in steps:
+    dt = x.dtype                    w = np.zeros(n, dtype=x.dtype)
+    w = np.zeros(n, dtype=dt)
     for i in range(n)[1:-1]:        for i in range(1, n - 1):
     for i in range(a, b)[::2]:      for i in range(a, b, 2):
     for i in range(n)[::-1]:        for i in reversed(range(n)):
 
-A name stands for its range where it is bound once and what the range is made of does not change. Parts that depend on
-how long the range is stay, to be refused.
+A name stands for its range, or for a dtype, where it is bound once and what that is made of does not change. Parts
+that depend on how long the range is stay, to be refused.
 """
 from __future__ import annotations
 
@@ -18,12 +20,12 @@ from s2sad.tree import (
 
 
 def unnamed(function: FunctionDef) -> FunctionDef:
-    """The function without names of ranges."""
+    """The function without names of ranges and dtypes."""
     stored = [n.id for n in walk(function) if isinstance(n, Name) and not isinstance(n.ctx, Load)]
     in_loops = {n.id for s in walk(function.body) if isinstance(s, (For, While)) for n in walk(s)
                 if isinstance(n, Name) and isinstance(n.ctx, Store)}
     found = {s.targets[0].id: s.value for s in function.body if isinstance(s, Assign) and len(s.targets) == 1
-             and isinstance(s.targets[0], Name) and _is_range(s.value)}
+             and isinstance(s.targets[0], Name) and (_is_range(s.value) or _is_dtype(s.value))}
     kept = {n: r for n, r in found.items() if stored.count(n) == 1 and all(
         stored.count(m.id) <= 1 and m.id not in in_loops for m in walk(r) if isinstance(m, Name))}
     if not kept:
@@ -72,6 +74,11 @@ def _is_range(node: AST) -> bool:
     """Whether an expression is a range of what may be computed again."""
     return isinstance(node, Call) and isinstance(node.func, Name) and node.func.id == "range" and not node.keywords \
         and all(map(_is_settled, node.args))
+
+
+def _is_dtype(node: AST) -> bool:
+    """Whether an expression is the dtype of what has a name."""
+    return isinstance(node, Attribute) and node.attr == "dtype" and isinstance(node.value, Name)
 
 
 def _is_settled(node: AST) -> bool:

@@ -24,6 +24,7 @@ from s2sad.normalize.as_numpy import as_numpy
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.complexes import complexes, of_its_own
 from s2sad.normalize.contracted import contracted, undotted
+from s2sad.normalize.dtyped import dtyped
 from s2sad.normalize.form import verify
 from s2sad.normalize.inlined import Helpers, inlined, returned
 from s2sad.normalize.parts import parts
@@ -142,6 +143,9 @@ class NormalForms(Calls):
             said = Report(report.source)
             tree, table = lives(tree, given, self.call_types, said, values, names)
             typing = Typing({**table, **given}, self.call_types, Report(report.source), values)
+            if (asked := dtyped(tree, typing)) is not tree:
+                tree = asked
+                continue
             arrays_in_rows(tree, typing, self.program, lambda called, typing=typing: self.of_call(
                 called, typing).summary.written, report)
             plain = undotted(listed_rows(tree, typing, self.helpers, report), typing)
