@@ -147,15 +147,6 @@ def part_from_the_end(x, k):
     return np.sum(np.array(out[k:])) * x[0]
 
 
-def stored(x):
-    x[0] = 2.0
-    return x[1]
-
-
-def beside_a_call(x):
-    return stored(x) + np.sum(np.array([v * v for v in x]))
-
-
 def repeated(x):
     out = [v * v for v in x]
     return np.sum(np.array(out * 2))
@@ -205,8 +196,7 @@ REFUSED = {table_stored_into: "a float is put among the integers of a list",
            repeated: "the list 'out' is used as a list", joined: "the list 'out' is used as a list",
            unknown_length: "how long 'out' becomes", rebound_length: "how long 'out' becomes",
            not_copied: "a list holds an array that is written",
-           removed: "the method 'pop' of a list", part_from_the_end: "a part of a list",
-           beside_a_call: "beside a call of a kernel"}
+           removed: "the method 'pop' of a list", part_from_the_end: "a part of a list"}
 
 
 @pytest.mark.parametrize("kernel", REFUSED, ids=lambda kernel: kernel.__name__)

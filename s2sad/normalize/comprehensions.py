@@ -113,12 +113,10 @@ class _Comprehensions:
     def refuse_unordered(self, node: AST, tested: bool) -> None:
         """Refuses a comprehension that would run earlier than Python runs it, or more often."""
         found = [n for n in walk(node) if isinstance(n, (ListComp, GeneratorExp))]
-        inside = {id(n) for f in found for n in walk(f)}
         lazy = {id(n) for c in walk(node) if isinstance(c, (IfExp, BoolOp)) for n in walk(c)}
-        others = any((call_name(n) or "").startswith("user.") and id(n) not in inside for n in walk(node))
         for n in found:
-            if tested or others or id(n) in lazy:
-                self.scope.refuse(n, "a comprehension in a test, or beside a call of a kernel",
+            if tested or id(n) in lazy:
+                self.scope.refuse(n, "a comprehension in the test of a loop, or in what may not be evaluated",
                                   help="bind it to a name in a statement of its own before")
 
     def read(self, node: AST) -> AST:

@@ -36,6 +36,8 @@ from s2sad.tree import (
 
 _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
 
+_EXTREME = {"builtins.max": "numpy.max", "builtins.min": "numpy.min"}      # of one list
+
 
 def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
     """The function without such lists and comprehensions."""
@@ -242,6 +244,10 @@ class _Lists:
             return self.element(node)
         if call_name(node) == "builtins.len" and isinstance(node.args[0], Name) and node.args[0].id in self.made:
             return at(name(self.counts[node.args[0].id]), node)
+        if call_name(node) in _EXTREME and len(node.args) == 1 and not node.keywords and isinstance(
+                node.args[0], Name) and node.args[0].id in self.made:
+            items = index(node.args[0], Slice(None, name(self.counts[node.args[0].id]), None))
+            return at(call(_EXTREME[call_name(node) or ""], items), node)
         if isinstance(node, Attribute) and isinstance(node.value, Name) and node.value.id in self.made:
             self.scope.refuse(node, f"the method {node.attr!r} of a list", help="a list may grow by append and be read")
             return copy(node)

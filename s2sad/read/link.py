@@ -16,6 +16,7 @@ from s2sad.read.imports import imports
 from s2sad.read.live import live_meaning
 from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number, Record
 from s2sad.read.nested import lifted
+from s2sad.read.nothing_returned import nothing_returned
 from s2sad.read.plain import plain
 from s2sad.read.resolve import Resolved, resolve
 from s2sad.read.returned_lists import returned_lists
@@ -58,6 +59,7 @@ class Linker:
         for key, found in self.found.items():
             kernels[names[key].partition(".")[2]] = _kernel(names[key].partition(".")[2], found, names, self.identify)
         kernels = {n: replace(k, tree=_with_tuples(k.tree, kernels)) for n, k in kernels.items()}
+        kernels = nothing_returned(kernels)
         values = {names[key].partition(".")[2]: m for key, m in self.outside.values() if not isinstance(m, Function)}
         constants = {n: m.value for n, m in values.items() if isinstance(m, Number)}
         arrays = {n: m.value for n, m in values.items() if isinstance(m, Array)}

@@ -88,7 +88,7 @@ def live_meaning(name: str, value: Any) -> Meaning:
     if isinstance(value, types.ModuleType):
         library = value.__name__.partition(".")[0] in ("numpy", "math", "numba", "s2sad")
         return Space(value.__name__, LibraryScope(value.__name__) if library else ModuleScope(value))
-    path = library_path(name, value)
+    path = library_path(name, value) if value is not None or name != "newaxis" else "numpy.newaxis"
     if path is not None:
         return Library(path)
     if isinstance(value, functools.partial) and _home(value.func) in ("numba", "s2sad"):

@@ -1,0 +1,109 @@
+"""Short idioms: the largest of a list, newaxis by its name, a call that is returned, comprehensions as arguments."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy import newaxis
+
+from s2sad import S2sadError, gradient
+from tests.derivatives import check_derivatives
+from tests.engines import each
+
+X = np.array([0.3, 1.1, 0.7])
+GRID = np.linspace(0.0, 1.0, 3)
+
+
+def extremes(x):
+    h = []
+    for i in range(x.size):
+        h.append(x[i] ** 2)
+        if i == 1:
+            h.append(max(h) * 0.5 + min(h))
+    return max(h) * min(h) + h[2]
+
+
+def axes(x):
+    g = GRID
+    return (x[:, newaxis] * np.sin(x)[newaxis, :] * g).sum()
+
+
+def halved(q, k):
+    q[0] = q[1] ** k
+    if k > 2:
+        return
+    q[1] = q[2] * 2.0
+
+
+def passed_on(q):
+    return halved(q, 2)
+
+
+def returned(q):
+    if q[0] > 5.0:
+        return passed_on(q)
+    q[2] = q[0] * q[1]
+    return passed_on(q)
+
+
+def norm(v):
+    return np.sqrt(v @ v)
+
+
+def changed(v):
+    v[0] = v[0] * 2.0
+    return v.sum()
+
+
+def arguments(x):
+    return norm(np.array([x[i] - x[i - 1] for i in range(1, 3)])) * norm(np.array([v ** 2 for v in x]))
+
+
+def in_order(x):
+    z = x * 1.0
+    s = changed(z) * norm(np.array([v ** 2 for v in z])) + z[0] * changed(z)
+    return s - sum(v * z[0] for v in z) * changed(z) + max([v ** 2 for v in z])
+
+
+def stored(x):
+    x[0] = 2.0
+    return x[1]
+
+
+def beside_a_call(x):
+    z = x * 1.0
+    return stored(z) + np.sum(np.array([v * v for v in z])) * z[0]
+
+
+def calls_inside(x):
+    z = x * 1.0
+    return z[0] * sum(changed(z) * i for i in range(2)) + norm(np.array([changed(z) for _ in range(2)])) * z[0]
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each([extremes, axes, arguments, in_order, beside_a_call, calls_inside], 3))
+def test_idioms(kernel, engine):
+    check_derivatives(kernel, (X,), ("x",), ("return",), engine=engine)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+def test_a_call_that_returns_nothing(engine):
+    check_derivatives(returned, (X,), ("q",), ("q",), engine=engine)
+    check_derivatives(passed_on, (X.astype("float32"),), ("q",), ("q",), engine=engine)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_sizes_and_types(engine):
+    check_derivatives(axes, (X[:1],), ("x",), ("return",), engine=engine)
+    check_derivatives(extremes, (X.astype("float32"),), ("x",), ("return",), engine=engine)
+
+
+def maybe(x):
+    s = 0.0
+    while sum(v for v in x) + s < 5.0:
+        s += x[0]
+    return s if s > 0.0 else norm(np.array([v for v in x]))
+
+
+def test_what_is_refused():
+    with pytest.raises(S2sadError) as refused:
+        gradient(maybe)(X)
+    assert "a comprehension in the test of a loop, or in what may not be evaluated" in str(refused.value)
