@@ -79,7 +79,10 @@ def calls_inside(x):
     return z[0] * sum(changed(z) * i for i in range(2)) + norm(np.array([changed(z) for _ in range(2)])) * z[0]
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each([extremes, axes, arguments, in_order, beside_a_call, calls_inside], 3))
+KERNELS = [extremes, axes, arguments, in_order, beside_a_call, calls_inside]
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 3))
 def test_idioms(kernel, engine):
     check_derivatives(kernel, (X,), ("x",), ("return",), engine=engine)
 

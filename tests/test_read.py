@@ -93,11 +93,9 @@ REFUSED = [
     ("if 1 not in x: pass", "1 not in x", "S201", f"'not in' {NO}", "write the comparisons out: x != a and x != b"),
     ("y = special.ellipk(x)", "special.ellipk", "S201", "'special.ellipk' is not a function that s2sad can read",
      'write it with numpy and math, or give its derivative: s2sad.rule("scipy.special.ellipk(x)", x=...)'),
-    ("y = isinstance(x, float)", "isinstance", "S201", f"the built-in 'isinstance' {NO}",
-     "write one kernel for each type"),
     ("y = open(x)", "open", "S201", f"the built-in 'open' {NO}",
-     "these are: abs, all, any, bool, complex, divmod, enumerate, float, int, len, max, min, pow, print, range, "
-     "reversed, round, slice, sum, zip"),
+     "these are: abs, all, any, bool, complex, divmod, enumerate, float, int, isinstance, len, max, min, pow, print, "
+     "range, reversed, round, slice, sum, zip"),
     ("y = x(1)", "x(1)", "S201", f"a call through the variable 'x' {NO}", BY_NAME),
     ("y = x[0](1)", "x[0](1)", "S201", f"a call of what an expression gives {NO}", BY_NAME),
     ("y = G(1)", "G", "S201", "'G' is a number, not a function", "correct the name, or subscript with []"),

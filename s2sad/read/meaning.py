@@ -16,8 +16,8 @@ from s2sad.rules.spellings import is_scipy
 from s2sad.structure import SPARSE, record_fields, sparse_format
 from s2sad.tree import AST, FunctionDef
 
-BUILTIN_CALLS = ("abs", "all", "any", "bool", "complex", "divmod", "enumerate", "float", "int", "len", "max", "min",
-                 "pow", "print", "range", "reversed", "round", "slice", "sum", "zip")
+BUILTIN_CALLS = ("abs", "all", "any", "bool", "complex", "divmod", "enumerate", "float", "int", "isinstance", "len",
+                 "max", "min", "pow", "print", "range", "reversed", "round", "slice", "sum", "zip")
 _NUMBERS = ("pi", "e", "tau", "inf", "nan")
 
 

@@ -212,7 +212,6 @@ _BUILTIN_HELP = {
     "sorted": "sort before the kernel is called, and pass the sorted array or the order",
     "list": "allocate an array with np.empty or np.zeros",
     "tuple": "write the elements out: (a, b)",
-    "isinstance": "write one kernel for each type",
     "map": "write a for loop",
     "filter": "write a for loop with an if",
 }

@@ -24,6 +24,7 @@ from s2sad.normalize.as_numpy import as_numpy
 from s2sad.normalize.atoms import atoms
 from s2sad.normalize.complexes import complexes, of_its_own
 from s2sad.normalize.contracted import contracted, undotted
+from s2sad.normalize.decided import decided, undecided
 from s2sad.normalize.dtyped import dtyped
 from s2sad.normalize.form import verify
 from s2sad.normalize.inlined import Helpers, inlined, returned
@@ -119,8 +120,10 @@ class NormalForms(Calls):
         values = {**self.program.constants, **self.program.arrays}
         tree = verify(plain_form(kernel, names, self.program), "structured", "spelled")
         given = dict(zip((p.id for p in tree.args.args), types))
-        tree, source = inlined(tree, given, names, kernel.source, self.helpers)
+        tree, source = inlined(decided(tree, given), given, names, kernel.source, self.helpers)
         kernel, report = replace(kernel, source=source), Report(source)
+        undecided(tree, report)
+        report.finish()
         self.watch("structured", tree)
         together(*self.helpers.typing(tree, given, source, Names(names.taken)), report)
         report.finish()
