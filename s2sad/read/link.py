@@ -17,6 +17,7 @@ from s2sad.read.live import live_meaning
 from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number, Record
 from s2sad.read.nested import lifted
 from s2sad.read.nothing_returned import nothing_returned
+from s2sad.read.picked_functions import picked_functions
 from s2sad.read.plain import plain
 from s2sad.read.resolve import Resolved, resolve
 from s2sad.read.returned_lists import returned_lists
@@ -81,7 +82,7 @@ class Linker:
         return self.outside.setdefault((kind, key), (f"{kind}.{len(self.outside)}", meaning))[0]
 
     def visit(self, function: Function, callers: list[Function]) -> None:
-        captured = imports(definition(function))
+        captured = picked_functions(imports(definition(function)))
         captured = lifted(replace(captured, tree=returned_lists(plain(defined(captured.tree)))), function.key)
         report = Report(captured.source)
         self.reports.append(report)

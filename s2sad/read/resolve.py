@@ -176,7 +176,7 @@ class _Resolver(References):
         if isinstance(node.func, tree.Name) and node.func.id in self.local:
             self._refuse(f"a call through the variable '{node.func.id}' is not supported in a kernel", node,
                          help="call a function of the module by its name")
-        elif not isinstance(node.func, (tree.Name, tree.Attribute)):
+        elif not isinstance(node.func, (tree.Name, tree.Attribute)) and self._function_meant(node.func) is None:
             self._refuse("a call of what an expression gives is not supported in a kernel", node,
                          help="call a function of the module by its name")
         else:
