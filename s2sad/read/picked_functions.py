@@ -50,7 +50,7 @@ class _Picked:
             return {}
         if isinstance(node.value, tree.Dict):
             keys = [getattr(k, "value", None) for k in node.value.keys]
-            items = dict(zip(map(str, keys), node.value.values))
+            items: dict[str, AST] = dict(zip(map(str, keys), node.value.values))
             fits = all(isinstance(k, str) for k in keys) and all(
                 isinstance(v, (tree.Name, tree.Attribute)) for v in items.values())
         else:

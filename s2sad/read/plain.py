@@ -34,8 +34,8 @@ from s2sad.read.turns import turns
 from s2sad.tree import (
     AST, Add, And, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For,
     FunctionDef, If, IfExp, In, List, Load, Mod, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Starred,
-    Store, Subscript, Tuple, UnaryOp, While, at, children, const, copy, expr, index, name, rebuild, statements, tuple_of,
-    walk, written,
+    Store, Subscript, Tuple, UnaryOp, While, at, children, const, copy, expr, index, name, rebuild, statements,
+    tuple_of, walk, written,
 )
 
 _EXPRESSIONS = {Assign: "value", Expr: "value", Return: "value", If: "test", While: "test", For: "iter", Assert: "test"}
