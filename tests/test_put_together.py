@@ -101,7 +101,20 @@ def of_names(r, x):
     return max(t + (x[2],))
 
 
+def asked_for(r, x):
+    ks = [1, 2]
+    return x[0] if ks == [1, 2] else x[1]
+
+
+def turned_around(r, x):
+    t = (x[0], x[1])
+    return t[::-1][0] * x[0]
+
+
+GIVE_A_NAME = "give it a name in a statement of its own, or make it an array: np.array([...])"
 REFUSED = [
+    (asked_for, "[1, 2]", "S201", "a list inside an expression is not supported here", GIVE_A_NAME),
+    (turned_around, "t[::-1][0]", "S201", "a part of what an expression gives is not supported here", GIVE_A_NAME),
     (starred_array, "x", "S201", "a star before what is not known to be a tuple",
      "write its elements out, or join arrays: np.concatenate(([a], x))"),
     (starred_in_a_loop, "x", "S201", "a star before what is not known to be a tuple",

@@ -31,6 +31,7 @@ from s2sad.normalize.scalarize import scalarize, scatter
 from s2sad.normalize.sought import sought
 from s2sad.normalize.stacked import stacked
 from s2sad.normalize.tails import tails
+from s2sad.normalize.unnamed import unnamed
 from s2sad.normalize.viewing import viewing
 from s2sad.normalize.views import views
 from s2sad.normalize.workspace import workspace
@@ -104,6 +105,8 @@ class ArrayForms:
         tree = views(tree, typing.table, typing, names, written, report, self.engine == "numba")
         report.finish()
         guarded = count(tree, Assert) > count(plain, Assert)
+        unnamed(tree, report)
+        report.finish()
         tree = demanded(tree, needed)
         self.watch("views", tree)
         tree = verify(self.with_titles(workspace(tree), typing, report), "views", "workspace")
