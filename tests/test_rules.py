@@ -7,6 +7,8 @@ from collections.abc import Callable
 import gast
 import numpy as np
 import pytest
+import scipy
+from scipy import special
 
 from s2sad import rules, runtime, tree
 from s2sad.rules.rule import Table, signature, template
@@ -32,14 +34,15 @@ def scalar_form(node: tree.AST) -> tree.AST:
 
 def compiled(parameters: tuple[str, ...], node: tree.AST) -> Callable:
     text = f"lambda {', '.join(parameters)}: {spelled(node)}"
-    return eval(text, {"numpy": np, "math": math, "runtime": runtime})
+    return eval(text, {"numpy": np, "math": math, "runtime": runtime, "scipy": scipy})
 
 
 def primal(name: str) -> Callable:
     rule = rules.find(name)
     if "." in name:
-        module, function = name.split(".")
-        if not hasattr({"numpy": np, "math": math, "builtins": __builtins__, "runtime": runtime}[module], function) \
+        module, _, function = name.rpartition(".")
+        if not hasattr({"numpy": np, "math": math, "builtins": __builtins__, "runtime": runtime,
+                        "scipy.special": special}[module], function) \
                 and module != "builtins":
             pytest.skip(f"this version has no {name}")
         return compiled(rule.parameters, tree.call(name, *map(tree.name, rule.parameters))) \
@@ -191,6 +194,21 @@ TRUE_VALUES = [
     ("a / b", "b", (1e200, 1e300), -1e-400),
     ("a / b", "b", (1e300, 1e160), -1e-20),
     ("math.erfc(x)", "x", (10.0,), -2 / math.sqrt(math.pi) * math.exp(-100.0)),
+    ("scipy.special.expit(x)", "x", (40.0,), math.exp(-40.0) / (1 + math.exp(-40.0)) ** 2),
+    ("scipy.special.expit(x)", "x", (-600.0,), math.exp(-600.0)),
+    ("scipy.special.expit(x)", "x", (-math.inf,), 0.0),
+    ("scipy.special.logit(x)", "x", (1e-300,), 1e300),
+    ("scipy.special.logit(x)", "x", (1.5,), math.nan),
+    ("scipy.special.xlogy(a, b)", "a", (0.0, 2.0), math.log(2.0)),
+    ("scipy.special.xlogy(a, b)", "b", (0.0, 0.0), 0.0),
+    ("scipy.special.xlogy(a, b)", "b", (1.0, -1.0), math.nan),
+    ("scipy.special.xlog1py(a, b)", "a", (0.0, 1e-12), 1e-12 - 5e-25),
+    ("scipy.special.xlog1py(a, b)", "b", (0.0, -1.0), 0.0),
+    ("scipy.special.entr(x)", "x", (0.0,), math.inf),
+    ("scipy.special.rel_entr(a, b)", "b", (0.0, 0.0), 0.0),
+    ("scipy.special.kl_div(a, b)", "b", (0.0, 0.0), 1.0),
+    ("scipy.special.kl_div(a, b)", "a", (0.0, -1.0), math.nan),
+    ("scipy.special.erf(x)", "x", (20.0,), 2 / math.sqrt(math.pi) * math.exp(-400.0)),
     ("numpy.absolute(x)", "x", (0.0,), 0.0),
     ("numpy.maximum(a, b)", "a", (1.0, 1.0), 1.0),
     ("numpy.maximum(a, b)", "b", (1.0, 1.0), 0.0),

@@ -15,7 +15,7 @@ from s2sad.emit.lines import BREAK, Group, broken
 from s2sad.emit.literals import docstring, escaped
 from s2sad.emit.manner import manners
 from s2sad.emit.paste import pasted
-from s2sad.emit.spelling import BUILTINS, literal, module_spelling
+from s2sad.emit.spelling import BUILTINS, SPECIAL, literal, module_spelling
 from s2sad.emit.uses import Uses
 from s2sad.rules.given import ROOM
 
@@ -95,6 +95,7 @@ def _imports(spelling: Mapping[str, str], runtime_names: list[str]) -> str:
     own = [_import(library, spelling[key]) for library, key in (("builtins", BUILTINS), ("math", "math"))
            if key in spelling]
     others = [_import("numpy", spelling["numpy"])] if "numpy" in spelling else []
+    others += [SPECIAL + _as("special", spelling[SPECIAL])] if SPECIAL in spelling else []
     given = [_import_from(key[len(ROOM):], alias) for key, alias in spelling.items() if key.startswith(ROOM)]
     blocks = ["\n".join(block) for block in (own, others, sorted(given)) if block]
     if runtime_names:
@@ -110,12 +111,16 @@ def _imports(spelling: Mapping[str, str], runtime_names: list[str]) -> str:
 
 
 def _import(library: str, alias: str) -> str:
-    return f"import {library}" if alias == library else f"import {library} as {alias}"
+    return f"import {library}{_as(library, alias)}"
 
 
 def _import_from(path: str, alias: str) -> str:
     module, _, last = path.rpartition(".")
-    return f"from {module} import {last}{'' if alias == last else f' as {alias}'}  # isort: skip"
+    return f"from {module} import {last}{_as(last, alias)}  # isort: skip"
+
+
+def _as(known: str, alias: str) -> str:
+    return "" if alias == known else f" as {alias}"
 
 
 def _exceptions(functions: list[tree.FunctionDef], constants: list[str]) -> str:

@@ -45,7 +45,7 @@ def _undocumented(body: list[AST]) -> list[AST]:
 
 
 def _is_plain(unit: Unit) -> bool:
-    simple = all(t.is_number for t in unit.types)
+    simple = all(t.is_number for t in unit.types) and not any(t.is_array for t in unit.typing.table.values())
     tree = unit.kernel.tree
     called = [call_name(n) or "" for n in walk(tree.body) if isinstance(n, Call)]
     calls = any(c.startswith("user.") or find_array(c) is not None for c in called)     # Numba reduces no numbers

@@ -16,6 +16,8 @@ SPELLING: Mapping[str, str] = {
 }
 # Where a module's spelling holds the name under which it imports `builtins`, if it must.
 BUILTINS = "import builtins"
+# The same for the one module of SciPy's that generated text calls.
+SPECIAL = "from scipy import special"
 
 
 def spell(identifier: str, spelling: Mapping[str, str] = SPELLING) -> str:
@@ -51,6 +53,9 @@ def module_spelling(uses: Uses, constants: Mapping[str, tree.AST], pieces: list[
         spelling[f"const.{key}"] = names.fresh(key)
     for key in dict.fromkeys([*(piece.name for piece in pieces), *uses.room("runtime")]):
         spelling[f"runtime.{key}"] = names.fresh(key)
+    if special := uses.room("scipy"):
+        spelling[SPECIAL] = names.fresh("special")
+        spelling.update({f"scipy.{key}": f"{spelling[SPECIAL]}.{key.rpartition('.')[2]}" for key in special})
     for key in uses.room("given"):
         spelling[f"given.{key}"] = names.fresh(key.rpartition(".")[2])
     libraries = {library for library in ("math", "numpy") if uses.room(library)}

@@ -184,7 +184,7 @@ class Whose:
             return max(map(self.kind, node.args))
         if called in OF_MATH:
             return FLOAT if self.as_it_is else NUMPY
-        if called.startswith("numpy."):
+        if called.startswith(("numpy.", "scipy.")):
             kinds = list(map(self.kind, node.args))
             return NARROW if called == "numpy.float32" or NARROW in kinds and NUMPY not in kinds and \
                 called != CONVERT else NUMPY

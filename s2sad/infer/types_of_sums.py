@@ -177,6 +177,14 @@ def _running_extreme(args: list[Type], options: Arguments) -> Type:
     return args[0] if known_array(args) and one_axis(options["axis"], args[0].rank) is not None else UNKNOWN
 
 
+def _sum_of_exponentials(args: list[Type], options: Arguments) -> Type:
+    return _averaged(args, options) if is_none(options["b"]) else UNKNOWN
+
+
+def _shares(args: list[Type], options: Arguments) -> Type:
+    return _float(args[0]) if known_array(args) and axes_of(options["axis"], args[0].rank) else UNKNOWN
+
+
 SUMS: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.var": _averaged, "numpy.std": _averaged, "numpy.prod": _product, "numpy.cumprod": _running,
     "numpy.cumsum": _running, "numpy.average": _average, "numpy.linalg.norm": _norm,
@@ -185,6 +193,8 @@ SUMS: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.nan_to_num": _numbered, "numpy.linalg.cond": _condition,
     **dict.fromkeys(("numpy.linalg.svd.left", "numpy.linalg.svd.right", "numpy.linalg.qr.orthogonal",
                      "numpy.linalg.qr.triangular"), _vectors),
+    "scipy.special.logsumexp": _sum_of_exponentials, "scipy.special.softmax": _shares,
+    "scipy.special.log_softmax": _shares,
     "numpy.maximum.accumulate": _running_extreme, "numpy.minimum.accumulate": _running_extreme,
     **{f"numpy.{f}.outer": _outer for f in ("add", "subtract", "multiply", "power", "maximum", "minimum")},
     "numpy.divide.outer": _quotient, "numpy.cross": _crossed, "numpy.vander": _powers, "numpy.polyval": _polynomial,

@@ -27,6 +27,7 @@ from s2sad.tree import (
 _POSITIONAL = {"numpy.dot": 2, "numpy.matmul": 2, "numpy.clip": 3, "numpy.max": 2, "numpy.min": 2, "numpy.amax": 2,
                "numpy.amin": 2, "numpy.round": 2, "numpy.around": 2, "numpy.any": 2, "numpy.all": 2, "numpy.sum": 3,
                "numpy.mean": 3, "numpy.prod": 3, "numpy.cumsum": 3, "numpy.cumprod": 3, "numpy.var": 3, "numpy.std": 3}
+_LIBRARIES = ("numpy.", "scipy.special.")
 # what NumPy writes by the number of an element in the order of rows: said, and what to write instead
 UNSUPPORTED = {"numpy.put": "write x[places] = values", "numpy.place": "write x[mask] = values",
                "numpy.putmask": "write x[...] = np.where(mask, values, x)",
@@ -52,7 +53,7 @@ def stored_out(node: AST) -> tuple[AST, AST] | None:
     """The same for a call that is given an array for its result."""
     called = call_name(node) or ""
     method = isinstance(node, Call) and isinstance(node.func, Attribute)
-    if not isinstance(node, Call) or not (called.startswith("numpy.") or method):
+    if not isinstance(node, Call) or not (called.startswith(_LIBRARIES) or method):
         return None
     place = _position(called)
     given = {k.arg: k.value for k in node.keywords}
@@ -66,7 +67,8 @@ def stored_out(node: AST) -> tuple[AST, AST] | None:
         args, out = args[:place], args[place]
     if out is None or isinstance(out, Constant) and out.value is None:
         return None
-    elementwise = isinstance(library_value(called), numpy.ufunc)    # of a reduction `where` picks what is reduced
+    # of a reduction `where` picks what is reduced
+    elementwise = called.startswith("scipy.") or isinstance(library_value(called), numpy.ufunc)
     where = given.pop("where", None) if elementwise else None
     keywords = [k for k in node.keywords if k.arg in given]
     value = at(Call(node.func, args, keywords), node)

@@ -47,7 +47,7 @@ def fresh_value(value: AST) -> bool:
 
 def _is_new(called: str) -> bool:
     """Whether a function has a rule element by element, and so makes a new array of any."""
-    return called.startswith("numpy.") and called not in _GIVEN_BACK and find(called) is not None
+    return called.startswith(("numpy.", "scipy.special.")) and called not in _GIVEN_BACK and find(called) is not None
 
 
 def parameters(function: FunctionDef) -> list[str]:

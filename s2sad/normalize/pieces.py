@@ -3,8 +3,8 @@
 Requires functions that stand alone on operands with names; establishes that none of those in `rules/composed` is left,
 and no `np.broadcast_to` of the kernel's.
 What each is made of stands in `normalize/pieces_of_shapes`, `pieces_of_joins`, `pieces_of_sums`,
-`pieces_of_differences`, `pieces_of_places`, `pieces_of_transforms`, `pieces_of_matrices`, `pieces_of_forms`, and for
-stacks of matrices in `pieces_of_stacks`.
+`pieces_of_differences`, `pieces_of_places`, `pieces_of_exponentials`, `pieces_of_transforms`, `pieces_of_matrices`,
+`pieces_of_forms`, and for stacks of matrices in `pieces_of_stacks`.
 
     d = np.diff(x)                  d = x[1:] - x[:-1]
     y = np.concatenate((u, v))      y = np.empty(u.shape[0] + v.shape[0])
@@ -23,6 +23,7 @@ from s2sad.naming import Names
 from s2sad.normalize.asked import Asked
 from s2sad.normalize.functions import functions
 from s2sad.normalize.pieces_of_differences import DIFFERENCES
+from s2sad.normalize.pieces_of_exponentials import EXPONENTIALS
 from s2sad.normalize.pieces_of_forms import FORMS
 from s2sad.normalize.pieces_of_joins import JOINS
 from s2sad.normalize.pieces_of_matrices import MATRICES
@@ -38,7 +39,7 @@ from s2sad.tree import (
     While, assign, at, call_name, copy, indices, name, names, rebuild, statements, stored_names, walk,
 )
 
-_PIECES = {**JOINS, **SHAPES, **SUMS, **DIFFERENCES, **PLACES, **TRANSFORMS, **MATRICES, **FORMS}
+_PIECES = {**JOINS, **SHAPES, **SUMS, **DIFFERENCES, **PLACES, **EXPONENTIALS, **TRANSFORMS, **MATRICES, **FORMS}
 RESULT = "result"
 _BUILTINS = ("int", "len", "max", "min", "range")
 

@@ -197,5 +197,5 @@ def _operands(node: AST) -> list[AST]:
 
 
 def _is_elementwise(called: str | None) -> bool:
-    return (called or "").startswith("math.") or (called or "").startswith("numpy.") and isinstance(
+    return (called or "").startswith(("math.", "scipy.special.")) or (called or "").startswith("numpy.") and isinstance(
         library_value(called or ""), numpy.ufunc)

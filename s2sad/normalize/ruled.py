@@ -49,6 +49,8 @@ _HELP = {
     "numpy.linalg.qr": "write q, r = np.linalg.qr(a), in the reduced mode",
     "numpy.linalg.eig": "write np.linalg.eigh for a symmetric matrix: other ones have complex eigenvalues",
     "numpy.linalg.eigvals": "write np.linalg.eigvalsh for a symmetric matrix: other ones have complex eigenvalues",
+    "scipy.special.logsumexp": "without b= and return_sign=: write s + np.log(np.sum(b * np.exp(a - s))) with "
+    "s = np.max(a)",
     "numpy.nanmean": "write np.mean(x[~np.isnan(x)])", "numpy.split": "bind each section to a name: a, b = np.split(x, "
     "2)", "numpy.array_split": "bind each section to a name: a, b = np.array_split(x, 2)",
 }

@@ -71,7 +71,7 @@ class Walked:
         return body
 
 
-_LOOPED = ("numpy.where", "numpy.heaviside")    # what compiled code has of numbers alone, or is slow in
+_LOOPED = ("numpy.where", "numpy.heaviside", "scipy.")  # what compiled code has of numbers alone, or is slow in
 
 
 def scalarize(function: FunctionDef, typing: Typing, free: Names, final: bool = False) -> FunctionDef:
@@ -116,7 +116,7 @@ class Scalarize:
         if isinstance(statement, (Assign, AugAssign)):
             return self.store(statement)
         if isinstance(statement, Return) and statement.value is not None and not self.only and (
-                not self.final or any(call_name(n) in _LOOPED for n in walk(statement.value))):
+                not self.final or any((call_name(n) or "").startswith(_LOOPED) for n in walk(statement.value))):
             before: list[AST] = []
             value = self.sums(statement.value, before, joined=not self.final)
             return [*before, Return(value)]

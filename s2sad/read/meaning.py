@@ -200,7 +200,7 @@ def library_path(name: str, value: Any) -> str | None:
             if candidate and getattr(module, candidate, None) is value:
                 return f"{module.__name__}.{candidate}"
     home = str(getattr(value, "__module__", ""))
-    rooms = ("scipy.linalg", "scipy.fft", "scipy.sparse", "scipy.sparse.linalg")
+    rooms = ("scipy.linalg", "scipy.fft", "scipy.sparse", "scipy.sparse.linalg", "scipy.special")
     for room in rooms if home.startswith("scipy.") else ():
         if getattr(sys.modules.get(room), own, None) is value and is_scipy(f"{room}.{own}"):
             return f"{room}.{own}"

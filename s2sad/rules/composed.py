@@ -58,6 +58,8 @@ for _text in (
         "numpy.nanmean(x, axis=None, keepdims=False)",
         "numpy.nan_to_num(x, copy=True, nan=0.0, posinf=None, neginf=None)",
         "numpy.maximum.accumulate(x, axis=0)", "numpy.minimum.accumulate(x, axis=0)",
+        "scipy.special.logsumexp(a, axis=None, b=None, keepdims=False)", "scipy.special.softmax(x, axis=None)",
+        "scipy.special.log_softmax(x, axis=None)",
         # products, differences, sums
         "numpy.add.outer(a, b)", "numpy.subtract.outer(a, b)", "numpy.multiply.outer(a, b)",
         "numpy.divide.outer(a, b)", "numpy.power.outer(a, b)", "numpy.maximum.outer(a, b)",

@@ -140,9 +140,27 @@ elementwise("numpy.arctanh(x)", x="1.0 / numpy.where(numpy.abs(x) > 1, numpy.nan
             plane=("holomorphic", {"x": "1.0 / ((1.0 - x) * (1.0 + x))"}))
 
 # -- error functions ------------------------------------------------------------------------------------------------
-elementwise("math.erf(x)", x="1.1283791670955126 * numpy.exp(-x * x)")
-elementwise("math.erfc(x)", x="-1.1283791670955126 * numpy.exp(-x * x)")
+elementwise("math.erf(x)", x="1.1283791670955126 * numpy.exp(-x * x)", also=("scipy.special.erf",))
+elementwise("math.erfc(x)", x="-1.1283791670955126 * numpy.exp(-x * x)", also=("scipy.special.erfc",))
 
 # -- the gamma function ---------------------------------------------------------------------------------------------
 elementwise("math.gamma(x)", x="y * runtime.digamma(x)", domain={"x": (0.3, 4.0)})
 elementwise("math.lgamma(x)", x="runtime.digamma(x)", domain={"x": (0.3, 4.0)})
+elementwise("scipy.special.gammaln(x)", x="scipy.special.digamma(x)", domain={"x": (0.3, 4.0)}, singular=("x",))
+
+# -- logistic functions and entropies: 0 * log(0) is 0 ---------------------------------------------------------------
+elementwise("scipy.special.expit(x)", x="0.25 * (1.0 / numpy.cosh(0.5 * x)) ** 2")
+elementwise("scipy.special.logit(x)", x="1.0 / (numpy.where((x < 0) | (x > 1), numpy.nan, x) * (1.0 - x))",
+            singular=("x",), domain={"x": (0.05, 0.95)})
+elementwise("scipy.special.xlogy(a, b)", a="numpy.log(b)", singular=("a", "b"), domain={"b": (0.3, 3.0)},
+            b="numpy.where((a == 0) & (b == b), 0.0, a / numpy.where(b < 0, numpy.nan, b))")
+elementwise("scipy.special.xlog1py(a, b)", a="numpy.log1p(b)", singular=("a", "b"), domain={"b": (-0.7, 3.0)},
+            b="numpy.where((a == 0) & (b == b), 0.0, a / (1.0 + numpy.where(b < -1, numpy.nan, b)))")
+elementwise("scipy.special.entr(x)", x="-numpy.log(x) - 1.0", singular=("x",), domain=_POSITIVE)
+_SIDES = {"a": (0.2, 2.0), "b": (0.3, 3.0)}
+elementwise("scipy.special.rel_entr(a, b)", a="numpy.log(a / numpy.where(b < 0, numpy.nan, b)) + 1.0",
+            singular=("a", "b"), domain=_SIDES,
+            b="numpy.where((a == 0) & (b >= 0), 0.0, -a / numpy.where(b < 0, numpy.nan, b))")
+elementwise("scipy.special.kl_div(a, b)", a="numpy.log(a / numpy.where(b < 0, numpy.nan, b))",
+            singular=("a", "b"), domain=_SIDES,
+            b="1.0 - numpy.where((a == 0) & (b >= 0), 0.0, a / numpy.where(b < 0, numpy.nan, b))")

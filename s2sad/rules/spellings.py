@@ -5,6 +5,7 @@ import inspect
 from dataclasses import dataclass
 
 from s2sad import tree
+from s2sad.rules import array, rule
 from s2sad.rules.rule import template
 from s2sad.tree import AST, Call, call_name
 
@@ -44,8 +45,8 @@ def same(text: str, value: str) -> None:
 def is_scipy(path: str) -> bool:
     """Whether a function of SciPy's has a derivative here, or may: `normalize.ruled` says which of `scipy.linalg` have
     none, and `normalize.field_matrices` which of `scipy.sparse`."""
-    room = path.rpartition(".")[0]
-    return path in TABLE or room in ("scipy.linalg", "scipy.sparse", "scipy.sparse.linalg")
+    known = path in TABLE or path in rule.TABLE.rules or path in array.TABLE
+    return known or path.rpartition(".")[0] in ("scipy.linalg", "scipy.sparse", "scipy.sparse.linalg")
 
 
 def other_spelling(node: Call) -> AST | None:
@@ -78,6 +79,11 @@ for _function in ("fftfreq(n, d=1.0)", "rfftfreq(n, d=1.0)"):
     same(f"scipy.fft.{_function}", f"numpy.fft.{_function}".replace("d=1.0", "d=d"))
 for _function in ("fftshift", "ifftshift"):
     same(f"scipy.fft.{_function}(x, axes=None)", f"numpy.fft.{_function}(x, axes=axes)")
+for _function in ("exp2", "expm1", "log1p", "cbrt"):
+    same(f"scipy.special.{_function}(x)", f"numpy.{_function}(x)")
+same("scipy.special.exp10(x)", "10.0 ** x")
+same("scipy.special.log_expit(x)", "-numpy.logaddexp(0.0, -x)")
+same("scipy.special.ndtr(x)", "0.5 * scipy.special.erfc(-0.7071067811865476 * x)")
 same("numpy.flatnonzero(a)", "numpy.nonzero(numpy.ravel(a), part=0)")
 for _function in ("trace(x, offset=0)", "diagonal(x, offset=0)"):     # of a matrix
     same(f"numpy.linalg.{_function}", f"numpy.{_function}".replace("offset=0", "offset=offset"))

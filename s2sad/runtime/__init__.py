@@ -33,7 +33,7 @@ from s2sad.runtime.sparse_matrices import (
     sparse_left_product_in_loops, sparse_product, sparse_product_in_loops,
     sparse_rows, sparse_solve, sparse_span,
 )
-from s2sad.runtime.special import digamma
+from s2sad.runtime.special import digamma, entr, expit, kl_div, logit, rel_entr, xlog1py, xlogy
 from s2sad.runtime.spread import extreme_mask, extreme_place, scattered, spread
 from s2sad.runtime.stacks import grow, sized
 from s2sad.runtime.sums import added, blocked_sum, pairwise_sum
@@ -50,19 +50,20 @@ __all__ = [
     "added", "apart", "bands_gain", "bands_times", "bands_transposed", "blocked_sum", "both_parts_gain", "cg",
     "cholesky_change", "cholesky_gain", "cofactors", "comb", "cosh", "dense", "det_sign", "digamma",
     "eigenvalues_change", "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain", "element",
-    "ends", "exp", "exp_less_one", "expm1", "exponent", "exponential", "exponential_change", "extreme_mask",
-    "extreme_place", "factor_panel", "factored", "factorial", "factors_gain", "fft", "fft_adjoint", "fitted",
-    "from_lower", "gmres", "grow", "half_lower", "heaviside", "ifft", "ifft_adjoint", "irfft", "irfft_adjoint",
-    "isclose", "isqrt", "lcm", "least_squares", "least_squares_change", "left_vectors", "left_vectors_change",
-    "left_vectors_gain", "less_one", "log_det", "of_matrix", "opposite", "orthogonal_part", "orthogonal_part_change",
-    "orthogonal_part_gain", "over_squares", "pairwise_sum", "perm", "places", "position", "position_down",
-    "power_change", "product", "remainder", "rfft", "rfft_adjoint", "right_vectors", "right_vectors_change",
-    "right_vectors_gain", "scaled", "scattered", "sech_squared", "singular_values", "singular_values_change",
-    "singular_values_gain", "sinh", "sized", "solve_banded", "solve_triangular", "solved", "solved_by",
-    "solved_transposed", "sought", "sparse_dense", "sparse_diagonal", "sparse_diagonal_gain", "sparse_entries",
-    "sparse_factors", "sparse_fits", "sparse_gain", "sparse_gain_in_loops", "sparse_joined", "sparse_left_product",
-    "sparse_left_product_in_loops", "sparse_product", "sparse_product_in_loops", "sparse_rows", "sparse_solve",
-    "sparse_span", "spread", "take_row", "tanh", "to_lower", "to_matrix", "triangle", "triangle_gain",
-    "triangle_times", "triangular_part", "triangular_part_change", "triangular_part_gain", "update_rest",
-    "whole_power", "whole_product",
+    "ends", "entr", "exp", "exp_less_one", "expit", "expm1", "exponent", "exponential", "exponential_change",
+    "extreme_mask", "extreme_place", "factor_panel", "factored", "factorial", "factors_gain", "fft", "fft_adjoint",
+    "fitted", "from_lower", "gmres", "grow", "half_lower", "heaviside", "ifft", "ifft_adjoint", "irfft",
+    "irfft_adjoint", "isclose", "isqrt", "kl_div", "lcm", "least_squares", "least_squares_change", "left_vectors",
+    "left_vectors_change", "left_vectors_gain", "less_one", "log_det", "logit", "of_matrix", "opposite",
+    "orthogonal_part", "orthogonal_part_change", "orthogonal_part_gain", "over_squares", "pairwise_sum", "perm",
+    "places", "position", "position_down", "power_change", "product", "rel_entr", "remainder", "rfft",
+    "rfft_adjoint", "right_vectors", "right_vectors_change", "right_vectors_gain", "scaled", "scattered",
+    "sech_squared", "singular_values", "singular_values_change", "singular_values_gain", "sinh", "sized",
+    "solve_banded", "solve_triangular", "solved", "solved_by", "solved_transposed", "sought", "sparse_dense",
+    "sparse_diagonal", "sparse_diagonal_gain", "sparse_entries", "sparse_factors", "sparse_fits", "sparse_gain",
+    "sparse_gain_in_loops", "sparse_joined", "sparse_left_product", "sparse_left_product_in_loops",
+    "sparse_product", "sparse_product_in_loops", "sparse_rows", "sparse_solve", "sparse_span", "spread", "take_row",
+    "tanh", "to_lower", "to_matrix", "triangle", "triangle_gain", "triangle_times", "triangular_part",
+    "triangular_part_change", "triangular_part_gain", "update_rest", "whole_power", "whole_product", "xlog1py",
+    "xlogy",
 ]

@@ -1,4 +1,4 @@
-"""Special functions that neither NumPy nor `math` has."""
+"""Special functions that neither NumPy nor `math` has; those of SciPy's of numbers, for compiled code."""
 from __future__ import annotations
 
 import numpy as np
@@ -28,3 +28,84 @@ def digamma(x):
     series = 1 / 132 - s * (691 / 32760 - s / 12)
     series = s * (1 / 12 - s * (1 / 120 - s * (1 / 252 - s * (1 / 240 - s * series))))
     return float(result + (np.log(shifted) - 0.5 / shifted - series))
+
+
+def expit(x):
+    """1 / (1 + exp(-x)), the logistic function.
+
+    >>> float(expit(0.0)), float(expit(-800.0))
+    (0.5, 0.0)
+    """
+    return 1.0 / (1.0 + np.exp(-x))
+
+
+def logit(x):
+    """log(x / (1 - x)); around 1 / 2 without a difference of logarithms.
+
+    >>> float(logit(0.5)), float(logit(0.0))
+    (0.0, -inf)
+    """
+    if 0.3 < x < 0.65:
+        return np.log1p((2.0 * x - 1.0) / (1.0 - x))
+    if x == 1.0:
+        return np.inf
+    return np.log(x / (1.0 - x))
+
+
+def xlogy(a, b):
+    """a * log(b), 0 where a is 0.
+
+    >>> float(xlogy(0.0, 0.0)), float(xlogy(2.0, 1.0))
+    (0.0, 0.0)
+    """
+    if a == 0.0 and b == b:
+        return 0.0
+    return a * np.log(b)
+
+
+def xlog1py(a, b):
+    """a * log(1 + b), 0 where a is 0.
+
+    >>> float(xlog1py(0.0, -1.0)), float(xlog1py(2.0, 0.0))
+    (0.0, 0.0)
+    """
+    if a == 0.0 and b == b:
+        return 0.0
+    return a * np.log1p(b)
+
+
+def entr(x):
+    """-x * log(x), 0 at 0, -inf below.
+
+    >>> float(entr(0.0)), float(entr(-1.0)), abs(float(entr(1.0)))
+    (0.0, -inf, 0.0)
+    """
+    if x == 0.0:
+        return 0.0
+    return -np.inf if x < 0.0 else -x * np.log(x)
+
+
+def rel_entr(a, b):
+    """a * log(a / b), 0 where a is 0 and b is not below 0, inf where either is below 0.
+
+    >>> float(rel_entr(0.0, 0.0)), float(rel_entr(2.0, 2.0)), float(rel_entr(1.0, 0.0))
+    (0.0, 0.0, inf)
+    """
+    if a != a or b != b:
+        return a + b
+    if a > 0.0 and b > 0.0:
+        return a * np.log(a / b)
+    return 0.0 if a == 0.0 and b >= 0.0 else np.inf
+
+
+def kl_div(a, b):
+    """a * log(a / b) - a + b, as `rel_entr`.
+
+    >>> float(kl_div(0.0, 2.0)), float(kl_div(2.0, 2.0)), float(kl_div(1.0, 0.0))
+    (2.0, 0.0, inf)
+    """
+    if a != a or b != b:
+        return a + b
+    if a > 0.0 and b > 0.0:
+        return a * np.log(a / b) - a + b
+    return b if a == 0.0 and b >= 0.0 else np.inf
