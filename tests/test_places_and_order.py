@@ -198,10 +198,8 @@ def test_a_median_of_nan():
 
 REFUSED = {
     "np.sum(np.piecewise(x, [x < 0.7], [1.0]))": "np.select", "np.sum(np.squeeze(x))": "np.squeeze",
-    "np.sum(np.histogram(x))": "np.bincount", "np.sum(np.unwrap(x))": "in a loop", "np.sum(np.delete(x, 1))": "concat",
-    "np.sum(np.insert(x, 1, x[0]))": "np.concatenate", "np.sum(np.digitize(x, x) * x)": "np.searchsorted",
-    "np.sum(np.compress(x > 1, x))": "write x.condition",
-    "np.sum(np.linalg.eigvals(np.diag(x)))": "eigvalsh", "np.sum(np.argwhere(x > 1))": "np.nonzero",
+    "np.sum(np.histogram(x)[0])": "range=.low, high", "np.sum(np.unwrap(x))": "in a loop",
+    "np.sum(np.linalg.eigvals(np.diag(x)))": "eigvalsh",
 }
 
 
@@ -215,8 +213,8 @@ def test_refused_with_what_to_write(text, tmp_path):
         s2sad.gradient(spaces["kernel"])(np.array([0.5, 0.9, 1.5]))
 
 
-@pytest.mark.parametrize("text, what", [("np.put(x, [0], 1.0)", r"x\[places\]"), ("np.place(x, x > 1, 1.0)", "mask"),
-                                        ("np.putmask(x, x > 1, x)", "np.where")])
+@pytest.mark.parametrize("text, what", [("np.place(x, x > 1, 1.0)", "mask"),
+                                        ("np.put_along_axis(x, x > 1, x, 0)", "a loop that stores")])
 def test_writing_by_number_is_refused(text, what, tmp_path):
     path = tmp_path / "kernel.py"
     path.write_text(f"import numpy as np\n\n\ndef kernel(x):\n    {text}\n")

@@ -107,7 +107,13 @@ def on_the_diagonal(u):
     return np.sum(u ** 2)
 
 
-@pytest.mark.parametrize("kernel", [put, placed, masked, on_the_diagonal], ids=lambda k: k.__name__)
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel", [put, masked], ids=lambda k: k.__name__)
+def test_what_is_written_through_is(kernel, engine):
+    check_derivatives(kernel, (array(),), ("u",), ("u", "return"), engine=engine)
+
+
+@pytest.mark.parametrize("kernel", [placed, on_the_diagonal], ids=lambda k: k.__name__)
 def test_what_is_not_written_is_refused(kernel):
     with pytest.raises(s2sad.S2sadError, match="a call whose result is not used|an array is written that NumPy shares"):
         s2sad.differentiate(kernel).adjoint_source(array())

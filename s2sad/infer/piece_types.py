@@ -7,12 +7,14 @@ from s2sad.infer.promotion import ORDER
 from s2sad.infer.types import UNKNOWN, Type
 from s2sad.infer.types_of_matrices import FORMS
 from s2sad.infer.types_of_places import PLACES
+from s2sad.infer.types_of_selections import SELECTIONS
 from s2sad.infer.types_of_shapes import SHAPES
+from s2sad.infer.types_of_statistics import STATISTICS
 from s2sad.infer.types_of_sums import SUMS
 from s2sad.infer.types_of_transforms import TRANSFORMS
 
 _DTYPED = ("numpy.arange", "numpy.astype", "numpy.eye", "numpy.identity")
-_TYPES = {**SHAPES, **SUMS, **PLACES, **TRANSFORMS, **FORMS}
+_TYPES = {**SHAPES, **SUMS, **PLACES, **SELECTIONS, **STATISTICS, **TRANSFORMS, **FORMS}
 
 
 def piece_type(function: str, args: list[Type], options: Arguments) -> Type:

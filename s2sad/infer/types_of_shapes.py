@@ -9,6 +9,7 @@ from s2sad.infer.laws import of_rank, whole_number
 from s2sad.infer.options import Arguments, astype_dtype, is_none, one_axis, text_of, widths_of
 from s2sad.infer.promotion import ORDER, RANKS, common, known_array, promote
 from s2sad.infer.types import UNKNOWN, Type, array
+from s2sad.infer.types_of_selections import repeated
 from s2sad.tree import Constant, List, Tuple
 
 
@@ -107,6 +108,8 @@ def _tiled(args: list[Type], options: Arguments) -> Type:
 
 
 def _repeated(args: list[Type], options: Arguments) -> Type:
+    if args[1].rank or args[1].kind == "tuple":
+        return repeated(args, options)
     if not known_array(args) or not args[1].is_integer:
         return UNKNOWN
     if is_none(options["axis"]):
@@ -116,8 +119,8 @@ def _repeated(args: list[Type], options: Arguments) -> Type:
 
 def _padded(args: list[Type], options: Arguments) -> Type:
     mode = text_of(options["mode"])
-    fits = mode in ("constant", "edge", "wrap", "reflect", "symmetric") and not isinstance(
-        options["constant_values"], (Tuple, List))
+    filled = ("constant", "edge", "wrap", "reflect", "symmetric", "linear_ramp", "mean", "maximum", "minimum")
+    fits = mode in filled and not isinstance(options["constant_values"], (Tuple, List))
     return args[0] if known_array(args) and fits and widths_of(options["pad_width"], args[0].rank) else UNKNOWN
 
 

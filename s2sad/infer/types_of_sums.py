@@ -49,7 +49,7 @@ def _numbered(args: list[Type], options: Arguments) -> Type:
     return args[0] if known_array(args) and args[0].is_float else UNKNOWN
 
 
-def _summed(args: list[Type], options: Arguments) -> Type:
+def summed(args: list[Type], options: Arguments) -> Type:
     return _reduced(args, options) if args[0].is_float else UNKNOWN
 
 
@@ -60,7 +60,7 @@ def _product(args: list[Type], options: Arguments) -> Type:
     return _reduced(args, options) if one and (args[0].is_float or args[0].dtype == "int64") else UNKNOWN
 
 
-def _running(args: list[Type], options: Arguments) -> Type:
+def running(args: list[Type], options: Arguments) -> Type:
     if args[0].dtype in _WHOLE and args[0].is_array:
         args = [replace(args[0], dtype="int64"), *args[1:]]
     if not known_array(args):
@@ -186,10 +186,10 @@ def _shares(args: list[Type], options: Arguments) -> Type:
 
 
 SUMS: dict[str, Callable[[list[Type], Arguments], Type]] = {
-    "numpy.var": _averaged, "numpy.std": _averaged, "numpy.prod": _product, "numpy.cumprod": _running,
-    "numpy.cumsum": _running, "numpy.average": _average, "numpy.linalg.norm": _norm,
+    "numpy.var": _averaged, "numpy.std": _averaged, "numpy.prod": _product, "numpy.cumprod": running,
+    "numpy.cumsum": running, "numpy.average": _average, "numpy.linalg.norm": _norm,
     "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.trapezoid": _trapezoid, "numpy.trapz": _trapezoid,
-    "numpy.ptp": _reduced, "numpy.nansum": _summed, "numpy.nanmean": _averaged, "numpy.kron": _kron,
+    "numpy.ptp": _reduced, "numpy.nansum": summed, "numpy.nanmean": _averaged, "numpy.kron": _kron,
     "numpy.nan_to_num": _numbered, "numpy.linalg.cond": _condition,
     **dict.fromkeys(("numpy.linalg.svd.left", "numpy.linalg.svd.right", "numpy.linalg.qr.orthogonal",
                      "numpy.linalg.qr.triangular"), _vectors),

@@ -20,7 +20,8 @@ import numpy
 from s2sad.read.meaning import library_value
 from s2sad.rules.composed import WRITING
 from s2sad.tree import (
-    AST, Attribute, Call, Constant, Name, Subscript, Tuple, at, call, call_name, const, copy, index, keyword, name,
+    AST, Attribute, Call, Constant, List, Name, Subscript, Tuple, at, call, call_name, const, copy, index, keyword,
+    name,
 )
 
 # where `out` stands; after the operands of ufuncs
@@ -29,8 +30,7 @@ _POSITIONAL = {"numpy.dot": 2, "numpy.matmul": 2, "numpy.clip": 3, "numpy.max": 
                "numpy.mean": 3, "numpy.prod": 3, "numpy.cumsum": 3, "numpy.cumprod": 3, "numpy.var": 3, "numpy.std": 3}
 _LIBRARIES = ("numpy.", "scipy.special.")
 # what NumPy writes by the number of an element in the order of rows: said, and what to write instead
-UNSUPPORTED = {"numpy.put": "write x[places] = values", "numpy.place": "write x[mask] = values",
-               "numpy.putmask": "write x[...] = np.where(mask, values, x)",
+UNSUPPORTED = {"numpy.place": "write x[mask] = values",
                "numpy.put_along_axis": "write a loop that stores the elements"}
 
 
@@ -42,6 +42,10 @@ def stored_by_call(node: Call) -> tuple[AST, AST] | None:
     if isinstance(node.func, Attribute) and node.func.attr == "sort" and len(node.args) < 2:
         return _whole(node.func.value), at(Call(name("numpy.sort"), [copy(node.func.value), *node.args],
                                                 node.keywords), node)
+    if isinstance(node.func, Attribute) and node.func.attr == "put" and len(node.args) == 2 and not node.keywords:
+        return _whole(node.func.value), at(call("numpy.put", copy(node.func.value), *node.args), node)
+    if called == "numpy.place" and (value := _one(node)) is not None:
+        return _whole(node.args[0]), at(call("numpy.putmask", *node.args[:2], value), node)
     if called == "numpy.copyto" and len(node.args) == 2:
         return _copied(node)
     if called in WRITING and node.args:
@@ -88,6 +92,12 @@ def _position(called: str) -> int | None:
     """The number of the argument that may be the array for the result."""
     found = library_value(called)
     return found.nin if isinstance(found, numpy.ufunc) and found.nout == 1 else _POSITIONAL.get(called)
+
+
+def _one(node: Call) -> AST | None:
+    """The one value that `np.place` repeats."""
+    written = len(node.args) == 3 and not node.keywords and isinstance(node.args[2], (List, Tuple))
+    return node.args[2].elts[0] if written and len(node.args[2].elts) == 1 else None
 
 
 def _copied(node: Call) -> tuple[AST, AST] | None:

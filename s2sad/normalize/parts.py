@@ -33,7 +33,7 @@ _PARTS: dict[str, dict[str, str]] = {
 # functions of which each part is the function with its number
 _NUMBERED = frozenset({f"numpy.{f}" for f in (
     "nonzero where meshgrid indices unravel_index split array_split hsplit vsplit gradient triu_indices tril_indices "
-    "diag_indices").split()})
+    "diag_indices histogram unique").split()})
 _PAIRS = frozenset({"numpy.triu_indices", "numpy.tril_indices", "numpy.diag_indices"})
 _MOST = 16
 _MASK = "mask"  # all parts as one subscript
@@ -60,6 +60,8 @@ def _as_function(node: AST) -> AST | None:
 def parted(node: AST) -> dict[str, str]:
     """The functions of the parts of a call, {} if it is none that gives a tuple or its options are not the default."""
     called = call_name(node) or ""
+    if called == "numpy.unique" and not any(str(k.arg).startswith("return_") for k in node.keywords):
+        return {}
     if called in _NUMBERED and (called != "numpy.where" or len(node.args) == 1 and not node.keywords):
         word = called.rpartition(".")[2]
         masked = {_MASK: "mask"} if _picks(node) or called in _PAIRS else {}

@@ -3,8 +3,8 @@
 Requires functions that stand alone on operands with names; establishes that none of those in `rules/composed` is left,
 and no `np.broadcast_to` of the kernel's.
 What each is made of stands in `normalize/pieces_of_shapes`, `pieces_of_joins`, `pieces_of_sums`,
-`pieces_of_differences`, `pieces_of_places`, `pieces_of_exponentials`, `pieces_of_transforms`, `pieces_of_matrices`,
-`pieces_of_forms`, and for stacks of matrices in `pieces_of_stacks`.
+`pieces_of_differences`, `pieces_of_places`, `pieces_of_selections`, `pieces_of_statistics`, `pieces_of_exponentials`,
+`pieces_of_transforms`, `pieces_of_matrices`, `pieces_of_forms`, and for stacks of matrices in `pieces_of_stacks`.
 
     d = np.diff(x)                  d = x[1:] - x[:-1]
     y = np.concatenate((u, v))      y = np.empty(u.shape[0] + v.shape[0])
@@ -28,8 +28,10 @@ from s2sad.normalize.pieces_of_forms import FORMS
 from s2sad.normalize.pieces_of_joins import JOINS
 from s2sad.normalize.pieces_of_matrices import MATRICES
 from s2sad.normalize.pieces_of_places import PLACES
+from s2sad.normalize.pieces_of_selections import SELECTIONS
 from s2sad.normalize.pieces_of_shapes import SHAPES
 from s2sad.normalize.pieces_of_stacks import of_stack
+from s2sad.normalize.pieces_of_statistics import STATISTICS
 from s2sad.normalize.pieces_of_sums import SUMS
 from s2sad.normalize.pieces_of_transforms import TRANSFORMS
 from s2sad.rules.composed import WRITING
@@ -39,7 +41,8 @@ from s2sad.tree import (
     While, assign, at, call_name, copy, indices, name, names, rebuild, statements, stored_names, walk,
 )
 
-_PIECES = {**JOINS, **SHAPES, **SUMS, **DIFFERENCES, **PLACES, **EXPONENTIALS, **TRANSFORMS, **MATRICES, **FORMS}
+_PIECES = {**JOINS, **SHAPES, **SUMS, **DIFFERENCES, **PLACES, **EXPONENTIALS, **SELECTIONS, **STATISTICS,
+           **TRANSFORMS, **MATRICES, **FORMS}
 RESULT = "result"
 _BUILTINS = ("int", "len", "max", "min", "range")
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from s2sad.infer.options import astype_dtype, widths_of
 from s2sad.normalize.asked import Asked, empty, guard, lines, part, size, sizes, zeros
+from s2sad.normalize.pieces_of_selections import repeated
 from s2sad.tree import List, Tuple
 
 
@@ -93,6 +94,8 @@ def _tile(asked: Asked) -> str:
 
 
 def _repeat(asked: Asked) -> str:
+    if asked.rank("repeats") or isinstance(asked.arguments["repeats"], (List, Tuple)):
+        return repeated(asked)
     rank = asked.rank("x")
     if rank > 1 and not asked.given("axis"):
         return lines("flat = numpy.ravel(x)", "result = numpy.repeat(flat, repeats)")
@@ -132,6 +135,15 @@ def _borders(mode: str, axis: int, a: str, b: str, n: str) -> list[str]:
     if mode == "edge":
         first, last = (part("result", axis, f"{k}, None") for k in (a, f"{a} + {n} - 1"))
         return [f"{low} = {first}", f"{high} = {last}"]
+    if mode == "linear_ramp":
+        first, last = part("result", axis, a), part("result", axis, f"{a} + {n} - 1")
+        return [f"for place in range({a}):", f"    {part('result', axis, 'place')} = {first} * (place / {a})",
+                f"for place in range({b}):",
+                f"    {part('result', axis, f'{a} + {n} + {b} - 1 - place')} = {last} * (place / {b})"]
+    if mode in ("mean", "maximum", "minimum"):
+        function = {"mean": "mean", "maximum": "max", "minimum": "min"}[mode]
+        return [f"found{axis} = numpy.{function}({taken(a, f'{a} + {n}')}, axis={axis}, keepdims=True)",
+                f"{low} = found{axis}", f"{high} = found{axis}"]
     if mode == "wrap":
         return [guard(f"{a} <= {n} and {b} <= {n}", _WIDE), f"{low} = {taken(n, f'{n} + {a}')}",
                 f"{high} = {taken(a, f'{a} + {b}')}"]

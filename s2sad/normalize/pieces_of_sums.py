@@ -9,7 +9,7 @@ from s2sad.normalize.asked import Asked, empty, guard, lines, made, part, size, 
 from s2sad.normalize.pieces_of_matrices import matrix_axes, matrix_norm
 
 
-def _options(asked: Asked, rank: int) -> str:
+def options_of(asked: Asked, rank: int) -> str:
     """The axes of a reduction as options of another one."""
     if not asked.given("axis"):
         return ""
@@ -27,13 +27,13 @@ def _count(asked: Asked, rank: int) -> str:
 def _var(asked: Asked, result: str = "result") -> str:
     """By deviations from the mean: the mean of squares less the square of the mean would cancel."""
     rank = asked.rank("x")
-    options = _options(asked, rank)
+    options = options_of(asked, rank)
     middle = options if "keepdims" in options or not options else f"{options}, keepdims=True"
     return lines(f"middle = numpy.mean(x{middle})", "apart = x - middle",
                  f"{result} = numpy.sum(apart * apart{options}) / ({_count(asked, rank)} - ddof)")
 
 
-def _root(asked: Asked, squared: str, root: str = "numpy.sqrt({})") -> str:
+def root_of(asked: Asked, squared: str, root: str = "numpy.sqrt({})") -> str:
     """A root whose derivative at 0 is 0, as that of abs is."""
     rank = asked.rank("x")
     whole = asked.given("axis") and (len(asked.axes(rank)) < rank or asked.true("keepdims"))
@@ -43,11 +43,11 @@ def _root(asked: Asked, squared: str, root: str = "numpy.sqrt({})") -> str:
 
 
 def _std(asked: Asked) -> str:
-    return lines(_var(asked, "squared"), _root(asked, "squared"))
+    return lines(_var(asked, "squared"), root_of(asked, "squared"))
 
 
 def _norm(asked: Asked) -> str:
-    node, options = asked.arguments["ord"], _options(asked, asked.rank("x"))
+    node, options = asked.arguments["ord"], options_of(asked, asked.rank("x"))
     order = norm_order(node)
     if order not in (None, "fro") and (axes := matrix_axes(asked)):
         return matrix_norm(order, axes, asked.rank("x"))
@@ -56,14 +56,14 @@ def _norm(asked: Asked) -> str:
     if order == 1:
         return f"result = numpy.sum(numpy.abs(x){options})"
     if order in (None, "fro", 2):
-        return lines(f"squared = numpy.sum(x * x{options})", _root(asked, "squared"))
-    return lines(f"powers = numpy.sum(numpy.abs(x) ** {order}{options})", _root(
+        return lines(f"squared = numpy.sum(x * x{options})", root_of(asked, "squared"))
+    return lines(f"powers = numpy.sum(numpy.abs(x) ** {order}{options})", root_of(
         asked, "powers", f"{{}} ** (1.0 / {order})"))
 
 
 def _average(asked: Asked) -> str:
     rank = asked.rank("x")
-    options = _options(asked, rank)
+    options = options_of(asked, rank)
     if not asked.given("weights"):
         return f"result = numpy.mean(x{options})"
     weights = "weights"
@@ -127,17 +127,17 @@ def _running_extreme(asked: Asked, function: str) -> str:
 
 
 def _ptp(asked: Asked) -> str:
-    options = _options(asked, asked.rank("x"))
+    options = options_of(asked, asked.rank("x"))
     return f"result = numpy.max(x{options}) - numpy.min(x{options})"
 
 
 def _nansum(asked: Asked) -> str:
     return lines("there = numpy.where(numpy.isnan(x), 0.0, x)",
-                 f"result = numpy.sum(there{_options(asked, asked.rank('x'))})")
+                 f"result = numpy.sum(there{options_of(asked, asked.rank('x'))})")
 
 
 def _nanmean(asked: Asked) -> str:
-    options = _options(asked, asked.rank("x"))
+    options = options_of(asked, asked.rank("x"))
     return lines("there = numpy.where(numpy.isnan(x), 0.0, x)", "counted = numpy.where(numpy.isnan(x), 0.0, 1.0)",
                  f"result = numpy.sum(there{options}) / numpy.sum(counted{options})")
 

@@ -4,7 +4,7 @@ refused.
 Requires structured form and types; establishes that an operation without a rule is none that a value of a float can
 pass through: what the analyses find no rule for is truly inactive.
 
-    np.unique(u)[0]     np.histogram(u)     np.linalg.matrix_rank(a)        each refused, with its place
+    np.union1d(u, v)[0]     np.partition(u, 2)     np.linalg.matrix_rank(a)        each refused, with its place
 """
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ _OPTIONS = {**dict.fromkeys(("numpy.empty", "numpy.zeros", "numpy.ones"), ("shap
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
 _HELP = {
     "numpy.squeeze": "name the axis: np.squeeze(x, axis=0), or write x[0]",
-    "numpy.piecewise": "write np.where, or np.select of arrays", "numpy.digitize": "write np.searchsorted(bins, x, "
-    "side='right')", "numpy.histogram": "count the places np.searchsorted(edges, x) with np.bincount",
-    "numpy.unwrap": "add the jumps in a loop", "numpy.compress": "write x[condition]",
-    "numpy.delete": "write np.concatenate((x[:k], x[k + 1:]))",
-    "numpy.insert": "write np.concatenate((x[:k], [value], x[k:]))", "numpy.ix_": "write x[rows][:, columns]",
-    "numpy.argwhere": "write places = np.nonzero(x)", "numpy.logspace": "write 10.0 ** np.linspace(a, b, n)",
-    "numpy.geomspace": "write np.exp(np.linspace(np.log(a), np.log(b), n))",
+    "numpy.piecewise": "write np.where, or np.select of arrays",
+    "numpy.histogram": "give range=(low, high), or an array of edges, and no density=",
+    "numpy.unwrap": "add the jumps in a loop", "numpy.compress": "give a condition with one axis",
+    "numpy.partition": "write np.sort(x), whose order is determined",
+    "numpy.delete": "leave out the elements at an integer, a list or an array of integers, or a mask",
+    "numpy.insert": "insert at one place, into floats: a number, or along an axis a row",
+    "numpy.ix_": "write x[rows][:, columns]",
     "numpy.linalg.solve": "give both the same leading axes: stacks of as many matrices, or one matrix of two axes",
     "numpy.linalg.cond": "divide the largest of np.linalg.svd(a, compute_uv=False) by the smallest",
     "numpy.linalg.svd": "write full_matrices=False: the vectors beyond the smaller size are not determined",

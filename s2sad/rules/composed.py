@@ -11,7 +11,7 @@ LAW = "pieces"
 
 # of what NumPy gives as a tuple, `part` is the number of the one that is asked for (normalize.parts)
 WRITING = frozenset({"numpy.fill_diagonal", *(f"numpy.{f}.at" for f in (
-    "add", "subtract", "multiply", "divide", "maximum", "minimum"))})
+    "add", "subtract", "multiply", "divide", "maximum", "minimum"))}) | {"numpy.put", "numpy.putmask"}
 
 for _text in (
         # shaping
@@ -43,6 +43,21 @@ for _text in (
         "numpy.tril_indices(n, k=0, m=None, part=None)", "numpy.diag_indices(n, part=None)",
         "numpy.bincount(x, weights=None, minlength=0)", "numpy.median(x, axis=None, keepdims=False)",
         "numpy.percentile(x, q, axis=None)", "numpy.quantile(x, q, axis=None)",
+        # selections, bins
+        "numpy.delete(x, places, axis=None)", "numpy.insert(x, place, values, axis=None)",
+        "numpy.compress(condition, x, axis=None)", "numpy.extract(condition, x)", "numpy.choose(a, choices)",
+        "numpy.digitize(x, bins, right=False)", "numpy.isin(a, values, invert=False)",
+        "numpy.argwhere(x)", "numpy.lexsort(keys)",
+        "numpy.unique(x, return_index=False, return_inverse=False, return_counts=False, part=None)",
+        "numpy.histogram(x, bins, range=None, weights=None, part=None)",
+        "numpy.put(x, places, values)", "numpy.putmask(x, mask, values)",
+        # statistics, polynomials
+        "numpy.nanmax(x, axis=None, keepdims=False)", "numpy.nanmin(x, axis=None, keepdims=False)",
+        "numpy.nanvar(x, axis=None, ddof=0, keepdims=False)", "numpy.nanstd(x, axis=None, ddof=0, keepdims=False)",
+        "numpy.nancumsum(x, axis=None)", "numpy.add.reduceat(x, places, axis=0)",
+        "numpy.cov(m, y=None, rowvar=True, bias=False, ddof=None)", "numpy.corrcoef(m, y=None, rowvar=True)",
+        "numpy.polyfit(x, y, deg)", "numpy.polyder(p)", "numpy.polyint(p)", "numpy.polymul(a, b)",
+        "numpy.geomspace(start, stop, num=50, endpoint=True)",
         # arrays of numbers
         "numpy.tri(N, M=None, k=0)", "numpy.eye(N, M=None, k=0, dtype=numpy.float64)",
         "numpy.identity(n, dtype=numpy.float64)",

@@ -84,6 +84,11 @@ for _function in ("exp2", "expm1", "log1p", "cbrt"):
 same("scipy.special.exp10(x)", "10.0 ** x")
 same("scipy.special.log_expit(x)", "-numpy.logaddexp(0.0, -x)")
 same("scipy.special.ndtr(x)", "0.5 * scipy.special.erfc(-0.7071067811865476 * x)")
+same("numpy.logspace(start, stop, num=50, endpoint=True, base=10.0)",
+     "base ** numpy.linspace(start, stop, num=num, endpoint=endpoint)")
+same("numpy.polynomial.polynomial.polyval(x, c)", "numpy.polyval(numpy.flip(c), x)")
+same("numpy.ldexp(x, i)", "x * 2.0 ** i")
+same("math.ldexp(x, i)", "x * 2.0 ** i")
 same("numpy.flatnonzero(a)", "numpy.nonzero(numpy.ravel(a), part=0)")
 for _function in ("trace(x, offset=0)", "diagonal(x, offset=0)"):     # of a matrix
     same(f"numpy.linalg.{_function}", f"numpy.{_function}".replace("offset=0", "offset=offset"))
@@ -95,7 +100,6 @@ same("numpy.linalg.svdvals(a)", "runtime.singular_values(a)")
 same("numpy.linalg.matrix_norm(x, keepdims=False, ord='fro')",
      "numpy.linalg.norm(x, ord=ord, axis=(-2, -1), keepdims=keepdims)")
 same("numpy.ediff1d(a)", "numpy.diff(numpy.ravel(a))")
-same("numpy.extract(condition, array)", "array[condition != 0]")
 same("numpy.fliplr(m)", "numpy.flip(m, axis=1)")
 same("numpy.flipud(m)", "numpy.flip(m, axis=0)")
 same("numpy.flatten(a)", "numpy.copy(numpy.ravel(a))")  # the method
