@@ -138,7 +138,7 @@ class TypesOfCalls(ABC):
         base = self.of(node.func.value)
         if node.func.attr in ("copy", "conj", "conjugate"):
             return base
-        if node.func.attr == "item" and len(node.args) <= (base.rank == 1) and not node.keywords and (
+        if node.func.attr == "item" and len(node.args) < 2 and not node.keywords and (
                 base.is_array or base.is_number):
             return Type("number", base.dtype)
         return UNKNOWN if node.func.attr != "fill" else NONE

@@ -6,6 +6,8 @@
     np.argsort(x, kind="stable")        np.argsort(x, kind="mergesort")     which compiled code has, too
     q, r = divmod(a, b)                 q, r = a // b, a % b
     any(x)                              np.any(x)
+    s += a.flat[k]                      s += np.ravel(a)[k]                 a copy of a slice
+    a.flat[k] = v                       a[...] = np.put(a, k, v)
 
 Requires resolved names. Establishes: of NumPy's functions the parameters that must be given are given by place.
 """
@@ -18,8 +20,8 @@ from s2sad.normalize.calls import user_call
 from s2sad.normalize.scope import Scope
 from s2sad.read.meaning import library_value
 from s2sad.tree import (
-    AST, Attribute, BinOp, Call, Constant, FloorDiv, FunctionDef, GeneratorExp, Mod, at,
-    call, call_name, copy, dump, keyword, rebuild, tuple_of, walk,
+    AST, Assign, Attribute, BinOp, Call, Constant, FloorDiv, For, FunctionDef, GeneratorExp, Load, Mod, Name, Slice,
+    Subscript, Tuple, at, call, call_name, const, copy, dump, index, indices, keyword, names, rebuild, tuple_of, walk,
 )
 
 # functions whose own signature is not there, or says less than how they are called
@@ -45,6 +47,13 @@ _REDUCING = frozenset("sum prod mean var std max min amax amin ptp cumsum cumpro
 
 
 def _changed(node: AST) -> AST | None:
+    if isinstance(node, Assign) and (stored := _stored_flat(node)) is not None:
+        return rebuild(stored, _changed)
+    if isinstance(node, Subscript) and isinstance(node.ctx, Load) and _is_flat(node.value):
+        taken = at(index(call("numpy.ravel", node.value.value), *indices(node)), node)
+        return rebuild(at(call("numpy.copy", taken), node) if isinstance(node.slice, Slice) else taken, _changed)
+    if isinstance(node, For) and _is_flat(node.iter) and node.iter.value.id not in names(node.body):
+        return rebuild(_over_elements(node), _changed)
     if isinstance(node, Call) and (named := _by_name(node)) is not None:
         return rebuild(named, _changed)
     if call_name(node) == "builtins.divmod" and len(node.args) == 2:
@@ -112,3 +121,27 @@ def _ordered(given: list[tuple[str | None, AST]], function: str) -> list[tuple[s
     left = [(p, v) for p, v in given if p not in ("kind", "stable")]
     keeps = any(k in ("stable", "mergesort", True) for _, k in kinds) and function == "argsort"
     return [*left, ("kind", Constant("mergesort", None))] if keeps else left
+
+
+# -- elements in the order of rows -----------------------------------------------------------------------------------
+
+def _is_flat(node: AST) -> bool:
+    return isinstance(node, Attribute) and node.attr == "flat" and isinstance(node.value, Name)
+
+
+def _stored_flat(node: Assign) -> AST | None:
+    """A store at one number of an element as `np.put`, which counts them alike."""
+    target = node.targets[0]
+    if len(node.targets) > 1 or not isinstance(target, Subscript) or not _is_flat(target.value):
+        return None
+    if isinstance(target.slice, (Slice, Tuple, Constant)) and type(getattr(target.slice, "value", None)) is not int:
+        return None
+    array = target.value.value
+    stored = call("numpy.put", copy(array), target.slice, node.value)
+    return at(Assign([index(array, const(...))], at(stored, node), None), node)
+
+
+def _over_elements(node: For) -> For:
+    new = copy(node)
+    new.iter = at(call("numpy.ravel", node.iter.value), node.iter)
+    return new

@@ -1,16 +1,18 @@
 """A kernel in structured form: the first half of normalize.
 
-Requires a fenced tree with resolved names. Establishes, in this order: elements are assigned one by one (chained),
-tuples are written out (joined), grids are of ranges (grids), NumPy's functions are given by place what they must be
-given (signatures), options are numbers (settled), tables of numbers are arrays (tables), slices have no names
-(sliced), lists that grow are arrays (lists), no name holds several results (bundles), one target per assignment and
-pure expressions (desugar), control flow with one return and breaks in tail position (jumps), loops that count (loops).
+Requires a fenced tree with resolved names. Establishes, in this order: combinations of ranges are nested loops
+(combined), elements are assigned one by one (chained), tuples are written out (joined), grids are of ranges (grids),
+NumPy's functions are given by place what they must be given (signatures), options are numbers (settled), tables of
+numbers are arrays (tables), slices have no names (sliced), lists that grow are arrays (lists), no name holds several
+results (bundles), one target per assignment and pure expressions (desugar), control flow with one return and breaks in
+tail position (jumps), loops that count (loops).
 """
 from __future__ import annotations
 
 from s2sad.naming import Names
 from s2sad.normalize.bundles import bundles
 from s2sad.normalize.chained import chained
+from s2sad.normalize.combined import combined
 from s2sad.normalize.desugar import desugar
 from s2sad.normalize.grids import grids
 from s2sad.normalize.joined import joined
@@ -35,7 +37,8 @@ def structured(kernel: Kernel, names: Names, program: Program) -> FunctionDef:
     names.taken |= {node.id for node in walk(tree) if isinstance(node, Name)}
     scope = Scope(kernel, names, program, Memory(tree, program))
     flat(tree, scope)
-    for step in (chained, joined, grids, signatures, settled, tables, sliced, lists, bundles, desugar, jumps, loops):
+    for step in (combined, chained, joined, grids, signatures, settled, tables, sliced, lists, bundles, desugar,
+                 jumps, loops):
         scope.memory = Memory(tree, program)            # each step has made names
         tree = step(tree, scope)
         scope.report.finish()

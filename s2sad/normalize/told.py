@@ -14,14 +14,16 @@ Requires structured form and types; changes no type.
 """
 from __future__ import annotations
 
+from functools import reduce
+
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import whole_number, written_slice
 from s2sad.infer.of_numbers import NORM, SPREAD, reduced_number
 from s2sad.infer.types import UNKNOWN, Type
 from s2sad.rules import find_array
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Compare, Constant, FunctionDef, In, Is, IsNot, List, Mult, Name, NotIn, Slice,
-    Sub, Subscript, Tuple, at, call, call_name, const, copy, index, rebuild, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Compare, Constant, FloorDiv, FunctionDef, In, Is, IsNot, List, Mod, Mult, Name,
+    NotIn, Slice, Sub, Subscript, Tuple, at, attribute, call, call_name, const, copy, index, mult, rebuild, tuple_of,
 )
 
 CONJUGATING = ("conj", "conjugate")     # methods
@@ -124,8 +126,21 @@ def _spread(node: Call, typing: Typing) -> AST | None:
 
 
 def _item(node: Call, kind: Type, parts: list[AST]) -> AST | None:
-    """The one element of an array, or that at a place of one axis."""
-    if node.keywords or len(parts) > 1 + (kind.rank == 1) or not (kind.is_array or kind.is_number):
+    """The one element of an array, or that at a place in the order of rows."""
+    if node.keywords or len(parts) > 2 or not (kind.is_array or kind.is_number):
         return None
     value, *places = parts
+    if places and kind.rank > 1:
+        places = _unraveled(value, places[0], kind.rank)
     return at(index(value, *(places or [const(0)] * kind.rank)), node) if kind.is_array else value
+
+
+def _unraveled(array: AST, place: AST, rank: int) -> list[AST]:
+    """The subscripts of an element by its number in the order of rows; one below 0 counts from the end."""
+    sizes = [index(attribute(copy(array), "shape"), const(k)) for k in range(rank)]
+    found: list[AST] = []
+    for k in range(rank):
+        below = reduce(mult, map(copy, sizes[k + 1:])) if k + 1 < rank else None
+        part = copy(place) if below is None else BinOp(copy(place), FloorDiv(), below)
+        found.append(BinOp(part, Mod(), sizes[k]) if k else part)
+    return found

@@ -19,7 +19,7 @@ from s2sad.read.meaning import (
     Unusable, dotted, is_number, is_numbers, value_meaning,
 )
 
-LIBRARIES = ("numpy", "math", "scipy", "numba", "s2sad", "builtins")
+LIBRARIES = ("numpy", "math", "scipy", "numba", "s2sad", "builtins", "itertools")
 
 
 class FileModule:

@@ -19,6 +19,8 @@ from s2sad.rules.spellings import is_scipy
 Identify = Callable[["Function | Number | Array | Record"], str]
 
 
+# what `normalize.combined` writes out
+COMBINING = ("itertools.product", "itertools.combinations", "itertools.combinations_with_replacement")
 ALL = -1                                # of a tuple or list: NumPy or a loop goes through it as through an array
 ITERATORS = ("enumerate", "zip", "reversed")
 
@@ -181,7 +183,7 @@ class References:
         root, _, rest = path.partition(".")
         if root == "builtins":
             self._builtin(node, rest, called)
-        elif root == "scipy" and is_scipy(path):
+        elif root == "scipy" and is_scipy(path) or path in COMBINING:
             if not called:
                 self._as_value(node, text)
         elif root not in ("numpy", "math", "runtime") and (called or rest):

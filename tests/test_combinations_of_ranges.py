@@ -1,0 +1,112 @@
+"""Loops through combinations of ranges, and elements by their number in the order of rows."""
+from __future__ import annotations
+
+import itertools
+from itertools import combinations, product
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+from tests.engines import each
+
+A = np.array([[0.3, -0.9, 0.7], [0.5, 0.2, -0.6], [1.1, 0.4, -0.2]])
+
+
+def products(a):
+    total = 0.0
+    for i, j in itertools.product(range(a.shape[0]), range(1, 3)):
+        if a[i, j] < -0.8:
+            continue
+        total += a[i, j] ** 2 * (i + 2 * j)
+    for i, j, k in product(range(2), repeat=3):
+        if i + j + k == 3:
+            break
+        a[i, j] *= a[j, k] + 1.0
+    found = sum(a[i, j] * a[j, k] for i, j, k in product(range(2), range(len(a)), range(1, 2)) if i < j)
+    return total + i * j + k + found + np.sum(np.array([a[i, j] ** 2 for i, j in product(range(2), range(3))]) ** 2)
+
+
+def pairs(a):
+    total = 0.0
+    for i, j in combinations(range(3), 2):
+        total += (a[i, 0] - a[j, 0]) ** 2 * (i + 1)
+    for k, m in itertools.combinations_with_replacement(range(1, 3), 2):
+        total += a[k, 1] * a[m, 1] * (k + 2 * m)
+    triples = sum(a[i, j] * a[k, 0] for i, j, k in itertools.combinations(range(3), 3))
+    a[0, 1] *= 2.0
+    return total + i * a[0, 0] + triples ** 2 + sum(a[i, 0] * a[j, 2] for i, j in combinations(range(3), 2))
+
+
+def numbered(a):
+    b = a * a
+    b.flat[4] = a[0, 0]
+    b.flat[-1] = b.flat[1] * a.flat[5]
+    part = a.flat[1:3]
+    part[0] = 5.0
+    total = np.sum(b ** 2) + np.sum(part * a[0, :2]) + a.item(7) * b.item(-2) + a[1].item(2)
+    for v in a.flat:
+        total += v ** 3
+    for k in range(3):
+        a.flat[2 * k] = a.flat[k] * total
+    return total + np.sum(a.T.copy())
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each((products, pairs, numbered)))
+def test_derivatives(kernel, engine):
+    check_derivatives(kernel, (A,), ("a",), ("a", "return"), engine)
+
+
+def of_a_view(a):
+    b = a.T
+    b.flat[1] = a[0, 0] ** 2
+    return np.sum(a ** 2 * np.arange(9.0).reshape(3, 3))
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_a_view_is_written_through(engine):
+    check_derivatives(of_a_view, (A,), ("a",), ("a", "return"), engine)
+
+
+def of_arrays(a):
+    return sum(u * v for u, v in product(a[0], a[1]))
+
+
+def left(a):
+    total = 0.0
+    for i, j in combinations(range(3), 2):
+        if a[i, j] > 1.0:
+            break
+        total += a[i, j]
+    return total
+
+
+def of_the_name(a):
+    i = 2
+    return sum(a[i, j] for i, j in product(range(3), range(i)))
+
+
+def of_an_element(a, k):
+    total = 0.0
+    for i, j in combinations(range(k[0]), 2):
+        k[0] -= 1
+        total += a[i, j]
+    return total
+
+
+@pytest.mark.parametrize("kernel", [of_arrays, left, of_the_name, of_an_element])
+def test_refused(kernel):
+    with pytest.raises(s2sad.S2sadError) as refused:
+        s2sad.gradient(kernel, wrt="a")(A, *([np.array([3])] if kernel is of_an_element else []))
+    found = refused.value.diagnostics[0]
+    assert found.message == "combinations other than of ranges, each with a name in a loop of its own"
+    assert found.help == "write nested loops over ranges: for i in range(n): for j in range(i + 1, n)"
+
+
+def test_read_from_text(tmp_path):
+    path = tmp_path / "kernel.py"
+    path.write_text("import itertools as it\nimport numpy as np\n\n\ndef kernel(a):\n    s = 0.0\n"
+                    "    for i, j in it.product(range(2), range(3)):\n        s += a[i, j]\n    return s\n")
+    from s2sad.cli import main
+    assert main(["adjoint", f"{path}:kernel"]) in (0, None)
