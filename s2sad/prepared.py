@@ -18,7 +18,7 @@ from s2sad.program import Request
 from s2sad.selection import (
     RETURN, Results, array_seed, number_seed, places, result_seed, selected_of, selected_wrt, structured,
 )
-from s2sad.variants import State, own
+from s2sad.variants import State, lying, own
 
 _ONE = {RETURN: 1.0}
 
@@ -59,8 +59,10 @@ class PreparedCall:
         values = self.values_of(args)
         if self._apart is not None:
             self._apart(values)
+        if self.summary.contiguous:
+            lying(self.summary, dict(zip(self.names, values)))
         for k in self.written:
-            values[k] = own(self.names[k], values[k], self.summary)
+            values[k] = own(values[k])
         return values
 
     def called(self, variant: Variant, values: Mapping[str, Any], shadows: Mapping[str, Any],

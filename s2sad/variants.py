@@ -6,7 +6,7 @@ function reads, and a state one `Variant` for each (mode, types, wrt, of, engine
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import FunctionType
 from typing import Any
 
@@ -193,7 +193,8 @@ class State:
     def copied(self, values: Sequence[Any], types: tuple[Type, ...]) -> list[Any]:
         """The values, with copies of the arrays that the function may write."""
         summary = self.summary(types)
-        return [own(name, v, summary) if name in summary.written and isinstance(v, np.ndarray) else v
+        lying(summary, dict(zip(self.parameters, values)))
+        return [own(v) if name in summary.written and isinstance(v, np.ndarray) else v
                 for name, v in zip(self.parameters, values)]
 
     def arrays_by_name(self) -> dict[str, Any]:
@@ -205,15 +206,22 @@ class State:
         if not self.arrays:
             return {}
         summary = self.summary(types)
-        return {n: own(n, a, summary) if n in summary.written else a for n, a in self.arrays_by_name().items()}
+        lying(summary, self.arrays_by_name())
+        return {n: own(a) if n in summary.written else a for n, a in self.arrays_by_name().items()}
 
 
-def own(name: str, array: np.ndarray, summary: Any) -> np.ndarray:
-    """A copy of an array that a function may write; refuses one that has to be contiguous and is not."""
-    if name in summary.contiguous and not array.flags.c_contiguous:
-        raise S2sadError(Diagnostic("S405", f"'{name.removeprefix(HIDDEN)}' is not contiguous, where it is reshaped "
-                                    "and written", note="NumPy writes a copy of it then",
-                                    help="pass np.ascontiguousarray(...), or write it as a loop"))
+def lying(summary: Any, values: Mapping[str, Any]) -> None:
+    """Refuses an array that has to be contiguous and is not."""
+    for name in summary.contiguous:
+        if name in values and not values[name].flags.c_contiguous:
+            raise S2sadError(Diagnostic(
+                "S405", f"'{name.removeprefix(HIDDEN)}' is not contiguous, where it or an array made like it is "
+                "reshaped and written", note="NumPy writes a copy of it then",
+                help="pass np.ascontiguousarray(...), or write it as a loop"))
+
+
+def own(array: np.ndarray) -> np.ndarray:
+    """A copy of an array that a function may write."""
     return np.array(array, order="C")
 
 

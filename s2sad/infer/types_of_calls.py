@@ -113,7 +113,8 @@ class TypesOfCalls(ABC):
         for other in types[1:]:
             result = promote(result, other)
         kind = rules.constant_result(name)
-        if name in _FLOATS and not result.is_inexact and result.dtype:
+        if name == "numpy.float_power" and result.dtype == "float32" or (
+                name in _FLOATS and not result.is_inexact and result.dtype):
             return Type(result.kind, "float64", result.rank)
         if name == "builtins.round" and len(types) > 1:
             return types[0]

@@ -6,6 +6,8 @@ made from; a parameter lies as the caller has it, which is a guard's to ask.
     f = np.ravel(u)                 assert u.flags.c_contiguous, "an array is reshaped and written ..."
     f[0] = 1.0                      f = np.ravel(u)
                                     f[0] = 1.0
+
+An order that is asked for, as in `np.copy(u, order="F")`, goes before that; one other than C's is that of a copy.
 """
 from __future__ import annotations
 
@@ -23,7 +25,7 @@ from s2sad.tree import (
 )
 
 Asked = Callable[[Call], Sequence[int]]
-_MADE = {f"numpy.{f}" for f in "zeros empty ones full matmul dot outer eye arange linspace".split()}
+_MADE = {f"numpy.{f}" for f in "zeros empty ones full dot outer eye arange linspace".split()}
 _ALIKE = {f"numpy.{f}" for f in ("zeros_like", "empty_like", "ones_like", "full_like", "copy", "array")}
 _KEEPING = {f"numpy.{f}" for f in ("asarray", "ascontiguousarray", "reshape", "ravel")}
 _TURNING = {f"numpy.{f}" for f in (
@@ -60,17 +62,26 @@ class Contiguity:
         if called is None:
             plain = isinstance(node, (BinOp, UnaryOp))
             return self._elementwise(node) if plain else None
-        if called in _MADE:
-            return None if any(k.arg == "order" for k in node.keywords) else frozenset()
-        if called in _KEEPING or called in _ALIKE:
-            inner = node.args[0]
-            if not self.typing.of(inner).is_array or not isinstance(inner, (Name, Subscript, Call, BinOp, UnaryOp)):
-                return frozenset()
-            fresh = None if called in _KEEPING else self._fresh(node)
-            return fresh if fresh is not None else self.needs(inner) if called in _KEEPING else self._ordered(inner)
+        if called in _MADE or called in _ALIKE or called in _KEEPING:
+            return self._made(called, node)
+        if called == "numpy.matmul":    # a stack of products is ordered as the stacks are
+            return frozenset() if self.typing.of(node).rank <= 2 else self._elementwise(node)
         if called in _TURNING or called.startswith("user."):
             return None
         return self._elementwise(node) if rules.find_array(called) is None else self._fresh(node)
+
+    def _made(self, called: str, node: Call) -> frozenset[str] | None:
+        """What is made lies in the order that is asked for, and else as NumPy has it, or as what it is made from."""
+        order = asked_order(node)
+        if order == "C" or called == "numpy.ascontiguousarray" or called in _MADE and order == "K":
+            return frozenset()
+        inner = node.args[0]
+        if order != "K":
+            return self._fresh(node)
+        if not self.typing.of(inner).is_array or not isinstance(inner, (Name, Subscript, Call, BinOp, UnaryOp)):
+            return frozenset()
+        fresh = None if called in _KEEPING else self._fresh(node)
+        return fresh if fresh is not None else self.needs(inner) if called in _KEEPING else self._ordered(inner)
 
     def _name(self, identifier: str) -> frozenset[str] | None:
         if identifier not in self._known:
@@ -129,6 +140,13 @@ class Contiguity:
                 return False
             sliced = sliced or isinstance(subscript, Slice)
         return True
+
+
+def asked_order(node: Call) -> str:
+    """The order in memory that a call asks for: "C", "F", "K" for what it has by itself; "" if it is not certain."""
+    given = [k.value for k in node.keywords if k.arg == "order"]
+    written = given[0].value if given and isinstance(given[0], Constant) else "" if given else None
+    return "K" if written is None else known if (known := str(written).upper()) in ("C", "F", "K") else ""
 
 
 def of_calls(function: FunctionDef, whole: Contiguity, asked: Asked, report: Report) -> set[str]:

@@ -25,7 +25,7 @@ from collections.abc import Iterator
 from s2sad.blocks import with_blocks
 from s2sad.infer.infer import Typing
 from s2sad.naming import Names
-from s2sad.normalize.contiguous import Contiguity
+from s2sad.normalize.contiguous import Contiguity, asked_order
 from s2sad.normalize.guards import counts
 from s2sad.normalize.references import References
 from s2sad.normalize.sections import sections
@@ -109,9 +109,12 @@ class _Kept:
         return None if plain is None else (self.replaced(before, plain), needed)
 
     def needed(self, lying: Contiguity) -> frozenset[str] | None:
-        asks = self.called in _LYING or self.called == "numpy.reshape" and self.typing.of(self.operand).rank > 1
+        order, several = asked_order(self.binding.value), self.typing.of(self.operand).rank > 1
+        asks = self.called in _LYING or order != "K" or self.called == "numpy.reshape" and several
         if turned_back(self.binding, self.operand, self.typing) is None and self.called not in _WHOLE:
             return None
+        if several and order not in ("C", "K"):
+            return None     # a copy, unless it lies so
         return lying.needs(self.operand) if asks else frozenset()
 
     def part(self, rest: list[AST]) -> tuple[list[AST], AST]:

@@ -4,6 +4,7 @@
     np.sum(a, initial=2)                    np.sum(a) + 2
     np.sum(a, dtype=np.float64)             np.sum(np.astype(a, dtype=np.float64))
     x.astype(float, copy=False)             np.asarray(x, dtype=float)
+    np.zeros_like(x, None, "F")             np.zeros_like(x, None, order="F")
     x.item(1, 2)                            x[1, 2]
     a.mT                                    np.swapaxes(a, -1, -2)
     np.add.at(x, [0, 0, 1], v)              np.add.at(x, np.array([0, 0, 1]), v)
@@ -15,13 +16,15 @@ from __future__ import annotations
 
 from s2sad.rules.composed import WRITING
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Tuple, call, call_name, const, index, keyword, negate,
+    AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Tuple, at, call, call_name, const, index, keyword, negate,
     tuple_of,
 )
 
 _NEUTRAL = {"numpy.sum": 0, "numpy.prod": 1}
 _TYPED = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
 _AXES = ("numpy.moveaxis", "numpy.flip", "numpy.roll")
+_ORDERED = {"numpy.copy": 1, "numpy.full": 3, "numpy.full_like": 3, **{f"numpy.{f}": 2 for f in (
+    "zeros", "ones", "empty", "zeros_like", "ones_like", "empty_like", "asarray")}}     # where it stands by place
 _FLOATS = ("builtins.float", "numpy.float64", "numpy.double")
 
 
@@ -36,8 +39,11 @@ def optioned(node: Call) -> AST | None:
     if called in _TYPED and getattr(given.get("dtype"), "id", "") in _FLOATS:
         made = call("numpy.astype", node.args[0], dtype=given["dtype"])
         return _without(node, ("dtype",), made)
-    if called == "numpy.copy" and (len(node.args) == 2 or "subok" in given):
-        return call("numpy.copy", node.args[0]) if not _is_true(given.get("subok")) else None
+    if called in _ORDERED and "order" not in given and len(node.args) == _ORDERED[called] + 1:
+        order = at(keyword("order", node.args[-1]), node)
+        return Call(node.func, node.args[:-1], [*node.keywords, order])
+    if called == "numpy.copy" and "subok" in given and not _is_true(given["subok"]):
+        return _without(node, ("subok",), node.args[0])
     if called in _NEUTRAL:
         return _picked(node, called, given)
     if called in _AXES and any(isinstance(a, List) for a in (*node.args[1:], *given.values())):

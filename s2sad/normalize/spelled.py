@@ -5,7 +5,7 @@
     x.sum(axis=0)       np.sum(x, axis=0)
     x.reshape(n, m)     np.reshape(x, (n, m))
     x.T                 np.transpose(x)
-    x.copy()            np.copy(x)
+    x.copy()            np.copy(x, order="C")
     z.real              np.real(z)
     complex(a, b)       a + 1j * b
     x.transpose(2, 0, 1)    np.moveaxis(x, (2, 0, 1), (0, 1, 2))
@@ -33,7 +33,7 @@ from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Name, NotEq, Pow,
     Slice, Starred, Store, Sub, Subscript, Tuple, at, attribute, call, call_name, compare, const, copy, index, indices,
-    mult, name, rebuild, tuple_of, walk,
+    keyword, mult, name, rebuild, tuple_of, walk,
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
@@ -95,8 +95,9 @@ def _plain(node: AST) -> AST | None:
     if isinstance(node.func, Attribute) and node.func.attr in CONJUGATING:
         return None     # `told` knows whether it is the array itself
     if isinstance(node.func, Attribute) and node.func.attr in _METHODS:
-        called = at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], node.keywords), node)
-        return rebuild(called, _plain)
+        order = [keyword("order", const("C"))] if node.func.attr == "copy" and not node.args + node.keywords else []
+        called = Call(name(f"numpy.{node.func.attr}"), [node.func.value, *_arguments(node)], [*node.keywords, *order])
+        return rebuild(at(called, node), _plain)
     if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
         return rebuild(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node),
                        _plain)

@@ -1,0 +1,312 @@
+"""The order in which arrays lie in memory: where NumPy makes a copy in another one, and where it takes a view."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives, check_value
+from tests.engines import each, running
+
+
+def given(*shape: int) -> np.ndarray:
+    return np.random.default_rng(4).uniform(0.3, 1.2, shape)
+
+
+def lying(shape: tuple[int, ...], how: str) -> np.ndarray:
+    """An array in C's order, in Fortran's, a part of a larger one, or one that is walked backwards."""
+    base = given(*shape)
+    if how == "F":
+        return np.asfortranarray(base)
+    if how == "strided":
+        whole = np.zeros(tuple(2 * n for n in shape))
+        part = whole[tuple(slice(None, None, 2) for _ in shape)]
+        part[...] = base
+        return part
+    return base[::-1].copy()[::-1] if how == "reversed" else base
+
+
+HOW = ("C", "F", "strided", "reversed")
+
+
+# -- what is copied in C's order is contiguous, however its operand lies --------------------------------
+def method(u):
+    w = u.copy()
+    f = w.ravel()
+    f[1] *= u[0, 0]
+    return np.sum(w ** 2 * u)
+
+
+def method_by_name(u):
+    w = u.copy(order="c")
+    f = w.reshape(-1)
+    f[1:] *= f[:-1]
+    return np.sum(w ** 2 * u)
+
+
+def method_by_place(u):
+    w = u.T.copy("C")
+    f = w.ravel()
+    f[1] *= 5.0
+    return np.sum(w.T ** 2 * u)
+
+
+def function_by_place(u):
+    w = np.copy(u, "C")
+    f = w.ravel()
+    f[1] *= u[0, 1]
+    return np.sum(w ** 2 * u)
+
+
+def array_in_order(u):
+    w = np.array(u, order="C")
+    f = w.ravel()
+    f[1] *= u[0, 1]
+    return np.sum(w ** 2 * u)
+
+
+def alike(u):
+    w = np.zeros_like(u, None, "C")
+    f = w.ravel()
+    f[1] = u[0, 1] ** 2
+    return np.sum(w * u)
+
+
+def filled_alike(u):
+    w = np.full_like(u, 0.5, order="C")
+    f = w.reshape(-1)
+    f[:] *= f[::-1] + u[0, 0]
+    return np.sum(w ** 2 * u)
+
+
+def made(u):
+    w = np.full(u.shape, 2.0, float, "C")
+    f = w.ravel()
+    f[1] *= u[0, 1]
+    return np.sum(w ** 2 * u)
+
+
+def of_a_copy(u):
+    w = u.copy() * 2.0 + u.copy()
+    f = w.ravel()
+    f[1] *= u[0, 1]
+    return np.sum(w ** 2)
+
+
+def handed(f, c):
+    f = f.reshape(-1)
+    f[1:] *= c
+    return f[1]
+
+
+def through_a_helper(u):
+    return handed(u.T.copy(), 3.0) + np.sum(u ** 2)
+
+
+def one_axis(u):
+    x = u[0].copy(order="F")
+    f = x.reshape(1, -1)
+    f[0, 1] *= x[0]
+    z = np.asarray(x, order="F")
+    z[2] *= x[1]
+    return np.sum(x ** 2) + np.sum(u)
+
+
+def taken_as_it_is(u):
+    w = np.asarray(u, order="K")
+    w[0, 0] *= u[1, 1]
+    z = np.asarray(u, None, None)
+    z[0, 1] *= 2.0
+    return np.sum(w * u * z)
+
+
+def only_read(u):
+    w = np.copy(u, order="F")
+    z = np.zeros_like(u, order="F") + w
+    f = z.ravel()
+    w[0] *= 2.0
+    return np.sum(f[1:] * f[:-1]) + np.sum(w * z) + np.sum(np.asarray(u, order="F") * u)
+
+
+COPIED = (method, method_by_name, method_by_place, function_by_place, array_in_order, alike, filled_alike, made,
+          of_a_copy, through_a_helper, one_axis, taken_as_it_is, only_read)
+
+
+@pytest.mark.parametrize("kernel, engine", each(COPIED, 4))
+def test_what_is_made_in_the_order_of_c_is_contiguous(kernel, engine):
+    for how in HOW[:2 if engine == "numba" else 4]:
+        check_derivatives(kernel, (lying((2, 4), how),), ("u",), ("return",), engine=engine)
+        check_value(kernel, (lying((2, 4), how),), ("u",), engine=engine)
+
+
+def test_matrices_of_one_row_and_of_one_column():
+    for shape in ((1, 4), (4, 1), (1, 2)):
+        for engine in ("numpy", "loops"):
+            check_derivatives(method_by_name, (lying(shape, "F"),), ("u",), ("return",), engine=engine)
+
+
+# -- what is made in another order is not, nor may be what is made of it --------------------------------
+def copied(u):
+    w = np.copy(u, order="F")
+    f = w.ravel()
+    f[1] = 0.0
+    return np.sum(w ** 2 * u)
+
+
+def copied_by_place(u):
+    w = u.copy("F")
+    f = w.ravel()
+    f[1] = 0.0
+    return np.sum(w ** 2 * u)
+
+
+def as_array(u):
+    w = np.array(u, order="F")
+    f = w.reshape(-1)
+    f[1] = 0.0
+    return np.sum(w ** 2 * u)
+
+
+def zeros_alike(u):
+    w = np.zeros_like(u, order="F")
+    w += u
+    f = w.reshape(-1)
+    f[:] = u[0, 1]
+    return np.sum(w ** 2)
+
+
+def full_alike_by_place(u):
+    w = np.full_like(u, 2.0, None, "F")
+    f = w.reshape(-1)
+    f[1] *= u[0, 1]
+    return np.sum(w ** 2)
+
+
+def zeros_by_place(u):
+    w = np.zeros(u.shape, float, "F")
+    f = w.reshape(-1)
+    f[1] += u[0, 1]
+    return np.sum(w ** 2)
+
+
+def uncertain(u):
+    w = np.copy(u, order="A")
+    f = w.reshape(-1)
+    f[1] *= u[0, 1]
+    return np.sum(w ** 2)
+
+
+def of_copies(u):
+    v = u.copy(order="F")
+    z = v + v
+    f = z.reshape(-1)
+    f[1] *= 3.0
+    return np.sum(z ** 2)
+
+
+def alias(u):
+    w = np.asarray(u, order="F")
+    w[0, 0] = 0.0
+    return np.sum(u ** 2)
+
+
+def alias_by_place(u):
+    w = np.asarray(u, float, "F")
+    w[0, 0] = 0.0
+    return np.sum(u ** 2)
+
+
+def alias_in_a_list(u):
+    us = [np.asarray(u, order="F"), u]
+    us[0][0, 0] = 0.0
+    return np.sum(u ** 2)
+
+
+def alias_through_a_helper(u):
+    w = handed_back(u)
+    w[0, 0] = 0.0
+    return np.sum(u ** 2)
+
+
+def handed_back(v):
+    return np.asarray(v, order="F")
+
+
+def copies_of_copies(u):
+    return handed(np.copy(u, order="F"), 3.0)
+
+
+def stacks(u):
+    a = u.reshape(2, 2, 2, 1)
+    w = a.transpose(1, 0, 2, 3) @ a.transpose(1, 0, 3, 2)
+    f = w.ravel()
+    f[1] = 0.0
+    return np.sum(w ** 2)
+
+
+@pytest.mark.parametrize("kernel", (copied, copied_by_place, as_array, zeros_alike, full_alike_by_place, zeros_by_place,
+                                    uncertain, of_copies, alias, alias_by_place, alias_in_a_list,
+                                    alias_through_a_helper, copies_of_copies, stacks))
+def test_what_is_made_in_another_order_is_not_written_through_a_view(kernel):
+    said = ("NumPy shares with another one|may not be contiguous here")
+    for engine in ("numpy", "loops"):
+        with running(engine) as under, pytest.raises(s2sad.S2sadError, match=said) as refused:
+            s2sad.gradient(s2sad.differentiate(kernel, engine=under))(given(2, 4))
+        assert "S201" in str(refused.value)
+
+
+# -- an argument whose order tells is asked -------------------------------------------------------------
+def in_its_order(u):
+    w = np.copy(u)
+    f = w.ravel()
+    f[1] *= 3.0
+    return np.sum(w ** 2)
+
+
+def computed(u):
+    w = u * 2.0
+    f = w.reshape(-1)
+    f[1] *= 3.0
+    return np.sum(w ** 2)
+
+
+def alias_in_order(u):
+    w = np.asarray(u, order="C")
+    w[0, 0] = 0.0
+    return np.sum(u ** 2)
+
+
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
+@pytest.mark.parametrize("kernel", (in_its_order, computed, alias_in_order))
+def test_an_argument_whose_order_tells_is_asked(kernel, engine):
+    check_derivatives(kernel, (given(2, 4),), ("u",), ("return",), engine=engine)
+    with running(engine) as under:
+        function = s2sad.differentiate(kernel, engine=under)
+        for how in ("F", "strided"):
+            with pytest.raises(s2sad.S2sadError) as refused:
+                s2sad.gradient(function)(lying((2, 4), how))
+            assert str(refused.value) == (
+                "error[S405]: 'u' is not contiguous, where it or an array made like it is reshaped and written\n"
+                "  note: NumPy writes a copy of it then\n"
+                "  help: pass np.ascontiguousarray(...), or write it as a loop")
+            with pytest.raises(s2sad.S2sadError, match="is not contiguous"):
+                s2sad.autodiff(s2sad.ReverseWithPrimal, function,
+                               s2sad.Duplicated(lying((2, 4), how), np.zeros((2, 4))))
+            with pytest.raises(s2sad.S2sadError, match="is not contiguous"):
+                s2sad.jvp(function, (lying((2, 4), how),), {"u": np.ones((2, 4))})
+
+
+# -- a power that is a float64 number whatever it is of -------------------------------------------------
+def powers(x, y):
+    z = np.float_power(x, y)
+    return np.sum(z * np.float_power(y, 2))
+
+
+@pytest.mark.parametrize("engine", ("numpy", "loops", "numba"))
+def test_a_power_of_singles_is_a_double(engine):
+    x, y = given(3).astype(np.float32), given(3).astype(np.float32)
+    for a, b in ((x, y), (x[:1], y), (x, given(3))):
+        check_derivatives(powers, (a, b), ("x", "y"), ("return",), engine=engine)
+        with running(engine) as under:
+            value, _ = s2sad.value_and_gradient(s2sad.differentiate(powers, engine=under))(a, b)
+        assert abs(value - powers(a, b)) < 1e-13
