@@ -31,6 +31,7 @@ class Sizes(ABC):
         self.serial = 0  # of the statement: an array of bools picks as many as it did only within one
         self.passing: set[str] = set()  # the symbols that stand for a size within one statement only
         self.counters: dict[str, int] = {}  # the loop counters here, with the least that each can be
+        self.stepping: list[Affine] = []  # steps of slices less 1, that must not be negative either
         self.required: list[Affine] = []  # sizes that must not be negative for slices to mean what they are taken for
 
     @abstractmethod

@@ -11,7 +11,10 @@ from s2sad.infer.affine import Affine
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import ONE, Shape, whole_number
 from s2sad.infer.sizes import Sizes
-from s2sad.tree import AST, Add, BinOp, Constant, Name, Slice, Subscript, call, const, copy, dump, indices, names
+from s2sad.tree import AST, Add, BinOp, Constant, Name, Slice, Subscript, call, const, copy, dump, indices, mult, names
+
+
+Step = int | AST        # a written number, or a positive expression that stays what it is
 
 
 class Slices(Sizes):
@@ -84,10 +87,15 @@ class Slices(Sizes):
         if span is None:
             return None
         start, stop, step = span
-        if step == 1 and (stop == size or self.ordered(part)):
+        if is_step(step, 1) and (stop == size or self.ordered(part)):
             return stop.plus(start, -1)
+        return self.taken(span)
+
+    def taken(self, span: tuple[Affine, Affine, Step]) -> Affine:
+        """How many elements there are from a start to a stop."""
+        start, stop, step = span
         return self.symbol(call("builtins.len", call("builtins.range", self.expression(start), self.expression(stop),
-                                                     const(step))))
+                                                     spelled(step))))
 
     def is_single(self, part: Slice, size: Affine) -> bool:
         """Whether a slice is written to take one element, `i:i + 1`; that there is one becomes a guard."""
@@ -119,18 +127,38 @@ class Slices(Sizes):
         return all(c > 0 and s in self.least() for s, c in rest.terms) and rest.constant + sum(
             c * self.least()[s] for s, c in rest.terms) >= 0
 
-    def span(self, part: Slice, size: Affine) -> tuple[Affine, Affine, int] | None:
+    def span(self, part: Slice, size: Affine) -> tuple[Affine, Affine, Step] | None:
         """Where a slice of an axis of this size starts and stops, and its step, as a range; None if it may change."""
-        step = 1 if part.step is None else whole_number(part.step)
+        step = 1 if part.step is None else self.step(part.step)
         if not step:
             return None
-        if step < 0:
+        if isinstance(step, int) and step < 0:
             start = size.shift(-1) if part.lower is None else self.placed("runtime.position_down", part.lower, size)
             stop = Affine((), -1) if part.upper is None else self.placed("runtime.position_down", part.upper, size)
         else:
             start = Affine() if part.lower is None else self.lower(part.lower, size)
             stop = size if part.upper is None else self.upper(part.upper, size)
         return None if start is None or stop is None else (start, stop, step)
+
+    def step(self, node: AST) -> Step | None:
+        """The step of a slice: a written number, or one that stays what it is and is positive; None if it may not."""
+        number, form = whole_number(node), self.size(node)
+        if number is not None or form is None:
+            return number
+        if not form.terms:
+            return form.constant
+        if not self.is_place(form.shift(-1)):
+            self.stepping.append(form.shift(-1))
+        return self.expression(form)
+
+    def moved(self, start: Affine, count: Affine, step: Step) -> Affine:
+        """Where one comes to from a position by so many steps."""
+        if isinstance(step, int):
+            return start.plus(count, step)
+        if count.terms:
+            return start.plus(self.symbol(mult(self.expression(count), copy(step))))
+        form = self.size(step)
+        return start.plus(form if form is not None else self.symbol(copy(step)), count.constant)
 
     def here(self, part: Slice, size: Affine) -> Slices:
         """The shapes for a slice at one place, where the names in its bounds are what they are there."""
@@ -174,6 +202,16 @@ class Slices(Sizes):
                 self.required.append(form)
             return form
         return self.symbol(call(function, copy(node), self.expression(size)))
+
+
+def is_step(step: Step, number: int) -> bool:
+    """Whether a step is this number."""
+    return isinstance(step, int) and step == number
+
+
+def spelled(step: Step) -> AST:
+    """A step as an expression."""
+    return const(step) if isinstance(step, int) else copy(step)
 
 
 def _is_next(part: Slice) -> bool:

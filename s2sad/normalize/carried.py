@@ -25,7 +25,7 @@ from s2sad.infer.types import array
 from s2sad.normalize.allocations import ALLOCATING, dtype_of
 from s2sad.normalize.branches import Branches, merged
 from s2sad.normalize.exits import FALL, endless, exits
-from s2sad.normalize.guards import inside
+from s2sad.normalize.guards import forwards, inside
 from s2sad.normalize.places import AMBIGUOUS, View
 from s2sad.normalize.rename import breaks
 from s2sad.tree import (
@@ -187,7 +187,9 @@ class Carried(Branches):
         """Guards that slices which start from the end start inside."""
         needed, self.shapes.required = self.shapes.required, []
         text = self.report.source.line(origin.lineno).strip() if needed else ""
-        guards = [inside(self.shapes.expression(form), text) for form in needed]
+        steps, self.shapes.stepping = self.shapes.stepping, []
+        guards = [*(forwards(self.shapes.expression(form)) for form in steps),
+                  *(inside(self.shapes.expression(form), text) for form in needed)]
         return list({dump(g): g for g in guards}.values())
 
     def parting(self, statement: If, tail: Tail) -> If:

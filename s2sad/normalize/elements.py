@@ -12,6 +12,7 @@ from s2sad import rules
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import ONE, moved_axes, whole_number
 from s2sad.infer.shapes import Shapes
+from s2sad.infer.slices import is_step, spelled
 from s2sad.tree import (
     AST, Attribute, BinOp, Call, Constant, FloorDiv, Mod, Name, Slice, Subscript, Tuple, add, call_name,
     const, copy, index, indices, mult, name, rebuild, sub,
@@ -74,10 +75,10 @@ class Elements:
             return self.shapes.expression(start, reduced=False)
         form = self.shapes.size(position)
         if form is None:
-            moved = position if step == 1 else mult(position, const(step))
+            moved = position if is_step(step, 1) else mult(position, spelled(step))
             return copy(moved) if not start.terms and not start.constant else add(
                 self.shapes.expression(start, reduced=False), copy(moved))
-        return self.shapes.expression(self.shapes.reduced(start).plus(form, step))
+        return self.shapes.expression(self.shapes.moved(self.shapes.reduced(start), form, step))
 
     def size_of(self, node: AST, axis: int) -> AST:
         """The size of an axis of an array or a part of one."""

@@ -16,6 +16,7 @@ TRIPS = "a loop in which a number becomes an array has no trip: start with an ar
 COUNTS = "a bound of a slice counts from the end, where parts of an array are to lie side by side: give it from 0"
 CONTIGUOUS = ("an array that is reshaped and written is not contiguous, where NumPy writes a copy: pass "
               "np.ascontiguousarray(...), or write it as a loop")
+FORWARDS = "the step of a slice is not positive, where it is not a written number: write a loop"
 EXCHANGED = "names swap arrays of different sizes in a branch: swap what arrays of one size hold"
 LEFT = "a size of np.reshape is negative: write -1 where it stands, or bind it to a name of its own: n = -1"
 SPARSE = "a sparse matrix and what it meets differ in size"
@@ -44,6 +45,11 @@ def inside(room: AST, text: str) -> Assert:
 def contiguous(array: AST) -> Assert:
     """The guard that an array lies in memory element after element, so that NumPy reshapes it without a copy."""
     return Assert(attribute(attribute(array, "flags"), "c_contiguous"), const(CONTIGUOUS))
+
+
+def forwards(rest: AST) -> Assert:
+    """The guard that the step of a slice is positive."""
+    return Assert(compare(rest, GtE(), const(0)), const(FORWARDS))
 
 
 def counts(size: AST) -> Assert:

@@ -10,7 +10,7 @@ from s2sad import rules
 from s2sad.diagnostics import Report
 from s2sad.infer.affine import Affine
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import FITTING, INNER, whole_number
+from s2sad.infer.laws import FITTING, INNER
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.slices import is_whole, stand_apart
 from s2sad.infer.types import INT, Type
@@ -96,9 +96,6 @@ class Places:
             return self.whole(subscript)
         if not isinstance(subscript, Slice):
             return self.resolve(subscript)
-        if self.loops and subscript.step is not None and whole_number(subscript.step) is None:
-            self.report.error("S201", "a slice whose step is not a written number", subscript.step,
-                              help="write a loop")
         parts = (subscript.lower, subscript.upper, subscript.step)
         return self.frozen(Slice(*(p and self.resolve(p) for p in parts)), "bound")
 

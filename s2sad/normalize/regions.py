@@ -10,7 +10,7 @@ from collections.abc import Callable
 from s2sad.infer.affine import Affine
 from s2sad.infer.laws import ONE, whole_number
 from s2sad.infer.shapes import Shapes
-from s2sad.infer.slices import is_whole
+from s2sad.infer.slices import Step, is_step, is_whole, spelled
 from s2sad.tree import AST, Add, BinOp, Constant, Mult, Name, Slice, call, const, copy
 
 Refuse = Callable[[str], None]
@@ -67,27 +67,41 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
         return inner
     if length == ONE and inner.lower is None and inner.upper is None:
         return outer
-    first = start.plus(within[0], step)
+    first = shapes.moved(start, within[0], step)
     if shapes.sliced(inner, length) == ONE and (shapes.is_place(first) or not first.plus(size, -1).terms):
         near = shapes.is_place(first)
         return Slice(_bound(shapes, first) if near else const(first.plus(size, -1).constant),
                      shapes.expression(first.shift(1)) if near else _bound(shapes, first.shift(1), size), None)
-    both = step * within[2]
-    if both < 0:
-        last = start.plus(within[1], step)
+    both = _product(step, within[2])
+    if both is None:
+        refuse("a part of a part of an array whose step is not a written number")
+        return inner
+    if isinstance(both, int) and both < 0:
+        last = shapes.moved(start, within[1], step)
         return Slice(_bound_down(shapes, first, size), _bound_down(shapes, last, size, True), const(both))
-    last = start.plus(within[1], step) if step == 1 or within[1] != length else stop
-    return Slice(_bound(shapes, first), _bound(shapes, last, size), const(both) if both != 1 else None)
+    last = shapes.moved(start, within[1], step) if is_step(step, 1) or within[1] != length else stop
+    return Slice(_bound(shapes, first), _bound(shapes, last, size), None if is_step(both, 1) else spelled(both))
 
 
-def _cell(shapes: Shapes, start: Affine, step: int, inner: AST, length: Affine) -> AST:
+def _product(step: Step, other: Step) -> Step | None:
+    """The step of a part of a part; None where one runs backwards and the other is no written number."""
+    if isinstance(step, int) and isinstance(other, int):
+        return step * other
+    if any(isinstance(s, int) and s < 0 for s in (step, other)):
+        return None
+    return next((spelled(a) for a, b in ((step, other), (other, step)) if is_step(b, 1)),
+                BinOp(spelled(step), Mult(), spelled(other)))
+
+
+def _cell(shapes: Shapes, start: Affine, step: Step, inner: AST, length: Affine) -> AST:
     """The position of one element of a slice."""
     number = whole_number(inner)
     if number is not None:
-        return shapes.expression(start.plus(Affine((), number) if number >= 0 else length.shift(number), step))
+        at = Affine((), number) if number >= 0 else length.shift(number)
+        return shapes.expression(shapes.moved(start, at, step))
     if not shapes.is_counted(inner):
         inner = call("runtime.element", copy(inner), shapes.expression(length))
-    scaled = inner if step == 1 else BinOp(copy(inner), Mult(), const(step))
+    scaled = inner if is_step(step, 1) else BinOp(copy(inner), Mult(), spelled(step))
     return add_to(scaled, shapes, start)
 
 

@@ -35,8 +35,8 @@ from s2sad.normalize.places import array_operands
 from s2sad.normalize.regions import is_new
 from s2sad.rules.operation import operation
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, Call, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript,
-    While, assign, at, augment, call, call_name, const, copy, counted_for, index, indices, name, rebuild, sub,
+    AST, Add, Assign, AugAssign, BinOp, Call, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While,
+    add, assign, at, augment, call, call_name, const, copy, counted_for, index, indices, mult, name, rebuild, sub,
     walk,
 )
 
@@ -243,6 +243,11 @@ class Scalarize:
         start, stop, step = span
         low, high = (self.shapes.expression(x, reduced=False) for x in (start, stop))
         zero = not start.terms and not start.constant
+        if not isinstance(step, int):       # the counter counts: its steps are written numbers
+            count = found.add([[self.shapes.expression(self.shapes.taken(span))]], self.counters)[0]
+            cell.append(mult(count, copy(step)) if zero else add(copy(low), mult(count, copy(step))))
+            found.positions.append(count)
+            return
         bounds = [high] if zero and step == 1 else [low, high] if step == 1 else [low, high, const(step)]
         counter = found.add([bounds], self.counters)[0]
         cell.append(counter)
