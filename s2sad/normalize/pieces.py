@@ -54,7 +54,7 @@ def pieces(function: FunctionDef, typing: Typing, free: Names, report: Report) -
         new.body = _Pieces(typing, free).block(function.body)
         function = functions(new, typing, free)
     for statement in walk(function.body):
-        if isinstance(statement, (Assign, Expr)) and any(_piece(n, typing) for n in walk(statement)):
+        if isinstance(statement, (Assign, Expr)) and any(is_piece(n, typing) for n in walk(statement)):
             report.error("S301", "no derivative rule for this function here", statement,
                          help="bind its result to a name")
     return function
@@ -65,8 +65,13 @@ def _piece(node: AST, typing: Typing) -> Callable[[Asked], str] | None:
     return _PIECES.get(call_name(node) or "") or (of_stack(node, typing) if isinstance(node, Call) else None)
 
 
+def is_piece(node: AST, typing: Typing) -> bool:
+    """Whether a call is one of a function that is written out."""
+    return _piece(node, typing) is not None
+
+
 def _is_made(statement: Assign, typing: Typing) -> bool:
-    return isinstance(statement.targets[0], (Name, Subscript)) and _piece(statement.value, typing) is not None
+    return isinstance(statement.targets[0], (Name, Subscript)) and is_piece(statement.value, typing)
 
 
 class _Pieces:

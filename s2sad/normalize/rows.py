@@ -18,10 +18,11 @@ from s2sad.infer.types_of_calls import LISTED, stored_into
 from s2sad.normalize.alike import alike
 from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.memory import Memory
+from s2sad.normalize.row_sizes import RowSizes, written_sizes
 from s2sad.normalize.views_in_lists import Writes, views_in_lists
 from s2sad.program import Program
 from s2sad.tree import (
-    AST, Assign, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, assign, at, attribute, call,
+    AST, Assign, Constant, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, assign, at, attribute, call,
     call_name, children, const, copy, index, indices, rebuild, tuple_of, walk,
 )
 
@@ -49,6 +50,7 @@ class _Rows:
         self.order = {id(n): k for k, n in enumerate(nodes)}
         self.bound = [s for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
         self.made = {s.targets[0].id: s for s in self.bound if call_name(s.value) == LISTED}
+        self.computed = RowSizes(function, typing)
         self.stores = [s for s in nodes if isinstance(s, Assign) and stored_into(s.targets[0], self.made)]
 
     def change(self, node: AST) -> AST | None:
@@ -58,6 +60,8 @@ class _Rows:
         count = node.value.args[0]
         first = next((s.value for s in self.stores if stored_into(s.targets[0], [listed])), None)
         sizes = None if first is None else self.sizes(first, kind.rank - 1, node, 0)
+        if sizes is None and first is not None and self.typing.of(first).rank == kind.rank - 1:
+            sizes = self.computed.of(first, lambda n: self.there(n, node))
         if sizes is None:
             self.report.error("S201", f"the sizes of the rows of {listed!r} are not known where the list is made", node,
                               help="allocate an array before and fill it in a for loop")
@@ -76,7 +80,7 @@ class _Rows:
             return [copy(self.made[value.id].value.args[0])] if rank == 1 and self.there(
                 self.made[value.id].value, place) else None
         if call_name(value) == "numpy.array" and isinstance(value.args[0], (List, Tuple)):
-            return _written(value.args[0])
+            return list(map(const, written_sizes(value.args[0])))
         if call_name(value) == "numpy.stack" and isinstance(value.args[0], (List, Tuple)) and value.args[0].elts and [
                 whole_number(k.value) for k in value.keywords] == [0]:
             inner = self.sizes(value.args[0].elts[0], rank - 1, place, depth + 1)
@@ -119,8 +123,8 @@ class _Rows:
             return None
         if isinstance(value, Subscript) and base.id in self.made and isinstance(subscripts[0], Slice):
             return self.sizes(base, rank, place, depth + 1)
-        if any(isinstance(s, Slice) or self.typing.of(s).is_array or self.typing.of(s).kind == "unknown"
-               for s in subscripts):
+        if any(isinstance(s, (Slice, Constant)) and getattr(s, "value", None) in (None, Ellipsis) or self.typing.of(
+                s).is_array or self.typing.of(s).kind == "unknown" for s in subscripts):
             return None
         if self.there(base, place) or not subscripts and self.is_bound_before(base.id, place):
             return [index(attribute(base, "shape"), const(len(subscripts) + k)) for k in range(rank)]
@@ -143,10 +147,3 @@ class _Rows:
                 if not early or len(stores) > 1:
                     return False
         return True
-
-
-def _written(node: AST) -> list[AST]:
-    """The sizes of the array that nested lists spell."""
-    if not isinstance(node, (List, Tuple)):
-        return []
-    return [const(len(node.elts)), *(_written(node.elts[0]) if node.elts else [])]

@@ -32,6 +32,7 @@ from s2sad.normalize.parts import parts
 from s2sad.normalize.rename import rename
 from s2sad.normalize.listed_rows import listed_rows
 from s2sad.normalize.lives import lives
+from s2sad.normalize.one_name import one_name
 from s2sad.normalize.settled import unsettled
 from s2sad.normalize.sharing import shared, specialised
 from s2sad.normalize.solvers import solvers
@@ -145,6 +146,7 @@ class NormalForms(Calls):
         while True:
             said = Report(report.source)
             tree, table = lives(tree, given, self.call_types, said, values, names)
+            tree = one_name(tree)
             typing = Typing({**table, **given}, self.call_types, Report(report.source), values)
             if (asked := dtyped(tree, typing)) is not tree:
                 tree = asked
