@@ -55,8 +55,37 @@ def without_a_name(x):
     return np.sum(s.u) * s.k
 
 
+def of_parts_of_another(x):
+    s = in_array(S(x[:3], 2.0 * x[4]), x[3:])
+    t = in_array(S(k=s.k * x[1], u=s.u[1:]), x=x * 1.0)
+    x[1] *= 2.0
+    s.u[0] *= t.u[0]
+    return np.sum(x * x) * t.k * s.k
+
+
+def one_in_another(x):
+    s = in_array(in_array(S(x, 2.0), x * 1.0), x[2:] * 1.0)
+    x = 3.0 * x
+    return np.sum(s.u ** 2) * s.k + np.sum(x)
+
+
+def written(x):
+    x[0] = 2.0 * x[1]
+    return x[0]
+
+
+def scaled(c, s):
+    s.u[0] *= c
+    return s
+
+
+def beside_a_call(x):
+    s = scaled(written(x), S(x * 1.0, 1.0))
+    return np.sum(s.u)
+
+
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
-@pytest.mark.parametrize("kernel", [twice, in_a_loop])
+@pytest.mark.parametrize("kernel", [twice, in_a_loop, without_a_name, of_parts_of_another, one_in_another])
 def test_derivatives(kernel, engine):
     check_derivatives(kernel, (X,), ("x",), ("return",), engine)
 
@@ -64,7 +93,7 @@ def test_derivatives(kernel, engine):
 @pytest.mark.parametrize("kernel, message, advice", [
     (field_of_its_own, "'in_field' assigns 's.k', which was made in this kernel",
      "return the new value, and assign it here"),
-    (without_a_name, "a structure is written out where it is given to a function that returns it",
+    (beside_a_call, "a structure is written out where it is given to a function that returns it",
      "give it a name before: s = S(...)")])
 def test_what_is_refused(kernel, message, advice):
     with pytest.raises(s2sad.S2sadError) as caught:

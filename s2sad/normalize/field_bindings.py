@@ -26,7 +26,7 @@ from s2sad.program import Kernel
 from s2sad.structure import step
 from s2sad.tree import (
     AST, Assign, Attribute, BinOp, Call, Constant, Expr, For, List, Name, Store, Subscript, Tuple, While, assign, at,
-    const, equal, expr, name, stored_names, tuple_of, walk,
+    const, equal, expr, keyword, name, stored_names, tuple_of, walk,
 )
 
 Env = dict[str, "Value | Conflict | Ordinary"]
@@ -56,14 +56,39 @@ class Bindings(Assignments):
         called = self.as_call(node)
         if called is None:
             return [], self.value(node)
+        before: list[AST] = []
         callee, made, passed = self.call(called)
+        given = flat(callee.result) if callee is not None and callee.result is not None else ()
+        if any(isinstance(leaf, Leaf) and leaf.place >= 0 and leaf.place not in passed for leaf in given):
+            before, called = self._under_names(called)
+            callee, made, passed = self.call(called)
         if callee is None or callee.result is None:
-            return [], Plain(made)
+            return before, Plain(made)
         target = targets[0] if len(targets) == 1 else None
         if isinstance(target, (Tuple, List)) and _straight(target, callee.result):
-            return [], Plain(made)
+            return before, Plain(made)
         wanted = target.id if isinstance(target, Name) else user_call(called) or ""
-        return self._received(made, callee.result, passed, wanted, self.env.get(wanted) if target is not None else None)
+        after, value = self._received(made, callee.result, passed, wanted,
+                                      self.env.get(wanted) if target is not None else None)
+        return [*before, *after], value
+
+    def _under_names(self, called: Call) -> tuple[list[AST], Call]:
+        """A call with names for the structures that are written out in it, and the statements that bind these; where
+        another argument calls a function, which is called in its turn, it stays."""
+        if any(user_call(n) is not None for a in (*called.args, *called.keywords) for n in walk(a)):
+            return [], called
+        before: list[AST] = []
+
+        def named(argument: AST) -> AST:
+            value = self.argument(argument)
+            if not isinstance(value, Group) or value.path != SPELLED:
+                return argument
+            held = name(self.fresh("given"))
+            before.extend(self.bound(held, value, argument))
+            return at(held, argument)
+        arguments = list(map(named, called.args))
+        keywords = [at(keyword(str(k.arg), named(k.value)), k.value) for k in called.keywords]
+        return before, at(Call(called.func, arguments, keywords), called)
 
     def _received(self, made: Call, result: Group, passed: Passed, wanted: str,
                   old: Value | Conflict | Ordinary | None) -> tuple[list[AST], Value]:
