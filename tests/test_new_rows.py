@@ -280,3 +280,26 @@ def test_what_is_not_new_and_what_has_other_sizes_is_refused(kernel, said):
     for engine in ("numpy", "loops"):
         with running(engine) as under, pytest.raises(s2sad.S2sadError, match=said):
             s2sad.gradient(s2sad.differentiate(kernel, engine=under), wrt="x")(*arguments)
+
+
+def levels(x, n):
+    made = [x.copy(), x[::2] * x[1::2]]
+    s = 0.0
+    for k in range(n):
+        s += np.sum(made[k] ** 2)
+    return s
+
+
+def coarser_and_coarser(x, n):
+    made = [x.copy()]
+    for _ in range(n):
+        made.append(0.5 * made[-1][::2])
+    return np.sum(made[n])
+
+
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
+@pytest.mark.parametrize("kernel", (levels, coarser_and_coarser))
+def test_arrays_of_other_sizes_in_a_list_are_refused_when_they_are_there(kernel, engine):
+    said = "an array of another size than the others is put into a list, whose arrays have one size"
+    with running(engine) as under, pytest.raises(AssertionError, match=said):
+        s2sad.gradient(s2sad.differentiate(kernel, engine=under), wrt="x")(given(8), 2)

@@ -7,11 +7,13 @@
 """
 from __future__ import annotations
 
-from s2sad.tree import AST, Assert, Eq, Gt, GtE, Lt, attribute, compare, const, copy
+from s2sad.tree import AST, Assert, Constant, Eq, Gt, GtE, Lt, attribute, compare, const, copy
 
 INSIDE = "a slice reaches out of its array, where NumPy takes less: bound it by max(..., 0) or min(..., n)"
 EQUAL = "shapes differ: a length of 1 repeats only where it is written, as in x[:, None] or x[:1], or an argument's"
 
+ROWS = ("an array of another size than the others is put into a list, whose arrays have one size: give arrays of "
+        "different sizes different names")
 TRIPS = "a loop in which a number becomes an array has no trip: start with an array, np.zeros(...), not with a number"
 COUNTS = "a bound of a slice counts from the end, where parts of an array are to lie side by side: give it from 0"
 CONTIGUOUS = ("an array that is reshaped and written is not contiguous, where NumPy writes a copy: pass "
@@ -30,6 +32,12 @@ def matching(a: AST, b: AST) -> Assert:
 def equal(a: AST, b: AST) -> Assert:
     """The guard that two shapes, or two sizes, are equal."""
     return Assert(compare(a, Eq(), b), const(EQUAL))
+
+
+def of_one_size(guard: AST) -> AST:
+    """A guard that two sizes are equal, where an array is put into a list."""
+    same = isinstance(guard, Assert) and isinstance(guard.msg, Constant) and guard.msg.value == EQUAL
+    return Assert(guard.test, const(ROWS)) if same else guard
 
 
 def trips(start: AST, stop: AST, step: int) -> Assert:

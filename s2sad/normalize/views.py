@@ -32,7 +32,7 @@ from s2sad.normalize.aliases import Aliases
 from s2sad.normalize.apart import overlaps
 from s2sad.normalize.carried import Carried
 from s2sad.normalize.places import AMBIGUOUS, View, is_whole_place
-from s2sad.normalize.guards import equal
+from s2sad.normalize.guards import equal, of_one_size
 from s2sad.normalize.reduced import is_reduction
 from s2sad.normalize.references import References
 from s2sad.tree import (
@@ -198,9 +198,11 @@ class _Views(Carried):
             return self.through_copy(target, view, statement, lambda place: assign(place, value))
         place, new = self.place(target), self.resolve(value)
         self.stored(base_name(place), statement)
-        if self.is_region(place) and stored_into(target, self.typing.listed):
+        listed = self.is_region(place) and stored_into(target, self.typing.listed)
+        if listed:
             self.is_row(place, new, statement)
         checks = self.checks(place, new) if self.is_region(place) else []
+        checks = list(map(of_one_size, checks)) if listed else checks
         new = self.apart(place, new, checks, target)
         return [*checks, assign(place, new)]
 
