@@ -46,7 +46,7 @@ class FunctionStatements(CombinedStatements):
         self.write(f"{name} = {view}")
         inner = "    " if c.chance(30) else ""
         if inner:
-            self.write(f"for {self.fresh('turn')} in range({c.integer(1, 3)}):")
+            self.write(f"for {self.fresh('round')} in range({c.integer(1, 3)}):")
         for _ in range(c.integer(1, 4)):
             forms = [f"{name}[{self._element(shape)}] = {self.tame(1)}",
                      f"{name}[{self._element(shape)}] *= 0.5 + 0.3 * np.sin({self.tame(1)})",
@@ -77,7 +77,7 @@ class FunctionStatements(CombinedStatements):
             self.write(c.pick([f"{name} *= 0.5 + 0.3 * np.sin({u})", f"{name}[0] = {self.tame(1)}",
                                f"{name} = {c.pick(self.makers)}({name}, {self.atom()})"]))
         if c.chance(30):
-            self.write(f"for {self.fresh('turn')} in range({c.integer(1, 3)}):")
+            self.write(f"for {self.fresh('round')} in range({c.integer(1, 3)}):")
             self.write(f"    {name} = {c.pick([f'{maker}({name}, {self.atom()})', f'0.5 * {name} + 0.4 * {called}'])}")
         scope.vectors[name] = size
 
@@ -108,8 +108,8 @@ class FunctionStatements(CombinedStatements):
         """A list of two arrays; a variable says which is read and which is written."""
         c, size = self.choices, self.choices.pick(["n", "3"])
         names = [self.fresh("buf"), self.fresh("buf")]
-        for name in names:
-            self.write(f"{name} = {self.new_values((size,))}")
+        self.write(f"{names[0]} = {self.new_values((size,))}")
+        self.write(f"{names[1]} = 0.9 * np.cos({names[0]})")
         both, turn = self.fresh("bufs"), self.fresh("round")
         self.write(f"{both} = [{names[0]}, {names[1]}]")
         self.write(f"for {turn} in range({c.integer(1, 4)}):")
