@@ -64,7 +64,20 @@ def in_a_loop(x, y):
     return s
 
 
-KERNELS = [unpacked, stacked, weighted, in_order, nested, captured, shortest, in_a_loop]
+def doubled(u):
+    u[0] = u[0] * 2.0
+    return u[0]
+
+
+def writes_in_between(x, y):
+    x, y = x * 1.0, y * 1.0
+    p, q = [v * w for v, w in zip((1.0, doubled(x)), (x[0], 1.0))]
+    made = [v * w for v, w in zip((1.0, np.sum(y)), (doubled(y), 1.0))]
+    more = [k * v * w for k, (v, w) in enumerate(zip((x[1], doubled(x), x[0]), (x[0], doubled(x), x[2])))]
+    return p + 3.0 * q + made[0] * made[1] + more[0] + more[1] * more[2]
+
+
+KERNELS = [unpacked, stacked, weighted, in_order, nested, captured, shortest, in_a_loop, writes_in_between]
 
 
 @pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
@@ -82,6 +95,16 @@ def test_sizes_and_types(engine):
 def mixed(x, y):
     p, q, r = [v * 2.0 for v in (x, y)]
     return p[0] * q[0] * r[0]
+
+
+def left_over(x, y):
+    made = [v * w for v, w in zip((x[0], x[1]), (x[2], y[0], doubled(y)))]
+    return made[0] * made[1] * y[0]
+
+
+def test_what_is_left_over_may_write():
+    with pytest.raises(S2sadError, match="how long 'made' becomes is not known where it is made"):
+        gradient(left_over, wrt="x")(X, Y)
 
 
 def test_too_few():

@@ -172,7 +172,15 @@ def parted(x):
     return np.partition(x, 2)[2]
 
 
+def overlapping(x):
+    x = 2.0 * x
+    x.flat[[1, 2]] = x[:2]
+    return x[2]
+
+
 REFUSED = [
+    (overlapping, "a store by number of what may share memory with the array",
+     "np.put(x, k, values) copies the values before"),
     (by_a_matrix, "no derivative rule for numpy.delete",
      "leave out the elements at an integer, a list or an array of integers, or a mask"),
     (several, "no derivative rule for numpy.insert",

@@ -195,8 +195,11 @@ class _Comprehensions:
         if not rows or any(pairs(one.target, row) is None for row in rows) or {*own} & {*stored_names(one.target)}:
             return []
         leaves = [leaf for row in rows for _, leaf in pairs(one.target, row) or []]
-        named = [v if atomic(v) and not isinstance(v, Name) else self.scope.held(v, "item", self.before)
-                 for v in self.ordered(leaves)]
+        text = {id(n): k for k, n in enumerate(walk(one.iter))}         # zip has evaluated one of its values whole
+        order = sorted(range(len(leaves)), key=lambda k: text.get(id(leaves[k]), 0))
+        held = {k: v if atomic(v) and not isinstance(v, Name) else self.scope.held(v, "item", self.before)
+                for k, v in zip(order, self.ordered([leaves[k] for k in order]))}
+        named = [held[k] for k in range(len(leaves))]
         names = [n for n, _ in pairs(one.target, rows[0]) or []]
         return [substitute(copy(node.elt), dict(zip(names, named[k:]))) for k in range(0, len(named), len(names))]
 

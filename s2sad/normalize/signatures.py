@@ -17,11 +17,13 @@ import inspect
 from functools import cache
 
 from s2sad.normalize.calls import user_call
+from s2sad.normalize.memory import fresh_value
 from s2sad.normalize.scope import Scope
 from s2sad.read.meaning import library_value
 from s2sad.tree import (
     AST, Assign, Attribute, BinOp, Call, Constant, FloorDiv, For, FunctionDef, GeneratorExp, Load, Mod, Name, Slice,
-    Subscript, Tuple, at, call, call_name, const, copy, dump, index, indices, keyword, names, rebuild, tuple_of, walk,
+    Subscript, Tuple, assign, at, call, call_name, const, copy, dump, index, indices, keyword, names, rebuild, tuple_of,
+    walk,
 )
 
 # functions whose own signature is not there, or says less than how they are called
@@ -37,6 +39,11 @@ def signatures(function: FunctionDef, scope: Scope) -> FunctionDef:
     for node in walk(new.body):
         if call_name(node) == "builtins.divmod" and (len(node.args) != 2 or any(user_call(n) for n in walk(node))):
             scope.refuse(node, "divmod of what a call of a kernel gives", help="write a // b and a % b")
+        if isinstance(node, Assign) and _stored_flat(node) is not None and not fresh_value(node.value):
+            array = node.targets[0].value.value
+            if scope.memory.affected(node.value, scope.memory.written([assign(index(array, const(0)), const(0))])):
+                scope.refuse(node, "a store by number of what may share memory with the array",
+                             help=f"np.put({array.id}, k, values) copies the values before")
     new.body = [rebuild(statement, _changed) for statement in new.body]
     return new
 

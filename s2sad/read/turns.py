@@ -196,7 +196,9 @@ def written_items(iterable: AST, bound: Collection[str] = ()) -> list[AST]:
         return []
     through = [written_items(a, bound) for a in iterable.args]
     if called == "zip":
-        return [tuple_of(*row) for row in zip(*through)] if all(through) else []
+        left = [n for t in through for item in t[min(map(len, through)):] for n in walk(item)]
+        calls = any(isinstance(n, Call) for n in left)      # what is left over is evaluated as well
+        return [tuple_of(*row) for row in zip(*through)] if all(through) and not calls else []
     return [tuple_of(const(k), i) for k, i in enumerate(through[0])] if len(through) == 1 else []
 
 
