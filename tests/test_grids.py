@@ -37,9 +37,24 @@ def of_one_axis(x):
     return np.sum(x[k] * k) + np.sum(np.mgrid[0:1:4j] * x)
 
 
+def of_one_type(x, n, m, h):
+    u, v = np.mgrid[0:n, 0:1:0.25]
+    p, q = np.mgrid[0:n, 0:2:h]
+    r, s = np.ogrid[0:n, 0:m]
+    u[0, 0] = p[0, 0] = 0.5
+    z = np.full_like(p, 0.5)
+    z[1] /= 3.0
+    return np.sum(u * x[0] + v) + np.sum(p * x[1] + q) * np.sum(z) + np.sum(x[r] * x[s])
+
+
 @pytest.mark.parametrize(("kernel", "engine"), each([of_ranges, of_counts, open_ones, of_one_axis], every=4))
 def test_derivatives(kernel, engine):
     check_derivatives(kernel, (X.copy(),), ("x",), ("return",), engine=engine)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_all_axes_have_one_type(engine):
+    check_derivatives(of_one_type, (X.copy(), 3, 4, 0.5), ("x",), ("return",), engine=engine)
 
 
 def of_two_counts(x):

@@ -236,6 +236,13 @@ def copies_of_copies(u):
     return handed(np.copy(u, order="F"), 3.0)
 
 
+def turned_product(u):
+    z = np.einsum("ij,jk->ki", u, u.T)
+    f = z.ravel()
+    f[1] *= 2.0
+    return np.sum(z ** 2)
+
+
 def stacks(u):
     a = u.reshape(2, 2, 2, 1)
     w = a.transpose(1, 0, 2, 3) @ a.transpose(1, 0, 3, 2)
@@ -244,8 +251,8 @@ def stacks(u):
     return np.sum(w ** 2)
 
 
-@pytest.mark.parametrize("kernel", (copied, copied_by_place, as_array, zeros_alike, full_alike_by_place, zeros_by_place,
-                                    uncertain, of_copies, alias, alias_by_place, alias_in_a_list,
+@pytest.mark.parametrize("kernel", (turned_product, copied, copied_by_place, as_array, zeros_alike,
+                                    full_alike_by_place, zeros_by_place, uncertain, of_copies, alias, alias_by_place, alias_in_a_list,
                                     alias_through_a_helper, copies_of_copies, stacks))
 def test_what_is_made_in_another_order_is_not_written_through_a_view(kernel):
     said = ("NumPy shares with another one|may not be contiguous here")

@@ -101,6 +101,24 @@ def of_names(r, x):
     return max(t + (x[2],))
 
 
+def one_object_twice(r, x):
+    a, b = [2.0 * x] * 2
+    a[0] = x[1]
+    return np.sum(b * b)
+
+
+def one_row_twice(r, x):
+    rows = [[x[0]] * 2] * 2
+    rows[0][1] = x[1]
+    return rows[1][1]
+
+
+@pytest.mark.parametrize("kernel", [one_object_twice, one_row_twice])
+def test_one_object_is_not_made_several_times(kernel):
+    with pytest.raises(s2sad.S2sadError):
+        s2sad.gradient(kernel, wrt="x")(R.copy(), X.copy())
+
+
 def asked_for(r, x):
     ks = [1, 2]
     return x[0] if ks == [1, 2] else x[1]

@@ -64,8 +64,8 @@ class Contiguity:
             return self._elementwise(node) if plain else None
         if called in _MADE or called in _ALIKE or called in _KEEPING:
             return self._made(called, node)
-        if called == "numpy.matmul":    # a stack of products is ordered as the stacks are
-            return frozenset() if self.typing.of(node).rank <= 2 else self._elementwise(node)
+        if called == "numpy.matmul":    # of stacks, and what einsum becomes, is ordered as the operands are
+            return frozenset() if self.typing.of(node).rank < 2 else self._elementwise(node)
         if called in _TURNING or called.startswith("user."):
             return None
         return self._elementwise(node) if rules.find_array(called) is None else self._fresh(node)

@@ -4,14 +4,15 @@
     X, Y = np.ogrid[0:n, 0:1:5j]        X, Y = np.arange(0, n, 1)[:, None] * 1.0, np.linspace(0, 1, 5)[None, :]
     x = np.mgrid[0:n]                   x = np.arange(0, n, 1)
 
-Requires resolved names. A step that is an imaginary number is how many there are; the others are floats then, too.
+Requires resolved names. A step that is an imaginary number is how many there are. All axes have one type: they are
+floats if one bound is; where bounds have names, that of another axis counts as 0 times it.
 """
 from __future__ import annotations
 
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
-    AST, BinOp, Constant, FunctionDef, Mult, Name, Slice, Subscript, Tuple, UnaryOp, USub, at, call, const, copy, index,
-    indices, keyword, rebuild, tuple_of,
+    AST, Attribute, BinOp, Constant, Div, FunctionDef, Mult, Name, Slice, Subscript, Tuple, UnaryOp, USub, add, at,
+    call, call_name, const, copy, dump, index, indices, keyword, mult, rebuild, tuple_of, walk,
 )
 
 _OPEN, _FULL = "numpy.ogrid", "numpy.mgrid"
@@ -39,7 +40,9 @@ def _made(node: Subscript) -> AST | None:
     counted = [_count(s) for s in slices]
     if any(c is not None and not isinstance(c, int) for c in counted):
         return None
-    axes = [_axis(s, c, any(k is not None for k in counted)) for s, c in zip(slices, counted)]
+    floats = any(k is not None for k in counted) or any(isinstance(n, Constant) and isinstance(
+        n.value, float) for s in slices for n in walk(s))
+    axes = [_axis(s, c, floats) if floats else _with_others(s, slices) for s, c in zip(slices, counted)]
     if not isinstance(node.slice, Tuple):
         return axes[0]
     if node.value.id == _OPEN:
@@ -62,7 +65,32 @@ def _count(part: Slice) -> int | float | None:
     return int(value.imag) if value.imag == int(value.imag) and value.real == 0.0 else value.imag
 
 
-def _axis(part: Slice, count: int | float | None, floats: bool) -> AST:
+def _with_others(part: AST, slices: list[AST]) -> AST:
+    """An axis of bounds that have names: it is of floats if one of another axis is."""
+    made, own = _axis(part, None, False), {dump(n) for n in _bounds(part)}
+    for bound in (b for other in slices for b in _bounds(other)):
+        if dump(bound) not in own and not isinstance(bound, Constant) and not _is_size(bound):
+            own.add(dump(bound))
+            made = add(made, mult(const(0), copy(bound)))
+    return made
+
+
+def _bounds(part: AST) -> list[AST]:
+    return [b for b in (part.lower, part.upper, part.step) if b is not None]
+
+
+def _is_size(bound: AST) -> bool:
+    """Whether a bound is an integer, as its text shows."""
+    if isinstance(bound, BinOp):
+        return not isinstance(bound.op, Div) and _is_size(bound.left) and _is_size(bound.right)
+    if isinstance(bound, UnaryOp):
+        return _is_size(bound.operand)
+    shape = bound.value if isinstance(bound, Subscript) else bound
+    return call_name(bound) == "builtins.len" or isinstance(shape, Attribute) and shape.attr in (
+        "shape", "size") or isinstance(bound, Constant) and isinstance(bound.value, int)
+
+
+def _axis(part: AST, count: int | float | None, floats: bool) -> AST:
     start, step = part.lower or const(0), part.step or const(1)
     if count is not None:
         return call("numpy.linspace", start, part.upper, const(count))

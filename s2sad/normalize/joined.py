@@ -35,7 +35,8 @@ def joined(function: FunctionDef, scope: Scope) -> FunctionDef:
         if call_name(node) in _ARRAYS and len(node.args) == 1 and (made := _filled(node)) is not None:
             return rebuild(at(made, node), change)
         for kind in (Tuple, List):
-            if isinstance(node, BinOp) and (items := items_of(node, kind)) is not None and _repeats(node, items):
+            if isinstance(node, BinOp) and (items := items_of(node, kind)) is not None and not any(
+                    isinstance(i, Starred) for i in items):
                 return at(kind([rebuild(item, change) for item in items], Load()), node)
         if not isinstance(node, Tuple) or not isinstance(node.ctx, Load):
             return None
@@ -59,7 +60,7 @@ def items_of(node: AST, kind: type) -> list[AST] | None:
         return None if left is None or right is None else [*left, *right]
     if isinstance(node, BinOp) and isinstance(node.op, Mult) and isinstance(node.right, Constant):
         left = items_of(node.left, kind)
-        return None if left is None or type(node.right.value) is not int else [
+        return None if left is None or type(node.right.value) is not int or not all(map(_is_one, left)) else [
             copy(item) for _ in range(node.right.value) for item in left]
     return None
 
@@ -95,11 +96,11 @@ def _sizes(node: AST) -> tuple[AST, list[AST]] | None:
     return (item, [node.right]) if isinstance(number, Constant) and isinstance(number.value, (int, float)) else None
 
 
-def _repeats(node: BinOp, items: list[AST]) -> bool:
-    """Whether every item may stand as often as it does: what is repeated calls nothing."""
-    repeated = any(isinstance(n, BinOp) and isinstance(n.op, Mult) for n in (node, node.left, node.right))
-    return not any(isinstance(i, Starred) for i in items) and (
-        not repeated or not any(isinstance(n, Call) for n in walk(items)))
+def _is_one(item: AST) -> bool:
+    """Whether an expression stands for one object or number however often it is written."""
+    number = item.operand if isinstance(item, UnaryOp) else item
+    return isinstance(number, Constant) or isinstance(item, (Name, Subscript, Attribute)) and not any(
+        isinstance(n, Call) for n in walk(item))
 
 
 def _is_tuple(value: AST, bound: dict[str, list[AST]], seen: set[str]) -> bool:
