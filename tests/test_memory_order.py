@@ -252,8 +252,8 @@ def stacks(u):
 
 
 @pytest.mark.parametrize("kernel", (turned_product, copied, copied_by_place, as_array, zeros_alike,
-                                    full_alike_by_place, zeros_by_place, uncertain, of_copies, alias, alias_by_place, alias_in_a_list,
-                                    alias_through_a_helper, copies_of_copies, stacks))
+                                    full_alike_by_place, zeros_by_place, uncertain, of_copies, alias, alias_by_place,
+                                    alias_in_a_list, alias_through_a_helper, copies_of_copies, stacks))
 def test_what_is_made_in_another_order_is_not_written_through_a_view(kernel):
     said = ("NumPy shares with another one|may not be contiguous here")
     for engine in ("numpy", "loops"):
