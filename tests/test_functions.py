@@ -10,13 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.special
 
 import s2sad
 from s2sad.rules.rule import TABLE
 from tests.derivatives import check_derivatives
 
 ENGINES = ("numpy", "numba")
-LIBRARIES = {"numpy": np, "math": math, "builtins": builtins}
+LIBRARIES = {"numpy": np, "math": math, "builtins": builtins, "scipy.special": scipy.special}
 NAMES = [n for n in (*TABLE.rules, *TABLE.constants) if not n.startswith(("runtime.", "given."))]
 
 # what the functions without a derivative take: of the array x, the float x[0] and the integers 7 and k
@@ -47,7 +48,7 @@ def called(name: str) -> tuple[str, bool]:
 def module(text: str, folder: Path):
     """A kernel's module from its text."""
     path = folder / "kernel.py"
-    path.write_text(f"import math\nimport numpy\nimport numpy as np\n\n\n{text}")
+    path.write_text(f"import math\nimport numpy\nimport numpy as np\nimport scipy.special\n\n\n{text}")
     spec = importlib.util.spec_from_file_location("kernel", path)
     assert spec is not None and spec.loader is not None
     made = importlib.util.module_from_spec(spec)
@@ -66,8 +67,8 @@ def point(name: str) -> np.ndarray:
 
 def is_there(name: str) -> bool:
     """Whether this version of the library has the function."""
-    library, _, member = name.partition(".")
-    return not member or hasattr(LIBRARIES[library], member)
+    library, _, member = name.rpartition(".")
+    return not library or hasattr(LIBRARIES[library], member)
 
 
 @pytest.mark.parametrize("name", filter(is_there, NAMES))
