@@ -220,7 +220,7 @@ UNREAD = "'{}' is not a function that s2sad can read"
     (with_erfcx, UNREAD.format("erfcx"), 's2sad.rule("scipy.special.erfcx(x)", x=...)'),
     (with_replace, UNREAD.format("dataclasses.replace"), 's2sad.rule("dataclasses.replace(x)", x=...)'),
     (with_deepcopy, UNREAD.format("copy.deepcopy"), 's2sad.rule("copy.deepcopy(x)", x=...)'),
-    (with_lu, UNREAD.format("scipy.linalg.lu"), 's2sad.rule("scipy.linalg.lu(x)", x=...)'),
+    (with_lu, 'no derivative rule for scipy.linalg.lu', 'write factors = lu_factor(a) and lu_solve(factors, b)'),
     (with_a_cache, "'cached' cannot be used in a kernel: it is a function behind a cache, whose results are one object "
      "for all calls", "inner = cached.__wrapped__"),
     (by_branches, "a name for a range is not supported in a kernel where the range may change",

@@ -16,7 +16,7 @@ from s2sad.normalize.memory import bindings
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, List, Load, Mult, Name, Slice, Starred, Subscript, Tuple,
-    UnaryOp, at, call, call_name, copy, rebuild, tuple_of, walk,
+    UnaryOp, at, call, call_name, copy, expr, rebuild, tuple_of, walk,
 )
 
 
@@ -34,6 +34,9 @@ def joined(function: FunctionDef, scope: Scope) -> FunctionDef:
     def change(node: AST) -> AST | None:
         if call_name(node) in _ARRAYS and len(node.args) == 1 and (made := _filled(node)) is not None:
             return rebuild(at(made, node), change)
+        if call_name(node) in _ARRAYS and len(node.args) == 1 and (given := items_of(node.args[0], List, True)):
+            if node.args[0] is not given and isinstance(node.args[0], BinOp):
+                return rebuild(at(Call(node.func, [List(given, Load())], node.keywords), node), change)
         for kind in (Tuple, List):
             if isinstance(node, BinOp) and (items := items_of(node, kind)) is not None and not any(
                     isinstance(i, Starred) for i in items):
@@ -51,16 +54,19 @@ def joined(function: FunctionDef, scope: Scope) -> FunctionDef:
     return new
 
 
-def items_of(node: AST, kind: type) -> list[AST] | None:
-    """The items of lists or tuples that are added and repeated: `[a] * 2 + [b]`."""
+def items_of(node: AST, kind: type, copied: bool = False) -> list[AST] | None:
+    """The items of lists or tuples that are added and repeated: `[a] * 2 + [b]`; what is `copied` at once need be no
+    one object."""
     if isinstance(node, kind):
         return node.elts
     if isinstance(node, BinOp) and isinstance(node.op, Add):
-        left, right = items_of(node.left, kind), items_of(node.right, kind)
+        left, right = items_of(node.left, kind, copied), items_of(node.right, kind, copied)
         return None if left is None or right is None else [*left, *right]
     if isinstance(node, BinOp) and isinstance(node.op, Mult) and isinstance(node.right, Constant):
-        left = items_of(node.left, kind)
-        return None if left is None or type(node.right.value) is not int or not all(map(_is_one, left)) else [
+        left = items_of(node.left, kind, copied)
+        one = left is not None and (all(map(_is_one, left)) or copied and not any(
+            isinstance(n, Call) for n in walk(left)))
+        return None if left is None or type(node.right.value) is not int or not one else [
             copy(item) for _ in range(node.right.value) for item in left]
     return None
 
@@ -98,8 +104,9 @@ def _sizes(node: AST) -> tuple[AST, list[AST]] | None:
 
 def _is_one(item: AST) -> bool:
     """Whether an expression stands for one object or number however often it is written."""
-    number = item.operand if isinstance(item, UnaryOp) else item
-    return isinstance(number, Constant) or isinstance(item, (Name, Subscript, Attribute)) and not any(
+    if all(isinstance(n, (Constant, BinOp, UnaryOp)) or not isinstance(n, expr) for n in walk(item)):
+        return True     # a number that is written, 1 / 9 too
+    return isinstance(item, (Name, Subscript, Attribute)) and not any(
         isinstance(n, Call) for n in walk(item))
 
 
