@@ -46,7 +46,6 @@ class ArrayStatements(ArrayExpressions, SimpleStatements):
         for shape in [*SHAPES, have, *(((f"{s} - {i}",)) for i, s in self.scope.ints.items() if s in have),
                       *((i,) for i, s in self.scope.ints.items() if s in have)]:
             found += [(p, shape) for p in self.parts(array, have, shape)]
-        self.marked(array)
         place, shape = c.pick(found)
         return (f"{array}[{c.pick([':', '...'])}]" if place == array else place), shape
 
@@ -64,6 +63,7 @@ class ArrayStatements(ArrayExpressions, SimpleStatements):
         found = self.target_part()
         if found is not None:
             place, shape = found
+            self.marked(place.partition("[")[0])
             self.write(self.change(place, self.operand(shape, self.choices.integer(1, 2))))
 
     def view(self) -> None:
@@ -257,9 +257,9 @@ class ArrayStatements(ArrayExpressions, SimpleStatements):
         if not found:
             return
         array, place = c.pick(found)
-        self.marked(array)
         others = [p for a, have in self.shaped().items() if self.root(a) != self.root(array)
                   for p in self.parts(a, have, (size,))]
         if count == 2 and not others:
             return
+        self.marked(array)
         self.write(f"{name}({', '.join([place, *([c.pick(others)] if count == 2 else []), self.tame(1)])})")

@@ -61,7 +61,7 @@ class CombinedStatements(ArrayStatements):
             w = self.fresh("t")
             self.write(f"{w} = {self.new_values(('3', '3'))}")
             self.known(w, ("3", "3"))
-        m, x = self.marked(c.pick(matrices)), c.pick(scope.matrices)
+        m, x = c.pick(matrices), c.pick(scope.matrices)
         i = self.fresh("i")
         self.write(f"for {i} in range({c.pick(['n', 'n', 'n - 1, -1, -1', '1, n', '0, n, 2'])}):")
         product = c.pick([f"{w} @ {x}[{i}]", f"{x}[{i}] @ {w}", f"{w}.T @ {x}[{i}]", f"{w} @ {m}[{i}]",
@@ -70,11 +70,12 @@ class CombinedStatements(ArrayStatements):
         inner = [f"{m}[{i}] = 0.9 * np.tanh({product})", f"{m}[{i}] += 0.2 * (np.sin({product}) - {m}[{i}])",
                  f"{m}[{i}] = 0.5 * np.cos({product}) * {x}[{i}]"]
         if states:
-            h = self.marked(c.pick(states))
+            h = c.pick(states)
             inner += [f"{h}[:] = np.tanh({product} + {w} @ {h})"] * 2
-        self.write(f"    {c.pick(inner)}")
-        if c.chance(30):
-            self.write(f"    {c.pick(inner)}")
+        for _ in range(2 if c.chance(30) else 1):
+            line = c.pick(inner)
+            self.marked(line.partition("[")[0])
+            self.write(f"    {line}")
 
     def into(self) -> None:
         """A function that writes what it gives into an array."""

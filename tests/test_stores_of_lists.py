@@ -33,12 +33,18 @@ def rolled(a, x, y):
     return np.sum(np.roll(a, 1, axis=(0, 1)) * a * a) + np.sum(np.roll(a, -5) ** 2 * y)
 
 
+def element_of_a_list(a, x, y):
+    held = [0.0] * 3
+    held[0] = x[0] * x[1]
+    return np.sum(np.array(held) * x) + y[0] * a[0, 0]
+
+
 def searchsorted(a, x, y):
     """A kernel under the name of a library's function that it calls."""
     return y[np.searchsorted(x, 1.5) - 1] ** 2
 
 
-KERNELS = (lists, copies, rolled, searchsorted)
+KERNELS = (lists, copies, rolled, element_of_a_list, searchsorted)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -52,21 +58,13 @@ def test_kernel(kernel, engine):
     check_derivatives(kernel, given, ("a", "x", "y"), (*of, "return"), engine)
 
 
-def element_of_a_list(x):
-    held = [0.0] * 3
-    held[0] = x[0] * x[1]
-    return np.sum(np.array(held) * x)
-
-
 def copy_of_a_number(x):
     x[0] = 2.0 * x[1].copy()
 
 
-@pytest.mark.parametrize("kernel, what", [(element_of_a_list, "an element of a list is written"),
-                                          (copy_of_a_number, "numpy.copy of a number")])
-def test_refused(kernel, what):
-    with pytest.raises(s2sad.S2sadError, match=what):
-        s2sad.differentiate(kernel).adjoint_source(np.ones(3))
+def test_copy_of_a_number():
+    with pytest.raises(s2sad.S2sadError, match="numpy.copy of a number"):
+        s2sad.differentiate(copy_of_a_number).adjoint_source(np.ones(3))
 
 
 def named_slices(a, x, y):

@@ -54,8 +54,9 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
             return _sizes(node, typing)
         if call_name(node) == "numpy.reshape" and (made := _spread(node, typing)) is not None:
             return made
-        if isinstance(node, Call) and (rule := find_array(call_name(node))) is not None and len(node.args) == 1 and (
-                reduced_number(rule.name, typing.of(node.args[0]), rule.arguments(node))) != UNKNOWN:
+        if isinstance(node, Call) and (rule := find_array(call_name(node))) is not None and (
+                len(node.args) == len(rule.operands) == 1) and (
+                reduced_number(rule.name, typing.of(node.args[0]), rule.arguments(node)) != UNKNOWN):
             return _of_number(node, rule.name, rebuild(node.args[0], change),
                               exact=typing.of(node) == typing.of(node.args[0]))
         if call_name(node) in _REDUCING and node.args and call_name(inner := node.args[0]) == "numpy.astype":
