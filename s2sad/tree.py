@@ -275,7 +275,8 @@ def times_bound(node: AST | list[AST], *kinds: type[AST]) -> Counter[str]:
     """How often each name is bound; if kinds of statements are given, by these only (`x += y` binds no array anew)."""
     places = [t for s in walk(node) if isinstance(s, kinds) for t in (
         s.targets if isinstance(s, Assign) else [s.target])] if kinds else node
-    return Counter(n.id for n in walk(places) if isinstance(n, Name) and isinstance(n.ctx, Store))
+    return Counter(n.name if isinstance(n, FunctionDef) else n.id for n in walk(places)
+                   if isinstance(n, FunctionDef) or isinstance(n, Name) and isinstance(n.ctx, Store))
 
 
 def call_name(node: AST | None) -> str | None:

@@ -107,7 +107,53 @@ def made_or_not(x):
     return np.sum(a)
 
 
-@pytest.mark.parametrize("kernel", [held_by_two, given_back, argument, made_or_not])
+def converted(x):
+    a = 2.0 * x
+    c = np.asarray(a)
+    a.shape = (2, 2)
+    return np.sum(c[0]) * x[0]
+
+
+def chosen(x):
+    a = 2.0 * x
+    c = a if x[0] > 0.0 else x
+    a.shape = (2, 2)
+    return np.sum(c[0]) * x[0]
+
+
+def in_a_dict(x):
+    a = 2.0 * x
+    d = {"a": a}
+    a.shape = (2, 2)
+    return np.sum(d["a"][0])
+
+
+def closed_over(x):
+    a = 2.0 * x
+
+    def g():
+        return a
+    c = g()
+    a.shape = (2, 2)
+    return np.sum(c[0])
+
+
+def written_into(x):
+    a = np.zeros(4)
+    b = np.add(x, x, out=a)
+    a.shape = (2, 2)
+    return np.sum(b[0])
+
+
+def made_into(x):
+    b = np.zeros(4)
+    a = np.exp(x, b)
+    a.shape = (2, 2)
+    return np.sum(b[0])
+
+
+@pytest.mark.parametrize("kernel", [held_by_two, given_back, argument, made_or_not, converted, chosen, in_a_dict,
+                                    closed_over, written_into, made_into])
 def test_other_names_would_have_the_shape_too(kernel):
     name = "x" if kernel is argument else "a"
     with pytest.raises(s2sad.S2sadError, match=f"an assignment to the attribute {name}.shape is not supported"):

@@ -90,6 +90,30 @@ def anew(x, kind):
     return s + ACT[kind](x).sum()
 
 
+def bound_anew(x, kind):
+    def g(v):
+        return v * 2.0
+    act = {"sin": g, "tanh": np.tanh}[kind]
+
+    def g(v):
+        return v * 3.0
+    return np.sum(act(x)) * g(x[0])
+
+
+def parameter_of_its_name(x, kind):
+    act = ACT[kind]
+
+    def layer(act, v):
+        return act(v) * 2.0
+    return act(x[0]) * layer(np.cos, x[1])
+
+
+@pytest.mark.parametrize("kernel", [bound_anew, parameter_of_its_name])
+def test_names_that_mean_something_else_elsewhere(kernel):
+    with pytest.raises(S2sadError):
+        gradient(kernel)(X, "sin")
+
+
 @pytest.mark.parametrize("kernel", [mixed, anew])
 def test_what_is_refused(kernel):
     with pytest.raises(S2sadError, match="a call of what an expression gives is not supported in a kernel"):

@@ -55,7 +55,18 @@ def by_a_function(x, p):
     return weighted(x, p) * weighted(x, 2.0 * x)
 
 
-KERNELS = [spread, classes, axes, mixed, by_a_function]
+def several(x, p):
+    if np.isscalar(p) and isinstance(p, float):
+        return x.sum() * p
+    if not (isinstance(p, np.ndarray) and p.ndim == 1 and x.ndim == 1):
+        raise ValueError
+    if isinstance(p, np.ndarray) and p.ndim == 2 or x.ndim == 2:
+        return x[0]
+    assert x.ndim == 1 and x.ndim != 2 and p.size == 3
+    return x @ p if p.ndim == 1 and p[0] > 0.0 else x[1]
+
+
+KERNELS = [several, spread, classes, axes, mixed, by_a_function]
 
 
 @pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 3))

@@ -76,7 +76,8 @@ def _answer(node: AST, known: Types) -> bool | None:
     if isinstance(node, BoolOp):
         found = [_answer(v, known) for v in node.values]
         deciding = not isinstance(node.op, And)
-        return deciding if found[0] is deciding else None if None in found else (deciding in found)
+        return deciding if found[0] is deciding else None if None in found else (
+            deciding if deciding in found else not deciding)
     if isinstance(node, Compare) and len(node.ops) == 1 and type(node.ops[0]) in _COMPARED:
         rank, number = _rank(node.left, known), node.comparators[0]
         whole = isinstance(number, Constant) and type(number.value) is int

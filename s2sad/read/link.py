@@ -20,6 +20,7 @@ from s2sad.read.nothing_returned import nothing_returned
 from s2sad.read.picked_functions import picked_functions
 from s2sad.read.plain import plain
 from s2sad.read.resolve import Resolved, resolve
+from s2sad.read.reshaped import reshaped
 from s2sad.read.returned_lists import returned_lists
 from s2sad.rules.given import GIVEN, Own
 
@@ -82,7 +83,7 @@ class Linker:
         return self.outside.setdefault((kind, key), (f"{kind}.{len(self.outside)}", meaning))[0]
 
     def visit(self, function: Function, callers: list[Function]) -> None:
-        captured = picked_functions(imports(definition(function)))
+        captured = reshaped(picked_functions(imports(definition(function))))
         captured = lifted(replace(captured, tree=returned_lists(plain(defined(captured.tree)))), function.key)
         report = Report(captured.source)
         self.reports.append(report)

@@ -67,7 +67,7 @@ class _Picked:
         for s in block:
             named = s.targets[0].id if isinstance(s, tree.Assign) and len(s.targets) == 1 and isinstance(
                 s.targets[0], tree.Name) else ""
-            if not named or not self.table(s.value) or self.bound.count(named) != 1:
+            if not named or not self.table(s.value) or self.bound.count(named) != 1 or not self.stays(s):
                 continue
             nodes = [n for other in block for n in tree.walk(other)]
             called = {id(p) for n in nodes if isinstance(n, tree.Call) for p in _parts(n)}
@@ -76,6 +76,14 @@ class _Picked:
                 rest = [tree.substitute(other, {named: s.value}) for other in block if other is not s]
                 return self.unnamed(rest)
         return block
+
+    def stays(self, statement: AST) -> bool:
+        """Whether the names of such a statement mean the same wherever it is read: none is bound anew, or a parameter
+        of a function within."""
+        within = {n.id for n in tree.walk(self.captured.tree.body) if isinstance(n, tree.Name)
+                  and not isinstance(n.ctx, (tree.Load, tree.Store))}
+        meant = {*tree.names(statement), *tree.stored_names([statement])}
+        return all(self.times.get(n, 0) <= 1 and n not in within for n in meant)
 
     def block(self, block: list[AST]) -> list[AST]:
         made: list[AST] = []

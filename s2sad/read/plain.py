@@ -29,7 +29,6 @@ from __future__ import annotations
 
 from s2sad.read.multiplied import multiplied
 from s2sad.read.ranges import ranged, unnamed
-from s2sad.read.reshaped import reshaped
 from s2sad.read.turns import turns
 from s2sad.tree import (
     AST, Add, And, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For,
@@ -45,7 +44,7 @@ _LAZY = ("Lambda", "ListComp", "GeneratorExp", "SetComp", "DictComp")   # run la
 
 def plain(function: FunctionDef) -> FunctionDef:
     """The function with such spellings in their plain form."""
-    new = turns(unnamed(copy(reshaped(function))))
+    new = turns(unnamed(copy(function)))
     read = {n.id for n in walk(function.body) if isinstance(n, Name) and not isinstance(n.ctx, Store)}
 
     bound = {n.id for n in walk(function) if isinstance(n, Name) and not isinstance(n.ctx, Load)}
