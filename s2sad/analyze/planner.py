@@ -196,15 +196,18 @@ class Planner(Placement):
 
     def destroys(self, store: Store, load: AST, statement: AST) -> bool:
         """Whether a store must be undone for a load of a statement's adjoint: what the statement itself overwrites is
-        put back as it was before it, whatever was stored there since."""
+        put back as it was before it, whatever was stored there since, unless the adjoint reads what it left there."""
         if not self.conflict(store, load, statement, self.spoils(statement)):
             return False
+        if self.q.after(statement):
+            return True
         own = next((s for s in self.stores if s.statement is statement and dump(s.place) == dump(load)), None)
         return own is None or own is store or not self.conflict(own, load, statement, self.spoils(statement))
 
     def spoils(self, statement: AST) -> bool:
         """Whether a statement's own store can destroy what its adjoint reads."""
         return isinstance(statement, (Assign, AugAssign, Expr)) and not self.q.after(statement)
+
 
 def weight_of(snapshot: Snapshot, structure: Structure) -> int:
     """What the snapshots of all iterations weigh."""
