@@ -131,8 +131,6 @@ class Variant:
                 if wrong is not None:
                     raise wrong from None
                 raise
-            if self._pick is not None:
-                self.check.prepare(self._pick(arguments))
 
     def run(self, arguments: Sequence[Any], shared: tuple[int, ...] = ()) -> tuple[Any, ...]:
         """Calls the generated function; always a tuple, in the order of `generated.returns`."""

@@ -179,7 +179,11 @@ ENGINES = ["numpy", "numba"]
 def check(request):
     if request.param == "numba":
         pytest.importorskip("numba")
-    return Check(SLOTS, request.param)
+    made = Check(SLOTS, request.param)
+    for _ in range(20):
+        made([np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1)])
+    assert (made.quick is not None) == (request.param == "numba")
+    return made
 
 
 def test_arrays_that_lie_apart_pass(check):

@@ -1,7 +1,8 @@
 """Whether arrays may be handed to a generated function: shapes, and memory that must lie apart.
 
-A `Check` is made once for a signature. Under Numba it asks one small compiled function, which sees bounding intervals
-only; where they meet, and under NumPy, the exact test runs in Python. Nothing has been written when it raises.
+A `Check` is made once for a signature. Under Numba a signature that is called often asks one small compiled function,
+which sees bounding intervals only; where they meet, at the first calls, and under NumPy, the exact test runs in Python.
+Nothing has been written when it raises.
 """
 from __future__ import annotations
 
@@ -16,6 +17,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.run.compiled import compiled, prepare
 
 _MAX_WORK = 100_000
+_OFTEN = 16     # calls from which on compiling the check is worth its second
 
 
 @dataclass(frozen=True)
@@ -38,18 +40,17 @@ class Check:
         self.shapes = [(k, place[s.primal]) for k, s in enumerate(slots) if s.role == "shadow" and s.primal in place]
         self.pairs = [(i, j) for i, j in combinations(range(len(slots)), 2) if _matters(slots[i], slots[j])]
         self.quick: Callable[..., int] | None = None
-        if engine == "numba" and (self.pairs or self.shapes):
-            self.quick = compiled(self._text(), "check").check
-
-    def prepare(self, arrays: Sequence[Any]) -> None:
-        """Compiles for the types of these arrays."""
-        if self.quick is not None:
-            prepare(self.quick, tuple(arrays), "the argument check")
+        self.left = _OFTEN if engine == "numba" and (self.pairs or self.shapes) else -1     # calls until it compiles
 
     def __call__(self, arrays: Sequence[Any]) -> tuple[int, ...]:
         if self.quick is not None and self.quick(*arrays) == 0:
             return ()
-        return self.exact(arrays)
+        shared = self.exact(arrays)
+        if self.left == 0:
+            self.quick = compiled(self._text(), "check").check
+            prepare(self.quick, tuple(arrays), "the argument check")
+        self.left -= self.left >= 0
+        return shared
 
     def exact(self, arrays: Sequence[Any]) -> tuple[int, ...]:
         for shadow, primal in self.shapes:
