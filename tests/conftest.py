@@ -24,6 +24,7 @@ collect_ignore_glob = ["golden/*"]  # texts to compare and run, no tests
 
 def pytest_addoption(parser):
     parser.addoption("--update-golden", action="store_true", help="write the files of tests/golden anew")
+    parser.addoption("--compiled", action="store_true", help="let Numba compile what Python runs otherwise: hours")
 
 
 def pytest_collection_finish(session):
@@ -34,6 +35,9 @@ def pytest_collection_finish(session):
 
 
 def pytest_configure(config):
+    if config.getoption("compiled"):
+        from tests.engines import compiling
+        compiling.append(True)
     if config.getoption("update_golden") and os.environ.get("CI"):
         raise pytest.UsageError("--update-golden is refused where CI is set: goldens are read before they are written")
 

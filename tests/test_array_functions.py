@@ -292,7 +292,7 @@ def made_matrix_written(x):
     return np.sum(c * c)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_what_is_no_view_may_be_written(engine):
     check_derivatives(made_matrix_written, (np.array([0.5, 0.7, 0.9]),), ("x",), ("return",), engine)
 

@@ -53,7 +53,7 @@ def lists(x, m):
     return s
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each([converted, allocated, named, narrow, picked, lists], 3))
+@pytest.mark.parametrize(("kernel", "engine"), each([converted, allocated, named, narrow, picked, lists]))
 def test_dtypes_and_ranges(kernel, engine):
     check_derivatives(kernel, (X, M), ("x", "m"), ("return",), engine=engine)
 

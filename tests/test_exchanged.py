@@ -40,7 +40,7 @@ def in_several_branches(x, n):
 KERNELS = [in_a_loop, in_several_branches]
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, every=2))
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_derivatives(kernel, engine):
     check_derivatives(kernel, (X.copy(), 4), ("x",), ("return",), engine=engine)
 

@@ -56,7 +56,7 @@ def in_a_helper(x, w):
 CASES = [(modes, (2,), ("x", "return")), (backwards, (), ("w", "return")), (in_a_helper, (), ("x", "return"))]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 @pytest.mark.parametrize("kernel, rest, of", CASES, ids=lambda case: getattr(case, "__name__", ""))
 def test_kernel(kernel, rest, of, engine):
     x = np.array([0.5, 0.8, 1.2, 0.9, 0.4])

@@ -23,10 +23,10 @@ def test_numbered_programs_under_numpy(first):
     numbered(first, 30, "numpy")
 
 
-@pytest.mark.parametrize("first", range(0, 30, 10))
+@pytest.mark.parametrize("first", range(0, 12, 4))
 def test_numbered_programs_under_numba(first):
     pytest.importorskip("numba")
-    numbered(first, 10, "numba")
+    numbered(first, 4, "numba")
 
 
 @settings(max_examples=40)

@@ -196,7 +196,7 @@ def deviations_and_choices(x, y, m):
     m[0] *= np.where(x[1:] > 0.1, 0.5, m[0])
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_float32_stays_float32(engine):
     random = np.random.default_rng(5)
     given = [random.uniform(-0.9, 0.9, shape).astype("float32") for shape in (5, 5, (3, 4))]
@@ -218,7 +218,7 @@ def guards_of_branches(x, y, flag):
             x[1:] *= np.sum(t) * x[:-1]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 @pytest.mark.parametrize(("size", "flag"), ((4, 1), (8, 1), (3, 2), (4, 3)))
 def test_a_guard_holds_where_it_stands(size, flag, engine):
     random = np.random.default_rng(5)

@@ -52,7 +52,7 @@ def step(u, v):
     return np.sum(u * CONFIG["w"]) * SPACE.inner.gravity / CONFIG["time scale"] + Settings.scale * SETTINGS.scale * v[0]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_constants_that_are_held(engine):
     u, v = np.array([0.3, 0.6, 0.9, 1.2]), np.array([0.2, 0.7, 0.4, 0.5])
     check_derivatives(step, (u, v), ("u", "v"), ("u", "v", "return"), engine)

@@ -61,7 +61,7 @@ def shaped_in_a_loop(x):
 KERNELS = [of_modules, of_an_outer_function, shaped_twice, shaped_in_a_loop]
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, every=2))
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_derivatives(kernel, engine):
     check_derivatives(kernel, (X.copy(),), ("x",), ("return",), engine=engine)
 

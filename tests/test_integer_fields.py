@@ -63,7 +63,7 @@ def of_counters_and_sizes(s, x):
 EVERY = (added_in_a_loop, turned, by_a_method, of_counters_and_sizes)
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(EVERY, 2))
+@pytest.mark.parametrize(("kernel", "engine"), each(EVERY))
 def test_fields_of_integers_are_assigned_integers(kernel, engine):
     x = np.array([2.0, 3.0, 4.0])
     with running(engine) as name:

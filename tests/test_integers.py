@@ -26,7 +26,7 @@ def whole_numbers(x, level):
     return total + np.sum(sides * x ** 2) + np.sum(both * x) + np.sum(x[sides])
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_whole_numbers(engine):
     check_derivatives(whole_numbers, (np.array([0.6, 0.1, 0.9]), 3), ("x",), ("return",), engine)
 
@@ -135,6 +135,6 @@ def remainders(x, k, n):
     return total + x[k[np.fmod(n, 2)]] * np.fmod(k[0], -2) + np.sum(np.fmod(k, 2.5) * x)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_remainders(engine):
     check_derivatives(remainders, (np.array([0.6, 0.3, 0.9]), np.array([-7, 2, 1]), -7), ("x",), ("return",), engine)

@@ -6,6 +6,7 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives
+from tests.engines import each
 
 ENGINES = ("numpy", "numba")
 
@@ -86,8 +87,7 @@ def of_a_kernel(a, x, y):
 KERNELS = (comprehensions, appended, sometimes, trajectory, triangular, of_a_kernel)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.__name__)
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
 def test_kernel(kernel, engine):
     random = np.random.default_rng(7)
     given = 0.3 + 0.7 * random.random((3, 4)), 0.5 + random.random(3), 0.5 + random.random(4)

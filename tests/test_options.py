@@ -64,7 +64,7 @@ CASES = [(copied, ("return",)),
          (filled_where, ("y", "return")), (returned, ("return",)), (positions, ("return",)), (dtypes, ("return",))]
 
 
-@pytest.mark.parametrize(("kernel", "of", "engine"), each(CASES, 2))
+@pytest.mark.parametrize(("kernel", "of", "engine"), each(CASES))
 def test_kernel(kernel, of, engine):
     random = np.random.default_rng(3)
     given = 0.2 + random.random(5), 0.2 + random.random(5), 0.2 + random.random((2, 5))

@@ -7,6 +7,7 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives
+from tests.engines import each
 
 ENGINES = ("numpy", "loops")
 
@@ -195,8 +196,7 @@ def arguments():
             np.arange(1.0, 7.0).reshape(3, 2) / 3.0)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("kernel", KERNELS, ids=lambda k: k.__name__)
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
 def test_read_when_python_reads_it(kernel, engine):
     check_derivatives(kernel, arguments(), ("x", "y", "a"), ("return",), engine)
 

@@ -156,7 +156,7 @@ def in_loops(a, x, y):
         a[k, :2] = u * v + np.median(a[k])
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_in_loops(engine):
     check_derivatives(in_loops, arguments(), ("a", "x", "y"), ("a", "x", "y"), engine)
 
@@ -172,7 +172,7 @@ def nothing(x):
     return np.sum(np.sort(x)) + np.sum(x[i]) + np.sum(np.add.outer(x, x)) + np.sum(np.take(x, i)) + np.polyval(x, 2.0)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_sizes_of_one_and_none(engine):
     check_derivatives(ends, (np.array([1.5]),), ("x",), ("return",), engine)
     check_derivatives(nothing, (np.zeros(0),), ("x",), ("x", "return"), engine)

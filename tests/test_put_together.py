@@ -72,7 +72,7 @@ def axes_in_lists(r, x):
 KERNELS = [turned, of_parts, of_items, reduced, with_stars, repeated, axes_in_lists]
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, every=2))
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_derivatives(kernel, engine):
     of = ("r", "return") if kernel is of_parts else ("return",)
     check_derivatives(kernel, (R.copy(), X.copy()), ("r", "x"), of, engine=engine)

@@ -76,6 +76,6 @@ def implicit_and_changed(u, m):
 
 
 @pytest.mark.parametrize(("kernel", "engine"), each(
-    [emptied, a_given_value, of_a_factor, made_anew, implicit, implicit_and_changed], 2))
+    [emptied, a_given_value, of_a_factor, made_anew, implicit, implicit_and_changed]))
 def test_results_read_again(kernel, engine):
     check_derivatives(kernel, (U, M), ("u", "m"), ("return",), engine=engine)

@@ -6,7 +6,7 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives
-from tests.engines import running
+from tests.engines import each, running
 
 sparse = pytest.importorskip("scipy.sparse")
 from scipy.sparse import coo_matrix, csc_array, csr_array, csr_matrix, diags, eye, identity  # noqa: E402
@@ -157,8 +157,7 @@ KERNELS = {
 COMPILED = (poisson,)               # the others as the text for Numba, run by Python
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.__name__)
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
 def test_kernel(kernel, engine):
     names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]
     given, left = (KERNELS[kernel](np.random.default_rng(1)) for _ in range(2))

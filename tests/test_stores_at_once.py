@@ -58,7 +58,7 @@ def beside_a_call(x):
     return t[0] ** 2 * t[1] * t[2]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 @pytest.mark.parametrize("kernel", (swapped, rotated, arrays, in_a_loop, beside_a_call),
                          ids=lambda k: k.__name__)
 def test_values_are_read_before_the_first_store(kernel, engine):

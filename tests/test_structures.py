@@ -684,7 +684,7 @@ def items_that_begin_as_constants(x):
     return q.total * q.count + d["last"]["x"] * best["value"] * x[best["place"] - 1] * q.scale * (2 if d["high"] else 3)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_items_that_begin_as_constants(engine):
     check_derivatives(items_that_begin_as_constants, (np.array([0.5, 1.2, 0.9]),), ("x",), ("return",), engine)
 

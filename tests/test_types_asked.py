@@ -69,7 +69,7 @@ def several(x, p):
 KERNELS = [several, spread, classes, axes, mixed, by_a_function]
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 3))
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_types_asked(kernel, engine):
     for p in (1.3, X[::-1] * 2.0):
         check_derivatives(kernel, (X, p), ("x", "p"), ("return",), engine=engine)

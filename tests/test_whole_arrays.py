@@ -244,7 +244,7 @@ def test_kernel(kernel, engine):
     check_derivatives(kernel, arguments(kernel), names, outputs(kernel, names), engine)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 @pytest.mark.parametrize("case", ARRAYS, ids=lambda case: case.name)
 def test_case(case, engine):
     check_derivatives(case.function, case.arguments("small"), case.wrt, case.of, engine)
@@ -264,8 +264,7 @@ def scaled_by(p, q):
     p += q * q
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("kernel", (joined_in_a_sum, joined_by_a_helper), ids=lambda kernel: kernel.__name__)
+@pytest.mark.parametrize(("kernel", "engine"), each((joined_in_a_sum, joined_by_a_helper), 4))
 def test_lengths_of_one(kernel, engine):
     long, one = np.linspace(0.4, 1.3, 6), np.array([0.7])
     for x, y in ((long, long), (long, one), (one, one), (long, one + 0.1)):
@@ -328,8 +327,7 @@ def quotient_in_a_sum(m, v):
     return np.sum((m + v) * m / v)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("kernel", (transposed_and_read, quotient_in_a_sum), ids=lambda kernel: kernel.__name__)
+@pytest.mark.parametrize(("kernel", "engine"), each((transposed_and_read, quotient_in_a_sum), 4))
 def test_square(kernel, engine):
     random = np.random.default_rng(5)
     of = ("m", "v") if kernel is transposed_and_read else ("return",)
@@ -369,7 +367,7 @@ def one_column_at_a_time(m):
         m *= g
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_bounds_known_at_run_time(engine):
     random = np.random.default_rng(7)
     x, y, m = 0.5 + random.random(6), 0.5 + random.random(6), 0.5 + random.random((4, 4)) + 2.0 * np.eye(4)
@@ -390,7 +388,7 @@ def step_that_changes(x):
         x[::i] *= 2.0
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_bounds_of_products(engine):
     random = np.random.default_rng(7)
     given = 0.5 + random.random((4, 4)), 0.5 + random.random(4)

@@ -54,6 +54,6 @@ CASES = [(weights, (V, 1.3), ("x", "c")), (rows, (A, 1.3), ("x", "c")), (numbere
          (neighbours, (1.3,), ("c",)), (arrays, (V, 1.3), ("x", "c"))]
 
 
-@pytest.mark.parametrize(("kernel", "arguments", "wrt", "engine"), each(CASES, every=3))
+@pytest.mark.parametrize(("kernel", "arguments", "wrt", "engine"), each(CASES))
 def test_gradients(kernel, arguments, wrt, engine):
     check_derivatives(kernel, arguments, wrt, ("return",), engine=engine)
