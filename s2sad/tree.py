@@ -189,11 +189,15 @@ def function(identifier: str, parameters: list[str], body: list[AST]) -> Functio
     return FunctionDef(identifier, arguments(args, [], None, [], [], None, []), body, [], None, None, [])
 
 
+_PLACE = ("lineno", "col_offset", "end_lineno", "end_col_offset")
+
+
 def at(node: AST, origin: AST) -> AST:
     """The node, with the place of the statement that it comes from (on itself and on what has none)."""
-    for child in walk(node):
+    place = {key: value for key in _PLACE if (value := origin.__dict__.get(key)) is not None}
+    for child in walk(node) if place else ():
         if child.__dict__.get("lineno") is None and "lineno" in child._attributes:
-            gast.copy_location(child, origin)
+            child.__dict__.update(place)
     return node
 
 

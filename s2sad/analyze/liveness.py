@@ -92,14 +92,16 @@ class Liveness:
         """Whether a simple statement does anything that is read later."""
         if isinstance(statement, (Assign, AugAssign)):
             bound = {base_name(t) for t in targets(statement)}
+            bound |= {"=" + t.id for t in targets(statement) if isinstance(t, Name)}
+            if bound & live:
+                return True
             effects: set[str] = set()
             for node in walk(statement.value):
                 if isinstance(node, Call) and (call_name(node) or "").startswith("user."):
                     if not self.pure(node):
                         return True
                     effects |= set(self.writes(node))
-            bound |= {"=" + t.id for t in targets(statement) if isinstance(t, Name)}
-            return bool((bound | effects) & live)
+            return bool(effects & live)
         if isinstance(statement, Expr) and isinstance(statement.value, Call):
             return not self.pure(statement.value) or bool(set(self.writes(statement.value)) & live)
         return not isinstance(statement, Pass) and not forgotten(statement)

@@ -34,11 +34,11 @@ class Extents:
         self.shapes: dict[str, list[AST]] = {}
         self.like: dict[str, str] = {}
         self.equal: dict[str, Affine] = {}
-        made = {n.targets[0].id: n.value for n in walk(function.body) if isinstance(n, Assign)
-                and isinstance(n.targets[0], Name) and call_name(n.value) in _MAKERS}
-        self.own = (parameters & self.fixed) | {n for n in made if all(
-            call_name(s.value) in _MAKERS for s in walk(function.body) if isinstance(s, Assign)
-            and isinstance(s.targets[0], Name) and s.targets[0].id == n)}
+        made: dict[str, bool] = {}      # whether a name is bound to new arrays alone
+        for n in walk(function.body):
+            if isinstance(n, Assign) and isinstance(target := n.targets[0], Name):
+                made[target.id] = call_name(n.value) in _MAKERS and made.get(target.id, True)
+        self.own = (parameters & self.fixed) | {n for n, new in made.items() if new}
         for statement in function.body:
             if isinstance(statement, Assign) and isinstance(target := statement.targets[0], Name) and bound[
                     target.id] - (target.id in parameters) == 1 and target.id not in parameters:
