@@ -5,15 +5,16 @@ from collections.abc import Callable
 
 from tests.program_arrays import ARRAYS
 from tests.program_combinations import COMBINED
-from tests.program_functions import GIVEN, FunctionStatements
+from tests.program_functions import GIVEN
+from tests.program_results import RESULTS, ResultStatements
 from tests.program_statements import SIMPLE
 
 COMPOUND = {"branch": 3, "loop": 5, "over": 2, "trips": 2}
 EXITS = {"leave": 1, "skip": 1, "result": 1}
-FEATURES = (*SIMPLE, *COMPOUND, *EXITS, "arrays", *ARRAYS, *COMBINED, *GIVEN)
+FEATURES = (*SIMPLE, *COMPOUND, *EXITS, "arrays", *ARRAYS, *COMBINED, *GIVEN, *RESULTS)
 
 
-class Writer(FunctionStatements):
+class Writer(ResultStatements):
     """Writes the body of one function."""
 
     # -- blocks -----------------------------------------------------------------------------------------------------
@@ -38,7 +39,7 @@ class Writer(FunctionStatements):
         if self.loops or self.indent > 1:
             weights.update(EXITS)
         if self.arrays:
-            weights.update({**ARRAYS, **COMBINED, **GIVEN})
+            weights.update({**ARRAYS, **COMBINED, **GIVEN, **RESULTS})
         kinds = [k for k, w in weights.items() if k not in self.without for _ in range(w)]
         for _ in range(count):
             if self.budget <= 0:
