@@ -86,14 +86,58 @@ def changed_until_a_break(x, n):
     return np.sum(ws[0] * ws[1])
 
 
+def descended(x, n):
+    ws = [x * 1.0, x * 2.0]
+    for _ in range(n):
+        g = [w * w for w in ws]
+        ws = [w - 0.1 * d for w, d in zip(ws, g)]
+    return np.sum(ws[0] * ws[1])
+
+
+def of_numbers(x, n):
+    ws, vs = [x[0] * 1.0, x[1]], [1, 2]
+    for k in range(n):
+        ws = [w - 0.1 * w * x[2] for w in ws]
+        if k % 2:
+            vs = [v * 0.5 + w for v, w in zip(reversed(vs), ws)]
+    while ws[0] > 0.1:
+        ws = [0.5 * ws[1] * w for w in ws]
+    return ws[0] * ws[1] + vs[0] * vs[1]
+
+
+def of_one_element(x, n):
+    ws = [-x]
+    for _ in range(n):
+        ws = [np.sin(w) - ws[0] ** 2 for w in ws]
+    return ws[0]
+
+
+def of_rows(x, n):
+    rows = x.reshape(2, 3)
+    ws = [rows[0], rows[1] / 2.0, rows[0] ** 2]
+    for _ in range(n):
+        ws = [w * ws[1] for w in ws]
+        ws[1][0] *= 2.0
+    return ws[0] @ ws[1] + np.sum(ws[2])
+
+
 KERNELS = [(of_one_shape, ("return",)), (of_several_shapes, ("return",)), (of_an_arguments_parts, ("x",)),
            (of_one_array_twice, ("return",)), (changed_on_the_way, ("return",)),
-           (changed_until_a_break, ("return",))]
+           (changed_until_a_break, ("return",)), (descended, ("return",)), (of_numbers, ("return",)),
+           (of_one_element, ("return",)), (of_rows, ("return",))]
 
 
 @pytest.mark.parametrize(("kernel", "of", "engine"), each(KERNELS, every=6))
 def test_derivatives(kernel, of, engine):
     check_derivatives(kernel, (X.copy(), 3), ("x",), of, engine=engine)
+
+
+@pytest.mark.parametrize("x", [X[:1].copy(), X[:0].copy(), X.astype("float32"), 0.7],
+                         ids=["of size 1", "of size 0", "float32", "number"])
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel", [descended, of_one_element])
+def test_of_several_types(kernel, x, engine):
+    check_derivatives(kernel, (x, 3), ("x",), ("return",), engine=engine)
 
 
 def bound_anew_on_the_way(x):
@@ -111,9 +155,28 @@ def under_two_names(x):
     return np.sum(old[0] * ws[0])
 
 
+def picked_by_a_variable(x):
+    ws, s = [x * 1.0, x * 2.0], 0.0
+    for _ in range(3):
+        ws = [w * w for w in ws]
+    for k in range(x.size):
+        s += ws[k % 2][0]
+    return s
+
+
+def appended_and_bound_anew(x):
+    ws = [x]
+    for _ in range(3):
+        ws.append(x)
+        ws = [2.0 * w for w in ws]
+    return np.sum(ws[0])
+
+
 @pytest.mark.parametrize(("kernel", "what"), [
-    (bound_anew_on_the_way, "append to 'ws', which is not bound once, to a list"),
-    (under_two_names, "append to 'ws', which is not bound once, to a list")],
+    (bound_anew_on_the_way, "'ws' is a list that a comprehension binds anew(.|\n)*and give it no second name"),
+    (under_two_names, "'ws' is a list that a comprehension binds anew"),
+    (picked_by_a_variable, "'ws' is a list that a comprehension binds anew"),
+    (appended_and_bound_anew, "append to 'ws', which is not bound once, to a list")],
     ids=lambda value: getattr(value, "__name__", ""))
 def test_refused(kernel, what):
     with pytest.raises(s2sad.S2sadError, match=what):

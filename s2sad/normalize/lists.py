@@ -36,6 +36,8 @@ from s2sad.tree import (
 
 _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
 
+_ANEW = ("pick its elements by written numbers, or in loops through it, and give it no second name; or allocate an "
+         "array before and fill it in a for loop")
 _EXTREME = {"builtins.max": "numpy.max", "builtins.min": "numpy.min"}      # of one list
 
 
@@ -52,7 +54,7 @@ def lists(function: FunctionDef, scope: Scope) -> FunctionDef:
     scope.memory = Memory(new, scope.program)
     _refuse_named_rows(new, scope)
     alone = {s.targets[0].id for s in walk(new.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)}
-    return _Lists(new, scope, [n for n in picked_lists(new) if n in alone]).function()
+    return _Lists(new, scope, [n for n in picked_lists(new) if n in alone], {_appended(n) for n in nodes}).function()
 
 
 def _refuse_named_rows(function: FunctionDef, scope: Scope) -> None:
@@ -90,8 +92,9 @@ def _appended(node: AST) -> str | None:
 
 
 class _Lists:
-    def __init__(self, tree: FunctionDef, scope: Scope, picked: list[str]):
+    def __init__(self, tree: FunctionDef, scope: Scope, picked: list[str], appended: set[str | None]):
         self.tree, self.scope, self.picked, self.ranged = tree, scope, picked, Ranged(tree)
+        self.appended = appended        # names that the text appends to, not a comprehension
         self.order = {id(n): k for k, n in enumerate(walk(tree.body))}
         self.plain = _as_arrays(tree)
         self.made: dict[str, Assign] = {}
@@ -110,9 +113,7 @@ class _Lists:
                       and isinstance(n.ctx, Store)]
             if len(bound) != 1 or len(stores) != 1 or len(bound[0].targets) != 1 or not isinstance(
                     bound[0].value, (List, Tuple) if found in self.picked else List):
-                place = next(s for s in walk(self.tree.body) if _appended(s) == found)
-                self.scope.refuse(place, f"append to {found!r}, which is not bound once, to a list",
-                                  help="bind it once, as [] or as a list of what it starts with")
+                self.refuse_bound_anew(found)
                 continue
             self.made[found] = bound[0]
             self.counts[found] = self.scope.fresh(f"{found}_count")
@@ -123,6 +124,14 @@ class _Lists:
 
     def block(self, block: list[AST], loops: list[AST]) -> list[AST]:
         return [at(made, s) for s in block for made in self.statement(s, loops)]
+
+    def refuse_bound_anew(self, found: str) -> None:
+        place = next(s for s in walk(self.tree.body) if _appended(s) == found)
+        if found in self.appended:
+            self.scope.refuse(place, f"append to {found!r}, which is not bound once, to a list",
+                              help="bind it once, as [] or as a list of what it starts with")
+        else:
+            self.scope.refuse(place, f"{found!r} is a list that a comprehension binds anew", help=_ANEW)
 
     def statement(self, statement: AST, loops: list[AST]) -> list[AST]:
         appended = _appended(statement)

@@ -64,7 +64,13 @@ def _lengths(function: FunctionDef) -> dict[str, int]:
         found = {n: length for n, length in found.items() if n not in lost}
     arrays = {n for n in found if any(known.is_array(i) or isinstance(i, Name) and i.id in given
                                       for v in bound[n] if isinstance(v, List) for i in v.elts)}
-    return found if arrays else {}
+    return found if arrays or any(_is_bound_anew(function, bound[n]) for n in found) else {}
+
+
+def _is_bound_anew(function: FunctionDef, values: list[AST]) -> bool:
+    """Whether one of a list's bindings is a comprehension in a loop or a branch, which no array can stand for."""
+    first = {id(s.value) for s in function.body if isinstance(s, Assign)}
+    return len(values) > 1 and any(isinstance(v, ListComp) and id(v) not in first for v in values)
 
 
 def _is_again(value: AST, listed: str) -> bool:
