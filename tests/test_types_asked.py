@@ -4,9 +4,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from s2sad import S2sadError, gradient
+from s2sad import S2sadError, differentiate, gradient
 from tests.derivatives import check_derivatives
-from tests.engines import each
+from tests.engines import each, running
 
 X, M = np.array([0.3, 1.1, 0.7]), np.arange(1.0, 7.0).reshape(2, 3) / 7
 
@@ -67,6 +67,53 @@ def several(x, p):
 
 
 KERNELS = [several, spread, classes, axes, mixed, by_a_function]
+
+
+def of_nothing(x, p=None):
+    if isinstance(p, np.ndarray) and p.ndim == 1:
+        return x @ p
+    if not isinstance(p, (float, int, np.ndarray)):
+        return x @ x
+    return x.sum() * p
+
+
+def nothing_is_a_class(x, p=None):
+    w = x * 2.0 if isinstance(p, type(None)) else x * p
+    given = isinstance(p, np.ndarray)
+    if given:
+        w[0] *= 3.0
+    return np.sum(w ** 2 if not np.isscalar(p) else w)
+
+
+class Given:
+    def __init__(self, u, m):
+        self.u, self.m = u, m
+
+
+def nothing_in_a_structure(s):
+    if isinstance(s.m, np.ndarray):
+        return s.u @ s.m
+    return s.u @ s.u if isinstance(s.m, type(None)) else s.u.sum() * s.m
+
+
+def nothing_for_a_function(x, p=None):
+    return of_nothing(x) + of_nothing(x, p) * nothing_is_a_class(x ** 2, p)
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each([of_nothing, nothing_is_a_class, nothing_for_a_function]))
+def test_nothing(kernel, engine):
+    check_derivatives(kernel, (X,), ("x",), ("return",), engine=engine)
+    check_derivatives(kernel, (X, None), ("x",), ("return",), engine=engine)
+    for p in (1.3, X[::-1] * 2.0):
+        check_derivatives(kernel, (X, p), ("x", "p"), ("return",), engine=engine)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_nothing_in_a_structure(engine):
+    with running(engine) as under:
+        for m, expected in ((None, 2.0 * X), (0.5, 0.5 * np.ones(3)), (X[::-1] * 1.0, X[::-1])):
+            found = gradient(differentiate(nothing_in_a_structure, engine=under))(Given(X.copy(), m))
+            np.testing.assert_allclose(found.u, expected, rtol=1e-14)
 
 
 @pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))

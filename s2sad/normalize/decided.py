@@ -16,21 +16,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from s2sad.diagnostics import Report
-from s2sad.infer.types import Type
+from s2sad.infer.types import NONE, Type
 from s2sad.tree import (
     AST, And, Attribute, BoolOp, Call, Compare, Constant, Eq, For, FunctionDef, Gt, If, Name, Not, NotEq, Tuple,
     UnaryOp, While, at, call_name, const, copy, rebuild, stored_names, walk,
 )
 
 ASKING = "builtins.isinstance"
+QUESTIONS = (ASKING, "numpy.isscalar")
 _COMPARED = {Eq: lambda a, b: a == b, NotEq: lambda a, b: a != b, Gt: lambda a, b: a > b}
+_CLASSES = ("numpy.ndarray", "builtins.float", "builtins.int", "builtins.complex", "builtins.bool")
 _FLOATS = {"float64": True, "float32": False}       # whether numbers of the dtype are Python's floats, too
 Types = Mapping[str, Type]
 
 
 def decided(function: FunctionDef, types: Types) -> FunctionDef:
     """The function with such questions answered."""
-    if not any(call_name(n) in (ASKING, "numpy.isscalar", "numpy.ndim") or isinstance(n, Attribute) and n.attr == "ndim"
+    if not any(call_name(n) in (*QUESTIONS, "numpy.ndim") or isinstance(n, Attribute) and n.attr == "ndim"
                for n in walk(function.body)):
         return function
     new = copy(function)
@@ -83,12 +85,15 @@ def _answer(node: AST, known: Types) -> bool | None:
         whole = isinstance(number, Constant) and type(number.value) is int
         return None if rank is None or not whole else _COMPARED[type(node.ops[0])](rank, number.value)
     if isinstance(node, Call) and node.args and isinstance(node.args[0], Name) and node.args[0].id in known:
-        kind = known[node.args[0].id]
-        if call_name(node) == "numpy.isscalar" and (kind.is_number or kind.is_array):
-            return kind.is_number
-        if call_name(node) == ASKING and len(node.args) == 2:
-            return _is_one(kind, node.args[1])
+        return asked(node, known[node.args[0].id])
     return None
+
+
+def asked(node: Call, kind: Type) -> bool | None:
+    """What a question about a value of a type is answered by; None where it is not known, or no such question."""
+    if call_name(node) == "numpy.isscalar" and (kind.is_number or kind.is_array or kind == NONE):
+        return kind.is_number
+    return _is_one(kind, node.args[1]) if call_name(node) == ASKING and len(node.args) == 2 else None
 
 
 def _rank(node: AST, known: Types) -> int | None:
@@ -105,11 +110,13 @@ def _is_one(kind: Type, asked: AST) -> bool | None:
         found = [_is_one(kind, a) for a in asked.elts]
         return True if True in found else None if None in found else False
     named = asked.id if isinstance(asked, Name) else ""
+    if kind == NONE:
+        return False if named in _CLASSES else None
     if not (kind.is_array or kind.is_number):
         return None
     if named == "numpy.ndarray":
         return kind.is_array
-    if named in ("builtins.float", "builtins.int", "builtins.complex", "builtins.bool") and kind.is_array:
+    if named in _CLASSES and kind.is_array:
         return False
     if named == "builtins.float" and kind.is_number:
         return _FLOATS.get(kind.dtype, False)

@@ -2,6 +2,7 @@
 
     x if m is None else m * x  ->   m * x               (an argument that is not None)
     p.kind == "linear"         ->   True
+    isinstance(m, np.ndarray)  ->   False               (an argument that is None)
 """
 from __future__ import annotations
 
@@ -9,12 +10,14 @@ import operator
 from collections.abc import Callable
 from typing import Any
 
+from s2sad.infer.types import NONE
+from s2sad.normalize.decided import QUESTIONS, asked
 from s2sad.normalize.field_items import Items, spoken
 from s2sad.normalize.groups import Group, Plain, Value, nothing
 from s2sad.structure import own_method
 from s2sad.tree import (
-    AST, And, Attribute, BoolOp, Compare, Constant, Eq, Gt, GtE, IfExp, In, Is, IsNot, Lt, LtE, Name, Not, NotEq, NotIn,
-    Subscript, UnaryOp, at, const,
+    AST, And, Attribute, BoolOp, Call, Compare, Constant, Eq, Gt, GtE, IfExp, In, Is, IsNot, Lt, LtE, Name, Not, NotEq,
+    NotIn, Subscript, UnaryOp, at, call_name, const,
 )
 
 NO = "is not supported in a kernel"
@@ -34,6 +37,10 @@ class Decisions(Items):
             return None if inner is None else not inner
         if isinstance(node, BoolOp):
             return self._joined(node)
+        if isinstance(node, Call):
+            of_none = node.args and isinstance(node.args[0], (Name, Attribute, Subscript)) and call_name(
+                node) in QUESTIONS and nothing(self.structural(node.args[0]))
+            return asked(node, NONE) if of_none else None
         if isinstance(node, (Name, Attribute, Subscript)):
             found = self.structural(node)
             if isinstance(found, Group):

@@ -109,6 +109,8 @@ class Values(Matrices):
                 self.refuse(node, f"'{user_call(method)}' returns a structure inside an expression",
                             "give the result a name of its own first")
             return Plain(made)
+        if (known := self.decide(node)) is not None:
+            return Plain(at(const(known), node))
         called = call_name(node) or ""
         if called.startswith("record."):
             return self._constructed(node, called.partition(".")[2])

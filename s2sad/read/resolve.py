@@ -173,6 +173,8 @@ class _Resolver(References):
             keys = [tree.at(tree.const(k.arg), k.value) for k in node.keywords]
             values = [tree.rebuild(k.value, self.change) for k in node.keywords]
             return tree.at(tree.Dict(keys, values), node)
+        if self.library(node.func) == "builtins.isinstance" and self._is_class_of_none(node.args[1:]):
+            return tree.at(tree.compare(tree.rebuild(node.args[0], self.change), tree.Is(), tree.const(None)), node)
         if isinstance(node.func, tree.Name) and node.func.id in self.local:
             self._refuse(f"a call through the variable '{node.func.id}' is not supported in a kernel", node,
                          help="call a function of the module by its name")
@@ -182,6 +184,12 @@ class _Resolver(References):
         else:
             return self._functions_given(node)
         return None
+
+    def _is_class_of_none(self, given: list[AST]) -> bool:
+        """Whether what is given is `type(None)`."""
+        asked = given[0] if len(given) == 1 else None
+        return isinstance(asked, tree.Call) and self.library(asked.func) == "builtins.type" and not asked.keywords and (
+            len(asked.args) == 1 and isinstance(asked.args[0], tree.Constant) and asked.args[0].value is None)
 
     def _split(self, node: tree.Call) -> AST:
         """A number's part behind the point and the part before it."""
