@@ -5,21 +5,28 @@
                                             raise KeyError("kind")
                                         y = ACT["tanh"](x) if kind == "tanh" else ACT["sin"](x)
 
-    act = ACT[kind]                     the same, wherever `act` is called, or given to a call
-    z = act(y) + act(x)
+    act = ACT[kind]                     if kind != "tanh" and kind != "sin":
+                                            raise KeyError("kind")
+    while act(y) > c and act(x) > c:    the same, wherever `act` is called, or given to a call
 
 The table is a dict of the module, or one that is written out, of functions under strings; the key is a name that is
-bound once, or a parameter. Before names are resolved; what is not of this form stays, to be refused.
+bound once, or a parameter. What picks where it is called stands where the key can be asked for before: not behind an
+`and`, in an arm of a conditional expression, in a comprehension. Before names are resolved; what is not of this form
+stays, to be refused.
 """
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from s2sad import tree
 from s2sad.read.meaning import AST, Captured, Function, Holder, Library
 from s2sad.tree import FunctionDef
 
+Change = Callable[[AST], AST | None]
 _LONGEST = 16
+_BLOCKS = ("body", "orelse")
+_LATE = ("Lambda", "ListComp", "GeneratorExp", "DictComp", "SetComp")
 _SIMPLE = (tree.Assign, tree.AugAssign, tree.Return, tree.Expr)
 
 
@@ -29,19 +36,21 @@ def picked_functions(captured: Captured) -> Captured:
     if not isinstance(function, FunctionDef) or not any(
             isinstance(n, tree.Subscript) for n in tree.walk(function.body)):
         return captured
-    made = _Picked(captured)
     new = tree.copy(function)
-    new.body = made.block(made.unnamed(new.body))
+    made = _Picked(captured, new.body)
+    made.names(new.body)
+    new.body = made.block(new.body)
     return replace(captured, tree=new) if made.found else captured
 
 
 class _Picked:
-    def __init__(self, captured: Captured):
-        self.captured, self.found = captured, False
+    def __init__(self, captured: Captured, body: list[AST]):
+        self.captured, self.found, self.body = captured, False, body
+        self.named: dict[str, tree.Subscript] = {}
         given = captured.tree.args
         parameters = [a.id for a in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
-        self.bound = [*parameters, *tree.stored_names(captured.tree.body)]
-        self.times = tree.times_bound(captured.tree.body)
+        self.bound = [*parameters, *tree.stored_names(body)]
+        self.times = tree.times_bound(body)
 
     def table(self, node: AST) -> dict[str, AST]:
         """The functions that a subscript may pick, by key; none if it is no such subscript."""
@@ -62,25 +71,29 @@ class _Picked:
                                                        and k.startswith("[") for k in keys)
         return items if fits and 0 < len(items) <= _LONGEST else {}
 
-    def unnamed(self, block: list[AST]) -> list[AST]:
-        """The statements in which names of picked functions, which are only called, are what they stand for."""
-        for s in block:
+    def names(self, block: list[AST], inside: bool = False) -> None:
+        """Enters the names of picked functions that are only called, where what they stand for means the same."""
+        for position, s in enumerate(block):
+            if type(s).__name__ == "FunctionDef":
+                continue
+            for field in _BLOCKS:
+                self.names(getattr(s, field, None) or [], True)
             named = s.targets[0].id if isinstance(s, tree.Assign) and len(s.targets) == 1 and isinstance(
                 s.targets[0], tree.Name) else ""
-            if not named or not self.table(s.value) or self.bound.count(named) != 1 or not self.stays(s):
+            later = block[position + 1:]
+            if not named or not self.table(s.value) or self.bound.count(named) != 1 or not self.stays(s) or (
+                    inside and set(tree.stored_names(later)) & set(tree.names(s.value))):
                 continue
-            nodes = [n for other in block for n in tree.walk(other)]
+            nodes = [n for other in (later if inside else block) for n in tree.walk(other)]
             called = {id(p) for n in nodes if isinstance(n, tree.Call) for p in _parts(n)}
-            if all(id(n) in called for n in nodes if isinstance(n, tree.Name) and n.id == named
+            if all(id(n) in called for n in tree.walk(self.body) if isinstance(n, tree.Name) and n.id == named
                    and isinstance(n.ctx, tree.Load)):
-                rest = [tree.substitute(other, {named: s.value}) for other in block if other is not s]
-                return self.unnamed(rest)
-        return block
+                self.named[named] = s.value
 
     def stays(self, statement: AST) -> bool:
         """Whether the names of such a statement mean the same wherever it is read: none is bound anew, or a parameter
         of a function within."""
-        within = {n.id for n in tree.walk(self.captured.tree.body) if isinstance(n, tree.Name)
+        within = {n.id for n in tree.walk(self.body) if isinstance(n, tree.Name)
                   and not isinstance(n.ctx, (tree.Load, tree.Store))}
         meant = {*tree.names(statement), *tree.stored_names([statement])}
         return all(self.times.get(n, 0) <= 1 and n not in within for n in meant)
@@ -88,51 +101,91 @@ class _Picked:
     def block(self, block: list[AST]) -> list[AST]:
         made: list[AST] = []
         for s in block:
-            if isinstance(s, _SIMPLE):
-                made += self.statement(s)
+            if isinstance(s, tree.Assign) and isinstance(s.targets[0], tree.Name) and s.targets[0].id in self.named:
+                made.append(self.asked(s.value, s))
                 continue
-            for field in ("body", "orelse"):
-                if isinstance(inner := getattr(s, field, None), list) and type(s).__name__ != "FunctionDef":
-                    setattr(s, field, self.block(inner))
-            made.append(s)
+            if type(s).__name__ != "FunctionDef":
+                for field in _BLOCKS:
+                    if isinstance(inner := getattr(s, field, None), list):
+                        setattr(s, field, self.block(inner))
+            made += self.statement(s)
         return made
 
+    def asked(self, picked: tree.Subscript, node: AST) -> AST:
+        """The test that a key is one of its table."""
+        self.found = True
+        key = picked.slice.id
+        asked = [tree.compare(tree.name(key), tree.NotEq(), tree.const(k)) for k in self.table(picked)]
+        fails = tree.Raise(tree.call("KeyError", tree.const(key)), None)
+        return tree.at(tree.If(asked[0] if len(asked) == 1 else tree.BoolOp(tree.And(), asked), [fails], []), node)
+
     def statement(self, statement: AST) -> list[AST]:
-        """The statement with a call for each function, after a test that the key is one of the table."""
+        """The statement with a call for each function, after a test of each key that it has to ask for itself."""
         tests: dict[str, AST] = {}
-        lazy = {id(n) for c in tree.walk(statement) if isinstance(c, (tree.IfExp, tree.BoolOp)) or type(
-            c).__name__ in ("Lambda", "ListComp", "GeneratorExp", "DictComp") for n in tree.walk(c)}
+        first = _evaluated_first(statement)
+
+        def called(node: tree.Call, asks: bool) -> AST | None:
+            picks = [(p, own) for p in _parts(node) if (own := self.picked(p, asks)) is not None]
+            if not picks:
+                return None
+            picked = picks[0][1]
+            same = [p for p, own in picks if tree.written(own) == tree.written(picked)]
+            if any(not isinstance(p, tree.Name) for p in same):
+                tests.setdefault(tree.written(picked), self.asked(picked, node))
+            calls = []
+            for item in self.table(picked).values():
+                one = _with(node, {id(p): tree.copy(item) for p in same})
+                calls.append(called(one, asks) or _rebuilt(one, change))
+            made = tree.at(calls[-1], node)
+            for k, one in reversed(list(zip(self.table(picked), calls[:-1]))):
+                test = tree.compare(tree.name(picked.slice.id), tree.Eq(), tree.const(k))
+                made = tree.at(tree.IfExp(test, tree.at(one, node), made), node)
+            return made
 
         def change(node: AST) -> AST | None:
-            picks = [p for p in _parts(node) if self.table(p)] if isinstance(node, tree.Call) else []
-            if len({tree.written(p) for p in picks}) != 1 or id(node) in lazy:
-                return None
-            items, key = self.table(picks[0]), picks[0].slice.id
-            self.found = True
-            asked = [tree.compare(tree.name(key), tree.NotEq(), tree.const(k)) for k in items]
-            fails = tree.Raise(tree.call("KeyError", tree.const(key)), None)
-            test = asked[0] if len(asked) == 1 else tree.BoolOp(tree.And(), asked)
-            tests[tree.written(picks[0])] = tree.at(tree.If(test, [fails], []), node)
-            same = {id(p) for p in picks}
-            calls = []
-            for item in items.values():
-                parts = {p: tree.copy(item) for p in same}
-                calls.append(_with(node, parts, change))
-            made = calls[-1]
-            for k, one in reversed(list(zip(items, calls[:-1]))):
-                made = tree.IfExp(tree.compare(tree.name(key), tree.Eq(), tree.const(k)), one, made)
-            return tree.at(made, node)
-        new = tree.rebuild(statement, change)
+            return called(node, id(node) in first) if isinstance(node, tree.Call) else None
+        new = _outside_blocks(statement, change)
         return [*tests.values(), new]
+
+    def picked(self, part: AST, asks: bool) -> tree.Subscript | None:
+        """What a part of a call picks a function with: a name whose key was asked for, or a subscript."""
+        if isinstance(part, tree.Name):
+            return self.named.get(part.id)
+        return part if asks and self.table(part) and isinstance(part, tree.Subscript) else None
+
+
+def _evaluated_first(statement: AST) -> set[int]:
+    """The nodes of a statement that are evaluated once the statement is reached, before anything that it does."""
+    heads = [getattr(statement, "test" if isinstance(statement, (tree.If, tree.While)) else "iter")] if isinstance(
+        statement, (tree.If, tree.While, tree.For)) else [statement] if isinstance(statement, _SIMPLE) else []
+    nodes = [n for h in heads for n in tree.walk(h)]
+    later = [part for n in nodes for part in (
+        [n.body, n.orelse] if isinstance(n, tree.IfExp) else n.values[1:] if isinstance(n, tree.BoolOp) else
+        [n] if type(n).__name__ in _LATE else n.comparators[1:] if isinstance(n, tree.Compare) else [])]
+    return {id(n) for n in nodes} - {id(n) for part in later for n in tree.walk(part)}
+
+
+def _outside_blocks(statement: AST, change: Change) -> AST:
+    """The statement with changes in all but the statements of its blocks; those of a function are its own."""
+    if type(statement).__name__ == "FunctionDef":
+        return tree.rebuild(statement, change)
+    kept = {id(s) for field in _BLOCKS if isinstance(b := getattr(statement, field, None), list) for s in b}
+    return tree.rebuild(statement, lambda n: n if id(n) in kept else change(n))
+
+
+def _rebuilt(call: tree.Call, change: Change) -> tree.Call:
+    """The call with changes in its parts."""
+    keywords = [tree.keyword(k.arg, tree.rebuild(k.value, change)) for k in call.keywords]
+    return tree.Call(tree.rebuild(call.func, change), [tree.rebuild(a, change) for a in call.args], keywords)
 
 
 def _parts(call: tree.Call) -> list[AST]:
     return [call.func, *call.args, *(k.value for k in call.keywords)]
 
 
-def _with(node: tree.Call, parts: dict[int, AST], change) -> AST:
+def _with(node: tree.Call, parts: dict[int, AST]) -> tree.Call:
     """The call with other parts in place of some."""
     def part(p: AST) -> AST:
-        return tree.at(parts[id(p)], p) if id(p) in parts else tree.rebuild(p, change)
+        return tree.at(parts[id(p)], p) if id(p) in parts else p
     keywords = [tree.keyword(k.arg, part(k.value)) for k in node.keywords]
     return tree.at(tree.Call(part(node.func), [part(a) for a in node.args], keywords), node)

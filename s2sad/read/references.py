@@ -10,8 +10,8 @@ from collections.abc import Callable
 from s2sad import rules, tree
 from s2sad.diagnostics import Report
 from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Function, Holder, Items, Matrix, Meaning, Number, Numbers, Record, Space, Text, Unusable,
-    dotted, library_value,
+    AST, BUILTIN_CALLS, Array, Function, Holder, Items, Library, Matrix, Meaning, Number, Numbers, Record, Space, Text,
+    Unusable, dotted, library_value,
 )
 from s2sad.rules.given import GIVEN, ROOM
 from s2sad.rules.spellings import is_scipy
@@ -107,7 +107,7 @@ class References:
         if isinstance(meaning, Holder) and called:
             meaning = meaning.scope.lookup("__call__") or meaning
         if isinstance(meaning, Holder):
-            meaning = Unusable(meaning.what, "name the number or array that is in it, or pass it as an argument")
+            meaning = Unusable(meaning.what, _held(meaning, text))
         path = self._given(node, dotted(meaning), text)
         if isinstance(meaning, Function):
             path = self._function(node, meaning, text, called)
@@ -217,3 +217,12 @@ _BUILTIN_HELP = {
     "map": "write a for loop",
     "filter": "write a for loop with an if",
 }
+
+
+def _held(holder: Holder, text: str) -> str:
+    """What to write to have what is in a dictionary or an object."""
+    known = holder.scope.known()
+    if known and all(k.startswith("[") and isinstance(holder.scope.lookup(k), (Function, Library)) for k in known):
+        return (f"bind the function to a name of its own, which is only called: f = {text}[key], where the key is a "
+                "parameter, or a name that is bound once")
+    return "name the number or array that is in it, or pass it as an argument"
