@@ -40,6 +40,34 @@ def of_items(r, x):
     return np.sum(a * x) + np.sum(both[1])
 
 
+def of_counted_parts(r, x):
+    a = np.stack([r, 2.0 * r, 0.3 * r])
+    i = 0
+    pairs = np.stack([a, 2.0 * a])
+    for k in range(3):
+        a[k] @= r
+        a[(k + 1) % 3][:2, :2] @= a[k, 1:3, 1:3]
+        pairs[1, -k] @= r
+    while i < 2:
+        a[i] @= x[i] * r
+        i += 1
+    for k, row in enumerate(a):
+        row[0] *= x[k]
+        pairs[0, k] @= row
+    return np.sum(a ** 2 * x) + np.sum(pairs * x)
+
+
+def of_counted_items(r, x):
+    both = [r * 1.0, r * 2.0]
+    first, grown = both[0], []
+    for k in range(3):
+        grown.append(r * x[k])
+        both[k % 2] @= r
+    for k in range(3):
+        grown[k] @= both[0]
+    return np.sum(first * x) + np.sum(both[1]) + np.sum(grown[2] * grown[0])
+
+
 def reduced(r, x):
     c, d = x[0], x[1] ** 2
     total = x[2] * sum((c,) + (d,)) + sum((c,) * 3) * d + max((c,) + (d, 0.1)) + min((c, d) * 2)
@@ -69,7 +97,7 @@ def axes_in_lists(r, x):
     return np.sum(a ** 2) + np.sum(np.searchsorted(np.cumsum(x), [1.0, 2.0]) * x[:2])
 
 
-KERNELS = [turned, of_parts, of_items, reduced, with_stars, repeated, axes_in_lists]
+KERNELS = [turned, of_parts, of_items, of_counted_parts, of_counted_items, reduced, with_stars, repeated, axes_in_lists]
 
 
 @pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
@@ -91,9 +119,14 @@ def starred_in_a_loop(r, x):
 
 def picked(r, x):
     both = [r * 2.0, r * 3.0]
-    for k in range(2):
-        both[k] @= r
+    both[x.size % 2] @= r
     return np.sum(both[0])
+
+
+def picked_by_many(r, x):
+    a, k = np.stack([r, 2.0 * r]), np.array([1, 0])
+    a[k] @= r
+    return np.sum(a[0])
 
 
 def of_names(r, x):
@@ -137,7 +170,10 @@ REFUSED = [
      "write its elements out, or join arrays: np.concatenate(([a], x))"),
     (starred_in_a_loop, "x", "S201", "a star before what is not known to be a tuple",
      "write its elements out, or join arrays: np.concatenate(([a], x))"),
-    (picked, "both[k] @= r", "S201", "'@=' of what a variable picks, or of a call, is not supported in a kernel",
+    (picked, "both[x.size % 2] @= r", "S201",
+     "'@=' of what a variable picks, or of a call, is not supported in a kernel",
+     "write into the array itself: a[k][...] = a[k] @ b"),
+    (picked_by_many, "a[k] @= r", "S201", "'@=' of what a variable picks, or of a call, is not supported in a kernel",
      "write into the array itself: a[k][...] = a[k] @ b"),
     (of_names, "max(t + (x[2],))", "S203", "the type of this cannot be inferred",
      "write it with operations on numbers and arrays, each of which has a name"),

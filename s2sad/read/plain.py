@@ -31,7 +31,7 @@ from s2sad.read.multiplied import multiplied
 from s2sad.read.ranges import ranged, unnamed
 from s2sad.read.turns import turns
 from s2sad.tree import (
-    AST, Add, And, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For,
+    AST, Add, And, Assert, Assign, Attribute, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For,
     FunctionDef, If, IfExp, In, List, Load, Mod, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Starred,
     Store, Subscript, Tuple, UnaryOp, While, at, children, const, copy, expr, index, name, rebuild, statements,
     tuple_of, walk, written,
@@ -54,6 +54,7 @@ def plain(function: FunctionDef) -> FunctionDef:
             return made
         return _unstarred(node, read) if isinstance(node, Assign) else _member(node)
     new.body = [rebuild(s, change) for s in new.body]
+    new = multiplied(new)
     _blocks(new)
     return new
 
@@ -120,8 +121,6 @@ def _statement(statement: AST) -> list[AST]:
         return [Pass()]
     if isinstance(statement, (Raise, Assert)):
         statement = _said(statement)
-    if isinstance(statement, AugAssign):
-        statement = multiplied(statement)
     if isinstance(statement, For):
         statement.iter = ranged(statement.iter)
     if isinstance(statement, Expr) and _is_print(statement.value):
