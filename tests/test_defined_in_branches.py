@@ -50,6 +50,43 @@ def again(x, a, opt):
     return s * g(x[2])
 
 
+def writing(x, a, opt):
+    y = x * 1.0
+    if opt == 1:
+        def g(v):
+            v[0] *= 2.0 * a
+    elif opt == 2:
+        def g(v):
+            v[1:] += v[0] * a
+    else:
+        def g(v):
+            v[:] = a * v ** 2
+    g(y)
+    for k in range(opt):
+        g(y)
+        if k == 1:
+            def g(v):
+                v[2] -= a * x[0]
+    y.fill(a) if opt > 7 else g(y)
+    return np.sum(y * x)
+
+
+def calling_each_other(x, a, opt):
+    if opt == 1:
+        def g(q):
+            return q * a
+
+        def h(q):
+            return g(q) * x[:2]
+    else:
+        g = lambda q: q ** 2 / a
+        h = lambda q: g(q) + g(x[1]) * x[1:]
+    for k in range(2):
+        def late(q):
+            return h(g(q)) * k
+    return np.sum(h(x[2])) + np.sum(late(x[0]))
+
+
 def own_names(x, a, opt):
     if opt > 1:
         k = x[0] * 2.0
@@ -77,7 +114,8 @@ def handed(x, a, opt):
     return steps(f, x, 0.1, 3).sum() + steps(f, x[0], 0.2, 2)
 
 
-CASES = [(k, opt) for k in (branches, chosen, looped, again, own_names, handed) for opt in (1, 2)]
+CASES = [(k, opt) for k in (branches, chosen, looped, again, writing, calling_each_other, own_names, handed)
+         for opt in (1, 2)]
 
 
 @pytest.mark.parametrize(("kernel", "opt", "engine"), each([*CASES, (branches, 3)], 5))

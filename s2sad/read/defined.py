@@ -34,10 +34,18 @@ def defined(function: FunctionDef) -> FunctionDef:
         return function
     new = tree.copy(function)
     new.body = [made for s in new.body for made in _chosen(s)]
+    done: set[str] = set()
+    while name := _one_moved(new, done):
+        done.add(name)
+    return new
+
+
+def _one_moved(new: FunctionDef, done: set[str]) -> str:
+    """Moves the definitions of one more name, which it gives; those of others may call it, and change with it."""
     nodes = [n for s in new.body for n in tree.walk(s)]
     found: dict[str, list[AST]] = {}
     for statement in _statements(new.body):
-        if (name := defines(statement)) and _is_plain(statement):
+        if (name := defines(statement)) and name not in done and _is_plain(statement):
             found.setdefault(name, []).append(statement)
     top = {id(s) for s in new.body}
     for name, definitions in found.items():
@@ -47,7 +55,8 @@ def defined(function: FunctionDef) -> FunctionDef:
             new.body = [definitions[0], *_without(new.body, definitions[0])]
         else:
             new.body = _numbered(name, definitions, new, {n.id for n in nodes if isinstance(n, tree.Name)})
-    return new
+        return name
+    return ""
 
 
 def defines(statement: AST) -> str:

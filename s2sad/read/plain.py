@@ -17,6 +17,7 @@
     k = list(range(n))              k = [item for item in range(n)]
     a, b, *_ = x                    a, b = x[0], x[1]           where nothing reads `_`
     a, *_ = f(x)                    a = f(x)[0]
+    g(x) if c else h(x)             if c: g(x) else: h(x)       a statement that only calls
     t @= r                          t[...] = t @ r                      (multiplied)
     a.shape = (n, n)                a = a.reshape((n, n))               where `a` is the only name (reshaped)
 
@@ -121,6 +122,8 @@ def _statement(statement: AST) -> list[AST]:
         return [Pass()]
     if isinstance(statement, (Raise, Assert)):
         statement = _said(statement)
+    if isinstance(statement, Expr) and isinstance(one := statement.value, IfExp):
+        return _statement(at(If(one.test, [at(Expr(one.body), one)], [at(Expr(one.orelse), one)]), statement))
     if isinstance(statement, For):
         statement.iter = ranged(statement.iter)
     if isinstance(statement, Expr) and _is_print(statement.value):
