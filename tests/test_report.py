@@ -9,6 +9,7 @@ import re
 import numpy as np
 import pytest
 
+import s2sad
 from s2sad import S2sadError, check, differentiate, explain
 from s2sad.report.differences import differences
 from s2sad.rules.rule import TABLE, Rule, template
@@ -260,6 +261,28 @@ def test_check_names_the_first_wrong_statement_of_the_adjoint(monkeypatch):
     report = check(wave, FIELD, 1.3, engine="numpy")
     assert not report.adjoint_holds and report.tangent_holds
     assert re.search(r"the adjoint is wrong first, going backwards, at .*:\d+: for i in range\(u.size\):$", str(report))
+
+
+def misfit(r, x, k, b):
+    for i in range(x.size):
+        r[i] = k[i] * x[i] - 1.1 * b[i]
+
+
+@s2sad.rule(implicit=misfit)
+def scaled_down(x, k, b):
+    x[:] = b / k
+
+
+def scaled_twice(x, u, y):
+    scaled_down(x, u * u, y)
+    x *= u
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_check_runs_the_functions_beside_a_derivative_with_its_probes(engine):
+    report = check(scaled_twice, np.zeros(3), FIELD, 2.0 * FIELD, engine=engine)
+    assert report.adjoint_holds and not report.tangent_holds
+    assert re.search(r"the tangent parts from the differences first at .*test_report.py:\d+: r\[i\] = ", str(report))
 
 
 def test_check_changes_nothing_and_checks_bounds():

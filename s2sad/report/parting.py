@@ -200,7 +200,7 @@ def _snapshot(place: str) -> AST:
 
 def _loaded(made: Generated, units: Units, replaced: Mapping[str, FunctionDef]) -> tuple[Callable[..., Any], Events]:
     """The entry of the module with some functions replaced, and the list into which its probes write."""
-    functions = [replaced.get(d.function.name, d.function) for d in units.derived.values()]
+    functions = [f for d in units.derived.values() for f in (*d.beside, replaced.get(d.function.name, d.function))]
     functions = primal_functions(units, kernels_called(functions, units)) + functions
     text = module_text(in_dialect(functions, units), header=["A derivative with probes."],
                        constants=units.program.constants, standalone=False)
