@@ -9,7 +9,7 @@ from tests.derivatives import check_derivatives
 from tests.engines import each, running
 
 sparse = pytest.importorskip("scipy.sparse")
-from scipy.sparse import coo_matrix, csc_array, csr_array, csr_matrix, diags, eye, identity  # noqa: E402
+from scipy.sparse import coo_matrix, csc_array, csr_array, csr_matrix, diags, eye, identity, spdiags  # noqa: E402
 from scipy.sparse.linalg import cg, factorized, splu, spsolve  # noqa: E402
 
 ENGINES = ("numpy", "numba")
@@ -144,6 +144,39 @@ def assembled_again(v, x, steps):
     return np.sum(x)
 
 
+def laplacian(n):
+    return diags([np.ones(n - 1), np.full(n, -2.0), np.ones(n - 1)], [-1, 0, 1])
+
+
+def diagonals_in_the_call(c, x, h):
+    n = x.size
+    L = diags([np.ones(n - 1), np.full(n, -2.0), np.ones(n - 1)], [-1, 0, 1]).tocsc() / h ** 2
+    x[:] = L @ x + laplacian(n) @ (c * x)
+    return np.sum((diags([c[1:] * x[:-1], -c * x, 2.0], [1, 0, -1], shape=(n, n)) @ x) ** 2) + np.sum(
+        diags(c * x).tocsr() @ x)
+
+
+def rows_of_diagonals(c, x, h):
+    """An element of a row is in the column of its place in the row; here in lists, there in an array."""
+    n = x.size
+    d = np.array([c, c * x, x * x])
+    A = spdiags(d, [0, 1, -1], n, n) + spdiags([x, h * c], (1, -1), m=n, n=n, format="csr")
+    B = spdiags(c * x, 0, n, n + 1) + spdiags(x, -1, n, n + 1)
+    return np.sum((A @ x) ** 2) + np.sum((B.T @ x) ** 3)
+
+
+def entries_in_lists(c, x, h):
+    values, rows, columns = [], [], []
+    n = x.size
+    for i in range(n):
+        values.append(x[i] * c[n - 1 - i])
+        rows.append(i)
+        columns.append(n - 1 - i)
+    A = coo_matrix((values, (rows, columns)), shape=(n, n)).tocsr()
+    return np.sum((A @ x) ** 3) * h
+
+
+OF_DIAGONALS = (diagonals_in_the_call, rows_of_diagonals, entries_in_lists)
 KERNELS = {
     poisson: lambda r: (1.0 + r.random(6), r.random(5)),
     heat: lambda r: (1.0 + r.random(6), r.random(5), 0.1, 2),
@@ -153,8 +186,9 @@ KERNELS = {
     shared: lambda r: (1.0 + r.random(5), 0.5 + r.random(4), np.array([0, 3, 1, 0, 2]), np.array([0, 2, 3, 5, 5])),
     solved_again: lambda r: (r.random(4), r.random(4), 3),
     assembled_again: lambda r: (1.0 + r.random(3), r.random(3), 3),
+    **{f: lambda r: (1.0 + r.random(4), 0.5 + r.random(4), 0.3) for f in OF_DIAGONALS},
 }
-COMPILED = (poisson,)               # the others as the text for Numba, run by Python
+COMPILED = (poisson, rows_of_diagonals)               # the others as the text for Numba, run by Python
 
 
 @pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
@@ -166,6 +200,14 @@ def test_kernel(kernel, engine):
     of = tuple(n for n, a, b in zip(names, given, left) if not np.array_equal(a, b))
     engine = "loops" if engine == "numba" and kernel not in COMPILED else engine
     check_derivatives(kernel, given, wrt, (*of, "return"), engine)
+
+
+@pytest.mark.parametrize("kernel", OF_DIAGONALS, ids=lambda kernel: kernel.__name__)
+@pytest.mark.parametrize("size", [1, 2])
+def test_small_and_single(kernel, size):
+    c, x = 1.0 + np.arange(size) / 3.0, 0.5 + np.arange(size) / 4.0
+    check_derivatives(kernel, (c, x, 0.3), ("c", "x", "h"), ("return",), "loops")
+    check_derivatives(kernel, (c.astype(np.float32), x.astype(np.float32), 0.3), ("c", "x"), ("return",))
 
 
 def single(v, x):
@@ -400,7 +442,12 @@ def either(v, x):
     return np.sum(A @ x)
 
 
+def columns_left_out(v, x):
+    return np.sum(spdiags(x, 0) @ x)
+
+
 REFUSED = {
+    columns_left_out: ("no derivative rule for scipy.sparse.spdiags with these arguments", "spdiags(rows, [0, 1], "),
     assigned: ("an element of 'A', a sparse matrix, has no derivative rule", "build it from its entries: coo_matrix"),
     sorted_by_scipy: ("the attribute 'data' of 'A' has no derivative rule here: 'A' is a sparse matrix (csr)",
                       "SciPy sorts and joins the entries here"),

@@ -13,12 +13,13 @@ from dataclasses import replace
 from s2sad.diagnostics import Report
 from s2sad.normalize.field_decisions import Decisions
 from s2sad.normalize.groups import SPELLED, Group, Plain, Value, listed, spelled
+from s2sad.normalize.memory import own_lists
 from s2sad.normalize.sparse_groups import FORMATS, Stores, is_matrix, joined, laid_out, matrix, opaque
 from s2sad.program import Kernel
 from s2sad.structure import SPARSE
 from s2sad.tree import (
-    AST, Attribute, BinOp, Call, Constant, List, Name, Sub, Subscript, Tuple, add, at, attribute, call, call_name,
-    const, copy, equal, negate, tuple_of,
+    AST, Attribute, BinOp, Call, Constant, List, Name, Slice, Sub, Subscript, Tuple, add, at, attribute, call,
+    call_name, const, copy, equal, index, negate, tuple_of,
 )
 
 _SHARED = "numpy.broadcast_to"      # a view that is never kept in step with what it shows
@@ -30,10 +31,11 @@ class Built(Decisions):
     def __init__(self, kernel: Kernel, report: Report):
         super().__init__(kernel, report)
         self.stores = Stores(kernel.tree.body)
+        self.lists = own_lists(kernel.tree)
         self.built: dict[str, Callable[[Call], Value | None]] = {
             **{f"{f}_{word}": self._made for f in SPARSE for word in ("matrix", "array")},
-            "diags": self._diagonals, "diags_array": self._diagonals, "identity": self._unit, "eye": self._unit,
-            "eye_array": self._unit}
+            "diags": self._diagonals, "diags_array": self._diagonals, "spdiags": self._columns,
+            "identity": self._unit, "eye": self._unit, "eye_array": self._unit}
 
     def _made(self, node: Call) -> Value | None:
         """`csr_matrix(...)` and its like, of entries or of another sparse matrix."""
@@ -65,7 +67,7 @@ class Built(Decisions):
         """An array that is given, a list as an array. SciPy copies some places and not others: where one could tell,
         since they are written, it is refused (`viewing`)."""
         written = spelled(value, origin)
-        if isinstance(written, (List, Tuple)):
+        if isinstance(written, (List, Tuple)) or isinstance(written, Name) and written.id in self.lists:
             return Plain(at(call("numpy.array", written), origin))
         if places and written is not None and self.stores.later(written, origin):
             return Plain(at(call(_SHARED, written, attribute(copy(written), "shape")), origin))
@@ -121,6 +123,29 @@ class Built(Decisions):
         if given or shape is None or not pairs:
             return None
         return self._on_diagonals(str(kind), pairs, shape, node)
+
+    def _columns(self, node: Call) -> Value | None:
+        """`spdiags(rows, [0, 1], m, n)`: an element of a row is in the column of its place in the row."""
+        given = dict(zip(("data", "diags", "m", "n", "format"), node.args))
+        given |= {str(k.arg): k.value for k in node.keywords}
+        kind = self.key(given.pop("format", const(None))) or "dia"
+        if given.keys() != {"data", "diags", "m", "n"} or kind not in FORMATS:
+            return None
+        data, offsets = given["data"], given["diags"]
+        several = isinstance(offsets, (List, Tuple))
+        starts = [self.key(k) for k in (offsets.elts if several else [offsets])]
+        rows = data.elts if isinstance(data, (List, Tuple)) else [
+            index(data, const(k)) if several else data for k in range(len(starts))]
+        if not all(isinstance(k, int) for k in starts) or len(rows) != len(starts) or not all(
+                isinstance(r, (Name, Subscript)) for r in rows):
+            return None
+        m, n = self.plain(given["m"]), self.plain(given["n"])
+        pairs: list[tuple[AST, AST]] = []
+        for row, offset in zip(rows, map(const, starts)):
+            first, size = self._starts(offset)[1], self._length_along(copy(m), copy(n), offset)
+            part = Slice(first, add(size, copy(first)) if first.value else size, None)
+            pairs.append((at(index(self.plain(at(row, node)), part), node), at(offset, node)))
+        return self._on_diagonals(str(kind), pairs, listed((Plain(m), Plain(n))), node)
 
     def _square(self, values: AST, offset: AST) -> Group:
         """The shape of a matrix with a diagonal that is an array."""

@@ -2,6 +2,8 @@
 
     return (v * 0.5)[0] ** 2     ->   inner = v * 0.5
                                       return inner[0] ** 2
+    A = diags([np.ones(n), v])   ->   diagonal = np.ones(n)
+                                      A = diags([diagonal, v])
 
 Only where the call is evaluated whenever the statement is, and where it could as well come first: the function stores
 nothing but in names, and nothing that may was called before it. Any other is refused where it stands.
@@ -16,11 +18,12 @@ from s2sad.normalize.field_handed import arguments
 from s2sad.normalize.field_order import in_order, is_turned, may_write, stores
 from s2sad.normalize.field_values import plain_tuple
 from s2sad.normalize.groups import Group
-from s2sad.normalize.memory import bindings, parameters
+from s2sad.normalize.sparse_groups import DIAGONALS
+from s2sad.normalize.memory import own_lists
 from s2sad.structure import record_fields
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Expr, For, FunctionDef, If, IfExp, List, Load, Name,
-    Return, Store, Subscript, UnaryOp, While, at, call_name, children, expr, name, rebuild, stored_names, walk,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Constant, Expr, For, If, IfExp, List, Load, Name,
+    Return, Store, Subscript, Tuple, UnaryOp, While, at, call_name, children, expr, name, rebuild, walk,
 )
 
 _PARTS = {Assign: "value", AugAssign: "value", Expr: "value", Return: "value", If: "test", For: "iter", Assert: "test"}
@@ -93,7 +96,7 @@ class Inner(Bindings):
                 continue
             seen.add(title)
             nodes = list(walk(kernels[title].tree.body))
-            lists = _own_lists(kernels[title].tree)
+            lists = own_lists(kernels[title].tree)
             if kernels[title].own is not None or any(_stores(n, lists) for n in nodes):
                 return True
             waiting += [c for n in nodes if (c := user_call(n)) is not None]
@@ -126,7 +129,26 @@ class _Names:
             return node
         if isinstance(node, (BoolOp, IfExp)):
             return self._first(node)
-        return rebuild(node, lambda n: self.change(n) if n is not node and isinstance(n, expr) else None)
+        return self._diagonals(rebuild(
+            node, lambda n: self.change(n) if n is not node and isinstance(n, expr) else None))
+
+    def _diagonals(self, node: AST) -> AST:
+        """The diagonals of a sparse matrix by their names: how long they are is asked of these."""
+        values = node.args[0] if call_name(node) in DIAGONALS and node.args else None
+        if self.stopped or values is None:
+            return node
+        several = isinstance(values, (List, Tuple))
+        named = [self._held(v, "diagonal") if isinstance(v, (BinOp, UnaryOp, Call)) and not _is_number(v) else v
+                 for v in (values.elts if several else [values])]
+        first = at(type(values)(named, values.ctx), values) if several else named[0]
+        return at(Call(node.func, [first, *node.args[1:]], node.keywords), node)
+
+    def _held(self, value: AST, wanted: str) -> AST:
+        """A name for a value, which is bound before the statement."""
+        held = self.of.fresh(wanted)
+        target = Name(held, Store(), None, None)
+        self.before += [at(s, value) for s in self.of.assign(at(Assign([target], value, None), value))]
+        return at(name(held), value)
 
     def _first(self, node: BoolOp | IfExp) -> AST:
         """What comes after the first part need not run."""
@@ -155,20 +177,13 @@ class _Names:
         if given is None or plain_tuple(given) and id(node) not in self.given or self.stopped or not quiet:
             self.stopped = self.stopped or not quiet
             return new
-        held = self.of.fresh("inner")
         self.of.report.found += said
-        self.before += [at(s, node) for s in self.of.assign(at(Assign([Name(held, Store(), None, None)], called, None),
-                                                                 node))]
-        return at(name(held), node)
+        return self._held(at(called, node), "inner")
 
 
-def _own_lists(function: FunctionDef) -> set[str]:
-    """The names that a function only binds to lists that it spells out."""
-    values: dict[str, list[AST]] = {}
-    for target, value in bindings(function):
-        for n in stored_names(target):
-            values.setdefault(n, []).append(value if isinstance(target, Name) else target)
-    return {n for n, v in values.items() if all(isinstance(each, List) for each in v)} - set(parameters(function))
+def _is_number(node: AST) -> bool:
+    """Whether an expression is a number that is written with a sign."""
+    return isinstance(node, UnaryOp) and isinstance(node.operand, Constant)
 
 
 def _stores(node: AST, lists: set[str]) -> bool:

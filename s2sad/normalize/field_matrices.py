@@ -74,6 +74,8 @@ class Matrices(Built):
     def _help(self, function: str) -> str:
         if function in ("diags", "diags_array"):
             return "write diags([main, lower, upper], [0, -1, 1], shape=(n, n), format=\"csr\")"
+        if function == "spdiags":
+            return "write spdiags(rows, [0, 1], m, n)"
         if function in ("identity", "eye", "eye_array"):
             return f"write {function}(n, format=\"csr\")"
         if function in (*_FACTORS, "spsolve"):

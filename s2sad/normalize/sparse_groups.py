@@ -22,6 +22,7 @@ from s2sad.tree import (
 
 ROOM = "scipy.sparse."
 FORMATS = (*SPARSE, "dia")                # "dia" is also whatever SciPy lays out by itself: its entries cannot be read
+DIAGONALS = (f"{ROOM}diags", f"{ROOM}diags_array", f"{ROOM}spdiags")
 
 PLACES = ("indices", "indptr", "row", "col")
 
