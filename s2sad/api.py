@@ -7,12 +7,13 @@ from typing import Any
 
 from s2sad import pipeline
 from s2sad.annotated import AnnotatedCall
-from s2sad.annotations import Annotation, Duplicated, Mode
+from s2sad.annotations import Annotation, Const, Duplicated, Mode
 from s2sad.binding import admitted, bind, describe
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.flattened import annotated as with_structures, flattened, taken_apart
 from s2sad.prepared import selection_of
 from s2sad.program import Request
+from s2sad.read.underlying import given_functions
 from s2sad.run.compiled import chosen
 from s2sad.selection import Results, names_of, selected_of, selected_wrt
 from s2sad.shadowed import ShadowedCall
@@ -88,6 +89,9 @@ class Differentiated:
 
     def primal(self, *args: Any, **keywords: Any) -> Any:
         """What f returns, computed by the compiled primal (under NumPy: by f itself)."""
+        given, args, keywords = given_functions(self, args, keywords)
+        if given is not self:
+            return Differentiated(given, engine=self.engine).primal(*args, **keywords)
         state = self._derivatives.state()
         structures = flattened(state, bind(state.kernel, args, keywords))
         if structures is not None:
@@ -148,7 +152,9 @@ class Differentiated:
         return [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, bound)]
 
     def _source(self, mode: str, args: tuple[Any, ...], keywords: dict[str, Any], level: str) -> str:
-        state, values, (wrt, of, _) = taken_apart(self._derivatives.state(), self, args, keywords)
+        given, args, keywords = given_functions(self, args, keywords)
+        derivatives = self._derivatives if given is self else derivatives_of(given)
+        state, values, (wrt, of, _) = taken_apart(derivatives.state(), self, args, keywords)
         types = state.types([admitted(n, v, n in state.floats) for n, v in zip(state.parameters, values)])
         name, parameters = state.kernel.name, state.parameters
         wrt = selected_wrt(name, parameters, types, wrt)
@@ -179,7 +185,9 @@ def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = Non
     if not isinstance(mode, Mode):
         raise S2sadError(Diagnostic("S402", f"{mode!r} is no mode",
                                     help="use Forward, ForwardWithPrimal, Reverse or ReverseWithPrimal"))
-    state = derivatives_of(f).state()
+    given, annotated, _ = given_functions(f, [
+        a.value if isinstance(a, Const) and callable(a.value) else a for a in annotated], {})
+    state = derivatives_of(given).state()
     found = with_structures.annotated(state, mode, annotated, selection_of(f)[2], seed)
     if found is not None:
         return found[0]

@@ -8,6 +8,7 @@ from s2sad.binding import bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.flattened import drivers as with_structures, flattened
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
+from s2sad.read.underlying import given_functions
 from s2sad.selection import RETURN, names_of
 from s2sad.variants import Derivatives, derivatives_of
 
@@ -69,7 +70,8 @@ def value_and_gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = 
 def _prepared(f: Any, derivatives: Derivatives, names: tuple[str, ...] | None, args: tuple[Any, ...],
               keywords: dict[str, Any]) -> tuple[ReverseCall | with_structures.Gradient, tuple[Any, ...]]:
     """The prepared gradient for arguments of these types, and the arguments by position."""
-    state = derivatives.state()
+    given, args, keywords = given_functions(f, args, keywords)
+    state = (derivatives if given is f else derivatives_of(given)).state()
     if keywords:
         args = tuple(bind(state.kernel, args, keywords))
     apart = flattened(state, args)
@@ -101,8 +103,8 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
     >>> vjp(scale, (np.ones(2), 3.0), {"u": np.ones(2)})
     {'u': array([3., 3.]), 'c': 2.0}
     """
-    state = derivatives_of(f).state()
-    args, names = _listed(args), names_of(wrt)
+    given, args, _ = given_functions(f, _listed(args), {})
+    state, names = derivatives_of(given).state(), names_of(wrt)
     apart = flattened(state, args)
     if apart is not None:
         _named(seeds, "seeds")
@@ -130,8 +132,8 @@ def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any],
     >>> jvp(scale, (np.ones(2), 3.0), {"c": 1.0})
     {'u': array([1., 1.])}
     """
-    state = derivatives_of(f).state()
-    args, names = _listed(args), names_of(of)
+    given, args, _ = given_functions(f, _listed(args), {})
+    state, names = derivatives_of(given).state(), names_of(of)
     apart = flattened(state, args)
     if apart is not None:
         _named(tangents, "tangents")

@@ -13,12 +13,14 @@ functions it is one function.
 from __future__ import annotations
 
 from dataclasses import replace
+from types import FunctionType
 
 from s2sad import tree
 from s2sad.diagnostics import S2sadError
 from s2sad.read.capture import capture
 from s2sad.read.meaning import AST, Captured, Function, Library, NotConstant, library_value
 from s2sad.read.nested import Around, NestedFunction
+from s2sad.read.underlying import given as given_before
 from s2sad.tree import Call, FunctionDef
 
 Handed = dict[int | str, Function | Library]
@@ -32,7 +34,8 @@ def definition(function: Function) -> Captured:
 
 def by_default(node: Call, callee: Function) -> Handed:
     """The functions that a call leaves to the defaults of the callee's parameters."""
-    defaults = getattr(callee.handle, "__defaults__", None), getattr(callee.handle, "__kwdefaults__", None)
+    handle = given_before(callee.handle)[0] if isinstance(callee.handle, FunctionType) else callee.handle
+    defaults = getattr(handle, "__defaults__", None), getattr(handle, "__kwdefaults__", None)
     if not hasattr(callee.handle, "captured") and not any(map(callable, [*(defaults[0] or ()), *(
             defaults[1] or {}).values()])):
         return {}

@@ -4,6 +4,7 @@
     model.loss                       Model.loss, given self
     model, whose class has __call__  Model.__call__, given self
     functools.partial(f, k=2.0)      f, given k
+    f(g, u), of a function g         f, given g
 
 A function that was given arguments is called by a function of those left; these are what it is differentiated for.
 The names of the others mean, in its text, what was given.
@@ -12,7 +13,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from types import FunctionType, MethodType
 from typing import Any
 
@@ -51,6 +52,26 @@ def by_position(function: Callable[..., Any]) -> Callable[..., Any]:
     if plain is None or not plain.__code__.co_kwonlyargcount and not isinstance(function, functools.partial):
         return function
     return _called(plain, {})
+
+
+def given_functions(f: Any, args: Sequence[Any], keywords: Mapping[str, Any]
+                    ) -> tuple[Any, tuple[Any, ...], dict[str, Any]]:
+    """A function as it is given those of its arguments that are functions, and the arguments that are left."""
+    if not any(map(callable, args)) and not any(map(callable, keywords.values())):
+        return f, tuple(args), dict(keywords)
+    function = python_function(f)
+    names = [] if function is None else list(inspect.signature(function).parameters)
+    found = {n: v for n, v in [*zip(names, args), *keywords.items()] if n in names and _is_function(v)}
+    if not found:
+        return f, tuple(args), dict(keywords)
+    left = [a for k, a in enumerate(args) if k >= len(names) or names[k] not in found]
+    return functools.partial(f, **found), tuple(left), {n: v for n, v in keywords.items() if n not in found}
+
+
+def _is_function(value: Any) -> bool:
+    """Whether a value is a function, of a user's or of a library's: no class, and no object that has fields."""
+    return callable(value) and not isinstance(value, type) and (
+        named_function(value) is not None or type(value).__module__.partition(".")[0] in _LIBRARIES)
 
 
 def _method(value: Any) -> MethodType | None:

@@ -18,7 +18,7 @@ from s2sad.report.parting import wrong_adjoint, wrong_tangent
 from s2sad.report.subject import Subject, flat, split, vector_of
 from s2sad.rules import constant_result
 from s2sad.rules.given import ROOM
-from s2sad.read.underlying import by_position
+from s2sad.read.underlying import by_position, given_functions
 from s2sad.run.compiled import bounds_checked, chosen
 from s2sad.selection import names_of, selected_of, selected_wrt
 from s2sad.variants import Derivatives, State, derivatives_of
@@ -84,13 +84,14 @@ def check(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None = N
     >>> bool(check(cube, 2.0, engine="numpy"))
     True
     """
-    given = Derivatives(derivatives_of(f).function).state()
+    function, args, _ = given_functions(f, args, {})
+    given = Derivatives(derivatives_of(function).function).state()
     apart = flattened(given, args)
     state, flat, carried = taken_apart(given, Carrier.overridden(f, names_of(wrt), names_of(of), engine), args)
     values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, flat)]
     types, name = state.types(values), state.kernel.name
     single = any(getattr(v, "dtype", None) == np.float32 for v in values)
-    original = by_position(state.function if single else getattr(f, "_original", f))
+    original = by_position(state.function if single else getattr(function, "_original", function))
     if apart is not None:
         original = apart.calling(original, bind(given.kernel, args))
     inputs = selected_wrt(name, state.parameters, types, carried[0])

@@ -11,6 +11,7 @@ from s2sad.binding import admitted
 from s2sad.flattened import Carrier, taken_apart
 from s2sad.normalize.hidden import hidden_arrays
 from s2sad.program import Program, Request
+from s2sad.read.underlying import given_functions
 from s2sad.report.findings import Findings, Place, findings
 from s2sad.report.page import page
 from s2sad.report.sizes import sizes_of
@@ -70,7 +71,8 @@ def explain(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None =
     ...
     """
     asked = Carrier.overridden(f, names_of(wrt), names_of(of), engine)
-    state, given, carried = taken_apart(derivatives_of(f).state(), asked, args)
+    function, args, _ = given_functions(f, args, {})
+    state, given, carried = taken_apart(derivatives_of(function).state(), asked, args)
     values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, given)]
     types, name = state.types(values), state.kernel.name
     request = Request("adjoint", types, selected_wrt(name, state.parameters, types, carried[0]),
