@@ -12,6 +12,9 @@
                                     else: u[...] = v
                                     return u_own
 
+    a = u                           (as `u` itself, where of which only sizes are read)
+    for k in range(n): ...
+
 Requires structured form and types. In NumPy the names take turns with the caller's array; which of them has it is
 counted. Left as they are: names that are bound in any other way, or of whose arrays there are views.
 """
@@ -25,8 +28,8 @@ from s2sad.infer.types import INT
 from s2sad.naming import Names
 from s2sad.normalize.allocations import ALLOCATING
 from s2sad.tree import (
-    AST, Assign, AugAssign, BinOp, Call, Eq, For, FunctionDef, If, Name, Return, Sub, Subscript, While, assign, at,
-    call, call_name, compare, const, copy, index, name, names, rename, stored_names, walk,
+    AST, Assign, Attribute, AugAssign, BinOp, Call, Eq, For, FunctionDef, If, Name, Return, Sub, Subscript, While,
+    assign, at, call, call_name, compare, const, copy, index, name, names, rename, stored_names, walk,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -43,6 +46,8 @@ def rotated(function: FunctionDef, typing: Typing, free: Names, within: bool = F
     """The function with such copies; the table of `typing` gains their names. `within` another function what is
     returned is the argument itself where its name has it at the end."""
     swaps = [s for block in _blocks(function.body) for s in swaps_of(block, typing)]
+    if swaps and (own := _under_their_own(function, typing, {n for s in swaps for n in s.given})) is not function:
+        function, swaps = own, [s for block in _blocks(own.body) for s in swaps_of(block, typing)]
     for group in _groups(swaps):
         given = [p.id for p in function.args.args if p.id in group]
         inside = [s for s in swaps if group & s.given.keys()]
@@ -50,6 +55,30 @@ def rotated(function: FunctionDef, typing: Typing, free: Names, within: bool = F
             function = _Rotated(function, typing, free, sorted(group), given, inside, within).function
             swaps = [s for block in _blocks(function.body) for s in swaps_of(block, typing)]
     return function
+
+
+def _under_their_own(function: FunctionDef, typing: Typing, swapped: set[str]) -> FunctionDef:
+    """The function in which arguments that were only given other names, `a = u`, which swap, go on under their own."""
+    parameters = {p.id for p in function.args.args}
+    for place, statement in enumerate(function.body):
+        if not isinstance(statement, Assign) or not isinstance(statement.value, Name):
+            continue
+        given, bound = statement.value.id, str(getattr(statement.targets[0], "id", ""))
+        before, after = function.body[:place], function.body[place + 1:]
+        if given in parameters and bound in swapped - parameters and typing.table[given] == typing.table[bound] and (
+                not _is_read(given, after)) and given not in stored_names(before) and bound not in {
+                *names(before), *stored_names(before)}:
+            made = copy(function)
+            made.body = [*before, *(rename(s, {bound: given}) for s in after)]
+            return _under_their_own(made, typing, swapped | {given})
+    return function
+
+
+def _is_read(array: str, block: list[AST]) -> bool:
+    """Whether statements mention an array but for its sizes."""
+    sizes = {id(n.value) for n in walk(block) if isinstance(n, Attribute) and n.attr in ("shape", "size", "ndim")}
+    sizes |= {id(n.args[0]) for n in walk(block) if call_name(n) in ("numpy.empty_like", "numpy.zeros_like") and n.args}
+    return any(isinstance(n, Name) and n.id == array and id(n) not in sizes for n in walk(block))
 
 
 def _blocks(block: list[AST]) -> list[list[AST]]:
