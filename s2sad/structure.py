@@ -35,6 +35,7 @@ _LIBRARIES = ("builtins", "numpy", "scipy", "pandas", "numba", "torch", "jax", "
 SPARSE = {"csr": ("data", "indices", "indptr", "shape"), "csc": ("data", "indices", "indptr", "shape"),
           "coo": ("data", "row", "col", "shape")}    # the formats of sparse matrices, and what they are made of
 _FLOATS = ("float", "np.float64", "numpy.float64", "float64")
+_ARRAYS = ("np.ndarray", "numpy.ndarray", "ndarray", "NDArray", "npt.NDArray", "numpy.typing.NDArray")
 _STEP = re.compile(r"""\.([^\W\d]\w*)|\[(-?\d+)\]|\['([^']*)'\]|\["([^"]*)"\]""")
 
 
@@ -93,10 +94,21 @@ def _form(value: object, name: str, depth: int) -> Form:
     keys, made = _keys(kind, value), type(value)
     items = [_form(part_of(kind, value, k), name, depth + 1) for k in keys]
     if kind in ("record", "named"):
-        annotated = {k: t for c in reversed(made.__mro__) for k, t in vars(c).get("__annotations__", {}).items()}
+        annotated = annotations(made)
         items = [FLOAT if i == INT and (annotated.get(str(k)) is float or annotated.get(str(k)) in _FLOATS) else i
                  for k, i in zip(keys, items)]
     return Structure(kind, keys, tuple(items), made, is_fixed(kind, made))
+
+
+def annotations(made: type) -> dict[str, Any]:
+    """What a class says that its fields are."""
+    return {k: t for c in reversed(made.__mro__) for k, t in vars(c).get("__annotations__", {}).items()}
+
+
+def said_to_be_array(form: Structure, key: str | int) -> bool:
+    """Whether a field is annotated as an array."""
+    said = annotations(form.made).get(str(key)) if form.made is not None else None
+    return said is np.ndarray or str(said).strip("\"'").partition("[")[0] in _ARRAYS
 
 
 def is_fixed(kind: str, made: type) -> bool:

@@ -84,6 +84,34 @@ def beside_a_call(x):
     return np.sum(s.u)
 
 
+def moved(s, v):
+    s.u += 0.1 * v * s.k
+    s.u %= 2.0
+
+
+def added_in_place(x):
+    """What is added to an array is added in place, and so to the array that the caller has, and to its argument."""
+    s = S(x * 2.0, 1.5)
+    t = S(x, x[1])
+    for _ in range(2):
+        moved(s, x)
+        moved(t, s.u[0])
+    moved(S(s.u[1:], 0.5), t.u[:-1])
+    return np.sum(s.u ** 2) * t.k
+
+
+def added_to_a_number(x):
+    s = S(x[0], 1.5)
+    moved(s, x[1])
+    return s.u
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+def test_added_in_place(engine):
+    check_derivatives(added_in_place, (X,), ("x",), ("x", "return"), engine)
+    check_derivatives(added_in_place, (X[:2].astype(np.float32),), ("x",), ("x", "return"), engine)
+
+
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
 @pytest.mark.parametrize("kernel", [twice, in_a_loop, without_a_name, of_parts_of_another, one_in_another])
 def test_derivatives(kernel, engine):
@@ -99,3 +127,8 @@ def test_what_is_refused(kernel, message, advice):
     with pytest.raises(s2sad.S2sadError) as caught:
         s2sad.gradient(kernel)(X)
     assert f"error[S201]: {message}" in str(caught.value) and f"help: {advice}" in str(caught.value)
+
+
+def test_a_number_in_a_field_for_an_array_is_refused():
+    with pytest.raises(s2sad.S2sadError, match=r"error\[S203\]: a float64 cannot be indexed"):
+        s2sad.gradient(added_to_a_number)(X)

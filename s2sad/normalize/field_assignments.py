@@ -2,14 +2,17 @@
 
     state.t = 0.0                ->   state_t[0] = 0.0
     state.k += 1                 ->   state_k[0] += 1
+    state.u += x                 ->   state_u[...] += x         in a function, of an object that its caller made
 """
 from __future__ import annotations
 
+from s2sad.infer.types import UNKNOWN
 from s2sad.normalize.field_decisions import NO
 from s2sad.normalize.field_integers import KEEPING, is_whole, whole_names
 from s2sad.normalize.field_operators import Operators
 from s2sad.normalize.groups import Group, Leaf, Plain, flat, nothing, usable
 from s2sad.normalize.sparse_groups import PLACES, is_matrix
+from s2sad.structure import said_to_be_array
 from s2sad.tree import (
     AST, Add, Attribute, BoolOp, Compare, Constant, Mult, Name, Not, Store, Sub, Subscript, UnaryOp, at, const, index,
     name,
@@ -50,6 +53,9 @@ class Assignments(Operators):
             return dummy
         if item.type.is_array:
             return at(Name(item.name, Store(), None, None), node)
+        if augmented and item.type == UNKNOWN and item.place >= 0 and _is_array(base, item):
+            whole = index(name(item.name), const(...))      # refused there if it is a number
+            return at(Subscript(whole.value, whole.slice, Store()), node)
         if not item.is_cell and item.place < 0:
             return at(Name(item.name, Store(), None, None), node)
         if not _keeps_dtype(item, value, augmented, op) and not self._keeps_whole(item, value, augmented, op):
@@ -88,6 +94,11 @@ class Assignments(Operators):
 
     def stored(self, node: AST) -> AST | None:
         return self.assigned(node, None, False)
+
+
+def _is_array(base: Group, item: Leaf) -> bool:
+    """Whether the class of a structure says that an item is an array."""
+    return any(i is item and said_to_be_array(base.form, k) for k, i in zip(base.form.keys, base.items))
 
 
 def _keeps_dtype(item: Leaf, value: AST | None, augmented: bool, op: AST | None) -> bool:
