@@ -94,20 +94,20 @@ def _form(value: object, name: str, depth: int) -> Form:
     keys, made = _keys(kind, value), type(value)
     items = [_form(part_of(kind, value, k), name, depth + 1) for k in keys]
     if kind in ("record", "named"):
-        annotated = annotations(made)
+        annotated = annotated_as(made)
         items = [FLOAT if i == INT and (annotated.get(str(k)) is float or annotated.get(str(k)) in _FLOATS) else i
                  for k, i in zip(keys, items)]
     return Structure(kind, keys, tuple(items), made, is_fixed(kind, made))
 
 
-def annotations(made: type) -> dict[str, Any]:
+def annotated_as(made: type) -> dict[str, Any]:
     """What a class says that its fields are."""
     return {k: t for c in reversed(made.__mro__) for k, t in vars(c).get("__annotations__", {}).items()}
 
 
 def said_to_be_array(form: Structure, key: str | int) -> bool:
     """Whether a field is annotated as an array."""
-    said = annotations(form.made).get(str(key)) if form.made is not None else None
+    said = annotated_as(form.made).get(str(key)) if form.made is not None else None
     return said is np.ndarray or str(said).strip("\"'").partition("[")[0] in _ARRAYS
 
 

@@ -1,7 +1,9 @@
 """Plain dataclasses whose names are bound anew in loops: nobody assigns to their fields, so none can tell."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+import dataclasses
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -23,6 +25,46 @@ class State:
 class Pair:
     a: float
     b: float = 1.0
+
+
+@dataclass(frozen=True)
+class Fixed:
+    u: np.ndarray
+    t: float = 0.0
+
+
+class Named(NamedTuple):
+    u: np.ndarray
+    t: float = 0.0
+
+
+def replaced_in_a_loop(x):
+    s, f, n = State(x), Fixed(x * 2.0, x[1]), Named(x, x[2])
+    for _ in range(3):
+        s = replace(s, t=s.t + s.u[0] * x[1])
+        f = dataclasses.replace(f, u=np.sin(f.u) * s.t, t=f.t * 1.5)
+        n = n._replace(t=f.t * n.t)
+    return s.u.sum() * s.t + f.u.sum() * f.t * n.t
+
+
+def replaced_and_assigned(x):
+    """What is made of another one shares its arrays, and has numbers of its own."""
+    s = State(x * 1.0, x[0])
+    r = replace(s, t=s.t * x[1])
+    same = replace(s, u=x * 2.0)
+    s.t = 3.0 * x[2]
+    s.u[0] *= r.t
+    same.t += r.t
+    return np.sum(s.u) * s.t + r.u[0] * r.t + same.t * same.u[1]
+
+
+def replaced_in_a_helper(x):
+    s = later(State(x, x[0]), 0.5)
+    return later(s, dt=x[1]).t * s.t * s.u[2]
+
+
+def later(s, dt):
+    return replace(s, t=s.t + dt * s.u[1])
 
 
 def numbers(x):
@@ -86,7 +128,8 @@ def of_two(x):
     return best.a * last.b + last.a
 
 
-KERNELS = [numbers, arrays, other_names, shared_array, by_a_function, in_branches, of_two]
+KERNELS = [numbers, arrays, other_names, shared_array, by_a_function, in_branches, of_two, replaced_in_a_loop,
+           replaced_and_assigned, replaced_in_a_helper]
 
 
 @pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))

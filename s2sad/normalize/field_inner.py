@@ -69,7 +69,7 @@ class Inner(Bindings):
         if title:
             fields: Iterable[str | int] = (record_fields(self.program.records[title]) or ("", {}))[1]
             moved = is_turned(node, fields)
-        elif isinstance(node.func, Attribute) and node.func.attr == "_replace" and node.keywords:
+        elif isinstance(node.func, Attribute) and node.func.attr in ("_replace", "__replace__") and node.keywords:
             mark = len(self.report.found)
             base = self.structural(node.func.value)
             del self.report.found[mark:]

@@ -28,6 +28,7 @@ from s2sad.tree import (
     add, at, call_name, const, keyword, name,
 )
 
+_REPLACING = ("_replace", "__replace__")
 Passed = dict[int, "Leaf | Plain"]
 
 
@@ -79,7 +80,8 @@ class Values(Matrices):
         """The call that a method or a property of a structure's class means."""
         found = method_of(base.form.made, place.attr) if base.form.made and place.attr not in base.form.keys else None
         if found is None or base.form.kind not in ("record", "named") or (found[1] == "property") is isinstance(
-                node, Call) or found[0].__module__ in ("collections", "builtins") or place.attr == "_replace":
+                node, Call) or found[0].__module__ in ("collections", "builtins", "dataclasses") or (
+                place.attr in _REPLACING):
             return None
         title = self.program.methods.get(found[0])
         if title is None:
@@ -176,10 +178,12 @@ class Values(Matrices):
         if is_sparse(base):
             return self.matrix_method(base, node)
         method, count, kind = node.func.attr, len(node.args), base.form.kind
-        given = node.keywords if method == "_replace" else []
-        new = {str(k.arg): self.now(self.whole(k.value), k.value) for k in given}
-        if kind == "named" and new and not count and new.keys() <= set(base.form.keys):
-            items = tuple(new.get(str(k), i) for k, i in zip(base.form.keys, base.items))
+        own = kind == "record" and not base.form.fixed
+        given = node.keywords if method in _REPLACING else []
+        new = {str(k.arg): self.now(self.whole(k.value), k.value, own) for k in given}
+        if new and not count and new.keys() <= set(base.form.keys) and _has_fields(base.form, method):
+            items = tuple(new[str(k)] if k in new else self.now(i, node, own) for k, i in zip(
+                base.form.keys, base.items))
             return replace(base, items=items, path=SPELLED)
         if kind == "dict" and not node.keywords:
             key = self.key(node.args[0]) if method == "get" and 1 <= count <= 2 else None
@@ -192,6 +196,7 @@ class Values(Matrices):
             views = {"keys": keys, "values": base.items, "items": pairs}
             if method in views and not count:
                 return listed(views[method])
+        method = method.strip("_") if method == "__replace__" else method
         self.refuse(node, f"the method '{method}' of {spoken(base)}, which is {base.form}, {NO}",
                     f"write what it does with {parts_of(base)}" if base.items else "")
         return Plain(at(const(0.0), node))
@@ -259,6 +264,12 @@ class Values(Matrices):
 def _group(form: Structure, items: list[Value]) -> Group:
     """A structure that a kernel makes."""
     return Group(replace(form, items=tuple(map(pattern, items))), tuple(items), SPELLED)
+
+
+def _has_fields(form: Structure, method: str) -> bool:
+    """Whether a structure is one whose fields a method replaces: a named tuple, or a dataclass that only has fields."""
+    return form.kind == "named" or method == "__replace__" and form.kind == "record" and form.made is not None and (
+        tuple((record_fields(form.made) or ("", {}))[1]) == form.keys)
 
 
 def plain_tuple(result: Group) -> bool:

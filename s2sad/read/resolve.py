@@ -163,6 +163,9 @@ class _Resolver(References):
         if self.library(node.func) in ("math.modf", "numpy.modf") and len(node.args) == 1 and is_repeatable(
                 node.args[0]):
             return self._split(node)
+        if len(node.args) == 1 and node.keywords and self._replaces(node.func):
+            method = tree.at(tree.attribute(node.args[0], "__replace__"), node.func)
+            return tree.at(tree.rebuild(tree.Call(method, [], node.keywords), self.change), node)
         self.called.add(id(node.func))
         if isinstance(self._function_meant(node.func), Library) or isinstance(
                 node.func, tree.Name) and node.func.id in ("len", *ITERATORS):
@@ -190,6 +193,11 @@ class _Resolver(References):
         asked = given[0] if len(given) == 1 else None
         return isinstance(asked, tree.Call) and self.library(asked.func) == "builtins.type" and not asked.keywords and (
             len(asked.args) == 1 and isinstance(asked.args[0], tree.Constant) and asked.args[0].value is None)
+
+    def _replaces(self, node: AST) -> bool:
+        """Whether a function is the one that makes a structure with other fields of another."""
+        meant = self._function_meant(node)
+        return isinstance(meant, Function) and meant.path in ("dataclasses.replace", "copy.replace")
 
     def _split(self, node: tree.Call) -> AST:
         """A number's part behind the point and the part before it."""
