@@ -46,6 +46,9 @@ def ufuncs(a, x, y):
     b = np.add.reduce(a, axis=1) * np.multiply.reduce(a, axis=1) + np.add.accumulate(x) * np.maximum.accumulate(x)
     c = np.multiply.outer(x, y) * np.subtract.outer(x, y) + np.power.outer(x, y)
     d = np.maximum.reduce(a) * np.minimum.accumulate(a, axis=1)[2]
+    c += np.hypot.outer(x, y) * np.logaddexp.outer(x, y) + np.arctan2.outer(x, y)
+    d = d * np.logaddexp.reduce(a) + np.hypot.reduce(a, axis=0) * np.logaddexp.accumulate(a)[1]
+    d *= np.logaddexp.reduce(x) * np.hypot.reduce(x, keepdims=True)[0] + np.sum(np.logaddexp.accumulate(a, axis=1))
     return np.add.reduce(y) + np.sum(b ** 2) + np.sum(c * a) + np.sum(d * np.multiply.accumulate(y))
 
 
@@ -222,3 +225,22 @@ def test_writing_by_number_is_refused(text, what, tmp_path):
     exec(compile(path.read_text(), str(path), "exec"), spaces)
     with pytest.raises(s2sad.S2sadError, match="a call whose result is not used(.*\n)*.*help: .*" + what):
         s2sad.vjp(spaces["kernel"], (np.ones(3),), {"x": np.ones(3)})
+
+
+def pairs_of(x, y):
+    return np.sum(np.hypot.outer(x, y) * np.logaddexp.outer(x, y)) + np.sum(np.logaddexp.accumulate(x)) * (
+        np.logaddexp.reduce(x) * np.hypot.reduce(y))
+
+
+def running_integers(x, y):
+    return np.sum(np.logaddexp.accumulate(np.arange(3)) * x)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_ufuncs_of_pairs(engine):
+    x, y = np.array([0.3, 0.8, 1.2]), np.array([0.5, -0.9])
+    check_derivatives(pairs_of, (x, y), ("x", "y"), ("return",), engine)
+    check_derivatives(pairs_of, (x[:1], y[1:]), ("x", "y"), ("return",), engine)
+    check_derivatives(pairs_of, (x.astype(np.float32), y), ("x", "y"), ("return",), engine)
+    with pytest.raises(s2sad.S2sadError, match="no derivative rule for numpy.logaddexp.accumulate"):
+        s2sad.gradient(running_integers)(x, y)

@@ -177,6 +177,10 @@ def _running_extreme(args: list[Type], options: Arguments) -> Type:
     return args[0] if known_array(args) and one_axis(options["axis"], args[0].rank) is not None else UNKNOWN
 
 
+def _running_logarithm(args: list[Type], options: Arguments) -> Type:
+    return _running_extreme(args, options) if args[0].is_float else UNKNOWN
+
+
 def _sum_of_exponentials(args: list[Type], options: Arguments) -> Type:
     return _averaged(args, options) if is_none(options["b"]) else UNKNOWN
 
@@ -197,6 +201,8 @@ SUMS: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "scipy.special.log_softmax": _shares,
     "numpy.maximum.accumulate": _running_extreme, "numpy.minimum.accumulate": _running_extreme,
     **{f"numpy.{f}.outer": _outer for f in ("add", "subtract", "multiply", "power", "maximum", "minimum")},
-    "numpy.divide.outer": _quotient, "numpy.cross": _crossed, "numpy.vander": _powers, "numpy.polyval": _polynomial,
+    "numpy.logaddexp.accumulate": _running_logarithm,
+    **{f"numpy.{f}.outer": _quotient for f in ("divide", "hypot", "logaddexp", "arctan2")},
+    "numpy.cross": _crossed, "numpy.vander": _powers, "numpy.polyval": _polynomial,
     "numpy.correlate": _convolve, "numpy.gradient": _gradient, "numpy.convolve": _convolve, "numpy.interp": _interp,
 }

@@ -209,7 +209,8 @@ def _convolve(asked: Asked) -> str:
 
 
 OUTER = {"add": "{a} + {b}", "subtract": "{a} - {b}", "multiply": "{a} * {b}", "divide": "{a} / {b}",
-         "power": "{a} ** {b}", "maximum": "numpy.maximum({a}, {b})", "minimum": "numpy.minimum({a}, {b})"}
+         "power": "{a} ** {b}", "maximum": "numpy.maximum({a}, {b})", "minimum": "numpy.minimum({a}, {b})",
+         **{f: f"numpy.{f}({{a}}, {{b}})" for f in ("hypot", "logaddexp", "arctan2")}}
 SUMS: dict[str, Callable[[Asked], str]] = {
     "numpy.var": _var, "numpy.std": _std, "numpy.linalg.norm": _norm, "numpy.average": _average, "numpy.prod": _prod,
     "numpy.cumprod": lambda asked: _running(asked, "*", "1.0", "numpy.cumprod"),
@@ -219,5 +220,6 @@ SUMS: dict[str, Callable[[Asked], str]] = {
     "numpy.vander": _vander, "numpy.polyval": _polyval, "numpy.correlate": _correlate,
     "numpy.maximum.accumulate": lambda asked: _running_extreme(asked, "maximum"),
     "numpy.minimum.accumulate": lambda asked: _running_extreme(asked, "minimum"),
+    "numpy.logaddexp.accumulate": lambda asked: _running_extreme(asked, "logaddexp"),
     **{f"numpy.{f}.outer": lambda asked, text=text: _outer(asked, text) for f, text in OUTER.items()},
 }

@@ -25,7 +25,8 @@ _LISTS = {f"numpy.{f}" for f in ("concatenate", "stack", "hstack", "vstack", "co
 _OPERANDS = {
     **{f"numpy.{f}": (0, 1) for f in ("matmul", "dot", "vdot", "inner", "outer", "tensordot", "kron", "cross",
                                       "convolve", "correlate", "trapezoid", "polyval", "linalg.solve")},
-    **{f"numpy.{f}.outer": (0, 1) for f in ("add", "subtract", "multiply", "divide", "power", "maximum", "minimum")},
+    **{f"numpy.{f}.outer": (0, 1) for f in ("add", "subtract", "multiply", "divide", "power", "maximum", "minimum",
+                                            "hypot", "logaddexp", "arctan2")},
     "numpy.where": (1, 2), "numpy.einsum": range(1, 32)}
 
 

@@ -60,6 +60,9 @@ for _ufunc, _function in (("add", "sum"), ("multiply", "prod"), ("maximum", "max
          f"numpy.{_function}(array, axis=axis, keepdims=keepdims)")
 same("numpy.add.accumulate(array, axis=0)", "numpy.cumsum(array, axis=axis)")
 same("numpy.multiply.accumulate(array, axis=0)", "numpy.cumprod(array, axis=axis)")
+same("numpy.hypot.reduce(array, axis=0, keepdims=False)", "numpy.linalg.norm(array, axis=axis, keepdims=keepdims)")
+same("numpy.logaddexp.reduce(array, axis=0, keepdims=False)",
+     "scipy.special.logsumexp(array, axis=axis, keepdims=keepdims)")
 for _function in ("inv(a)", "det(a)", "norm(a, ord=None, axis=None, keepdims=False)"):
     _name, _, _rest = _function.partition("(")
     _given = ", ".join(f"{p}={p}" if d else p for p, d, _ in (p.partition("=") for p in _rest[:-1].split(", ")))
