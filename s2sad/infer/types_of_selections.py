@@ -102,8 +102,8 @@ def _unique(args: list[Type], options: Arguments) -> Type:
     x, flags = args[0], ("return_index", "return_inverse", "return_counts")
     if not x.is_array or x.rank != 1 or x.dtype not in ORDER or x.is_complex or not _flags(options, *flags):
         return UNKNOWN
-    number = whole_number(options["part"]) or 0
-    if number > sum(options[f].value for f in flags):
+    number, most = whole_number(options["part"]), sum(options[f].value for f in flags)
+    if number is None and most or (number or 0) > most:         # a tuple that nothing has taken apart
         return UNKNOWN
     return array("int64" if number else x.dtype, 1)
 

@@ -16,6 +16,7 @@ Requires structured form. A part that has no rule is left as it is, to be refuse
 """
 from __future__ import annotations
 
+from s2sad.infer.laws import whole_number
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Call, Constant, FunctionDef, Name, NotEq, Store, Subscript, assign, at, call,
@@ -60,12 +61,10 @@ def _as_function(node: AST) -> AST | None:
 def parted(node: AST) -> dict[str, str]:
     """The functions of the parts of a call, {} if it is none that gives a tuple or its options are not the default."""
     called = call_name(node) or ""
-    if called == "numpy.unique" and not any(str(k.arg).startswith("return_") for k in node.keywords):
-        return {}
     if called in _NUMBERED and (called != "numpy.where" or len(node.args) == 1 and not node.keywords):
         word = called.rpartition(".")[2]
         masked = {_MASK: "mask"} if _picks(node) or called in _PAIRS else {}
-        return {f"{word}_{k}": called for k in range(_MOST)} | masked
+        return {f"{word}_{k}": called for k in range(_count(node))} | masked
     if called not in _PARTS:
         return {}
     written = _option(node)
@@ -77,6 +76,15 @@ def parted(node: AST) -> dict[str, str]:
     extra = node.args[_OPERANDS.get(called, 1):]
     plain = not left and all(called in _NONE and _is_none(a) for a in extra) and len(extra) <= 1
     return _PARTS[called] if plain and len(node.args) >= _OPERANDS.get(called, 1) else {}
+
+
+def _count(node: AST) -> int:
+    """How many parts a call has, `_MOST` if that is not known; 0 for the values of `np.unique` alone, or with flags
+    that are not written out, which have no type."""
+    if call_name(node) == "numpy.unique":
+        asked = sum(str(k.arg).startswith("return_") and getattr(k.value, "value", None) is True for k in node.keywords)
+        return asked + 1 if asked else 0
+    return 2 if call_name(node) == "numpy.histogram" else _MOST
 
 
 def _option(node: AST) -> tuple[str, object] | None:
@@ -184,8 +192,8 @@ def _call(value: AST, part: str, function: str) -> AST:
 
 def _asked(node: AST) -> tuple[AST, int | str] | None:
     """What a part is taken of, and its number or name."""
-    if isinstance(node, Subscript) and isinstance(node.slice, Constant) and type(node.slice.value) is int:
-        return node.value, node.slice.value
+    if isinstance(node, Subscript) and (number := whole_number(node.slice)) is not None:
+        return node.value, number
     if isinstance(node, Subscript) and (
             isinstance(node.slice, Name) or _picks(node.slice) or call_name(node.slice) in _PAIRS):
         return node.slice, _MASK
@@ -196,7 +204,7 @@ def _named(found: dict[str, str], key: int | str) -> str:
     """The name of a part, "" if there is none that has a function."""
     if not isinstance(key, str):
         known = [part for part in found if part != _MASK]
-        key = known[key] if 0 <= key < len(known) else ""
+        key = known[key] if (-len(known) if len(known) < _MOST else 0) <= key < len(known) else ""
     return key if found.get(key) else ""
 
 

@@ -3,6 +3,7 @@
     np.full(shape=n, fill_value=c)      np.full(n, c)
     np.sum(a=x, axis=0)                 np.sum(x, axis=0)
     np.var(x, 0, None, None, 1)         np.var(x, 0, ddof=1)
+    np.unique(k, True)                  np.unique(k, return_index=True)
     np.argsort(x, kind="stable")        np.argsort(x, kind="mergesort")     which compiled code has, too
     q, r = divmod(a, b)                 q, r = a // b, a % b
     any(x)                              np.any(x)
@@ -49,8 +50,10 @@ def signatures(function: FunctionDef, scope: Scope) -> FunctionDef:
 
 
 # functions and methods of which a dtype and an array for the result stand before other options
-_REDUCING = frozenset("sum prod mean var std max min amax amin ptp cumsum cumprod nansum any all argmax argmin "
-                      "argsort".split())
+_REDUCING = frozenset("sum prod mean var std max min amax amin ptp cumsum cumprod nansum nanmean nanmax nanmin nanvar "
+                      "nanstd median any all argmax argmin argsort".split())
+# functions alone, with the arguments that stand before their options
+_OPERANDS = {"sort": 2, "unique": 1, "isin": 2, "histogram": 2}
 
 
 def _changed(node: AST) -> AST | None:
@@ -104,10 +107,11 @@ def _by_name(node: Call) -> Call | None:
     function = call_name(node) or ""
     method = node.func.attr if isinstance(node.func, Attribute) else ""
     word = method or function.removeprefix("numpy.")
-    if word not in _REDUCING and function != "numpy.sort" or not (method or function.startswith("numpy.")):
+    known = word in _REDUCING or function.removeprefix("numpy.") in _OPERANDS
+    if not known or not (method or function.startswith("numpy.")):
         return None
     places = list(inspect.signature(library_value(f"numpy.{word}")).parameters)[bool(method):]
-    first = 1 if method else 2
+    first = 1 if method else _OPERANDS.get(word, 2)
     if len(node.args) > len(places):
         return None
     given: list[tuple[str | None, AST]] = [*zip(places[first:], node.args[first:])]
