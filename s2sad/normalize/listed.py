@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from s2sad.infer.infer import Typing
 from s2sad.normalize.lasting import own_parts
 from s2sad.normalize.memory import Memory, fresh_value
-from s2sad.normalize.viewing import SHOWN
+from s2sad.normalize.viewing import shows
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, FunctionDef, If, Name, Store, Subscript, call_name, const, index, rename, walk,
+    AST, Assign, Attribute, AugAssign, FunctionDef, If, Name, Store, Subscript, const, index, rename, walk,
 )
 
 
@@ -25,7 +25,7 @@ def told_apart(function: FunctionDef, stores: Sequence[AST], typing: Typing, mem
 
 def is_shared(value: AST, typing: Typing) -> bool:
     """Whether a value is an array that something else may hold as well."""
-    return (isinstance(value, (Name, Subscript, Attribute)) or call_name(value) in SHOWN) and typing.of(value).is_array
+    return (isinstance(value, (Name, Subscript, Attribute)) or shows(value)) and typing.of(value).is_array
 
 
 def is_told(function: FunctionDef, store: AST, value: AST, stores: Sequence[AST], memory: Memory) -> bool:

@@ -9,6 +9,7 @@
     a.mT                                    np.swapaxes(a, -1, -2)
     np.add.at(x, [0, 0, 1], v)              np.add.at(x, np.array([0, 0, 1]), v)
     np.flip(a, [0, 1])                      np.flip(a, (0, 1))
+    np.linalg.matrix_power(a, 1)            np.asarray(a)           which is a itself
 
 Requires that methods are functions: `spelled` asks for each call.
 """
@@ -50,6 +51,8 @@ def optioned(node: Call) -> AST | None:
         args, named = ([tuple_of(*a.elts) if isinstance(a, List) else a for a in part]
                        for part in (node.args[1:], given.values()))
         return Call(node.func, [node.args[0], *args], [keyword(k, v) for k, v in zip(given, named)])
+    if called == "numpy.linalg.matrix_power" and not given and [getattr(n, "value", 0) for n in node.args[1:]] == [1]:
+        return call("numpy.asarray", node.args[0])
     if called in WRITING and len(node.args) > 1:
         made = [node.args[0], *map(_listed, node.args[1:])]
         return None if all(a is b for a, b in zip(made, node.args)) else Call(node.func, made, node.keywords)

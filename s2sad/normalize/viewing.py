@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from s2sad.analyze.liveness import Liveness, base_name, read_names, targets
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
+from s2sad.infer.laws import whole_number
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Expr, FunctionDef, IfExp, List, Name, Subscript, Tuple, call_name, walk,
 )
@@ -26,6 +27,13 @@ _SLICED = {f"numpy.{f}" for f in ("squeeze", "expand_dims", "atleast_1d", "atlea
 _ALIASES = {"numpy.asarray", "numpy.ascontiguousarray"}
 Links = dict[str, dict[str, bool]]
 Writes = Callable[[Call], list[str]]
+
+
+def shows(node: AST) -> bool:
+    """Whether a call may give a view of its first argument, or that itself, as the first power of a matrix is (one that
+    is written is spelled so)."""
+    power = call_name(node) == "numpy.linalg.matrix_power" and whole_number(node.args[1]) is None
+    return isinstance(node, Call) and bool(node.args) and (call_name(node) in SHOWN or power)
 
 
 def viewing(function: FunctionDef, typing: Typing, writes: Writes, report: Report) -> None:
@@ -72,7 +80,7 @@ def sources(statement: AST, typing: Typing) -> list[tuple[AST, bool]]:
         return []  # a matrix is made
     if called in _ALIASES and typing.of(value).dtype != typing.of(value.args[0]).dtype:
         return []  # a copy in another dtype
-    shown = called in SHOWN and isinstance(value, Call) and bool(value.args)
+    shown = shows(value)
     source = value.args[0] if shown else value
     is_array = isinstance(source, (Name, Subscript)) and typing.of(source).is_array
     return [(source, shown and called not in _SLICED)] if is_array else []

@@ -24,7 +24,7 @@ from s2sad.normalize.listed import told_apart
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.picked_rows import in_order, least, moved
 from s2sad.normalize.references import References
-from s2sad.normalize.viewing import SHOWN
+from s2sad.normalize.viewing import shows
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Break, Call, Constant, Expr, For, FunctionDef, IfExp, Name, Slice, Store,
     Subscript, While, add, assign, at, call_name, const, copy, index, indices, name, names, stored_names, sub, walk,
@@ -88,7 +88,7 @@ class Held:
         """The names whose memory a value may be."""
         if isinstance(value, IfExp):
             return self.sources(value.body) | self.sources(value.orelse)
-        if isinstance(value, Call) and call_name(value) in SHOWN and value.args:
+        if shows(value):
             return self.sources(value.args[0])
         if not isinstance(value, (Name, Subscript, Attribute)) or not self.typing.of(value).is_array:
             return set()
