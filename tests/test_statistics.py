@@ -69,6 +69,39 @@ def of_one(x):
             + np.sum(np.polyfit(x, x, 0)))
 
 
+def of_several(x, a):
+    few = np.stack((x[:2], x[1:3]))
+    return (np.sum(np.cov(x, x * x, ddof=0) ** 2) + np.sum(np.cov(a, rowvar=False) ** 2) + np.cov(x) * x[0]
+            + np.sum(np.corrcoef(a) * a[:, :1]) + np.sum(np.cov(few, ddof=1)[0]))
+
+
+def in_double(x, a):
+    return np.cov(x, bias=True), np.cov(x, x * x), np.corrcoef(a)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_variables_of_single_precision(engine):
+    given = X.astype("float32"), A.astype("float32")
+    check_derivatives(of_several, given, ("x", "a"), ("return",), engine)
+    with running(engine) as under:
+        kernel = s2sad.differentiate(in_double, engine=under)
+        changes = s2sad.jvp(kernel, given, {"x": given[0], "a": given[1]}, of=("return",))["return"]
+    assert [c.dtype for c in changes[1:]] == ["float64"] * 2
+    assert type(changes[0]) is float or changes[0].dtype == "float64"
+
+
+def covariance(x, c):
+    return np.sum(np.cov(x[None]) * np.ones(3))
+
+
+def covariance_of_columns(x, c):
+    return np.sum(np.cov(x[:, None], rowvar=False) * np.ones(3))
+
+
+def correlation(x, c):
+    return np.sum(np.corrcoef(np.reshape(x, (1, -1))) * x)
+
+
 def largest(x):
     return np.sum(np.nanmax(x, axis=1) * np.array([1.0, 2.0]))
 
@@ -92,7 +125,10 @@ def between(x, c):
 
 @pytest.mark.parametrize(("kernel", "message"), [
     (product, "np.polymul leaves leading zeros out: write np.convolve"),
-    (between, "np.geomspace between numbers above 0")])
+    (between, "np.geomspace between numbers above 0"),
+    (covariance, "np.cov of one variable is a number: give it as an array with one axis"),
+    (covariance_of_columns, "np.cov of one variable is a number: give it as an array with one axis"),
+    (correlation, "np.corrcoef of one variable is a number: give it as an array with one axis")])
 def test_guards(kernel, message):
     with pytest.raises(AssertionError) as guarded:
         s2sad.gradient(s2sad.differentiate(kernel, engine="numpy"), wrt="x")(X, 0.0)

@@ -66,21 +66,35 @@ def _parts_added(asked: Asked) -> str:
 
 # -- several variables -----------------------------------------------------------------------------------------------
 
-def _cov(asked: Asked, result: str = "result") -> str:
-    if asked.rank("m") == 1 and not asked.given("y"):
-        ddof = asked.number("ddof") if asked.given("ddof") else int(not asked.true("bias"))
-        return f"{result} = numpy.var(m, ddof={ddof})"
-    rows = "numpy.stack([m, y])" if asked.given("y") else "m" if asked.true("rowvar") else "numpy.transpose(m)"
+def _cov(asked: Asked) -> str:
     ddof = asked.number("ddof") if asked.given("ddof") else int(not asked.true("bias"))
-    return lines(f"rows = {rows}", "apart = rows - numpy.mean(rows, axis=1, keepdims=True)",
-                 f"{result} = numpy.matmul(apart, numpy.transpose(apart)) / (rows.shape[1] - {ddof})")
+    if asked.rank("m") == 1 and not asked.given("y"):
+        return lines(f"row = {_wide(asked, 'm')}", f"result = numpy.var(row, ddof={ddof})")
+    return lines(*_rows(asked, "cov"),
+                 f"result = numpy.matmul(apart, numpy.transpose(apart)) / max(rows.shape[1] - {ddof}, 0)")
 
 
 def _corrcoef(asked: Asked) -> str:
-    rows = "numpy.stack([m, y])" if asked.given("y") else "m" if asked.true("rowvar") else "numpy.transpose(m)"
-    return lines(f"rows = {rows}", "apart = rows - numpy.mean(rows, axis=1, keepdims=True)",
+    return lines(*_rows(asked, "corrcoef"),
                  "products = numpy.matmul(apart, numpy.transpose(apart))", "scale = numpy.sqrt(numpy.diag(products))",
                  "result = numpy.clip(products / scale[:, None] / scale[None, :], -1.0, 1.0)")
+
+
+def _rows(asked: Asked, function: str) -> list[str]:
+    """The variables in rows, without their means; of one NumPy gives a number."""
+    if asked.given("y"):
+        found = [f"rows = numpy.stack([{_wide(asked, 'm')}, {_wide(asked, 'y')}])"]
+    else:
+        rows = asked.true("rowvar")
+        given = f"{size('m', 0 if rows else 1)} != 1"
+        found = [guard(given, f"np.{function} of one variable is a number: give it as an array with one axis"),
+                 f"held = {_wide(asked, 'm')}", f"rows = {'held' if rows else 'numpy.transpose(held)'}"]
+    return [*found, "apart = rows - numpy.mean(rows, axis=1, keepdims=True)"]
+
+
+def _wide(asked: Asked, operand: str) -> str:
+    """An operand as float64, which NumPy computes these in."""
+    return operand if asked.type(operand).dtype == "float64" else f"numpy.astype({operand}, dtype=numpy.float64)"
 
 
 # -- polynomials -----------------------------------------------------------------------------------------------------
