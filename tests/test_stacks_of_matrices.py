@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 import s2sad
 from tests.derivatives import check_derivatives
@@ -148,3 +149,36 @@ def test_stacks_of_different_sizes():
         gradient = s2sad.gradient(s2sad.differentiate(kernel, engine=engine))
         with pytest.raises(Exception, match="stacks of different sizes: repeat the matrices of the shorter one"):
             gradient(np.ones((1, 3, 3)) + np.eye(3), np.ones((2, 3, 3)))
+
+
+# -- SciPy's options, of each matrix ---------------------------------------------------------------------------------
+
+def turned(a, x):
+    return np.sum(scipy.linalg.solve(a, x, transposed=True) * x)
+
+
+def upper_triangles(a, x):
+    values = scipy.linalg.eigvalsh(a, lower=False) + scipy.linalg.eigh(a, lower=False, eigvals_only=True)
+    return np.sum(values * x)
+
+
+def upper_factors(a, x):
+    return np.sum(scipy.linalg.cholesky(a @ np.swapaxes(a, -1, -2)) @ x)
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each((turned, upper_triangles, upper_factors), 9))
+@pytest.mark.parametrize("shape", [(3, 3, 3), (2, 3, 3), (3, 3), (1, 1)])
+def test_of_scipy(kernel, shape, engine):
+    a = np.random.default_rng(5).normal(size=shape) + 3.0 * np.eye(shape[-1])
+    check_derivatives(kernel, (a, np.array([0.4, -1.3, 0.8])[:shape[-1]]), ("a", "x"), ("return",), engine)
+
+
+def triangle_alone(a):
+    return np.sum(scipy.linalg.qr(a, mode="r")[0])
+
+
+def test_a_tuple_of_one_is_no_result_for_stacks():
+    check_derivatives(triangle_alone, (np.eye(3) + 0.1 * np.arange(9.0).reshape(3, 3) ** 2,), ("a",), ("return",))
+    with pytest.raises(s2sad.S2sadError) as refused:
+        s2sad.gradient(triangle_alone)(np.ones((2, 3, 3)))
+    assert refused.value.diagnostics[0].message == "no derivative rule for scipy.linalg.qr.triangular"

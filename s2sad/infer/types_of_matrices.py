@@ -85,4 +85,4 @@ def _is_float(kind: Type, rank: int) -> bool:
 # of functions that `normalize/pieces_of_forms` writes out
 FORMS: dict[str, Callable[[list[Type], Options], Type]] = {
     "scipy.linalg.mirrored": _mirrored, "scipy.linalg.toeplitz": _toeplitz, "scipy.linalg.block_diag": _in_blocks,
-    "scipy.linalg.solveh_banded": _in_bands}
+    "scipy.linalg.solveh_banded": _in_bands, "scipy.linalg.qr.triangular": of_matrix(2)}

@@ -1,7 +1,7 @@
 """as_numpy: functions of `scipy.linalg` that are NumPy's, or made of these, with other options.
 
     solve(a, b, assume_a="pos")             np.linalg.solve(scipy.linalg.mirrored(a), b)
-    solve(a, b, transposed=True)            np.linalg.solve(np.transpose(a), b)
+    solve(a, b, transposed=True)            np.linalg.solve(np.swapaxes(a, -1, -2), b)
     w = eigh(a, eigvals_only=True)          w = np.linalg.eigvalsh(a)
     w, v = eigh(a, driver="evd")            w, v = np.linalg.eigh(a)
     q, r = qr(a, mode="economic")           q, r = np.linalg.qr(a, mode="reduced")
@@ -16,7 +16,7 @@ from collections.abc import Callable
 from functools import reduce
 
 from s2sad.tree import (
-    AST, Call, Constant, FunctionDef, Starred, at, call, call_name, const, copy, index, rebuild, tuple_of,
+    AST, Call, Constant, FunctionDef, Starred, at, call, call_name, const, copy, negate, rebuild, tuple_of,
 )
 
 SCIPY = "scipy.linalg."
@@ -68,8 +68,9 @@ def _taken(options: Options, option: str, default: object) -> object:
     return options.pop(option).value if isinstance(options[option], Constant) else default
 
 
-def _turned(a: AST, turned: object) -> AST:
-    return call("numpy.transpose", a) if turned else a
+def turned(a: AST, asked: object = True) -> AST:
+    """Each matrix of a stack is turned, not the stack."""
+    return call("numpy.swapaxes", a, negate(const(1)), negate(const(2))) if asked else a
 
 
 def _solve(options: Options) -> AST | None:
@@ -80,7 +81,7 @@ def _solve(options: Options) -> AST | None:
         return None
     if assumed in _SYMMETRIC:
         return call("numpy.linalg.solve", call(f"{SCIPY}mirrored", a, lower=const(bool(lower))), b)
-    return call("numpy.linalg.solve", _turned(a, transposed), b)
+    return call("numpy.linalg.solve", turned(a, transposed), b)
 
 
 def _qr(options: Options) -> AST | None:
@@ -88,15 +89,16 @@ def _qr(options: Options) -> AST | None:
     a = options.pop("a")
     if pivoting or mode not in ("full", "economic", "r"):
         return None
-    made = call("numpy.linalg.qr", a, mode=const("reduced" if mode == "economic" else "complete"))
-    return tuple_of(index(made, const(1))) if mode == "r" else made
+    if mode == "r":
+        return tuple_of(call(f"{SCIPY}qr.triangular", a))       # of a stack of matrices SciPy gives no tuple
+    return call("numpy.linalg.qr", a, mode=const("reduced" if mode == "economic" else "complete"))
 
 
 def _eigh(options: Options) -> AST | None:
     """NumPy reads the lower triangle; the values are the same whatever the driver is, vectors have other signs."""
     alone, driver = _taken(options, "eigvals_only", False), _taken(options, "driver", None)
     lower = _taken(options, "lower", True)
-    a = _turned(options.pop("a"), not lower)
+    a = turned(options.pop("a"), not lower)
     if alone:
         return call("numpy.linalg.eigvalsh", a)
     return call("numpy.linalg.eigh", a) if driver == "evd" and lower else None
@@ -105,7 +107,7 @@ def _eigh(options: Options) -> AST | None:
 def _eigvalsh(options: Options) -> AST | None:
     _taken(options, "driver", None)
     lower = _taken(options, "lower", True)
-    return call("numpy.linalg.eigvalsh", _turned(options.pop("a"), not lower))
+    return call("numpy.linalg.eigvalsh", turned(options.pop("a"), not lower))
 
 
 def _in_bands(options: Options) -> AST | None:

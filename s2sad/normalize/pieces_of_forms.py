@@ -48,5 +48,6 @@ def _in_bands(asked: Asked) -> str:
 
 
 FORMS: dict[str, Callable[[Asked], str]] = {
+    "scipy.linalg.qr.triangular": lambda asked: "result = numpy.linalg.qr.triangular(a)",
     "scipy.linalg.mirrored": _mirrored, "scipy.linalg.toeplitz": _toeplitz, "scipy.linalg.block_diag": _in_blocks,
     "scipy.linalg.solveh_banded": _in_bands}

@@ -1,6 +1,6 @@
 """solvers: what `scipy.linalg` solves with, in the functions that have rules here.
 
-    x = cho_solve(cho_factor(a), b)     factor = np.transpose(np.linalg.cholesky(np.transpose(a)))
+    x = cho_solve(cho_factor(a), b)     factor = np.linalg.cholesky(a.mT).mT
                                         x = solve_triangular(factor, solve_triangular(factor, b, trans=1))
     lu, piv = lu_factor(a)              lu = runtime.factored(a)
     x = lu_solve((lu, piv), b)          x = runtime.solved(lu, b)
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from s2sad import rules
 from s2sad.diagnostics import Report
-from s2sad.normalize.as_numpy import IGNORED, SCIPY
+from s2sad.normalize.as_numpy import IGNORED, SCIPY, turned
 from s2sad.rules.spellings import TABLE
 from s2sad.tree import (
     AST, Assign, Call, Constant, FunctionDef, List, Name, Store, Subscript, Tuple, at, call, call_name, const, copy,
@@ -90,7 +90,7 @@ def _flag(rest: list[AST], keywords: list[AST]) -> bool | None:
 def _cholesky(a: AST, lower: bool) -> AST:
     if lower:
         return call("numpy.linalg.cholesky", a)
-    return call("numpy.transpose", call("numpy.linalg.cholesky", call("numpy.transpose", a)))
+    return turned(call("numpy.linalg.cholesky", turned(a)))
 
 
 class _Solvers:

@@ -92,7 +92,8 @@ for _text in (
         "numpy.fft.fftshift(x, axes=None)", "numpy.fft.ifftshift(x, axes=None)",
         "numpy.fft.fftfreq(n, d=1.0)", "numpy.fft.rfftfreq(n, d=1.0)",
         # matrices of a certain form, as scipy.linalg has them
-        "scipy.linalg.mirrored(a, lower=False)", "scipy.linalg.toeplitz(c, r=None)", "scipy.linalg.block_diag(a, b)",
+        "scipy.linalg.mirrored(a, lower=False)", "scipy.linalg.qr.triangular(a)",
+        "scipy.linalg.toeplitz(c, r=None)", "scipy.linalg.block_diag(a, b)",
         "scipy.linalg.solveh_banded(a, b, lower=False)",
         # sparse matrices
         "scipy.sparse.entries(data, c)", "scipy.sparse.along(values, size)"):
