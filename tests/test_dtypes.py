@@ -5,10 +5,12 @@ import math
 
 import numpy as np
 import pytest
+import scipy.special
 
 import s2sad
 from s2sad import pipeline, read
 from s2sad.infer.types import of_value
+from tests.derivatives import check_derivatives
 from tests.engines import running
 
 A, K, P = np.float32([0.5, 1.7, 2.2]), np.array([3, 1, 2]), np.array([1.5, 2.5, 3.5])
@@ -111,3 +113,54 @@ def test_a_function_that_is_given_a_number_of_numpy():
     assert "help: give it a Python number: float(p[0]), int(k[0])" in text
     converted = s2sad.differentiate(given_a_number, engine="numpy")
     assert s2sad.value_and_gradient(converted, wrt="a")(A, BIG)[0] == given_a_number(A, BIG)
+
+
+# -- functions whose results have a dtype of their own ---------------------------------------------------------------
+
+def columns(a):
+    return np.vander(a, 3)
+
+
+def with_a_number(a):
+    return scipy.special.xlogy(a, 0.5)
+
+
+def of_a_number(a):
+    return scipy.special.xlog1py(2, a)
+
+
+def with_an_array(a):
+    return scipy.special.xlogy(a, a)
+
+
+def sums_in_bins(a):
+    return np.histogram(K, bins=2, range=(1, 3), weights=a)[0]
+
+
+def sums_between_edges(a):
+    return np.histogram(a, bins=np.array([0.0, 1.0, 3.0]), weights=a)[0]
+
+
+def edges(a):
+    return np.histogram(a, bins=2, range=(0, 3))[1] * a
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel", [
+    columns, with_a_number, of_a_number, with_an_array, sums_in_bins, sums_between_edges, edges])
+def test_dtypes_of_their_own(kernel, engine):
+    check_derivatives(kernel, (A,), ("a",), ("return",), engine)
+    with running(engine) as under:
+        differentiated = s2sad.differentiate(kernel, engine=under)
+        changes = s2sad.jvp(differentiated, (A,), {"a": A}, of=("return",))["return"]
+    assert changes.dtype == kernel(A).dtype
+
+
+def edges_from_an_end(a, p):
+    return np.histogram(a, bins=2, range=(p[0], 3))[1]
+
+
+def test_edges_in_a_precision_that_is_not_known():
+    with pytest.raises(s2sad.S2sadError) as refused:
+        s2sad.vjp(edges_from_an_end, (A, P), {"return": np.ones(3)})
+    assert refused.value.diagnostics[0].message == "no derivative rule for numpy.histogram"

@@ -25,6 +25,7 @@ _LIKES = {"numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")  # without an axis
 _OF_ARGUMENTS = {"builtins.abs", "builtins.min", "builtins.max", "numpy.abs", "numpy.absolute", "numpy.minimum",
                  "numpy.maximum", "numpy.square", "numpy.conj", "numpy.conjugate", "numpy.real", "numpy.imag"}
+_WIDENED = ("scipy.special.xlogy", "scipy.special.xlog1py")     # float64 of float32 with a number
 _FLOATS = ("math.pow", "math.fmod", "numpy.float_power", "numpy.rint")    # of integers, too
 _COMPARED = ("numpy.allclose", "numpy.array_equal")
 
@@ -113,6 +114,8 @@ class TypesOfCalls(ABC):
         for other in types[1:]:
             result = promote(result, other)
         kind = rules.constant_result(name)
+        if name in _WIDENED and any(t.is_number and t.dtype != "float32" for t in types):
+            return Type(result.kind, "float64", result.rank)
         if name == "numpy.float_power" and result.dtype == "float32" or (
                 name in _FLOATS and not result.is_inexact and result.dtype):
             return Type(result.kind, "float64", result.rank)

@@ -115,9 +115,14 @@ def _histogram(args: list[Type], options: Arguments) -> Type:
     known = edges or _whole(bins) and not _rank(bins) and written
     weighted = weights.is_array and weights.rank == 1 and weights.is_float
     part = whole_number(options["part"])
+    plain = written and all(isinstance(getattr(e, "operand", e), Constant) for e in ends.elts)
+    if x.dtype == "float32" and not edges and not plain:
+        return UNKNOWN      # the edges' dtype is that of the ends, too
     if not known or not x.is_array or x.rank != 1 or not (weighted or weights.kind == "none") or part not in (0, 1):
         return UNKNOWN
-    return array("float64" if part or weights.kind != "none" else "int64", 1)
+    if not part:
+        return array(weights.dtype if weighted else "int64", 1)
+    return array(bins.dtype if edges else "float32" if x.dtype == "float32" else "float64", 1)
 
 
 def _put(args: list[Type], options: Arguments) -> Type:

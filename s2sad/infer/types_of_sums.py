@@ -163,8 +163,8 @@ def _crossed(args: list[Type], options: Arguments) -> Type:
 
 
 def _powers(args: list[Type], options: Arguments) -> Type:
-    return array(args[0].dtype, 2) if known_array(args) and args[0].rank == 1 and isinstance(
-        options["increasing"], Constant) else UNKNOWN
+    fits = known_array(args) and args[0].rank == 1 and isinstance(options["increasing"], Constant)
+    return array("float64" if args[0].dtype == "float32" else args[0].dtype, 2) if fits else UNKNOWN
 
 
 def _polynomial(args: list[Type], options: Arguments) -> Type:

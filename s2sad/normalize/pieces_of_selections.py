@@ -172,17 +172,23 @@ def _histogram(asked: Asked) -> str:
     else:
         low, high = (asked.let("end", node) for node in asked.items("range"))
         edges = [guard(f"{low} < {high}", "np.histogram with a range whose ends are equal or exchanged"),
-                 f"edges = numpy.linspace({low}, {high}, num=bins + 1)"]
+                 f"edges = {_as_single(asked, 'x', f'numpy.linspace({low}, {high}, num=bins + 1)')}"]
     if asked.number("part") == 1:
         return lines(*edges, "result = edges")
     weighted = asked.given("weights")
     fits = f"assert {size('weights', 0)} == {size('x', 0)}" if weighted else ""
     return lines(fits, *edges, "last = edges.shape[0] - 1", "found = runtime.sought(edges, x, True)",
-                 f"result = {zeros(['last'], 'float64' if weighted else 'int64')}",
+                 f"sums = {zeros(['last'], 'float64' if weighted else 'int64')}",
                  f"for place in range({size('x', 0)}):", "    bin = found[place]",
                  "    if x[place] == edges[last]:", "        bin = last",
                  "    if bin >= 1 and bin <= last:",
-                 f"        result[bin - 1] += {'weights[place]' if weighted else '1'}")
+                 f"        sums[bin - 1] += {'weights[place]' if weighted else '1'}",
+                 f"result = {_as_single(asked, 'weights', 'sums') if weighted else 'sums'}")
+
+
+def _as_single(asked: Asked, operand: str, value: str) -> str:
+    """A value of float64 in the precision of an operand of float32."""
+    return f"numpy.astype({value}, dtype=numpy.float32)" if asked.type(operand).dtype == "float32" else value
 
 
 # -- stores ----------------------------------------------------------------------------------------------------------

@@ -110,8 +110,7 @@ def _running(asked: Asked, sign: str, start: str, again: str) -> str:
     if rank == 1 and asked.type("x").is_inexact:
         return lines(new, f"so_far = {start}", f"for place in range({size('x', 0)}):",
                      f"    so_far = so_far {sign} x[place]", "    result[place] = so_far")
-    return lines(new, f"{part('result', axis, ':1')} = {part('x', axis, ':1')}",
-                 f"for place in range(1, {size('x', axis)}):",
+    return lines(new, "result[...] = x", f"for place in range(1, {size('x', axis)}):",
                  f"    {part('result', axis, 'place')} = {part('result', axis, 'place - 1')} {sign} "
                  f"{part('x', axis, 'place')}")
 
@@ -120,8 +119,7 @@ def _running_extreme(asked: Asked, function: str) -> str:
     rank = asked.rank("x")
     axis = asked.axis(rank)
     return lines(f"result = {empty(sizes('x', rank), asked.type('x').dtype)}",
-                 f"{part('result', axis, ':1')} = {part('x', axis, ':1')}",
-                 f"for place in range(1, {size('x', axis)}):",
+                 "result[...] = x", f"for place in range(1, {size('x', axis)}):",
                  f"    {part('result', axis, 'place')} = numpy.{function}({part('result', axis, 'place - 1')}, "
                  f"{part('x', axis, 'place')})")
 
@@ -172,9 +170,10 @@ def _cross(asked: Asked) -> str:
 def _vander(asked: Asked) -> str:
     columns = "N" if asked.given("N") else size("x", 0)
     at = "column" if asked.true("increasing") else f"{columns} - 1 - column"
-    made = empty([size("x", 0), columns], asked.type("x").dtype)
-    return lines(f"result = {made}", f"for column in range({columns}):",
-                 f"    result[:, {at}] = x ** column")
+    single = asked.type("x").dtype == "float32"     # NumPy makes it float64
+    made = empty([size("x", 0), columns], "float64" if single else asked.type("x").dtype)
+    return lines("points = numpy.astype(x, dtype=numpy.float64)" if single else "", f"result = {made}",
+                 f"for column in range({columns}):", f"    result[:, {at}] = {'points' if single else 'x'} ** column")
 
 
 def _polyval(asked: Asked) -> str:
