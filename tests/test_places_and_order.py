@@ -244,3 +244,25 @@ def test_ufuncs_of_pairs(engine):
     check_derivatives(pairs_of, (x.astype(np.float32), y), ("x", "y"), ("return",), engine)
     with pytest.raises(s2sad.S2sadError, match="no derivative rule for numpy.logaddexp.accumulate"):
         s2sad.gradient(running_integers)(x, y)
+
+
+def running_results(a):
+    return (np.sum(np.cumsum(a, axis=0) * np.cumprod(a, axis=0))
+            + np.sum(np.maximum.accumulate(a, axis=0) * np.cumsum(a, axis=1)))
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("shape", [(0, 3), (1, 3), (3, 2), (3, 0)])
+def test_running_results_of_any_size(shape, engine):
+    check_derivatives(running_results, (np.linspace(0.3, 1.4, shape[0] * shape[1]).reshape(shape),), ("a",),
+                      ("return",), engine)
+
+
+def places_of_one_row(a):
+    return np.sum(np.take_along_axis(a, np.array([[0, 2]]), axis=1))
+
+
+def test_places_that_are_not_repeated():
+    with pytest.raises(AssertionError) as guarded:
+        s2sad.gradient(s2sad.differentiate(places_of_one_row, engine="numpy"))(np.ones((3, 3)))
+    assert str(guarded.value) == "np.take_along_axis with places for another number of rows: repeat them"

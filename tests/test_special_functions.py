@@ -146,3 +146,17 @@ def test_refused(kernel, message, help):
     with pytest.raises(s2sad.S2sadError) as refused:
         s2sad.gradient(kernel)(X)
     assert (refused.value.diagnostics[0].message, refused.value.diagnostics[0].help) == (message, help)
+
+
+def logarithms(x):
+    return sp.gammaln(x)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+def test_poles(engine):
+    x = np.array([0.0, -0.0, -1.0, -2.0, -np.inf, np.inf, np.nan, 3e305, 2.5, -0.5])
+    with running(engine) as under:
+        kernel = s2sad.differentiate(logarithms, engine=under)
+        found = s2sad.vjp(kernel, (x,), {"return": np.ones(x.size)})["x"]
+        np.testing.assert_allclose(kernel.primal(x), sp.gammaln(x), rtol=1e-13)
+    np.testing.assert_allclose(found, sp.digamma(x), rtol=1e-12)

@@ -16,9 +16,9 @@ from s2sad.units import Units
 _LACKING = {
     "math.fmod": "numpy.fmod", "math.cbrt": "numpy.cbrt", "numpy.fix": "numpy.trunc",
     "numpy.heaviside": "runtime.heaviside", "scipy.special.erf": "math.erf", "scipy.special.erfc": "math.erfc",
-    "scipy.special.gammaln": "math.lgamma", "scipy.special.digamma": "runtime.digamma",
+    "scipy.special.digamma": "runtime.digamma",
     **{f"scipy.special.{n}": f"runtime.{n}" for n in (
-        "expit", "logit", "xlogy", "xlog1py", "entr", "rel_entr", "kl_div")},
+        "expit", "logit", "xlogy", "xlog1py", "gammaln", "entr", "rel_entr", "kl_div")},
     **{f"runtime.{n}": f"runtime.{n}_in_loops" for n in ("sparse_product", "sparse_left_product", "sparse_gain")},
     **{f"math.{n}": f"runtime.{n}" for n in ("remainder", "isqrt", "lcm", "comb", "perm", "factorial")}}
 

@@ -177,7 +177,8 @@ def _take_along_axis(asked: Asked) -> str:
     axis = (axes_of(asked.arguments["axis"], rank) or (0,))[0]
     counters = _counters(rank)
     found = _along(rank, axis, f"places[{', '.join(counters)}]")
-    fits = [f"assert {size('places', k)} == {size('x', k)}" for k in range(rank) if k != axis]
+    message = "np.take_along_axis with places for another number of rows: repeat them"
+    fits = [guard(f"{size('places', k)} == {size('x', k)}", message) for k in range(rank) if k != axis]
     return lines(*fits, f"result = {empty(sizes('places', rank), asked.type('x').dtype)}", *_nest(
         counters, sizes("places", rank), [f"result[{', '.join(counters)}] = x[{found}]"]))
 

@@ -33,7 +33,7 @@ from s2sad.runtime.sparse_matrices import (
     sparse_left_product_in_loops, sparse_product, sparse_product_in_loops,
     sparse_rows, sparse_solve, sparse_span,
 )
-from s2sad.runtime.special import digamma, entr, expit, kl_div, logit, rel_entr, xlog1py, xlogy
+from s2sad.runtime.special import digamma, entr, expit, gammaln, kl_div, logit, rel_entr, xlog1py, xlogy
 from s2sad.runtime.spread import extreme_mask, extreme_place, scattered, spread
 from s2sad.runtime.stacks import grow, sized
 from s2sad.runtime.sums import added, blocked_sum, pairwise_sum
@@ -52,7 +52,7 @@ __all__ = [
     "eigenvalues_change", "eigenvalues_gain", "eigenvectors", "eigenvectors_change", "eigenvectors_gain", "element",
     "ends", "entr", "exp", "exp_less_one", "expit", "expm1", "exponent", "exponential", "exponential_change",
     "extreme_mask", "extreme_place", "factor_panel", "factored", "factorial", "factors_gain", "fft", "fft_adjoint",
-    "fitted", "from_lower", "gmres", "grow", "half_lower", "heaviside", "ifft", "ifft_adjoint", "irfft",
+    "fitted", "from_lower", "gammaln", "gmres", "grow", "half_lower", "heaviside", "ifft", "ifft_adjoint", "irfft",
     "irfft_adjoint", "isclose", "isqrt", "kl_div", "lcm", "least_squares", "least_squares_change", "left_vectors",
     "left_vectors_change", "left_vectors_gain", "less_one", "log_det", "logit", "of_matrix", "opposite",
     "orthogonal_part", "orthogonal_part_change", "orthogonal_part_gain", "over_squares", "pairwise_sum", "perm",

@@ -1,11 +1,13 @@
 """Special functions that neither NumPy nor `math` has; those of SciPy's of numbers, for compiled code."""
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 
 def digamma(x):
-    """The derivative of log(gamma(x)), nan at the poles 0, -1, -2, ...
+    """The derivative of log(gamma(x)), nan at the poles -1, -2, ..., infinite at 0, as SciPy's.
 
     Below 0 by reflection, psi(x) = psi(1 - x) - pi / tan(pi x); then psi(x) = psi(x + 1) - 1 / x up to
     x >= 10, and there by the asymptotic series, whose first term left out is 0.44 / x**16
@@ -15,6 +17,8 @@ def digamma(x):
     (-0.577215664902, 0.036489973979)
     """
     shifted = np.float64(x)
+    if shifted == 0.0:
+        return -math.copysign(math.inf, shifted)
     if shifted <= 0.0 and shifted == np.floor(shifted):
         return np.nan
     result = 0.0
@@ -28,6 +32,20 @@ def digamma(x):
     series = 1 / 132 - s * (691 / 32760 - s / 12)
     series = s * (1 / 12 - s * (1 / 120 - s * (1 / 252 - s * (1 / 240 - s * series))))
     return float(result + (np.log(shifted) - 0.5 / shifted - series))
+
+
+def gammaln(x):
+    """log(abs(gamma(x))), infinite at its poles and where it is above all numbers, as SciPy's.
+
+    >>> gammaln(1.0), gammaln(-1.0), gammaln(3e305)
+    (0.0, inf, inf)
+    """
+    value = float(x)
+    if value == -math.inf:
+        return value
+    if value > 2.5e305 or value <= 0.0 and value == math.floor(value):
+        return math.inf
+    return math.lgamma(value)
 
 
 def expit(x):
