@@ -156,6 +156,30 @@ def test_guards(kernel, k, message):
     assert str(guarded.value) == message
 
 
+def free_of(a, x, fixed):
+    """Degrees of freedom that are not held: the rows and columns that are left are solved with."""
+    free = np.setdiff1d(np.arange(x.size), fixed)
+    u = np.zeros(x.size)
+    u[free] = np.linalg.solve(a[np.ix_(free, free)], x[free])
+    return u
+
+
+def others(a, x, fixed):
+    y = x[np.setdiff1d(np.arange(4), [0, 2])] ** 2
+    return np.sum(x[np.setdiff1d(np.array([3, 1, 1, 2]), fixed)] ** 3) * a[0] + np.sum(y * x[:2])
+
+
+@pytest.mark.parametrize(("kernel", "engine"), each([free_of, others], every=3))
+@pytest.mark.parametrize("fixed", [np.array([0, 3]), np.zeros(0, int), np.array([2, 1, 5, 1])])
+def test_numbers_that_are_left(kernel, fixed, engine):
+    a = np.random.default_rng(2).normal(size=(4, 4)) + 4.0 * np.eye(4)
+    check_derivatives(kernel, (a, X, fixed), ("a", "x"), ("return",), engine=engine)
+
+
+def unsorted(x):
+    return np.sum(x[np.setdiff1d(np.arange(4), np.array([1]), True)])
+
+
 def by_a_matrix(x):
     return np.sum(np.delete(x, np.array([[0, 1]])))
 
@@ -187,6 +211,8 @@ REFUSED = [
      "insert at one place, into floats: a number, or along an axis a row"),
     (bins_of_data, "no derivative rule for numpy.histogram",
      "give range=(low, high), or an array of edges, and no density="),
+    (unsorted, "no derivative rule for numpy.setdiff1d with assume_unique=",
+     "give two arrays of integers, without assume_unique="),
     (parted, "no derivative rule for numpy.partition", "write np.sort(x), whose order is determined"),
 ]
 

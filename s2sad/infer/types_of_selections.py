@@ -89,6 +89,12 @@ def _is_in(args: list[Type], options: Arguments) -> Type:
     return array("bool", a.rank) if fits else UNKNOWN
 
 
+def _left_over(args: list[Type], options: Arguments) -> Type:
+    a, values = args
+    fits = a.is_array and values.is_array and all(k.rank == 1 and _whole(k) for k in args)
+    return array(a.dtype, 1) if fits and a.dtype == "int64" else UNKNOWN
+
+
 def _argwhere(args: list[Type], options: Arguments) -> Type:
     return array("int64", 2) if args[0].is_array and args[0].rank <= 3 else UNKNOWN
 
@@ -141,6 +147,7 @@ def _masked(args: list[Type], options: Arguments) -> Type:
 SELECTIONS: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.delete": _deleted, "numpy.insert": _inserted, "numpy.compress": _compressed, "numpy.choose": _chosen,
     "numpy.extract": _extracted,
-    "numpy.digitize": _digitized, "numpy.isin": _is_in, "numpy.argwhere": _argwhere, "numpy.lexsort": _lexsorted,
+    "numpy.digitize": _digitized, "numpy.isin": _is_in, "numpy.setdiff1d": _left_over,
+    "numpy.argwhere": _argwhere, "numpy.lexsort": _lexsorted,
     "numpy.unique": _unique, "numpy.histogram": _histogram, "numpy.put": _put, "numpy.putmask": _masked,
 }

@@ -125,6 +125,12 @@ def _is_in(asked: Asked) -> str:
                  f"{inner}    if a[{at}] == held_values[other]:", f"{inner}        result[{at}] = {other}")
 
 
+def _left_over(asked: Asked) -> str:
+    """The numbers that another array has not, in order."""
+    return lines("found = numpy.unique(a)", "kept = numpy.isin(found, values, invert=True)",
+                 "left = numpy.nonzero(kept, part=0)", "result = found[left]")
+
+
 def _argwhere(asked: Asked) -> str:
     rank = asked.rank("x")
     return lines("count = numpy.count_nonzero(x)", f"result = {empty(['count', str(rank)], 'int64')}",
@@ -227,6 +233,7 @@ def _masked(asked: Asked) -> str:
 SELECTIONS: dict[str, Callable[[Asked], str]] = {
     "numpy.delete": _deleted, "numpy.insert": _inserted, "numpy.compress": _compressed, "numpy.choose": _chosen,
     "numpy.extract": _extracted,
-    "numpy.digitize": _digitized, "numpy.isin": _is_in, "numpy.argwhere": _argwhere, "numpy.lexsort": _lexsorted,
+    "numpy.digitize": _digitized, "numpy.isin": _is_in, "numpy.setdiff1d": _left_over,
+    "numpy.argwhere": _argwhere, "numpy.lexsort": _lexsorted,
     "numpy.unique": _unique, "numpy.histogram": _histogram, "numpy.put": _put, "numpy.putmask": _masked,
 }

@@ -41,6 +41,7 @@ _HELP = {
     "numpy.unwrap": "add the jumps in a loop", "numpy.compress": "give a condition with one axis",
     "numpy.partition": "write np.sort(x), whose order is determined",
     "scipy.linalg.qr.triangular": "of a stack write np.linalg.qr(a, mode='r'): SciPy gives it without a tuple",
+    "numpy.setdiff1d": "give two arrays of integers, without assume_unique=",
     "numpy.delete": "leave out the elements at an integer, a list or an array of integers, or a mask",
     "numpy.insert": "insert at one place, into floats: a number, or along an axis a row",
     "numpy.ix_": "write x[rows][:, columns]",

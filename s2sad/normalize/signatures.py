@@ -53,7 +53,7 @@ def signatures(function: FunctionDef, scope: Scope) -> FunctionDef:
 _REDUCING = frozenset("sum prod mean var std max min amax amin ptp cumsum cumprod nansum nanmean nanmax nanmin nanvar "
                       "nanstd median any all argmax argmin argsort".split())
 # functions alone, with the arguments that stand before their options
-_OPERANDS = {"sort": 2, "unique": 1, "isin": 2, "histogram": 2}
+_OPERANDS = {"sort": 2, "unique": 1, "isin": 2, "setdiff1d": 2, "histogram": 2}
 
 
 def _changed(node: AST) -> AST | None:

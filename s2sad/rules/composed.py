@@ -47,7 +47,7 @@ for _text in (
         "numpy.delete(x, places, axis=None)", "numpy.insert(x, place, values, axis=None)",
         "numpy.compress(condition, x, axis=None)", "numpy.extract(condition, x)", "numpy.choose(a, choices)",
         "numpy.digitize(x, bins, right=False)", "numpy.isin(a, values, invert=False)",
-        "numpy.argwhere(x)", "numpy.lexsort(keys)",
+        "numpy.setdiff1d(a, values)", "numpy.argwhere(x)", "numpy.lexsort(keys)",
         "numpy.unique(x, return_index=False, return_inverse=False, return_counts=False, part=None)",
         "numpy.histogram(x, bins, range=None, weights=None, part=None)",
         "numpy.put(x, places, values)", "numpy.putmask(x, mask, values)",
