@@ -80,7 +80,7 @@ def writes_in_between(x, y):
 KERNELS = [unpacked, stacked, weighted, in_order, nested, captured, shortest, in_a_loop, writes_in_between]
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_written_out(kernel, engine):
     check_derivatives(kernel, (X, Y), ("x", "y"), ("return",), engine=engine)
 

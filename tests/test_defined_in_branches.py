@@ -118,7 +118,7 @@ CASES = [(k, opt) for k in (branches, chosen, looped, again, writing, calling_ea
          for opt in (1, 2)]
 
 
-@pytest.mark.parametrize(("kernel", "opt", "engine"), each([*CASES, (branches, 3)], 5))
+@pytest.mark.parametrize(("kernel", "opt", "engine"), each([*CASES, (branches, 3)]))
 def test_defined_in_branches(kernel, opt, engine):
     check_derivatives(kernel, (X, 1.3, opt), ("x", "a"), ("return",), engine=engine)
 

@@ -106,7 +106,7 @@ KERNELS = [(relaxed, (RNG.random((3, 4, 5)), U, V, 0.3), ("f", "u", "v", "rate")
            (asserted_between, (U, V), ("u", "v"), ("v",))]
 
 
-@pytest.mark.parametrize(("kernel", "arguments", "wrt", "of", "engine"), each(KERNELS, every=4))
+@pytest.mark.parametrize(("kernel", "arguments", "wrt", "of", "engine"), each(KERNELS))
 def test_gradients(kernel, arguments, wrt, of, engine):
     check_derivatives(kernel, arguments, wrt, of, engine=engine)
 

@@ -196,7 +196,7 @@ KERNELS = [*((f, (X,)) for f in (steps, arrays, lists, bound_again, parts, resul
            (numbers, (X, 1.5))]
 
 
-@pytest.mark.parametrize("kernel, args, engine", each(KERNELS, every=5))
+@pytest.mark.parametrize("kernel, args, engine", each(KERNELS))
 def test_derivatives(kernel, args, engine):
     check_derivatives(kernel, args, ("x", "c")[:len(args)], ("return",), engine=engine)
 

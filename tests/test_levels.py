@@ -66,7 +66,7 @@ def of_one_size(x):
 CASES = (summed, down_and_up, allocated, nested, bound_anew, of_one_size)
 
 
-@pytest.mark.parametrize("kernel, engine", each(CASES, 4))
+@pytest.mark.parametrize("kernel, engine", each(CASES))
 def test_levels(kernel, engine):
     check_derivatives(kernel, (given(8),), ("x",), ("return",), engine=engine)
     if kernel is not allocated:

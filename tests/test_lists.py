@@ -87,7 +87,7 @@ def of_a_kernel(a, x, y):
 KERNELS = (comprehensions, appended, sometimes, trajectory, triangular, of_a_kernel)
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
     random = np.random.default_rng(7)
     given = 0.3 + 0.7 * random.random((3, 4)), 0.5 + random.random(3), 0.5 + random.random(4)

@@ -248,7 +248,7 @@ OWN = (
     in_a_while_loop, numbers_that_are_written, a_part_beside_the_whole, summed_in_the_loop, grown)
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(OWN, 11))
+@pytest.mark.parametrize(("kernel", "engine"), each(OWN))
 def test_a_list_of_a_kernel_is_read_in_each_round(kernel, engine):
     with running(engine):
         check_derivatives(kernel, [np.array([2.0, 3.0, 4.0])], ("x",), ("return",), engine=engine)
@@ -639,7 +639,7 @@ def moved(value, steps):
     return value + next(steps) if isinstance(value, float) else value
 
 
-@pytest.mark.parametrize(("kernel", "given", "engine"), each(GIVEN, 13))
+@pytest.mark.parametrize(("kernel", "given", "engine"), each(GIVEN))
 def test_a_structure_that_is_given_is_read_in_each_round(kernel, given, engine):
     parameters = kernel.__code__.co_varnames[:len(given)]
     with running(engine) as name:

@@ -132,7 +132,7 @@ COPIED = (method, method_by_name, method_by_place, function_by_place, array_in_o
           of_a_copy, through_a_helper, one_axis, taken_as_it_is, only_read)
 
 
-@pytest.mark.parametrize("kernel, engine", each(COPIED, 4))
+@pytest.mark.parametrize("kernel, engine", each(COPIED))
 def test_what_is_made_in_the_order_of_c_is_contiguous(kernel, engine):
     for how in HOW[:2 if engine == "numba" else 4]:
         check_derivatives(kernel, (lying((2, 4), how),), ("u",), ("return",), engine=engine)

@@ -198,7 +198,7 @@ CASES = [
     (appended, (given(4).astype(np.float32), 3)), (parts, (given(4).astype(np.float32),)), (rolled, (given(2, 1, 1),))]
 
 
-@pytest.mark.parametrize("kernel, arguments, engine", each(CASES, 4))
+@pytest.mark.parametrize("kernel, arguments, engine", each(CASES))
 def test_lists_of_new_arrays(kernel, arguments, engine):
     first = kernel.__code__.co_varnames[0]
     check_derivatives(kernel, arguments, (first,), ("return",), engine=engine)

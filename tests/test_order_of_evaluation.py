@@ -196,7 +196,7 @@ def arguments():
             np.arange(1.0, 7.0).reshape(3, 2) / 3.0)
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_read_when_python_reads_it(kernel, engine):
     check_derivatives(kernel, arguments(), ("x", "y", "a"), ("return",), engine)
 

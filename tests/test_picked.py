@@ -51,6 +51,6 @@ CASES = [(f, V, "v") for f in (places, mask, several, stored, in_a_loop)] + [
     (f, A, "a") for f in (places_on_two_axes, of_a_product)]
 
 
-@pytest.mark.parametrize(("kernel", "argument", "wrt", "engine"), each(CASES, every=4))
+@pytest.mark.parametrize(("kernel", "argument", "wrt", "engine"), each(CASES))
 def test_gradients(kernel, argument, wrt, engine):
     check_derivatives(kernel, (argument.copy(),), (wrt,), ("return",), engine=engine)

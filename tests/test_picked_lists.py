@@ -91,7 +91,7 @@ KERNELS = [(made_element_by_element, "x", ("return",)), (in_turn, "x", ("return"
            (put_anew, "x", ("return",)), (read_alone, "x", ("return",))]
 
 
-@pytest.mark.parametrize(("kernel", "wrt", "of", "engine"), each(KERNELS, every=4))
+@pytest.mark.parametrize(("kernel", "wrt", "of", "engine"), each(KERNELS))
 def test_derivatives(kernel, wrt, of, engine):
     check_derivatives(kernel, (X.copy(), 4), (wrt,), of, engine=engine)
 

@@ -169,7 +169,7 @@ def masks_that_change_between(x, y):
     return np.sum(a) * np.sum(x) + np.sum(b)
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each([masks_that_change, masks_that_change_between], 4))
+@pytest.mark.parametrize(("kernel", "engine"), each([masks_that_change, masks_that_change_between]))
 def test_masks_that_change(kernel, engine):
     """What is stored through a mask before it changes is not stored through it later."""
     x, y = np.array([0.9, 0.31, 1.4, 0.55, 1.13]), np.array([0.7, 1.1, 0.8, 1.4, 1.3])

@@ -132,7 +132,7 @@ KERNELS = [numbers, arrays, other_names, shared_array, by_a_function, in_branche
            replaced_and_assigned, replaced_in_a_helper]
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_bound_anew(kernel, engine):
     check_derivatives(kernel, (X,), ("x",), ("return",), engine=engine)
 

@@ -48,7 +48,7 @@ def in_a_loop(x):
     return s
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each([twice, methods, averages, sizes, spreads, integers, in_a_loop], 4))
+@pytest.mark.parametrize(("kernel", "engine"), each([twice, methods, averages, sizes, spreads, integers, in_a_loop]))
 def test_reductions_of_numbers(kernel, engine):
     check_derivatives(kernel, (X,), ("x",), ("return",), engine=engine)
 

@@ -68,6 +68,6 @@ CASES = [(recurrent, (W, U, X), ("w", "u", "x")), (made_before, (W, U, X), ("w",
          (mapped_by_a_loop, (W, ROWS), ("w", "rows")), (summed_up, (ROWS,), ("rows",))]
 
 
-@pytest.mark.parametrize(("kernel", "arguments", "wrt", "engine"), each(CASES, every=4))
+@pytest.mark.parametrize(("kernel", "arguments", "wrt", "engine"), each(CASES))
 def test_gradients(kernel, arguments, wrt, engine):
     check_derivatives(kernel, arguments, wrt, ("return",), engine=engine)

@@ -78,7 +78,7 @@ def outputs(kernel, given):
     return (*(n for n, a, b in zip("abx", given, left) if not np.array_equal(a, b)), "return")
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
     check_derivatives(kernel, arguments(), ("a", "b", "x"), outputs(kernel, arguments()), engine)
 

@@ -81,7 +81,7 @@ CASES = [(kernel, steps) for kernel in (ring_shrinks, loops_of_other_lengths, co
 CASES.remove((a_row_or_all, 2))     # a length of 1 that is not written repeats only behind a guard
 
 
-@pytest.mark.parametrize(("kernel", "steps", "engine"), each(CASES, 4))
+@pytest.mark.parametrize(("kernel", "steps", "engine"), each(CASES))
 def test_kernel(kernel, steps, engine):
     random = np.random.default_rng(2)
     given = (0.4 + random.random(5), 0.3 + random.random(5), steps)

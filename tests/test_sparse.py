@@ -191,7 +191,7 @@ KERNELS = {
 COMPILED = (poisson, rows_of_diagonals)               # the others as the text for Numba, run by Python
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
     names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]
     given, left = (KERNELS[kernel](np.random.default_rng(1)) for _ in range(2))

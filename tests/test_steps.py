@@ -136,7 +136,7 @@ CASES = [
     (parts_of_parts, (given(9).astype(np.float32), 3, 1))]
 
 
-@pytest.mark.parametrize("kernel, arguments, engine", each(CASES, 4))
+@pytest.mark.parametrize("kernel, arguments, engine", each(CASES))
 def test_steps_that_are_no_written_numbers(kernel, arguments, engine):
     wrt = tuple(n for n, a in zip(kernel.__code__.co_varnames, arguments)
                 if isinstance(a, np.ndarray) and a.dtype.kind == "f" and a.size)

@@ -48,7 +48,7 @@ def searchsorted(a, x, y):
 KERNELS = (lists, copies, rolled, element_of_a_list, searchsorted)
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS, 4))
+@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
     random = np.random.default_rng(7)
     given = 0.3 + 0.7 * random.random((3, 4)), np.array([0.6, 0.9, 1.2]), 0.5 + random.random(4)

@@ -108,7 +108,7 @@ KERNELS = [(in_turn, ("a", "b", "return")), (by_expressions, ("a", "b", "return"
            (of_two_choices, ("a", "b")), (handed_back, ("a", "b", "return"))]
 
 
-@pytest.mark.parametrize(("kernel", "of", "engine"), each(KERNELS, every=5))
+@pytest.mark.parametrize(("kernel", "of", "engine"), each(KERNELS))
 def test_derivatives(kernel, of, engine):
     for n in (4,) if engine == "numba" else (1, 2, 4):
         check_derivatives(kernel, (X.copy(), 0.7 * X, n), ("a", "b"), of, engine=engine)

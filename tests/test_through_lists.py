@@ -127,7 +127,7 @@ KERNELS = [(of_one_shape, ("return",)), (of_several_shapes, ("return",)), (of_an
            (of_one_element, ("return",)), (of_rows, ("return",))]
 
 
-@pytest.mark.parametrize(("kernel", "of", "engine"), each(KERNELS, every=6))
+@pytest.mark.parametrize(("kernel", "of", "engine"), each(KERNELS))
 def test_derivatives(kernel, of, engine):
     check_derivatives(kernel, (X.copy(), 3), ("x",), of, engine=engine)
 

@@ -90,7 +90,7 @@ KERNELS = [(k, (A,)) for k in (of_named_rows, through_the_list, through_a_functi
 KERNELS += [(in_each_iteration, (A, A[:2].copy()))]
 
 
-@pytest.mark.parametrize(("kernel", "arguments", "engine"), each(KERNELS, every=9))
+@pytest.mark.parametrize(("kernel", "arguments", "engine"), each(KERNELS))
 def test_gradients(kernel, arguments, engine):
     check_derivatives(kernel, arguments, ("a", "u")[:len(arguments)], ("return",), engine=engine)
 

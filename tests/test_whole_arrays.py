@@ -264,7 +264,7 @@ def scaled_by(p, q):
     p += q * q
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each((joined_in_a_sum, joined_by_a_helper), 4))
+@pytest.mark.parametrize(("kernel", "engine"), each((joined_in_a_sum, joined_by_a_helper)))
 def test_lengths_of_one(kernel, engine):
     long, one = np.linspace(0.4, 1.3, 6), np.array([0.7])
     for x, y in ((long, long), (long, one), (one, one), (long, one + 0.1)):
@@ -327,7 +327,7 @@ def quotient_in_a_sum(m, v):
     return np.sum((m + v) * m / v)
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each((transposed_and_read, quotient_in_a_sum), 4))
+@pytest.mark.parametrize(("kernel", "engine"), each((transposed_and_read, quotient_in_a_sum)))
 def test_square(kernel, engine):
     random = np.random.default_rng(5)
     of = ("m", "v") if kernel is transposed_and_read else ("return",)

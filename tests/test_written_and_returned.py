@@ -117,6 +117,6 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("kernel", "arguments", "wrt", "of", "engine"), each(CASES, 10))
+@pytest.mark.parametrize(("kernel", "arguments", "wrt", "of", "engine"), each(CASES))
 def test_derivatives(kernel, arguments, wrt, of, engine):
     check_derivatives(kernel, arguments, wrt, of, engine=engine)
