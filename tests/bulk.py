@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import gc
 import multiprocessing
 import signal
 import sys
@@ -196,11 +197,17 @@ def _work(task: tuple[int, str, frozenset[str]]) -> Outcome:
     return outcome(random_kernel(seed, without), engine, seed)
 
 
+def _seldom() -> None:
+    """Garbage is sought seldom: a compiler's trees are many objects that live."""
+    gc.freeze()
+    gc.set_threshold(200_000, 20, 50)
+
+
 def _outcomes(tasks: list[tuple[int, str, frozenset[str]]], jobs: int) -> Iterator[Outcome]:
     if jobs == 1:
         yield from map(_work, tasks)
         return
-    with multiprocessing.get_context("spawn").Pool(jobs, maxtasksperchild=2000) as pool:
+    with multiprocessing.get_context("spawn").Pool(jobs, _seldom, maxtasksperchild=2000) as pool:
         yield from pool.imap_unordered(_work, tasks, chunksize=8)
 
 
