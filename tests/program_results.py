@@ -9,6 +9,22 @@ from tests.program_functions import FunctionStatements
 # how often each kind is chosen
 RESULTS = {"solved": 3, "left": 2}
 
+# functions of one or two arrays with one axis, with values between -2 and 2 where theirs are; none has a kink at ties
+_OF_ARRAYS = """
+np.sort({u}) * 0.9 | np.cumsum({u}) * 0.15 | {u} / (1.0 + np.dot({u}, {v}) ** 2) | {u} * 0.4 * np.max({v})
+{u} * 0.4 * np.min({v}) | np.exp({u} - np.max({u})) / np.sum(np.exp({u} - np.max({u}))) | 0.4 * ({u} - np.mean({v}))
+0.4 * np.roll({u}, 1) * {v} | np.flip({u}) * 0.9 | 0.1 * np.convolve({u}, {v}[:3], mode="same") | np.gradient({u}) * 0.4
+0.4 * np.diff({u}, append={v}[:1]) | np.where({u} > {v}, np.sin({u}), 0.5 * {v}) | 0.4 * {u} * np.median({v})
+0.05 * np.real(np.fft.fft({u})) * {v} | 0.02 * np.abs(np.fft.fft({u})) ** 2 | 0.2 * {u} * np.var({v})
+0.4 * np.outer({u}, {v})[1] | np.maximum.accumulate({u}) * 0.9 | np.take({u}, [1, 0, 2]).sum() * 0.1 * {v}
+np.pad({u}[1:-1], 1) * 0.9 | np.concatenate([{u}[:1], {v}[1:]]) * 0.9 | np.stack([{u}, {v}]).prod(axis=0) * 0.4
+np.hypot({u}, 1.0) * 0.8 | np.arctan2({u}, 2.0 + {v}) | np.linalg.norm(1.0 + {u}) * 0.05 * {v}
+np.clip({u}, -0.71, 0.83) | np.interp(0.3 * {u}, [-1.0, 0.1, 1.0], {v}[:3])
+0.1 * np.linalg.norm(np.outer({u}, {v}) + 3.0, axis=0) | np.einsum("i,i,j->j", {u}, {v}, {u}) * 0.02
+np.repeat({u}[:1] * {v}[1:2], {u}.size) * 0.4 | 0.9 * {u}[np.argsort({v})]
+"""
+_FORMS = [form.strip() for line in _OF_ARRAYS.strip().splitlines() for form in line.split("|")]
+
 
 class ResultStatements(FunctionStatements):
     """Writes statements that leave what their adjoints read."""
@@ -43,7 +59,9 @@ class ResultStatements(FunctionStatements):
         u, found = c.pick(like), self.fresh("left")
         self.write(f"{found} = np.zeros({size})")
         self.write(f"for {self.fresh('round')} in range({c.integer(1, 3)}):")
+        given = c.pick(_FORMS).format(u=u, v=c.pick(like))
         self.write("    " + c.pick([
+            f"{found}[:] = {given}", f"{found} = {given}", f"{found} += 0.5 * ({given} - {found})",
             f"{found}[:] = np.tanh({u})", f"{found}[:] = np.exp(-{u} ** 2)", f"np.tanh({u}, out={found})",
             f"{found}[1:] = 0.9 * np.sqrt(2.5 + {u}[:-1])", f"{found}[:] = np.tanh({u} + {found})",
             f"{found}[:] = np.cumprod(0.5 * {u})", f"{found}[:] = 1.0 / (2.0 + {u} ** 2)",
