@@ -54,10 +54,9 @@ def summed(args: list[Type], options: Arguments) -> Type:
 
 
 def _product(args: list[Type], options: Arguments) -> Type:
-    one = is_none(options["axis"]) or known_array(args) and one_axis(options["axis"], args[0].rank) is not None
     if args[0].dtype in _WHOLE and args[0].is_array:
         args = [replace(args[0], dtype="int64"), *args[1:]]
-    return _reduced(args, options) if one and (args[0].is_float or args[0].dtype == "int64") else UNKNOWN
+    return _reduced(args, options) if args[0].is_float or args[0].dtype == "int64" else UNKNOWN
 
 
 def running(args: list[Type], options: Arguments) -> Type:

@@ -9,9 +9,10 @@
     np.dot(a, b)                        np.sum(a[:, :, :, None, None] * ..., axis=2)     of three axes: tensordot's
     np.outer(a, b)                      np.outer(np.ravel(a), np.ravel(b))              of matrices
     np.einsum("...i,i->...", a, b)      np.matmul(a, b), of a matrix (`undotted`)
+    np.einsum("bij,bji->b", a, b)       np.sum(a * np.moveaxis(b, (0, 2, 1), (0, 1, 2)), axis=(1, 2))
 
 `contracted` requires structured form, `batched` and `undotted` types too. A letter twice in one operand, but for the
-diagonal of a matrix, and axes in an order that neither the operands nor their transposes have are left, to be refused.
+diagonal of a matrix, is left, to be refused.
 """
 from __future__ import annotations
 
@@ -34,7 +35,7 @@ _PRODUCTS = {"numpy.matmul", "numpy.tensordot", "numpy.outer", *_LAST}
 def contracted(function: FunctionDef) -> FunctionDef:
     """The function with each `np.einsum` whose subscripts are written out as such products."""
     def change(node: AST) -> AST | None:
-        if call_name(node) != "numpy.einsum" or node.keywords or len(node.args) < 2:
+        if call_name(node) != "numpy.einsum" or len(node.args) < 2 or any(k.arg != "optimize" for k in node.keywords):
             return None
         subscripts, *operands = node.args
         if not isinstance(subscripts, Constant) or not isinstance(subscripts.value, str):
@@ -165,8 +166,11 @@ def contraction(inputs: list[str], output: str, operands: list[AST]) -> AST | No
     if len(operands) > 2 and (made := _pairwise(inputs, output, operands)) is not None:
         return made
     order = _order(inputs, output, letters)
-    if order is None:
-        return None
+    if order is None:       # the axes of some operand are put in an order that all have
+        order = output + "".join(c for c in letters if c not in output)
+        places = [[part.index(c) for c in order if c in part] for part in inputs]
+        operands = [_moved(o, p) for o, p in zip(operands, places)]
+        inputs = ["".join(c for c in order if c in part) for part in inputs]
     product = reduce(mult, (_spread(part, order, operand) for part, operand in zip(inputs, operands)))
     axes = [const(k) for k, c in enumerate(order) if c not in output]
     if not axes:
@@ -201,6 +205,15 @@ def _order(inputs: list[str], output: str, letters: str) -> str | None:
     straight = next((o for o in orders if all(_within(part, o) for part in inputs)), None)
     turned = (o for o in orders if all(_within(part, o) or _within(part[::-1], o) for part in inputs))
     return straight or next(turned, None)
+
+
+def _moved(operand: AST, places: list[int]) -> AST:
+    """The operand with its axes in another order."""
+    if places == sorted(places):
+        return operand
+    if len(places) == 2:
+        return call("numpy.transpose", operand)
+    return call("numpy.moveaxis", operand, tuple_of(*map(const, places)), tuple_of(*map(const, range(len(places)))))
 
 
 def _within(part: str, order: str) -> bool:

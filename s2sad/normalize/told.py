@@ -8,6 +8,7 @@
     np.sum(np.astype(x, dtype=np.float64))          np.sum(x), of an array that is of these already
     x.reshape(-1, 1)                                x[:, None], of an array of one axis: a view wherever it lies
     np.sum(a), np.std(a), np.linalg.norm(a)         a, a - a, abs(a), of a number
+    np.prod(x, axis=(0, -1))                        np.prod(np.prod(x, axis=2), axis=0), where x has three axes
     np.zeros(x.shape[1:])                           np.zeros((x.shape[1], x.shape[2])), where x has three axes
 
 Requires structured form and types; changes no type.
@@ -17,7 +18,7 @@ from __future__ import annotations
 from functools import reduce
 
 from s2sad.infer.infer import Typing
-from s2sad.infer.laws import whole_number, written_slice
+from s2sad.infer.laws import axes_of, whole_number, written_slice
 from s2sad.infer.of_numbers import NORM, SPREAD, reduced_number
 from s2sad.infer.types import UNKNOWN, Type
 from s2sad.rules import find_array
@@ -59,6 +60,8 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
                 reduced_number(rule.name, typing.of(node.args[0]), rule.arguments(node)) != UNKNOWN):
             return _of_number(node, rule.name, rebuild(node.args[0], change),
                               exact=typing.of(node) == typing.of(node.args[0]))
+        if call_name(node) == "numpy.prod" and (made := _one_by_one(node, typing)) is not None:
+            return rebuild(made, change)
         if call_name(node) in _REDUCING and node.args and call_name(inner := node.args[0]) == "numpy.astype":
             kind = typing.of(inner.args[0])
             if kind.is_array and kind.dtype == typing.of(inner).dtype == "float64":
@@ -67,6 +70,18 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
     new = copy(function)
     new.body = [rebuild(statement, change) for statement in function.body]
     return new
+
+
+def _one_by_one(node: Call, typing: Typing) -> AST | None:
+    """A product along several written axes as products along each, the last first."""
+    given = {str(k.arg): k.value for k in node.keywords}
+    axes = axes_of(given["axis"], typing.of(node.args[0]).rank) if isinstance(given.get("axis"), Tuple) else None
+    if axes is None or len(node.args) != 1:
+        return None
+    made = node.args[0]
+    for axis in reversed(axes):
+        made = at(call("numpy.prod", made, **{**given, "axis": const(axis)}), node)
+    return made
 
 
 def _of_number(node: Call, reduction: str, value: AST, exact: bool) -> AST:
