@@ -36,13 +36,20 @@ def tensors(t):
     return np.sum(w) + np.sum(t ** 2) + np.sum(np.tensordot(t[:, :2], t[:, :2], axes=([1], [0])))
 
 
+def by_a_number(t):
+    a = np.dot(t[0, 0, 0], t)
+    a[0] = t[0].dot(2.5) - np.dot(t[1], t[0, 1, 2])
+    t *= 0.5
+    return np.sum(a ** 2)
+
+
 def along_several_axes(t):
     return (np.sum(t.prod(axis=(0, 1)) ** 2) + np.sum(np.prod(t, axis=(0, -1), keepdims=True) * t)
             + np.prod(t, axis=(0, 1, 2)) * t[0, 0, 0] + np.sum(np.prod(np.array([[[1, 2], [3, 4]]]), axis=(0, 1))))
 
 
 @pytest.mark.parametrize(("kernel", "engine"), each([crossed, cycled, a_view_of_one_operand, tensors,
-                                                     along_several_axes]))
+                                                     by_a_number, along_several_axes]))
 def test_axes_in_any_order(kernel, engine):
     check_derivatives(kernel, (T,), ("t",), ("return",), engine)
 

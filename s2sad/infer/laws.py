@@ -110,8 +110,10 @@ def _matmul_type(args: list[Type], options: Options) -> Type:
 
 
 def _dot_type(args: list[Type], options: Options) -> Type:
-    """The last axis of the first with the last but one of the second."""
+    """The last axis of the first with the last but one of the second; a number multiplies."""
     a, b = args
+    if a.is_number != b.is_number and a.dtype == b.dtype == "float64":
+        return b if a.is_number else a
     fits = a.is_array and b.is_array and a.rank + b.rank <= MOST_PAIRED
     return of_rank(array(common_dtype(args), 1), a.rank + b.rank - 2) if fits else UNKNOWN
 

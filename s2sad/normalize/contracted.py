@@ -7,6 +7,7 @@
     np.tensordot(a, b, axes=1)          np.matmul(a, b)
     np.einsum("bij,bjk->bik", a, b)     np.sum(a[:, :, :, None] * b[:, None, :, :], axis=2)
     np.dot(a, b)                        np.sum(a[:, :, :, None, None] * ..., axis=2)     of three axes: tensordot's
+    np.dot(2.0, a)                      2.0 * a
     np.outer(a, b)                      np.outer(np.ravel(a), np.ravel(b))              of matrices
     np.einsum("...i,i->...", a, b)      np.matmul(a, b), of a matrix (`undotted`)
     np.einsum("bij,bji->b", a, b)       np.sum(a * np.moveaxis(b, (0, 2, 1), (0, 1, 2)), axis=(1, 2))
@@ -105,6 +106,8 @@ def batched(function: FunctionDef, typing: Typing) -> FunctionDef:
             return _raveled(node, ranks, [rebuild(a, change) for a in node.args])
         if call_name(node) == "numpy.tensordot":
             return tensor_product(node, ranks, [rebuild(a, change) for a in node.args])
+        if call_name(node) == "numpy.dot" and min(ranks) < 1 <= max(ranks):
+            return at(mult(*(rebuild(a, change) for a in node.args)), node)
         if max(ranks) < 3 or min(ranks) < 1:
             return None
         if call_name(node) in _LAST:
