@@ -6,7 +6,7 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives
-from tests.engines import each, running
+from tests.engines import running
 from tests.simulations import (
     euler, finite_elements, kalman, lattice_boltzmann, level_set, multigrid, ray_march, reaction_network,
     shallow_water, wave,
@@ -77,7 +77,8 @@ PROGRAMS = (of_shallow_water, of_wave, of_euler, of_lattice_boltzmann, of_level_
             of_kalman, of_ray_march)
 
 
-@pytest.mark.parametrize(("program", "engine"), each(PROGRAMS))
+@pytest.mark.parametrize(("program", "engine"), [*((p, e) for p in PROGRAMS for e in ("numpy", "loops")),
+                                                 (of_wave, "numba"), (of_kalman, "numba")])
 def test_program(program, engine):
     function, arguments, wrt, of = program(np.random.default_rng(8))
     check_derivatives(function, arguments, wrt, of, engine, coordinates=12)
