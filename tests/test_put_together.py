@@ -146,7 +146,27 @@ def one_row_twice(r, x):
     return rows[1][1]
 
 
-@pytest.mark.parametrize("kernel", [one_object_twice, one_row_twice])
+def one_copy_twice(r, x):
+    places = np.array([2, 0, 1])
+    both = [x[places]] * 2
+    both[0][0] = x[0]
+    return np.sum(both[1] ** 2)
+
+
+def one_choice_twice(r, x):
+    both = (x[x > 0.5],) * 2
+    both[0][0] = x[0]
+    return np.sum(both[1] ** 2)
+
+
+def one_list_of_places_twice(r, x):
+    both = [x[[0, 1]]] * 2
+    both[1] += x[2]
+    return np.sum(both[0] ** 2)
+
+
+@pytest.mark.parametrize("kernel", [one_object_twice, one_row_twice, one_copy_twice, one_choice_twice,
+                                    one_list_of_places_twice])
 def test_one_object_is_not_made_several_times(kernel):
     with pytest.raises(s2sad.S2sadError):
         s2sad.gradient(kernel, wrt="x")(R.copy(), X.copy())

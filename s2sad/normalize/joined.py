@@ -16,9 +16,8 @@ from s2sad.normalize.memory import bindings
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, List, Load, Mult, Name, Slice, Starred, Subscript, Tuple,
-    UnaryOp, at, call, call_name, copy, expr, rebuild, tuple_of, walk,
+    UnaryOp, at, call, call_name, copy, expr, indices, rebuild, tuple_of, walk,
 )
-
 
 _ARRAYS = ("numpy.array", "numpy.asarray")
 
@@ -34,9 +33,9 @@ def joined(function: FunctionDef, scope: Scope) -> FunctionDef:
     def change(node: AST) -> AST | None:
         if call_name(node) in _ARRAYS and len(node.args) == 1 and (made := _filled(node)) is not None:
             return rebuild(at(made, node), change)
-        if call_name(node) in _ARRAYS and len(node.args) == 1 and (given := items_of(node.args[0], List, True)):
-            if node.args[0] is not given and isinstance(node.args[0], BinOp):
-                return rebuild(at(Call(node.func, [List(given, Load())], node.keywords), node), change)
+        if call_name(node) in _ARRAYS and len(node.args) == 1 and isinstance(node.args[0], BinOp) and (
+                given := items_of(node.args[0], List, True)):
+            return rebuild(at(Call(node.func, [List(given, Load())], node.keywords), node), change)
         for kind in (Tuple, List):
             if isinstance(node, BinOp) and (items := items_of(node, kind)) is not None and not any(
                     isinstance(i, Starred) for i in items):
@@ -106,8 +105,14 @@ def _is_one(item: AST) -> bool:
     """Whether an expression stands for one object or number however often it is written."""
     if all(isinstance(n, (Constant, BinOp, UnaryOp)) or not isinstance(n, expr) for n in walk(item)):
         return True     # a number that is written, 1 / 9 too
-    return isinstance(item, (Name, Subscript, Attribute)) and not any(
-        isinstance(n, Call) for n in walk(item))
+    return isinstance(item, (Name, Subscript, Attribute)) and all(
+        not isinstance(n, Call) and (not isinstance(n, Subscript) or all(map(_is_written, indices(n))))
+        for n in walk(item))
+
+
+def _is_written(place: AST) -> bool:
+    """Whether a subscript is a number or a slice: a name may be an array, which picks a copy each time."""
+    return isinstance(place, (Constant, Slice)) or isinstance(place, UnaryOp) and isinstance(place.operand, Constant)
 
 
 def _is_tuple(value: AST, bound: dict[str, list[AST]], seen: set[str]) -> bool:
