@@ -118,10 +118,8 @@ class AnnotatedCall:
         assert variant is not None
         ordered = [seeds.get(k, 0.0) for k in self.places] if self.mode.reverse else []
         arguments = variant.assemble(by_name, shadows, ordered, state.arrays_by_name())
-        if self._ready:
-            shared = variant.checked(arguments)
-        else:
-            shared = variant.exactly(arguments)
+        shared = variant.checked(arguments)
+        if not self._ready:
             state.first_run(values, self.engine)
         if self.keeps or state.arrays:
             own = dict(zip(state.parameters, state.copied(values, self.types))) if self.keeps else by_name

@@ -115,12 +115,6 @@ class Variant:
         shared = self.check(self._pick(arguments))
         return tuple(self.array_places[k] for k in shared)
 
-    def exactly(self, arguments: Sequence[Any]) -> tuple[int, ...]:
-        """`checked` without the compiled check, for a first call."""
-        if self._pick is None:
-            return ()
-        return tuple(self.array_places[k] for k in self.check.exact([arguments[k] for k in self.array_places]))
-
     def prepare(self, arguments: Sequence[Any]) -> None:
         """Compiles for the types of these arguments, or reads Numba's cache."""
         if self.engine == "numba":

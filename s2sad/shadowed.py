@@ -30,7 +30,7 @@ class ShadowedCall:
         self._coercions = self._conversions(args)
         self._fitted(args, by_name)
         arguments = self._arguments(args)
-        self.variant.exactly(arguments)
+        self.variant.checked(arguments)
         state.first_run(values, self.variant.engine)
         self.variant.prepare(arguments)
         self._direct = not self._coercions and not self._hidden

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import ast
-import gc
 import multiprocessing
 import signal
 import sys
@@ -28,6 +27,7 @@ import numpy as np
 import s2sad
 from s2sad.normalize.guards import EQUAL, INSIDE
 from tests.derivatives import UnreliableDifferences, check_derivatives, check_value
+from tests.garbage import seldom
 from tests.programs import Program, random_kernel
 
 SKIPPED = ("invalid", "unreliable")
@@ -197,17 +197,11 @@ def _work(task: tuple[int, str, frozenset[str]]) -> Outcome:
     return outcome(random_kernel(seed, without), engine, seed)
 
 
-def _seldom() -> None:
-    """Garbage is sought seldom: a compiler's trees are many objects that live."""
-    gc.freeze()
-    gc.set_threshold(200_000, 20, 50)
-
-
 def _outcomes(tasks: list[tuple[int, str, frozenset[str]]], jobs: int) -> Iterator[Outcome]:
     if jobs == 1:
         yield from map(_work, tasks)
         return
-    with multiprocessing.get_context("spawn").Pool(jobs, _seldom, maxtasksperchild=2000) as pool:
+    with multiprocessing.get_context("spawn").Pool(jobs, seldom, maxtasksperchild=2000) as pool:
         yield from pool.imap_unordered(_work, tasks, chunksize=8)
 
 

@@ -1,7 +1,6 @@
 """What all tests share: this folder's parent on the path, quiet floating point, Hypothesis profiles, options."""
 from __future__ import annotations
 
-import gc
 import os
 import sys
 from pathlib import Path
@@ -28,10 +27,8 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_finish(session):
-    """The trees of a compiler are many objects that live: seeking garbage among them at every 700 took a fifth."""
-    gc.collect()
-    gc.freeze()
-    gc.set_threshold(200_000, 20, 50)
+    from tests.garbage import seldom
+    seldom()
 
 
 def pytest_configure(config):
