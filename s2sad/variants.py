@@ -1,11 +1,10 @@
 """The derivatives of one function: derived once for what is asked, compiled, and kept.
 
-A `Derivatives` hangs on the function itself. It has one `State` for each set of values of the constants that the
-function reads, and a state one `Variant` for each (mode, types, wrt, of, engine).
+A `Derivatives` lies in the side table of its function. It has one `State` for each set of values of the constants
+that the function reads, and a state one `Variant` for each (mode, types, wrt, of, engine).
 """
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Mapping, Sequence
 from types import FunctionType
 from typing import Any
@@ -14,6 +13,7 @@ import numpy as np
 
 from s2sad import pipeline, read
 from s2sad.binding import float_parameters, same_number, types as types_of
+from s2sad.compiler_lock import COMPILER_LOCK
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.generated import HIDDEN, Variant
 from s2sad.infer.types import Type, of_value
@@ -25,10 +25,10 @@ from s2sad.rules.given import GIVEN
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
 from s2sad.run.given import given_of
 from s2sad.run.overlap import Check, Slot
+from s2sad.side_table import side_table
 from s2sad.tree import equal
 from s2sad.watch import Watch
 
-_LOCK = threading.RLock()
 _KEPT = 31  # states: a global that changes at every call must not fill the memory
 
 
@@ -37,11 +37,11 @@ def derivatives_of(f: Any) -> Derivatives:
     function = python_function(f)
     if function is None:
         raise S2sadError(not_a_function(f))
-    with _LOCK:
-        kept = vars(function).get("__s2sad__")
-        if not isinstance(kept, Derivatives) or kept.function is not function:  # functools.wraps copies attributes
-            kept = vars(function)["__s2sad__"] = Derivatives(function)
-        return kept
+    with COMPILER_LOCK:
+        table = side_table(function)
+        if "derivatives" not in table:
+            table["derivatives"] = Derivatives(function)
+        return table["derivatives"]
 
 
 class Derivatives:
@@ -59,7 +59,7 @@ class Derivatives:
         if (self._current is not None and self._watch is not None and self._edition == GIVEN.edition
                 and self._watch.unchanged() and self._current.unchanged()):
             return self._current
-        with _LOCK:
+        with COMPILER_LOCK:
             self._edition = GIVEN.edition
             watch = Watch(self.function)
             program = read.load(self.function)
@@ -136,7 +136,7 @@ class State:
         key = (request, engine)
         if engine == "numba":
             self.unfrozen()
-        with _LOCK:
+        with COMPILER_LOCK:
             if key not in self._variants:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
                                   request.with_primal)

@@ -13,6 +13,7 @@ from s2sad import (
     ReverseWithPrimal, S2sadError, S2sadWarning, autodiff, differentiate, gradient, jvp, make_zero, pipeline,
     value_and_gradient, vjp,
 )
+from s2sad.side_table import forget
 from s2sad.watch import Watch
 from tests import called_kernels as kernels
 
@@ -20,9 +21,6 @@ from tests import called_kernels as kernels
 @pytest.fixture(autouse=True)
 def fresh(monkeypatch, tmp_path_factory):
     monkeypatch.setenv("S2SAD_CACHE_DIR", str(tmp_path_factory.getbasetemp() / "modules"))
-    for value in vars(kernels).values():
-        if isinstance(value, types.FunctionType):
-            vars(value).pop("__s2sad__", None)
 
 
 @pytest.fixture
@@ -39,8 +37,8 @@ def derived(monkeypatch):
 def apart():
     """Every test begins with nothing derived: the first call with new types runs with bounds checks."""
     for kernel in vars(kernels).values():
-        if callable(kernel):
-            getattr(kernel, "__dict__", {}).pop("__s2sad__", None)
+        if isinstance(kernel, types.FunctionType):
+            forget(kernel)
 
 
 @pytest.fixture(params=["numpy", "numba"])

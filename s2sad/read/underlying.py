@@ -17,8 +17,9 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from types import FunctionType, MethodType
 from typing import Any
 
+from s2sad.side_table import remembered, side_table
+
 _KEPT = 16                              # how many methods and partials of one function are remembered
-_GIVEN = "__s2sad_given__"
 _LIBRARIES = ("builtins", "functools", "numpy", "numba", "scipy", "s2sad")
 
 
@@ -43,7 +44,7 @@ def named_function(value: Any) -> FunctionType | None:
 
 def given(function: FunctionType) -> tuple[FunctionType, Mapping[str, Any]]:
     """The function whose text is read, and what it was given, by parameter."""
-    return vars(function).get(_GIVEN, (function, {}))
+    return remembered(function, "given") or (function, {})
 
 
 def by_position(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -91,7 +92,7 @@ def _given(value: MethodType | functools.partial) -> FunctionType | None:
     function = named_function(inner)
     if function is None:
         return None
-    kept: list[tuple[tuple[Any, ...], dict[str, Any], FunctionType]] = vars(function).setdefault("__s2sad_bound__", [])
+    kept: list[tuple[tuple[Any, ...], dict[str, Any], FunctionType]] = side_table(function).setdefault("bound", [])
     for known, others, made in kept:
         if _same(known, args) and list(others) == list(keywords) and _same(others.values(), keywords.values()):
             return made
@@ -101,7 +102,7 @@ def _given(value: MethodType | functools.partial) -> FunctionType | None:
         return None
     kernel, before = given(function)
     made = _called(function, names)
-    vars(made)[_GIVEN] = kernel, {**before, **names}
+    side_table(made)["given"] = kernel, {**before, **names}
     kept[:] = [*kept[-_KEPT + 1:], (args, dict(keywords), made)]
     return made
 

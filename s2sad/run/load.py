@@ -15,12 +15,12 @@ import shutil
 import stat
 import sys
 import tempfile
-import threading
 from functools import lru_cache
 from pathlib import Path
 from types import CodeType, ModuleType
 
-_LOCK = threading.RLock()
+from s2sad.compiler_lock import COMPILER_LOCK
+
 _OWN = itertools.count(1)
 
 
@@ -45,7 +45,7 @@ def load(text: str, name: str, key: str = "", own: bool = False) -> ModuleType:
     """
     digest = hashlib.sha256(f"{key}\0{name}\0{text}".encode()).hexdigest()[:20]
     identifier = f"s2sad_{name}_{digest}"
-    with _LOCK:
+    with COMPILER_LOCK:
         if own:
             identifier += f"_{next(_OWN)}"
         module = sys.modules.get(identifier)
