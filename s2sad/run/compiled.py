@@ -1,8 +1,8 @@
 """The Numba engine: every function of a generated module becomes a compiled one in the module's own namespace.
 
-`error_model="numpy"` everywhere, fastmath nowhere, primal and derivatives with the same flags. Numba's disk cache
-knows a function's own file only, so what else the machine code depends on (the runtime's text, flags, versions)
-names the folder in which the module's file lies.
+`error_model="numpy"` everywhere, fastmath nowhere, primal and derivatives with the same flags. What machine code
+depends on beside the module's text (the runtime's text, flags, versions) is part of the module's name, under which it
+is kept on disk.
 """
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ import hashlib
 import importlib
 import importlib.util
 import os
-import pickle
 import platform
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -24,6 +23,7 @@ from typing import Any
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.run.interpreter import DTYPES, interpreted
 from s2sad.run.load import load
+from s2sad.run.machine_code import stored
 from s2sad.run.through_python import through_python
 
 _RUNTIME = "s2sad.runtime"
@@ -68,8 +68,8 @@ def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ..
              given: bool = False) -> ModuleType:
     """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left.
 
-    With `given` it imports functions of the user: these are compiled too, and nothing is kept on disk, for Numba's
-    cache would not see that they have changed. Nor is a module that calls what the interpreter runs, which lives as
+    With `given` it imports functions of the user: these are compiled too, and nothing is kept on disk, for the text
+    does not tell that they have changed. Nor is a module that calls what the interpreter runs, which lives as
     long as the process.
     """
     bounds = bounds or always_checked()
@@ -107,28 +107,17 @@ class _Silence(ast.NodeTransformer):
 
 
 def prepare(dispatcher: Any, args: Sequence[Any], what: str) -> None:
-    """Compiles a function for the types of `args`, or reads it from Numba's disk cache; runs nothing."""
+    """Compiles a function for the types of `args`, or takes its machine code from the store; runs nothing."""
     if not hasattr(dispatcher, "typeof_pyval"):
         return
     numba_errors = importlib.import_module("numba.core.errors")
     signature = tuple(map(dispatcher.typeof_pyval, args))
     try:
-        try:
-            dispatcher.compile(signature)
-        except (pickle.UnpicklingError, EOFError, AttributeError, ImportError, IndexError, ValueError):
-            _forget(dispatcher)  # a damaged cache file: drop it and compile again
-            dispatcher.compile(signature)
+        dispatcher.compile(signature)
     except numba_errors.NumbaError as error:
         reason = str(error).strip()
         raise S2sadError(Diagnostic("S901", f"internal error: Numba cannot compile {what}", note=reason,
                                     help='engine="numpy" runs the same text without Numba')) from error
-
-
-def _forget(dispatcher: Any) -> None:
-    function = dispatcher.py_func
-    folder = Path(dispatcher.stats.cache_path or Path(function.__code__.co_filename).parent / "__pycache__")
-    for path in folder.glob(f"{Path(function.__code__.co_filename).stem}.*.nb[ic]"):
-        path.unlink(missing_ok=True)
 
 
 def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | set[str] = False,
@@ -138,10 +127,8 @@ def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | s
     numba = importlib.import_module("numba")
     flags = {"error_model": "numpy", "boundscheck": bounds, "nogil": True, "fastmath": fastmath,
              "forceinline": inline}
-    try:
-        return numba.njit(cache=on_disk, **flags)(function)
-    except RuntimeError:  # Numba finds no place for its cache files
-        return numba.njit(**flags)(function)
+    dispatcher = numba.njit(**flags)(function)
+    return stored(dispatcher, function.__module__) if on_disk else dispatcher
 
 
 def _is_interpreted(value: Any) -> bool:
@@ -180,6 +167,8 @@ def _key(bounds: bool) -> str:
         for path in sorted(origin.parent.rglob("*.py")) if origin.name == "__init__.py" else [origin]:
             digest.update(path.name.encode() + b"\0" + path.read_bytes())
     digest.update(Path(__file__).read_bytes())      # the flags
-    versions = (numba.__version__, numpy.__version__, platform.python_version(), numba.config.BOUNDSCHECK)
+    config = tuple(getattr(numba.config, n, None) for n in ("BOUNDSCHECK", "OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE"))
+    llvm = importlib.import_module("llvmlite").__version__
+    versions = (numba.__version__, llvm, numpy.__version__, platform.python_version(), config)
     digest.update(repr(versions).encode())
     return f"numba-{digest.hexdigest()[:12]}{'-bounds' if bounds else ''}"
