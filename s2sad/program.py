@@ -1,13 +1,16 @@
 """The nouns that the rooms hand to each other: a kernel, a program, a request, and what was generated."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from s2sad.diagnostics import Source
 from s2sad.infer.types import Type
 from s2sad.rules.given import Own
 from s2sad.tree import FunctionDef
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ class Program:
     `constants` holds the numbers that kernels read from their module or closure, by the name behind
     `const.`; `arrays` the arrays read likewise, which become hidden parameters of every kernel on the way; `records`
     the classes that kernels make structures with, by the name behind `record.`; `methods`
-    the names of the kernels that are functions of classes.
+    the names of the kernels that are functions of classes; `tables` is what `once` remembers.
     """
     entry: str
     kernels: dict[str, Kernel]
@@ -44,6 +47,14 @@ class Program:
     arrays: dict[str, Any] = field(default_factory=dict)
     records: dict[str, type] = field(default_factory=dict)
     methods: dict[Any, str] = field(default_factory=dict)
+    tables: dict[Any, tuple[int, Any]] = field(default_factory=dict, init=False, compare=False, repr=False)
+
+    def once(self, make: Callable[[Program], T]) -> T:
+        """The table that `make` makes of all kernels, made once; where kernels have been added, once more."""
+        found = self.tables.get(make)
+        if found is None or found[0] != len(self.kernels):
+            found = self.tables[make] = len(self.kernels), make(self)
+        return found[1]
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,18 @@ def copied(x, y, a):
     return np.sum(b * x * m) + x[0] * (True * 1 + 1 * True)
 
 
-CASES = [(copied, ("return",)),
+def shifted(u, v, start, axis):
+    u[...] = v + np.roll(v, 1, axis)
+
+
+def one_array_twice(x, y, a):
+    """The helper is made without its second parameter; its axis is still the last argument."""
+    shifted(a, a, 0, 1)
+    shifted(a, a, 0, 1)
+    return a[0, 1] * a[1, 0]
+
+
+CASES = [(copied, ("return",)), (one_array_twice, ("a", "return")),
          (filled_where, ("y", "return")), (returned, ("return",)), (positions, ("return",)), (dtypes, ("return",))]
 
 

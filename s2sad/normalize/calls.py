@@ -1,7 +1,7 @@
 """Calls of the user's functions: arguments bound to positions, and how many results a function returns."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from s2sad.normalize.memory import bindings
@@ -49,15 +49,20 @@ def _default(kernel: Kernel, parameter: str, node: Call, scope: Scope) -> AST:
     return written
 
 
-def result_structure(kernel: str, program: Program, seen: tuple[str, ...] = ()) -> Structure:
+def result_structure(kernel: str, program: Program) -> Structure:
     """What a kernel returns: a tuple of structures, for a list that is spelled out, too, or None for a single value; of
     tuples of several lengths the longest."""
-    given = program.kernels.get(kernel)
-    if given is None or kernel in seen:
-        return None
-    found = [_structure(node.value, given, program, (*seen, kernel))
-             for node in walk(given.tree.body) if isinstance(node, Return) and node.value is not None]
-    return max((f for f in found if f is not None), key=len, default=None)
+    return program.once(_structures).get(kernel)
+
+
+def _structures(program: Program) -> dict[str, Structure]:
+    """What every kernel returns, callees first."""
+    found: dict[str, Structure] = {}
+    for title, kernel in program.kernels.items():
+        each = [_structure(node.value, kernel, found)
+                for node in walk(kernel.tree.body) if isinstance(node, Return) and node.value is not None]
+        found[title] = max((f for f in each if f is not None), key=len, default=None)
+    return found
 
 
 def result_count(kernel: str, program: Program) -> int:
@@ -87,18 +92,17 @@ def nested(values: Iterable[Any], structure: Structure, made: Callable[[list[Any
     return take(structure)
 
 
-def _structure(value: AST, kernel: Kernel, program: Program, seen: tuple[str, ...]) -> Structure:
+def _structure(value: AST, kernel: Kernel, found: Mapping[str, Structure]) -> Structure:
     if isinstance(value, (Tuple, List)):
-        return tuple(_structure(e, kernel, program, seen) if isinstance(e, (Tuple, List)) else None
-                     for e in value.elts)
+        return tuple(_structure(e, kernel, found) if isinstance(e, (Tuple, List)) else None for e in value.elts)
     if isinstance(value, IfExp):
-        return _structure(value.body, kernel, program, seen)
+        return _structure(value.body, kernel, found)
     called = user_call(value)
     if called is not None:
-        return result_structure(called, program, seen)
+        return found.get(called)
     if isinstance(value, Name):
         bound = [v for target, v in bindings(kernel.tree) if isinstance(target, Name) and target.id == value.id
                  and (isinstance(v, Tuple) or user_call(v) is not None)]
-        found = [_structure(v, kernel, program, seen) for v in bound]
-        return max((f for f in found if f is not None), key=len, default=None)
+        each = [_structure(v, kernel, found) for v in bound]
+        return max((f for f in each if f is not None), key=len, default=None)
     return None

@@ -24,6 +24,7 @@ from dataclasses import dataclass, replace
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import Type
 from s2sad.naming import Names
+from s2sad.normalize.call_graph import calls
 from s2sad.normalize.given_sizes import MAKERS, GivenSizes, Shapes, is_made
 from s2sad.program import Kernel, Program
 from s2sad.tree import (
@@ -90,10 +91,9 @@ def given_results(kernel: Kernel, found: Results, types: tuple[Type, ...], progr
 
 def _is_worth(kernel: Kernel, tree: FunctionDef, program: Program) -> bool:
     """Whether a function is called more than once, and long."""
-    calls = sum(call_name(n) == f"user.{kernel.name}" for k in program.kernels.values() for n in walk(k.tree.body))
-    if calls < 2:
+    if len(program.once(calls).get(kernel.name, ())) < 2:
         return False
-    return any(isinstance(n, (For, While)) for n in walk(tree.body)) or _length(tree, program, ()) > _LEAST
+    return any(isinstance(n, (For, While)) for n in walk(tree.body)) or _length(tree, program.once(_lengths)) > _LEAST
 
 
 def _reshapes(tree: FunctionDef) -> bool:
@@ -103,11 +103,17 @@ def _reshapes(tree: FunctionDef) -> bool:
                and n.args[0].id in parameters) for n in walk(tree.body) if isinstance(n, Call) and n.args)
 
 
-def _length(tree: FunctionDef, program: Program, within: tuple[str, ...]) -> int:
-    """The nodes of a function, and of those that it calls as often as it does."""
-    called = [k for n in walk(tree.body) for room, _, k in [(call_name(n) or "").partition(".")] if room == "user"]
-    inner = sum(_length(program.kernels[k].tree, program, (*within, k)) for k in called if k not in within)
-    return sum(1 for _ in walk(tree.body)) + inner
+def _lengths(program: Program) -> dict[str, int]:
+    """The nodes of every function, and of those that it calls as often as it does."""
+    found: dict[str, int] = {}
+    for title, kernel in program.kernels.items():  # callees first
+        found[title] = _length(kernel.tree, found)
+    return found
+
+
+def _length(tree: FunctionDef, lengths: Mapping[str, int]) -> int:
+    called = (k for n in walk(tree.body) for room, _, k in [(call_name(n) or "").partition(".")] if room == "user")
+    return sum(1 for _ in walk(tree.body)) + sum(lengths.get(k, 0) for k in called)
 
 
 def _store(word: str, value: AST) -> AST:

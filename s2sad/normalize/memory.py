@@ -5,7 +5,7 @@ taken to be apart: arguments that overlap are refused at the call if either is w
 """
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cached_property
 
 from s2sad.normalize.in_place import stored_by_call, stored_out
@@ -82,7 +82,6 @@ class Memory:
     def __init__(self, function: FunctionDef, program: Program):
         self._parent: dict[str, str] = {}
         self._program = program
-        self._writers: dict[str, bool] = {}
         self._function = function
         for target, value in bindings(function):
             self.bind(stored_names(target), value)
@@ -128,28 +127,34 @@ class Memory:
 
     def writes(self, kernel: str) -> bool:
         """Whether a call of the kernel may write memory that it did not allocate itself."""
-        if kernel not in self._writers:
-            self._writers[kernel] = True                # what a recursive call is taken for
-            given = self._program.kernels.get(kernel)
-            self._writers[kernel] = given is None or self._tree_writes(given.tree)
-        return self._writers[kernel]
+        return kernel not in self._program.kernels or kernel in self._program.once(writers)
 
-    def _tree_writes(self, function: FunctionDef) -> bool:
-        own = set(stored_names(function.body)) - set(parameters(function))
-        for target, value in bindings(function):
-            if not fresh_value(value):
-                own -= set(stored_names(target))
-        for node in walk(function.body):
-            if isinstance(node, AugAssign) and isinstance(node.target, Name) and node.target.id not in own:
-                return True
-            if isinstance(node, Subscript) and isinstance(node.ctx, Store) and not set(_names(node.value)) <= own:
-                return True
-            called = call_name(node) or ""
-            if called.startswith("user.") and self.writes(called[len("user."):]):
-                return True
-            if isinstance(node, Call) and _writing_call(node):
-                return True
-        return False
+
+def writers(program: Program) -> frozenset[str]:
+    """The kernels that may write memory that they did not allocate themselves."""
+    found: set[str] = set()
+    for title, kernel in program.kernels.items():  # callees first
+        if _writes(kernel.tree, lambda called: called not in program.kernels or called in found):
+            found.add(title)
+    return frozenset(found)
+
+
+def _writes(function: FunctionDef, callee_writes: Callable[[str], bool]) -> bool:
+    own = set(stored_names(function.body)) - set(parameters(function))
+    for target, value in bindings(function):
+        if not fresh_value(value):
+            own -= set(stored_names(target))
+    for node in walk(function.body):
+        if isinstance(node, AugAssign) and isinstance(node.target, Name) and node.target.id not in own:
+            return True
+        if isinstance(node, Subscript) and isinstance(node.ctx, Store) and not set(_names(node.value)) <= own:
+            return True
+        called = call_name(node) or ""
+        if called.startswith("user.") and callee_writes(called[len("user."):]):
+            return True
+        if isinstance(node, Call) and _writing_call(node):
+            return True
+    return False
 
 
 def _writing_call(node: Call) -> bool:

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from s2sad.normalize.exits import BREAK, CONTINUE, exits
-from s2sad.normalize.settled import UNKNOWN, argument, counted, in_round, known_names, options
+from s2sad.normalize.settled import UNKNOWN, argument, bound, counted, in_round, options
 from s2sad.program import Kernel, Program
 from s2sad.tree import (
     AST, Call, For, If, Name, While, assign, at, call_name, const, copy, keyword, name, names,
@@ -58,7 +58,7 @@ def _asked(program: Program) -> dict[str, list[str]]:
 
 def _written_out(kernel: Kernel, program: Program, asked: Mapping[str, list[str]]) -> Kernel:
     """The kernel without loops whose counter is an option of what it calls."""
-    known = known_names(kernel.tree, kernel, program)
+    known = bound(program).known(kernel)
 
     def given(block: list[AST], counter: str, number: int) -> list[AST]:
         def change(node: AST) -> AST | None:
@@ -116,7 +116,7 @@ def _apart(program: Program, asked: Mapping[str, list[str]]) -> Program | None:
     for title in reversed(list(asked)):
         kernel, given = program.kernels[title], {}
         for caller in program.kernels.values():
-            known = known_names(caller.tree, caller, program)
+            known = bound(program).known(caller)
             for node in walk(caller.tree.body):
                 if call_name(node) == f"user.{title}":
                     given[id(node)] = tuple(repr(argument(node, kernel, p, known)) for p in asked[title])

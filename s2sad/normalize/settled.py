@@ -19,6 +19,7 @@ from typing import Any
 from s2sad import rules
 from s2sad.diagnostics import Report
 from s2sad.infer.laws import whole_number
+from s2sad.normalize.call_graph import calls
 from s2sad.normalize.memory import parameters
 from s2sad.normalize.scope import Scope
 from s2sad.program import Kernel, Program
@@ -37,7 +38,7 @@ Numbers = Mapping[str, Any]     # what names are bound to: whole numbers, bools,
 
 
 def settled(function: FunctionDef, scope: Scope) -> FunctionDef:
-    known = known_names(function, scope.kernel, scope.program, ())
+    known = bound(scope.program).names(function, scope.kernel)
 
     def walked(node: AST) -> AST | None:
         """Loops over axes."""
@@ -130,17 +131,52 @@ def _signature(path: str) -> tuple[str, ...]:
     return tuple(p.name for p in found if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD))
 
 
-def known_names(function: FunctionDef, kernel: Kernel, program: Program, seen: tuple[str, ...] = ()) -> dict[str, Any]:
-    """What the names of a kernel are known to be."""
-    known: dict[str, Any] = {f"const.{n}": v for n, v in program.constants.items() if _is_plain(v)}
-    stores = times_bound(function.body)
-    known |= {p: v for p in parameters(function) if p not in stores
-              and (v := _given(kernel, p, program, (*seen, kernel.name))) is not UNKNOWN}
-    for bound, what in _bindings(function):
-        found = _value(what, known)
-        if stores[bound.id] == 1 and bound.id not in parameters(function) and found is not UNKNOWN:
-            known[bound.id] = found
-    return known
+class Bound:
+    """What the names of a program's kernels are known to be: found once for each kernel, callers first."""
+
+    def __init__(self, program: Program):
+        self.program, self._calls = program, program.once(calls)
+        self._known: dict[str, dict[str, Any]] = {}
+        self._given: dict[str, dict[str, Any]] = {}
+
+    def known(self, kernel: Kernel) -> dict[str, Any]:
+        """What the names of a kernel are known to be, as it was read."""
+        if kernel.name not in self._known:
+            self._known[kernel.name] = self.names(kernel.tree, kernel)
+        return self._known[kernel.name]
+
+    def names(self, function: FunctionDef, kernel: Kernel) -> dict[str, Any]:
+        """What the names of a kernel are known to be, in the form that it has now."""
+        known: dict[str, Any] = {f"const.{n}": v for n, v in self.program.constants.items() if _is_plain(v)}
+        stores, given, own = times_bound(function.body), self.given(kernel.name), parameters(function)
+        known |= {p: given[p] for p in own if p not in stores and p in given}
+        for bound, what in _bindings(function):
+            found = _value(what, known)
+            if stores[bound.id] == 1 and bound.id not in own and found is not UNKNOWN:
+                known[bound.id] = found
+        return known
+
+    def given(self, title: str) -> dict[str, Any]:
+        """What all calls of a kernel give its parameters, where they give the same."""
+        if title not in self._given:
+            self._given[title] = {}
+            kernel = self.program.kernels[title]
+            if title != self.program.entry and kernel.own is None:
+                each = [self._arguments(kernel, caller, made) for caller, made in self._calls.get(title, ())]
+                first = each[0] if each else {}
+                self._given[title] = {p: v for p, v in first.items() if all(
+                    p in a and type(a[p]) is type(v) and a[p] == v for a in each)}
+        return self._given[title]
+
+    def _arguments(self, kernel: Kernel, caller: str, node: Call) -> dict[str, Any]:
+        known = self.known(self.program.kernels[caller])
+        found = ((p, argument(node, kernel, p, known)) for p in kernel.parameters)
+        return {p: v for p, v in found if v is not UNKNOWN}
+
+
+def bound(program: Program) -> Bound:
+    """What the names of all kernels are known to be."""
+    return program.once(Bound)
 
 
 def _bindings(function: FunctionDef) -> Iterator[tuple[Name, AST]]:
@@ -157,19 +193,6 @@ def _pairs(target: AST, value: AST) -> Iterator[tuple[Name, AST]]:
     elif isinstance(target, Tuple) and isinstance(value, (Tuple, List)) and len(target.elts) == len(value.elts):
         for t, v in zip(target.elts, value.elts):
             yield from _pairs(t, v)
-
-
-def _given(kernel: Kernel, parameter: str, program: Program, seen: tuple[str, ...]) -> Any:
-    """What all calls of a kernel give a parameter."""
-    if kernel.name == program.entry or kernel.own is not None or kernel.name in seen[:-1]:
-        return UNKNOWN
-    found: list[Any] = []
-    for caller in program.kernels.values():
-        calls = [n for n in walk(caller.tree.body) if call_name(n) == f"user.{kernel.name}"]
-        known = known_names(caller.tree, caller, program, seen) if calls else {}
-        found += [argument(node, kernel, parameter, known) for node in calls]
-    same = found and all(type(v) is type(found[0]) and v == found[0] for v in found)
-    return found[0] if same else UNKNOWN
 
 
 def argument(node: Call, kernel: Kernel, parameter: str, known: Numbers) -> Any:
