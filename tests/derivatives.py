@@ -1,9 +1,10 @@
 """The instrument that every derivative is measured with: `check_derivatives`.
 
-It uses the public interface only. The kernel is called as plain Python on shifted copies of its arguments, the
-central differences are extrapolated (Richardson), and every derivative comes with an estimate of its own
-error. Where that estimate is poor (a kink or a jump within reach), `UnreliableDifferences` is raised, which is no
-failure: tests on generated programs skip such a point.
+It uses the public interface, and the differences that `s2sad.check` takes. The kernel is called as plain Python on
+shifted copies of its arguments, and every derivative comes with an estimate of its own error, which knows what rounding
+does to this kernel's values here: it is measured once, with all inputs moved at once. Where the estimate is poor (a
+kink or a jump within reach), `UnreliableDifferences` is raised, which is no failure: tests on generated programs skip
+such a point.
 """
 from __future__ import annotations
 
@@ -13,11 +14,14 @@ import math
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 import s2sad
+from s2sad.report.differences import Line, rounding
+from s2sad.report.differences import differences as along_line
 from tests.engines import running
 
 Values = dict[str, Any]
@@ -107,6 +111,15 @@ class Subject:
         wide = {n: _wide(copy.deepcopy(v)) for n, v in self.given.items()}
         return _vector(self.run({**wide, **_split(wide, self.wrt, x)}), self.of)
 
+    def along(self, direction: np.ndarray) -> Line:
+        """The outputs as a function of the distance gone in a direction."""
+        return lambda distance: self(self.x + distance * direction)
+
+    @cached_property
+    def noise(self) -> np.ndarray:
+        """What rounding adds to the outputs around here."""
+        return rounding(self.along(np.random.default_rng(0).standard_normal(self.x.size) * self.scales()))
+
     def is_single(self) -> bool:
         """Whether an argument is of float32: what is computed is precise to that."""
         return any(isinstance(v, np.ndarray) and v.dtype == np.float32 for v in self.given.values())
@@ -126,40 +139,9 @@ class Subject:
 
 
 # -- differences ----------------------------------------------------------------------------------------------------
-def _tableau(subject: Subject, direction: np.ndarray, step: float, levels: int) -> tuple[np.ndarray, np.ndarray]:
-    """Extrapolated central differences from one first step, by output, with estimates of their errors."""
-    steps = [step / 2 ** k for k in range(levels)]
-    ups = [subject(subject.x + h * direction) for h in steps]
-    downs = [subject(subject.x - h * direction) for h in steps]
-    centre = subject(subject.x)
-    rows = [(u - d) / (2 * h) for u, d, h in zip(ups, downs, steps)]
-    best, error = rows[-1], np.full(rows[-1].shape, math.inf)
-    rounding = 4 * np.finfo(float).eps * np.abs(centre) / steps[-1]
-    for order in range(1, levels):
-        new = [fine + (fine - coarse) / (4 ** order - 1) for coarse, fine in zip(rows, rows[1:])]
-        for previous, fine in zip(rows[1:], new):
-            found = np.abs(previous - fine) + rounding
-            best, error = np.where(found < error, fine, best), np.minimum(found, error)
-        rows = new
-    # at a kink the second difference over h stays; where the function is smooth it falls with h
-    bends = [np.abs(u - 2 * centre + d) / h for u, d, h in zip(ups, downs, steps)]
-    kinked = (bends[-1] > 0.6 * bends[0]) & (bends[-1] > 1e-5 * (np.abs(best) + 1e-3 * np.abs(best).max(initial=0.0)))
-    error = np.where(kinked & (bends[-1] > 100 * rounding), math.inf, error)
-    return best, np.where(np.isfinite(best), error, math.inf)
-
-
-def differences(subject: Subject, direction: np.ndarray, wanted: float = 1e-9) -> tuple[np.ndarray, np.ndarray]:
-    """The derivative along a direction by output, with estimates of the errors, from several first steps."""
-    best, error = np.zeros(0), np.zeros(0)
-    for step in (1e-2, 2e-3, 3e-4, 4e-5):
-        found, estimate = _tableau(subject, direction, step, 5)
-        if not best.size:
-            best, error = found, estimate
-        else:
-            best, error = np.where(estimate < error, found, best), np.minimum(estimate, error)
-        if np.all(error <= wanted * (np.abs(best) + 1e-3 * np.abs(best).max(initial=0.0))):
-            break
-    return best, error
+def differences(subject: Subject, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The derivative along a direction by output, with estimates of the errors."""
+    return along_line(subject.along(direction), noise=subject.noise)
 
 
 # -- the check ------------------------------------------------------------------------------------------------------

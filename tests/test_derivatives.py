@@ -67,6 +67,18 @@ def test_finds_adjoint_and_tangent_wrong_alike(monkeypatch):
         checked(monkeypatch, vjp=wrong_vjp, jvp=wrong_jvp)
 
 
+def test_finds_one_partial_wrong_in_the_sixth_digit(monkeypatch):
+    """Of the adjoint and the tangent alike, so that the dot product says nothing."""
+    def wrong_vjp(f, args, seeds, wrt):
+        right = vjp(f, args, seeds, wrt)
+        return {**right, "c": right["c"] * (1 + 1e-6)}
+
+    def wrong_jvp(f, args, tangents, of):
+        return jvp(f, args, {**tangents, "c": tangents["c"] * (1 + 1e-6)}, of)
+    with pytest.raises(AssertionError, match="differences have"):
+        checked(monkeypatch, vjp=wrong_vjp, jvp=wrong_jvp)
+
+
 def test_finds_changed_arguments(monkeypatch):
     def careless(f, args, seeds, wrt):
         found = vjp(f, args, seeds, wrt)
@@ -112,3 +124,61 @@ def test_differences_are_as_good_as_they_say(function, slope, at):
     found, error = differences(subject, np.array([1.0]))
     assert abs(found[0] - slope) <= 20 * error[0]
     assert error[0] < 1e-8 * abs(slope)
+
+
+def nearly_singular(condition, size, random):
+    left, right = (np.linalg.qr(random.standard_normal((size, size)))[0] for _ in range(2))
+    return left @ np.diag(np.geomspace(1.0, 1.0 / condition, size)) @ right
+
+
+def solved(a, b):
+    return np.linalg.solve(a, b)
+
+
+def solved_apart(condition, random, wrong=0.0, size=4):
+    """How far a derivative of a solve is from its differences, as multiples of their estimated errors."""
+    a = nearly_singular(condition, size, random)
+    b = a @ random.standard_normal(size)
+    subject = Subject(solved, (a, b), ("a",), ("return",))
+    direction = random.standard_normal(a.shape) * np.abs(a)
+    if random.random() < 0.5:
+        direction *= (np.arange(a.size) == random.integers(a.size)).reshape(a.shape)
+    exact = -np.linalg.solve(a, direction @ np.linalg.solve(a, b))
+    found, error = differences(subject, direction.ravel())
+    return np.abs(found - exact * (1.0 + wrong)) / error, error / np.abs(exact).max()
+
+
+@pytest.mark.parametrize("condition", (1e1, 1e3, 3e4))
+def test_differences_know_what_a_solve_does_to_rounding(condition):
+    random = np.random.default_rng(12)
+    apart = np.concatenate([solved_apart(condition, random)[0] for _ in range(60)])
+    assert apart.max() < 10.0, f"{np.sum(apart >= 10.0)} of {apart.size}, the worst {apart.max():.0f} times"
+
+
+@pytest.mark.parametrize("condition", (1e1, 1e3))
+def test_what_a_solve_does_to_rounding_hides_no_sixth_digit(condition):
+    random = np.random.default_rng(12)
+    cases = [solved_apart(condition, random, wrong=1e-6) for _ in range(60)]
+    assert np.mean([apart.max() > 10.0 for apart, _ in cases]) > 0.9
+    assert np.mean([error.max() < 1e-8 for _, error in cases]) > 0.9
+
+
+def narrow(u):
+    return u[0] + 1e-6 * math.atan((u[0] - 2.0) / 1e-7)
+
+
+def test_differences_see_what_is_narrower_than_their_steps():
+    """The steps say 1, as if there were nothing; the slope is 11."""
+    subject = Subject(narrow, (np.array([2.0]),), ("u",), ("return",))
+    _, error = differences(subject, np.array([1.0]))
+    assert error[0] > 1.0
+
+
+def stairs(u):
+    return np.float64(np.float32(u[0])) * u[0]
+
+
+def test_differences_know_what_single_precision_within_does():
+    subject = Subject(stairs, (np.array([0.7]),), ("u",), ("return",))
+    found, error = differences(subject, np.array([1.0]))
+    assert abs(found[0] - 1.4) < 10 * error[0] < 1e-2

@@ -11,6 +11,7 @@ import scipy
 from scipy import special
 
 from s2sad import rules, runtime, tree
+from s2sad.report.differences import differences
 from s2sad.rules.rule import Table, signature, template
 
 NAMES = rules.names()
@@ -72,22 +73,11 @@ def points(name: str, count: int = 7) -> list[dict[str, float]]:
 
 
 def slope(function: Callable, point: dict[str, float], parameter: str) -> tuple[float, float]:
-    """The derivative by Richardson extrapolation of central differences, with an estimate of its error."""
-    def central(h: float) -> float:
-        up, down = dict(point), dict(point)
-        up[parameter] += h
-        down[parameter] -= h
-        return (float(function(*up.values())) - float(function(*down.values()))) / (up[parameter] - down[parameter])
-    best, error = math.nan, math.inf
-    for start in (1e-2, 3e-3):
-        row = [central(start / 2 ** k) for k in range(5)]
-        for order in range(1, 5):
-            new = [b + (b - a) / (4 ** order - 1) for a, b in zip(row, row[1:])]
-            for a, b in zip(row[1:], new):
-                if abs(a - b) < error:
-                    best, error = b, abs(a - b)
-            row = new
-    return best, error
+    """The derivative by differences, with an estimate of its error."""
+    def line(h: float) -> np.ndarray:
+        return np.array([float(function(*{**point, parameter: point[parameter] + h}.values()))])
+    best, error = differences(line, wanted=1e-11)
+    return float(best[0]), float(error[0])
 
 
 TABLE_ROWS = [(name, p) for name in NAMES for p in rules.find(name).parameters]
