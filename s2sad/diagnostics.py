@@ -42,12 +42,13 @@ class Source:
     """A text with its path as the user knows it; `first` is the number of its first line in the file.
 
     A kernel into which functions of other files were written knows these, too: the lines of the k-th follow from line
-    k * APART on.
+    k * APART on. `renamed` pairs names that variables of inner scopes were given with those that they have in the text.
     """
     path: str
     text: str
     first: int = 1
     others: tuple[Source, ...] = ()
+    renamed: tuple[tuple[str, str], ...] = ()
 
     def home(self, number: int) -> tuple[Source, int]:
         """The source of a line, and its number there."""
@@ -140,6 +141,8 @@ class Report:
 
     def error(self, code: str, message: str, node: Any = None, note: str = "", help: str = "") -> None:
         place = Span.of(self.source, node) if node is not None and getattr(node, "lineno", None) else None
+        for made, plain in self.source.renamed:
+            message, note, help = (t.replace(f"'{made}'", f"'{plain}'") for t in (message, note, help))
         new = Diagnostic(code, message, place, note, help)
         if new not in self.found:
             self.found.append(new)

@@ -4,7 +4,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from s2sad.rules import find_array
-from s2sad.tree import AST, AugAssign, Call, Expr, For, FunctionDef, Subscript, call_name, copy, function, walk
+from s2sad.tree import (
+    AST, AugAssign, Call, Expr, For, FunctionDef, GeneratorExp, ListComp, Subscript, call_name, copy, function, walk,
+)
 from s2sad.units import Unit, Units
 
 
@@ -49,4 +51,5 @@ def _is_plain(unit: Unit) -> bool:
     tree = unit.kernel.tree
     called = [call_name(n) or "" for n in walk(tree.body) if isinstance(n, Call)]
     calls = any(c.startswith("user.") or find_array(c) is not None for c in called)     # Numba reduces no numbers
-    return simple and not calls and not any(isinstance(n, (Subscript, For, AugAssign)) for n in walk(tree.body))
+    loops = (Subscript, For, AugAssign, GeneratorExp, ListComp)
+    return simple and not calls and not any(isinstance(n, loops) for n in walk(tree.body))

@@ -86,7 +86,7 @@ def _generators(generator: AST, scope: Scope) -> list[AST]:
     if not _combines(generator.iter):
         return [generator]
     found = _ranges(generator.iter, generator.target)
-    if not found or set(stored_names([generator.target])) & set(names(generator.iter)):
+    if not found:
         return [generator]
     made: list[AST] = []
     for k, (target, bounds) in enumerate(zip(generator.target.elts, found)):

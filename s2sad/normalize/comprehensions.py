@@ -26,6 +26,7 @@ refused.
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 
 from s2sad.infer.types_of_calls import MARKS
@@ -47,7 +48,7 @@ HELP = "allocate an array before and fill it in a for loop"
 def comprehensions(function: FunctionDef, scope: Scope) -> FunctionDef:
     """The function without comprehensions; those that cannot be loops are reported."""
     new = copy(function)
-    new.body = _Comprehensions(scope).block(function.body)
+    new.body = _Comprehensions(function, scope).block(function.body)
     return new
 
 
@@ -60,9 +61,15 @@ def marked(item: AST) -> AST:
 class _Comprehensions:
     """The statements of one function; `before` are the loops of the statement at hand."""
 
-    def __init__(self, scope: Scope):
+    def __init__(self, function: FunctionDef, scope: Scope):
         self.scope = scope
         self.before: list[AST] = []
+        self.mentions = Counter(n.id for n in walk(function) if isinstance(n, Name))
+
+    def own_name(self, identifier: str, node: AST) -> str:
+        """The name of a comprehension's variable in the loop: its own, where nothing else has it."""
+        inside = sum(isinstance(n, Name) and n.id == identifier for n in walk(node))
+        return identifier if self.mentions[identifier] == inside else self.scope.fresh(identifier)
 
     def block(self, block: list[AST]) -> list[AST]:
         return [at(made, s) for s in block for made in self.statement(s)]
@@ -191,8 +198,7 @@ class _Comprehensions:
         other."""
         one = node.generators[0]
         rows = written_items(one.iter) if len(node.generators) == 1 and not one.ifs else []
-        own = stored_names(node.elt)
-        if not rows or any(pairs(one.target, row) is None for row in rows) or {*own} & {*stored_names(one.target)}:
+        if not rows or any(pairs(one.target, row) is None for row in rows):
             return []
         leaves = [leaf for row in rows for _, leaf in pairs(one.target, row) or []]
         text = {id(n): k for k, n in enumerate(walk(one.iter))}         # zip has evaluated one of its values whole
@@ -211,7 +217,7 @@ class _Comprehensions:
     def loop(self, node: AST, with_item: Callable[[AST], AST], ended: AST | None = None) -> list[AST]:
         """The loops of a comprehension, with names of their own, around one statement; where `ended` holds behind an
         inner one, they all have ended."""
-        own = {n: self.scope.fresh(n) for g in node.generators for n in stored_names(g.target)}
+        own = {n: self.own_name(n, node) for g in node.generators for n in stored_names(g.target)}
         item = node.elt
         if isinstance(item, ListComp):
             item = at(marked(item), item)

@@ -3,6 +3,7 @@
     capture   a live function's source, proven to be the function's
     modules   a file's names, without running it     (fold: constant arithmetic)
     meaning   what a name from outside can mean
+    unique_names  every variable has a name of its own
     nested    functions inside a kernel, put beside it
     handed    functions that are given to others
     fence     the supported language

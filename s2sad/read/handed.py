@@ -21,15 +21,16 @@ from s2sad.read.capture import capture
 from s2sad.read.meaning import AST, Captured, Function, Library, NotConstant, library_value
 from s2sad.read.nested import Around, NestedFunction
 from s2sad.read.underlying import given as given_before
+from s2sad.read.unique_names import unique_names
 from s2sad.tree import Call, FunctionDef
 
 Handed = dict[int | str, Function | Library]
 
 
 def definition(function: Function) -> Captured:
-    """What a function's handle gives; raises S2sadError."""
+    """What a function's handle gives, with a name for each variable; raises S2sadError."""
     handle = function.handle
-    return handle.captured() if hasattr(handle, "captured") else capture(handle)
+    return unique_names(handle.captured() if hasattr(handle, "captured") else capture(handle))
 
 
 def by_default(node: Call, callee: Function) -> Handed:

@@ -5,7 +5,7 @@ import builtins
 import math
 import sys
 import types
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -139,12 +139,14 @@ Meaning = Library | Number | Numbers | Array | Record | Matrix | Text | Function
 
 @dataclass(frozen=True)
 class Captured:
-    """A function's definition with its surroundings; `defaults` are the evaluated ones of a live function."""
+    """A function's definition with its surroundings; `default` gives the values of defaults, `renamed` what the user
+    calls variables of inner scopes that were given names of their own."""
     name: str
     tree: FunctionDef
     source: Source
     scope: Surroundings
     default: Callable[[str, AST], Any]
+    renamed: Mapping[str, str] = field(default_factory=dict, compare=False)
 
 
 class NotConstant(Exception):

@@ -12,11 +12,12 @@ what is defined in a loop or a branch, is defined twice, or is used as a value s
 from __future__ import annotations
 
 import itertools
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, replace
 
 from s2sad import tree
 from s2sad.read.meaning import AST, Captured, Function, Meaning, NotConstant, Surroundings
+from s2sad.read.unique_names import with_plain_names
 from s2sad.tree import FunctionDef
 
 
@@ -56,14 +57,20 @@ def lifted(captured: Captured, key: Hashable) -> Captured:
     found = {n: found[n] for n in captures}
     inner: dict[str, Function] = {}
     scope = Around(captured.scope, inner)
+    found = {n: with_plain_names(d, captured.renamed, captures[n]) for n, d in found.items()}
+    kept = {n: {captured.renamed[p]: p for p in _parameters(d) if p in captured.renamed} for n, d in found.items()}
+
+    def by_keyword(node: AST) -> AST | None:
+        return _by_keyword(node, kept, by_keyword)
     for name, definition in found.items():
-        given = tree.copy(definition)
+        given = tree.rebuild(definition, by_keyword)
         given.args.kwonlyargs = [*given.args.kwonlyargs, *(tree.function("_", [c], []).args.args[0]
                                                            for c in captures[name])]
         given.args.kw_defaults = [*given.args.kw_defaults, *([None] * len(captures[name]))]
         inner[name] = Function(name, ("nested", key, name), "", NestedFunction(
-            Captured(name, given, captured.source, scope, _default)), tuple((c, c) for c in captures[name]))
-    new = tree.copy(function)
+            Captured(name, given, captured.source, scope, _default, captured.renamed)),
+            tuple((c, c) for c in captures[name]))
+    new = tree.rebuild(function, by_keyword)
     new.body = [s for s in new.body if (d := _definition(s)) is None or d.name not in found] or [
         tree.at(tree.Pass(), function)]
     return replace(captured, tree=new, scope=scope)
@@ -132,6 +139,20 @@ def _captures(function: FunctionDef, found: dict[str, FunctionDef]) -> dict[str,
     return {n: sorted(reads[n], key=order.index) for n in found if n in clear}
 
 
+def _parameters(function: FunctionDef) -> list[str]:
+    given = function.args
+    return [a.id for a in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
+
+
+def _by_keyword(node: AST, kept: Mapping[str, Mapping[str, str]], change: Callable[[AST], AST | None]) -> AST | None:
+    """A call that gives parameters by keyword whose names are not the user's, as a captured variable has these."""
+    known = kept.get(tree.call_name(node) or "")
+    if not known or not any(k.arg in known for k in node.keywords):
+        return None
+    keywords = [tree.keyword(known.get(k.arg, k.arg), tree.rebuild(k.value, change)) for k in node.keywords]
+    return tree.at(tree.Call(node.func, [tree.rebuild(a, change) for a in node.args], keywords), node)
+
+
 def _own(function: FunctionDef) -> list[AST]:
     """The nodes of a function's body, without those inside nested functions."""
     waiting, found = list(reversed(function.body)), []
@@ -145,11 +166,9 @@ def _own(function: FunctionDef) -> list[AST]:
 
 def _bound(function: FunctionDef) -> set[str]:
     """The names that a function binds itself."""
-    given = function.args
-    parameters = {a.id for a in (*given.posonlyargs, *given.args, *given.kwonlyargs)}
     nodes = _own(function)
     stored = {n.id for n in nodes if isinstance(n, tree.Name) and isinstance(n.ctx, tree.Store)}
-    return parameters | stored | {n.name for n in nodes if type(n).__name__ == "FunctionDef"}
+    return {*_parameters(function)} | stored | {n.name for n in nodes if type(n).__name__ == "FunctionDef"}
 
 
 def _free(function: FunctionDef) -> set[str]:

@@ -14,7 +14,7 @@ from collections.abc import Collection, Iterable
 
 from s2sad.tree import (
     AST, Assign, Attribute, Break, Call, Constant, Continue, Dict, DictComp, For, FunctionDef, GeneratorExp, List,
-    ListComp, Load, Name, Store, Subscript, Tuple, UnaryOp, assign, at, call_name, children, const, copy, rebuild,
+    ListComp, Name, Store, Subscript, Tuple, UnaryOp, assign, at, call_name, children, const, copy, rebuild,
     stored_names, substitute, tuple_of, walk,
 )
 
@@ -85,8 +85,7 @@ class _Turns:
     def rows(self, made: DictComp) -> list[Pairs] | None:
         """What the names of a dict comprehension are bound to, turn by turn."""
         one = made.generators[0]
-        if len(made.generators) > 1 or one.ifs or set(stored_names([made.key, made.value])) & set(
-                stored_names(one.target)):
+        if len(made.generators) > 1 or one.ifs:
             return None
         through, method = one.iter, ""
         if isinstance(through, Call) and isinstance(through.func, Attribute) and not through.args:
@@ -141,8 +140,7 @@ class _Turns:
     def items(self, node: AST) -> list[AST]:
         """The elements of a comprehension through functions; none of any other."""
         one = node.generators[0]
-        plain = len(node.generators) == 1 and not one.ifs and not set(stored_names(node.elt)) & set(
-            stored_names(one.target))
+        plain = len(node.generators) == 1 and not one.ifs
         rows = self.through_functions(one.target, one.iter, [node.elt]) if plain else None
         return [substitute(copy(node.elt), dict(row)) for row in rows or []]
 
@@ -152,9 +150,7 @@ class _Turns:
         bound = {*self.stores, *(p.id for p in self.function.args.args)}
         items = written_items(one.iter, bound) if len(node.generators) == 1 and not one.ifs else []
         rows = [pairs(one.target, i) for i in items if all(isinstance(n, (Name, Constant)) for n in _leaves(i))]
-        own = {n.id for n in walk(node.elt) if isinstance(n, Name) and not isinstance(n.ctx, Load)}
-        if not 0 < len(rows) == len(items) or None in rows or own & {
-                n.id for part in (*items, one.target) for n in walk(part) if isinstance(n, Name)}:
+        if not 0 < len(rows) == len(items) or None in rows:
             return []
         return [substitute(copy(node.elt), dict(row)) for row in rows if row is not None]
 
