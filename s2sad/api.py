@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, Concatenate, Generic, ParamSpec, TypeVar, overload
 
 from s2sad import pipeline
 from s2sad.annotated import AnnotatedCall
@@ -11,6 +11,7 @@ from s2sad.annotations import Annotation, Const, Duplicated, Mode
 from s2sad.binding import admitted, bind, describe
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.flattened import annotated as with_structures, flattened, taken_apart
+from s2sad.pickling import Decorated
 from s2sad.prepared import selection_of
 from s2sad.program import Request
 from s2sad.read.underlying import given_functions
@@ -21,6 +22,22 @@ from s2sad.structure import is_structure
 from s2sad.variants import State, derivatives_of
 
 __all__ = ["Differentiated", "autodiff", "differentiate"]
+
+
+P = ParamSpec("P")
+Q = ParamSpec("Q")
+R = TypeVar("R", covariant=True)
+
+
+@overload
+def differentiate(function: Callable[P, R], *, wrt: str | Iterable[str] | None = None,
+                  of: str | Iterable[str] | None = None, engine: str = "auto") -> Differentiated[P, R]: ...
+
+
+@overload
+def differentiate(function: None = None, *, wrt: str | Iterable[str] | None = None,
+                  of: str | Iterable[str] | None = None, engine: str = "auto"
+                  ) -> Callable[[Callable[P, R]], Differentiated[P, R]]: ...
 
 
 def differentiate(function: Callable[..., Any] | None = None, *, wrt: str | Iterable[str] | None = None,
@@ -44,7 +61,7 @@ def differentiate(function: Callable[..., Any] | None = None, *, wrt: str | Iter
     return Differentiated(function, wrt, of, engine)
 
 
-class Differentiated:
+class Differentiated(Decorated, Generic[P, R]):
     """A function with its derivatives; calling it calls the original, untouched.
 
     Shadows follow one law: on entry a shadow holds the adjoint of its array's exit value, on exit that of its entry
@@ -52,7 +69,7 @@ class Differentiated:
     function raises midway.
     """
 
-    def __init__(self, function: Callable[..., Any], wrt: str | Iterable[str] | None = None,
+    def __init__(self, function: Callable[P, R], wrt: str | Iterable[str] | None = None,
                  of: str | Iterable[str] | None = None, engine: str = "auto"):
         self.__wrapped_kernel__ = derivatives_of(function).function
         functools.update_wrapper(self, self.__wrapped_kernel__, updated=())
@@ -62,8 +79,18 @@ class Differentiated:
         self.__s2sad_selection__ = (self.wrt, self.of, engine)
         self._tokens = {mode: f"{mode} {self.__s2sad_selection__!r}" for mode in ("adjoint", "tangent")}
 
-    def __call__(self, *args: Any, **keywords: Any) -> Any:
+    def given(self) -> tuple[Any, ...]:
+        return self._original, *self.__s2sad_selection__
+
+    def __call__(self, *args: P.args, **keywords: P.kwargs) -> R:
         return self._original(*args, **keywords)
+
+    @overload
+    def __get__(self, instance: None, owner: Any = None) -> Differentiated[P, R]: ...
+
+    @overload
+    def __get__(self: Differentiated[Concatenate[Any, Q], R], instance: object, owner: Any = None
+                ) -> Callable[Q, R]: ...
 
     def __get__(self, instance: Any, owner: Any = None) -> Any:
         return self if instance is None else functools.partial(self, instance)

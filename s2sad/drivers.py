@@ -1,12 +1,14 @@
 """Gradients and products with Jacobians as functions of values: no argument is ever changed."""
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, Generic, ParamSpec, TypeVar
 
 from s2sad.binding import bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.flattened import drivers as with_structures, flattened
+from s2sad.pickling import Decorated
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
 from s2sad.read.underlying import given_functions
 from s2sad.selection import RETURN, names_of
@@ -15,7 +17,11 @@ from s2sad.variants import Derivatives, derivatives_of
 __all__ = ["gradient", "jvp", "make_zero", "value_and_gradient", "vjp"]
 
 
-def gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = None) -> Callable[..., Any]:
+P = ParamSpec("P")
+R = TypeVar("R", covariant=True)
+
+
+def gradient(f: Callable[P, Any], wrt: str | Sequence[str] | None = None) -> Gradient[P]:
     """A function of f's arguments that returns the gradient of the one float that f returns.
 
     Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or names (default: every float
@@ -35,16 +41,10 @@ def gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = None) -> C
     >>> gradient(norm)(np.array([1.0, 2.0]))
     array([2., 4.])
     """
-    derivatives, names = derivatives_of(f), names_of(wrt)
-
-    def gradient_of(*args: Any, **keywords: Any) -> Any:
-        entry, args = _prepared(f, derivatives, names, args, keywords)
-        return entry.value_and_gradient(args)[1]
-
-    return _titled(gradient_of, f, "gradient")
+    return Gradient(f, wrt)
 
 
-def value_and_gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = None) -> Callable[..., Any]:
+def value_and_gradient(f: Callable[P, R], wrt: str | Sequence[str] | None = None) -> ValueAndGradient[P, R]:
     """As `gradient`, but the function returns (value, gradient); `scipy.optimize.minimize(..., jac=True)` takes it.
 
     Args, errors and literature as for `gradient`; the value is f's float.
@@ -58,13 +58,48 @@ def value_and_gradient(f: Callable[..., Any], wrt: str | Sequence[str] | None = 
     >>> value_and_gradient(norm)(np.array([1.0, 2.0]))
     (5.0, array([2., 4.]))
     """
-    derivatives, names = derivatives_of(f), names_of(wrt)
+    return ValueAndGradient(f, wrt)
 
-    def value_and_gradient_of(*args: Any, **keywords: Any) -> Any:
-        entry, args = _prepared(f, derivatives, names, args, keywords)
+
+class _Driver(Decorated):
+    """A function of f's arguments that can be pickled where f can; `_what` it gives."""
+    _what = ""
+
+    def __init__(self, f: Callable[..., Any], wrt: str | Sequence[str] | None = None):
+        self._derivatives, self._names = derivatives_of(f), names_of(wrt)
+        self.__wrapped__ = f
+        name, self.__module__ = getattr(f, "__name__", "f"), getattr(f, "__module__", __name__)
+        self.__name__ = self.__qualname__ = f"{self._what.replace(' ', '_')}_of_{name}"
+        self.__doc__ = f"The {self._what} of '{name}'."
+
+    def given(self) -> tuple[Any, ...]:
+        return self.__wrapped__, self._names
+
+    def __get__(self, instance: Any, owner: Any = None) -> Any:
+        return self if instance is None else functools.partial(self, instance)
+
+    def __repr__(self) -> str:
+        return f"<{self._what} of {getattr(self.__wrapped__, '__name__', 'f')}>"
+
+    def _found(self, args: tuple[Any, ...], keywords: dict[str, Any]) -> tuple[Any, Any]:
+        entry, args = _prepared(self.__wrapped__, self._derivatives, self._names, args, keywords)
         return entry.value_and_gradient(args)
 
-    return _titled(value_and_gradient_of, f, "value and gradient")
+
+class Gradient(_Driver, Generic[P]):
+    """The gradient of f's float, as a function of f's arguments; see `gradient`."""
+    _what = "gradient"
+
+    def __call__(self, *args: P.args, **keywords: P.kwargs) -> Any:
+        return self._found(args, keywords)[1]
+
+
+class ValueAndGradient(_Driver, Generic[P, R]):
+    """f's float and its gradient, as a function of f's arguments; see `value_and_gradient`."""
+    _what = "value and gradient"
+
+    def __call__(self, *args: P.args, **keywords: P.kwargs) -> tuple[R, Any]:
+        return self._found(args, keywords)
 
 
 def _prepared(f: Any, derivatives: Derivatives, names: tuple[str, ...] | None, args: tuple[Any, ...],
@@ -158,10 +193,3 @@ def _named(values: Any, what: str) -> tuple[str, ...]:
         return tuple(values)
     raise S2sadError(Diagnostic("S403", f"{what} is of type {type(values).__name__}",
                                 help=f'give a dict by {"output" if what == "seeds" else "argument"} name'))
-
-
-def _titled(driver: Callable[..., Any], f: Any, what: str) -> Callable[..., Any]:
-    name = getattr(f, "__name__", "f")
-    driver.__name__ = driver.__qualname__ = f"{what.replace(' ', '_')}_of_{name}"
-    driver.__doc__ = f"The {what} of '{name}'."
-    return driver

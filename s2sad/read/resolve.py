@@ -69,13 +69,16 @@ def _bound(body: list[AST]) -> Iterable[str]:
             yield from [node.name] if node.name else []
 
 
+_TAKEN_OFF = ("jit", "njit", "differentiate", "gradient", "value_and_gradient")    # where their names mean nothing
+
+
 def _decorator(decorator: AST, captured: Captured, report: Report) -> None:
     node = decorator.func if isinstance(decorator, tree.Call) else decorator
     parts = _path(node)
     meaning = captured.scope.lookup(parts[0]) if parts else None
     for part in parts[1:]:
         meaning = meaning.scope.lookup(part) if isinstance(meaning, Space) else None
-    unknown = meaning is None and parts and parts[-1] in ("jit", "njit", "differentiate")
+    unknown = meaning is None and parts and parts[-1] in _TAKEN_OFF
     if not unknown and not dropped_decorator(dotted(meaning) or ""):
         text = ".".join(parts) or "..."
         report.error("S201", f"the decorator @{text} is not supported on a kernel", decorator,

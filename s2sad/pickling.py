@@ -1,0 +1,109 @@
+"""What is made of a function, pickled as the function is.
+
+    @differentiate
+    def energy(u): ...              the module's `energy` is the differentiated function, the plain one has no name
+
+Pickle writes a function by its name and refuses one that its name does not lead to; cloudpickle writes such a one, and
+those of `__main__`, by their content. So that both do with what a decorator made as they do with functions, it is
+written as a function that its name leads to, `energy._named`, and that carries what the decorator was given. What is
+written by its content has no source in another process: the text goes along.
+"""
+from __future__ import annotations
+
+import linecache
+import sys
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from functools import cached_property, reduce
+from types import CodeType, FunctionType
+from typing import Any
+
+from s2sad.read.underlying import given, python_function
+
+
+class Decorated(ABC):
+    """What is made of one function, its `__wrapped__`, and pickled with it."""
+    __wrapped__: Any
+
+    @abstractmethod
+    def given(self) -> tuple[Any, ...]:
+        """The arguments that make another one of these."""
+
+    @abstractmethod
+    def __call__(self, *args: Any, **keywords: Any) -> Any: ...
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        if _under(*_name(self.__wrapped__)) is self:
+            return (_restored, (self._named,)) if protocol >= 4 else _name(self.__wrapped__)[1]
+        return made, (type(self), self.given(), _texts(self.__wrapped__))
+
+    @cached_property
+    def _named(self) -> FunctionType:
+        named = FunctionType(_restored.__code__, {}, "_named")
+        named.__module__, path = _name(self.__wrapped__)
+        named.__qualname__ = f"{path}._named"
+        vars(named)["made"] = type(self), self.given(), _texts(self.__wrapped__)
+        return named
+
+
+def made(kind: type[Decorated], given: tuple[Any, ...], texts: dict[str, str]) -> Decorated:
+    """Another one, in a process that may not have its source."""
+    for path, text in texts.items():
+        if not linecache.getlines(path):
+            linecache.cache[path] = len(text), None, text.splitlines(keepends=True), path
+    return kind(*given)
+
+
+def _restored(named: FunctionType) -> Any:
+    """What a function stands for: that under its name, where it came by its name; else another one."""
+    owner = _under(named.__module__, named.__qualname__.rpartition(".")[0])
+    if isinstance(owner, Decorated) and vars(owner).get("_named") is named:
+        return owner
+    return made(*vars(named)["made"])
+
+
+# -- names and texts ------------------------------------------------------------------------------------------------
+
+def _name(function: Any) -> tuple[str, str]:
+    return getattr(function, "__module__", None) or "", getattr(function, "__qualname__", "")
+
+
+def _under(module: str, path: str) -> Any:
+    """What a path of names in a module leads to; None if to nothing."""
+    return reduce(lambda value, name: getattr(value, name, None), path.split("."), sys.modules.get(module))
+
+
+def _texts(function: Any) -> dict[str, str]:
+    """The texts, by path, of a function and of those that it may call, where these are written by their content."""
+    found: dict[str, str] = {}
+    seen, left = set(), [function]
+    while left:
+        plain = python_function(left.pop())
+        if plain is None or id(plain) in seen:
+            continue
+        seen.add(id(plain))
+        plain, bound = given(plain)
+        if plain.__module__ != "__main__" and python_function(_under(*_name(plain))) is plain:
+            continue
+        path = plain.__code__.co_filename
+        found[path] = "".join(linecache.getlines(path, plain.__globals__))
+        names = {name for code in _codes(plain.__code__) for name in code.co_names}
+        reached = [*bound.values(), *(plain.__globals__[n] for n in names if n in plain.__globals__), *_contents(plain)]
+        kinds = [v if isinstance(v, type) else type(v) for v in reached]
+        left += [*reached, *(f for kind in kinds if kind.__module__ == "__main__" for f in vars(kind).values())]
+    return {path: text for path, text in found.items() if text}
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _codes(constant)
+
+
+def _contents(function: FunctionType) -> Iterator[Any]:
+    for cell in function.__closure__ or ():
+        try:
+            yield cell.cell_contents
+        except ValueError:      # not bound yet
+            continue
