@@ -11,12 +11,15 @@ import tempfile
 import traceback
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from s2sad import pipeline, read
+from s2sad.binding import float_parameters
 from s2sad.diagnostics import Diagnostic, Report, S2sadError
 from s2sad.flattened.spelling import form_spelled, listed, named, spelled_out
 from s2sad.infer.assumed import Assumed, assumed
 from s2sad.program import Program, Request
+from s2sad.report.argument_literals import evaluated, flat_values, form_of_literal
 from s2sad.report.explain import explained
 from s2sad.report.made_up import checked_file
 from s2sad.report.stages import ROOMS, STAGES, stages
@@ -33,7 +36,9 @@ examples:
   s2sad adjoint kernel.py:step --wrt u,p --of du -o step_adjoint.py --standalone
                                                      write it as a file that needs NumPy alone
   s2sad tangent kernel.py:step --types "u: float64[:, :], steps: int64"
-  s2sad explain kernel.py:step --html -o step.html   what is recorded, dropped, computed again, and why
+  s2sad explain kernel.py:step --arguments "u=np.ones((512, 512)), steps=100"
+                                                     what is recorded (how many MB), dropped, computed again, and why
+  s2sad explain kernel.py:step --html -o step.html   the same as a page, the adjoint beside the function
   s2sad stages kernel.py:step --after normalize      the function after one pass of the compiler
   s2sad check kernel.py:step                         run it: tangent, adjoint and differences compared
 
@@ -91,13 +96,15 @@ def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
         parser.error(f"'{options.target}' is not FILE:FUNCTION, as kernel.py:step")
     given = _given(parser, options.types or "")
     program = read.load_file(path, function)
-    program, request, found, paths = _request(parser, program, options, given)
+    values = _values(program, options)
+    program, request, found, paths = _request(parser, program, options, {
+        **{name: form_of_literal(v) for name, v in values.items()}, **given})
     if options.command == "check":
         report = checked_file(path, function, options.arguments, found, request, paths)
         _write(options.output, f"{report}\n")
         return 0 if report else 1
     if options.command == "explain":
-        explanation = explained(program, request)
+        explanation = explained(program, request, flat_values(values, paths, program.kernels[program.entry]))
         text = explanation.json() + "\n" if options.json else explanation.html() if options.html else f"{explanation}\n"
     elif options.command == "stages":
         text = _stages(parser, program, request, options.after)
@@ -135,6 +142,14 @@ def _request(parser: argparse.ArgumentParser, program: Program, options: argpars
     reasons = tuple((p, found[p].reason) for p in kernel.parameters if found[p].reason)
     request = Request(mode, types, wrt, of, engine, options.level, standalone=options.standalone, assumed=reasons)
     return program, request, found, paths
+
+
+def _values(program: Program, options: argparse.Namespace) -> dict[str, Any]:
+    """The arguments of `explain --arguments`, of which nothing is run."""
+    if options.command != "explain" or options.arguments is None:
+        return {}
+    kernel = program.kernels[program.entry]
+    return evaluated(options.arguments, kernel.parameters, float_parameters(kernel))
 
 
 def _listed(names: str | None) -> tuple[str, ...] | None:
@@ -232,7 +247,9 @@ def _add_options(parser: argparse.ArgumentParser, command: str) -> None:
     if command == "explain":
         form = parser.add_mutually_exclusive_group()
         form.add_argument("--json", action="store_true", help="the facts as JSON")
-        form.add_argument("--html", action="store_true", help="a page with the findings beside the source")
+        form.add_argument("--html", action="store_true", help="a page: the function and its adjoint side by side")
+        parser.add_argument("--arguments", metavar="VALUES", help="sizes, for the bytes recorded, which are read "
+                            'and not run: "u=np.ones((512, 512)), steps=100" or "u: float64[512, 512], steps: 100"')
     if command == "stages":
         parser.add_argument("--after", metavar="PASS", help=f"one of {', '.join(STAGES)}; or a room: "
                             f"{', '.join(ROOMS)} (default: all, one after the other)")

@@ -20,7 +20,7 @@ from s2sad.differentiate.derivative import Wanted
 from s2sad.simplify.taped import Taped, taped
 from s2sad.emit.dialect import in_dialect
 from s2sad.emit.header import documented, header
-from s2sad.emit.module import module_text
+from s2sad.emit.module import module, module_text
 from s2sad.emit.origins import with_origins
 from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
@@ -117,12 +117,13 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         functions += [documented(with_origins(kept.taped, unit.kernel.source), derived, "over given stacks"),
                       kept.public]
         found |= {"taped": kept.taped.name, "stacks": kept.stacks}
-    text = module_text(in_dialect(functions, units), header=header(derived, request, units),
-                       constants=program.constants, standalone=request.standalone)
+    printed = module(in_dialect(functions, units), header=header(derived, request, units),
+                     constants=program.constants, standalone=request.standalone)
+    found["functions"] = printed.functions
     parameters = tuple(Parameter(hidden_name(n, units.program) if role == "primal" else n, role,
                                  hidden_name(p, units.program), derived.types[n])
                        for n, role, p in derived.made.parameters)
-    return Generated(text, derived.function.name, parameters, tuple(derived.made.returns), found)
+    return Generated(printed.text, derived.function.name, parameters, tuple(derived.made.returns), found)
 
 
 def in_loops(derived: Derived, units: Units) -> FunctionDef:

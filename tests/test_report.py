@@ -11,6 +11,7 @@ import pytest
 
 import s2sad
 from s2sad import S2sadError, check, differentiate, explain
+from s2sad.report.check import Checked
 from s2sad.report.differences import differences
 from s2sad.rules.rule import TABLE, Rule, template
 from benchmarks.kernels.cases import CASES
@@ -73,7 +74,7 @@ def test_says_which_statement_needs_a_recorded_value():
     assert stack["what"] == "u before `u += dt * du`"
     assert [p["text"] for p in stack["needed_by"]] == ["brusselator(du, u, p, s * dt)"]
     text = str(explained("integrate"))
-    assert "u_stack: u before `u += dt * du`, 8 * len(range(steps)) * u.size bytes = 2880 bytes" in text
+    assert "u_stack: 2,880 bytes = 8 * len(range(steps)) * u.size bytes, u before `u += dt * du`" in text
     assert re.search(r"needed by line \d+: brusselator\(du, u, p, s \* dt\)", text)
 
 
@@ -93,6 +94,40 @@ def helper(row, n):
     for _ in range(4):
         value = value * value
     return value + n
+
+
+def several(u, w, m):
+    for _ in range(m):
+        for i in range(w.size):
+            w[i] = w[i] * w[i]
+        for i in range(u.size):
+            u[i] = u[i] * u[i]
+    return doubled(u[0], 3) + tripled(w[0], 5)
+
+
+def doubled(x, n):
+    for _ in range(n):
+        x = x * x
+    return x
+
+
+def tripled(x, n):
+    for _ in range(n):
+        x = x * x * x
+    return x
+
+
+def test_the_total_stands_first_and_the_largest_record_before_the_others():
+    report = explain(several, np.ones(100_000), np.ones(500_000), 2, engine="numpy")
+    assert str(report).startswith("Adjoint of several: d(u, w, return) / d(u, w), engine numpy\nrecords 9.60 MB\n\n")
+    assert [s.name for s in report.functions[0].recorded] == ["w_stack", "u_stack"]
+    assert [f.recorded[0].bytes for f in report.functions[1:]] == [24, 40]   # one after the other, not both at a time
+    assert report.bytes == json.loads(report.json())["bytes"] == 8 * 2 * 600_000 + 40
+
+
+def test_the_total_says_what_it_leaves_out():
+    assert str(explained("newton")).splitlines()[1] == "records what grows as it runs: guess_stack"
+    assert str(explained("jacobi")).splitlines()[1] == "records nothing"
 
 
 def test_sizes_reach_into_callees():
@@ -295,6 +330,14 @@ def test_check_changes_nothing_and_checks_bounds():
 
 def beyond(u):
     return u[0] * u[u.size]
+
+
+def test_a_notebook_shows_the_check():
+    shown = check(wave, FIELD, 1.3, engine="numpy")._repr_html_()
+    assert "<table" in shown and shown.count("agrees") == 3 and "parts" not in shown
+    assert "d(return, u) / d(u, c)" in shown or "d(u, return) / d(u, c)" in shown
+    wrong = Checked("<script>", 1.0, 1e-12, {}, 1e-6, 0, 1, where="at x < y")._repr_html_()
+    assert "parts" in wrong and "&lt;script&gt;" in wrong and "at x &lt; y" in wrong and "<script>" not in wrong
 
 
 def absolute(x):

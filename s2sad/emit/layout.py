@@ -42,13 +42,16 @@ def _is_breakable(node: tree.AST) -> bool:
 
 
 class Layout(Expressions):
-    """Prints a tree; `text` holds what was printed. Each statement is gathered as pieces, then broken into lines."""
+    """Prints a tree; `text` holds what was printed, `origins` the statement of each of its lines (None between them).
+    Each statement is gathered as pieces, then broken into lines."""
 
     def __init__(self, node: Any, file: Any = None, names: Mapping[str, str] = SPELLING, width: int | None = WIDTH):
         self.names, self.width = names, width
         self.lines: list[str] = []
+        self.origins: list[tree.AST | None] = []
         self.items: list = []
         self.line_indent = 0
+        self.statement: tree.AST | None = None
         super().__init__(node, io.StringIO())
         self.flush()
         self.text = "\n".join(self.lines)
@@ -61,6 +64,11 @@ class Layout(Expressions):
     def inline(self, node: tree.AST) -> str:
         return type(self)(node, names=self.names, width=None).text
 
+    def begin(self, statement: tree.AST) -> None:
+        """What follows is of another statement."""
+        self.flush()
+        self.statement = statement
+
     def fill(self, text: str = "") -> None:
         self.flush()
         self.line_indent = 4 * self._indent
@@ -69,9 +77,11 @@ class Layout(Expressions):
     def flush(self) -> None:
         if self.items:
             if self.width is None:
-                self.lines.append(" " * self.line_indent + flat(self.items))
+                made = [" " * self.line_indent + flat(self.items)]
             else:
-                self.lines += broken(self.items, self.line_indent, self.width)
+                made = broken(self.items, self.line_indent, self.width)
+            self.lines += made
+            self.origins += [self.statement] * sum(1 + line.count("\n") for line in made)
         self.items = []
 
     def dispatch(self, tree: Any, level: int = TEST) -> None:
@@ -97,6 +107,8 @@ class Layout(Expressions):
                 if defines(position) or isinstance(body[position - 1], tree.FunctionDef):
                     self.flush()
                     self.lines += ["", ""]
+                    self.origins += [None, None]
+            self.begin(node)
             self.dispatch(node)
 
     def block(self, body: list[tree.AST]) -> None:
@@ -165,18 +177,20 @@ class Layout(Expressions):
             self.dispatch(node.msg)
 
     def _If(self, node: tree.If, word: str = "if ") -> None:
+        self.begin(node)
         self.fill(word)
         self.dispatch(node.test)
         self.block(node.body)
         if len(node.orelse) == 1 and isinstance(node.orelse[0], tree.If):
             self._If(node.orelse[0], "elif ")
         else:
-            self.otherwise(node.orelse)
+            self.otherwise(node)
 
-    def otherwise(self, body: list[tree.AST]) -> None:
-        if body:
+    def otherwise(self, node: tree.If | tree.For | tree.While) -> None:
+        if node.orelse:
+            self.begin(node)
             self.fill("else")
-            self.block(body)
+            self.block(node.orelse)
 
     def _For(self, node: tree.For) -> None:
         self.fill("for ")
@@ -184,13 +198,13 @@ class Layout(Expressions):
         self.write(" in ")
         self.dispatch(node.iter)
         self.block(node.body)
-        self.otherwise(node.orelse)
+        self.otherwise(node)
 
     def _While(self, node: tree.While) -> None:
         self.fill("while ")
         self.dispatch(node.test)
         self.block(node.body)
-        self.otherwise(node.orelse)
+        self.otherwise(node)
 
     def _FunctionDef(self, node: tree.FunctionDef) -> None:
         for decorator in node.decorator_list:

@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from s2sad import tree
 from s2sad.emit.idiom import idiomatic
-from s2sad.emit.layout import WIDTH, text
+from s2sad.emit.layout import WIDTH, Layout, text
 from s2sad.emit.lines import BREAK, Group, broken
 from s2sad.emit.literals import docstring, escaped
 from s2sad.emit.manner import manners
@@ -20,9 +21,31 @@ from s2sad.emit.uses import Uses
 from s2sad.rules.given import ROOM
 
 
+@dataclass(frozen=True)
+class Function:
+    """Where a function stands in the text of a module: its first line, counted from 0, and the statement that each of
+    its lines prints, with its place in the kernel's source where it has one."""
+    name: str
+    first: int
+    statements: tuple[tree.AST | None, ...]
+
+
+@dataclass(frozen=True)
+class Module:
+    """The text of a module, and which line of it stands for which statement."""
+    text: str
+    functions: tuple[Function, ...]
+
+
 def module_text(functions: list[tree.FunctionDef], *, header: list[str], constants: Mapping[str, Any],
                 standalone: bool) -> str:
-    """The text of a module with these functions, in this order.
+    """The text of `module`."""
+    return module(functions, header=header, constants=constants, standalone=standalone).text
+
+
+def module(functions: list[tree.FunctionDef], *, header: list[str], constants: Mapping[str, Any],
+           standalone: bool) -> Module:
+    """A module with these functions, in this order.
 
     `header` is its docstring, line by line; `constants` has a value for every `const.` name the functions read.
     With `standalone` the functions of `s2sad.runtime` that they call are written out, else imported. A function
@@ -31,7 +54,7 @@ def module_text(functions: list[tree.FunctionDef], *, header: list[str], constan
 
     >>> [limit] = tree.statements("def limit(a): return G")
     >>> limit = tree.rename(limit, {"G": "const.G"})
-    >>> print(module_text([limit], header=["A limit."], constants={"G": 9.81}, standalone=False), end="")
+    >>> print(module([limit], header=["A limit."], constants={"G": 9.81}, standalone=False).text, end="")
     \"""A limit.\"""
     <BLANKLINE>
     G = 9.81
@@ -51,9 +74,22 @@ def module_text(functions: list[tree.FunctionDef], *, header: list[str], constan
     imported = [] if standalone else uses.room("runtime")
     top = [_docstring(header), _exceptions(functions, [spelling[f"const.{key}"] for key in values]),
            _imports(spelling, imported), "\n".join(defined)]
-    parts = ["\n\n".join(filter(None, top)), *(piece.text(spelling) for piece in pieces),
-             *(text(function, spelling) for function in functions)]
-    return "\n\n\n".join(filter(None, parts)) + "\n"
+    laid_out = [Layout(function, names=spelling) for function in functions]
+    parts = ["\n\n".join(filter(None, top)), *(piece.text(spelling) for piece in pieces)]
+    parts = [*filter(None, parts), *(each.text for each in laid_out)]
+    return Module("\n\n\n".join(parts) + "\n", _functions(parts, functions, laid_out))
+
+
+def _functions(parts: list[str], functions: list[tree.FunctionDef], laid_out: list[Layout]) -> tuple[Function, ...]:
+    """Where the functions stand, which are the last parts of the text."""
+    found, line = [], 0
+    before = len(parts) - len(functions)
+    for position, part in enumerate(parts):
+        if position >= before:
+            printed = laid_out[position - before]
+            found.append(Function(functions[position - before].name, line, tuple(printed.origins)))
+        line += part.count("\n") + 3
+    return tuple(found)
 
 
 def _finished(function: tree.FunctionDef, identifier: str) -> tree.FunctionDef:

@@ -9,7 +9,7 @@ from s2sad.diagnostics import Source, Span
 from s2sad.differentiate.adjoint import REVERSE
 from s2sad.emit.layout import text
 from s2sad.blocks import with_blocks
-from s2sad.tree import AST, Assign, AugAssign, Expr, FunctionDef, Name, Return, comment, copy, is_comment
+from s2sad.tree import AST, Assign, AugAssign, Expr, FunctionDef, Name, Return, at, comment, copy, is_comment
 
 _WIDTH = 98  # a line, less "# "
 _CUT = " ..."
@@ -38,7 +38,7 @@ def _commented(block: list[AST], source: Source, indent: int, last: str = "") ->
         if isinstance(statement, (Assign, AugAssign, Expr)) and getattr(statement, "lineno", None):
             origin = text_of(statement, source, _WIDTH - indent)
             if origin != last and not _is_zero(statement) and not _speaks_for_itself(statement, origin):
-                made.append(comment(origin))
+                made.append(at(comment(origin), statement))
                 last = origin
             made.append(statement)
         else:

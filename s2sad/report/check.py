@@ -4,6 +4,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,9 @@ from s2sad.read.underlying import by_position, given_functions
 from s2sad.run.compiled import bounds_checked, chosen
 from s2sad.selection import names_of, selected_of, selected_wrt
 from s2sad.variants import Derivatives, State, derivatives_of
+
+
+_VERDICTS = {True: "&#10003; agrees", False: "&#10007; parts"}
 
 
 @dataclass(frozen=True)
@@ -53,18 +57,28 @@ class Checked:
     def tangent_holds(self) -> bool:
         return all(d <= self.tolerance for d in self.tangent.values())
 
-    def __str__(self) -> str:
-        def verdict(good: bool) -> str:
-            return "agrees" if good else "PARTS"
+    def measured(self) -> list[tuple[str, float, float]]:
+        """What was compared, how far it is apart, and how far it may be."""
         other = "differences" if self.with_differences else "tangent"
-        lines = [self.title, f"  adjoint with {other} (dot product): {verdict(self.adjoint_holds)}, apart by "
-                 f"{self.dot_product:.1e}, {self.dot_tolerance:.0e} allowed"]
-        lines += [f"  tangent of {name} with differences: {verdict(d <= self.tolerance)}, apart by {d:.1e}, "
-                  f"{self.tolerance:.0e} allowed" for name, d in self.tangent.items()]
-        if self.unsure:
-            lines.append(f"  the differences say nothing of {self.unsure} of {self.outputs} numbers: a kink or a jump "
-                         "is near, or they are not finite")
-        return "\n".join([*lines, *([f"  {self.where}"] if self.where else [])])
+        return [(f"adjoint with {other} (dot product)", self.dot_product, self.dot_tolerance),
+                *((f"tangent of {name} with differences", d, self.tolerance) for name, d in self.tangent.items())]
+
+    def remarks(self) -> list[str]:
+        unsure = [f"the differences say nothing of {self.unsure} of {self.outputs} numbers: a kink or a jump is near, "
+                  "or they are not finite"] if self.unsure else []
+        return [*unsure, *([self.where] if self.where else [])]
+
+    def __str__(self) -> str:
+        lines = [f"  {what}: {'agrees' if apart <= allowed else 'PARTS'}, apart by {apart:.1e}, {allowed:.0e} allowed"
+                 for what, apart, allowed in self.measured()]
+        return "\n".join([self.title, *lines, *(f"  {r}" for r in self.remarks())])
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a table of what was compared."""
+        rows = [f'<tr><td style="text-align: left">{escape(what)}</td><td><b>{_VERDICTS[apart <= allowed]}</b></td>'
+                f"<td>{apart:.1e}</td><td>{allowed:.0e}</td></tr>" for what, apart, allowed in self.measured()]
+        return (f"<table><caption>{escape(self.title)}</caption><tr><th>compared</th><th></th><th>apart by</th>"
+                f"<th>allowed</th></tr>{''.join(rows)}</table>{''.join(f'<p>{escape(r)}</p>' for r in self.remarks())}")
 
 
 def check(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None = None,

@@ -12,7 +12,7 @@ from s2sad.flattened import Carrier, taken_apart
 from s2sad.normalize.hidden import hidden_arrays
 from s2sad.program import Program, Request
 from s2sad.read.underlying import given_functions
-from s2sad.report.findings import Findings, Place, findings
+from s2sad.report.findings import Findings, Place, findings, in_words
 from s2sad.report.page import page
 from s2sad.report.sizes import sizes_of
 from s2sad.run.compiled import chosen
@@ -25,18 +25,40 @@ from s2sad.variants import derivatives_of
 class Explanation:
     """The report: `str(it)` is text, `it.json()` the same facts as JSON, `it.html()` a page that needs nothing else.
 
-    `functions` has the entry's facts first, then those of every derivative that it calls.
+    `functions` has the entry's facts first, then those of every derivative that it calls; a notebook shows the page.
     """
     title: str
     functions: tuple[Findings, ...]
     sources: tuple[tuple[str, str, int], ...]
 
     def __str__(self) -> str:
-        return "\n\n".join([self.title, *("\n".join(_lines(f)) for f in self.functions)])
+        head = f"{self.title}\nrecords {self.tape}"
+        return "\n\n".join([head, *("\n".join(_lines(f)) for f in self.functions)])
+
+    @property
+    def bytes(self) -> int | None:
+        """The bytes that are recorded at one time, as far as they are known: those of the entry, and of the one among
+        the derivatives that it calls that takes most. None where none are known."""
+        return _most(self.functions[0].name, {f.name: f for f in self.functions}, {})
+
+    @property
+    def tape(self) -> str:
+        """What is recorded, in words."""
+        stacks = [s for f in self.functions for s in f.recorded]
+        if not stacks:
+            return "nothing"
+        grow = ", ".join(dict.fromkeys(s.name for s in stacks if s.grows))
+        if self.bytes is None:
+            sizes = [s.formula for s in stacks if not s.grows]
+            plain = f"{' + '.join(sizes)} bytes" if len(sizes) < 4 else "as many bytes as follow from the arguments"
+            return ", and ".join([*([plain] if sizes else []), *([f"what grows as it runs: {grow}"] if grow else [])])
+        open_ends = ", ".join(dict.fromkeys(s.name for s in stacks if s.grows or s.bytes is None))
+        return in_words(self.bytes) + (f", and what is known only at run time: {open_ends}" if open_ends else "")
 
     def json(self) -> str:
-        """The facts as JSON: {"title": ..., "functions": [...]}."""
-        return json.dumps({"title": self.title, "functions": [asdict(f) for f in self.functions]}, indent=2)
+        """The facts as JSON: {"title": ..., "bytes": ..., "functions": [...]}."""
+        return json.dumps({"title": self.title, "bytes": self.bytes, "functions": [asdict(f) for f in self.functions]},
+                          indent=2)
 
     def html(self) -> str:
         """A page with the findings beside the source."""
@@ -49,9 +71,9 @@ def explain(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None =
 
     Args: args, f's arguments (only types, shapes and numbers are read; nothing is run or changed); wrt, of and engine
     as for `differentiate` (default: what f carries, if it is differentiated). The report is an `Explanation`: for
-    every function of the generated file the verdict for every variable, every recorded value with the statement that
-    needs it and its bytes, what is computed again instead, what the forward sweep leaves out, the loops that run
-    forward and back per iteration, and every place where f is not differentiable.
+    every function of the generated file every recorded value, the largest first, with its bytes and the statement that
+    needs it, the verdict for every variable, what is computed again instead, what the forward sweep leaves out, the
+    loops that run forward and back per iteration, and every place where f is not differentiable.
     Raises S2sadError as `f.adjoint` does before anything runs.
     Literature: Hascoet, Naumann, Pascual, "To be recorded" analysis in reverse-mode AD, FGCS 21, 2005.
 
@@ -61,13 +83,15 @@ def explain(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None =
     ...         u[i] = u[i] * u[i]
     >>> print(explain(square, np.ones(5), engine="numpy"))  # doctest: +ELLIPSIS
     Adjoint of square: d(u) / d(u), engine numpy
+    records 40 bytes
     <BLANKLINE>
     square_adjoint
+      recorded
+        u_stack: 40 bytes = 8 * u.size bytes, u before `u[i] = u[i] * u[i]`
+          needed by line 3: u[i] = u[i] * u[i]
       variables
         u: float64[:], active
         i: int64, inactive: int64 has no derivative
-      recorded
-        u_stack: u before `u[i] = u[i] * u[i]`, 8 * u.size bytes = 40 bytes
     ...
     """
     asked = Carrier.overridden(f, names_of(wrt), names_of(of), engine)
@@ -103,18 +127,28 @@ def _written(derived: Derived) -> tuple[str, str, int]:
     return source.path, "\n".join(map(source.line, numbers)), tree.lineno
 
 
+def _most(name: str, functions: Mapping[str, Findings], known: dict[str, int | None]) -> int | None:
+    """The bytes that a derivative and those it calls hold at one time, as far as they are known; a derivative's own
+    last as long as its call."""
+    if name not in known:
+        known[name] = None
+        found = functions[name]
+        own = [s.bytes for s in found.recorded if s.bytes is not None and not s.grows]
+        inner = [b for n in found.calls if n in functions for b in [_most(n, functions, known)] if b is not None]
+        known[name] = sum(own) + max(inner, default=0) if own or inner else None
+    return known[name]
+
+
 # -- text -----------------------------------------------------------------------------------------------------------
 
 def _lines(found: Findings) -> list[str]:
-    lines = [found.name, "  variables"]
+    lines = [found.name, *([] if found.recorded else ["  recorded: nothing"])]
+    lines += ["  recorded"] if found.recorded else []
+    for stacked in found.recorded:
+        lines.append(f"    {stacked.name}: {stacked.size}, {stacked.what}")
+        lines += [f"      needed by {said(p)}" for p in stacked.needed_by]
+    lines.append("  variables")
     lines += [f"    {v.variable}: {v.type + ', ' if v.type else ''}{v.reason}" for v in found.variables]
-    if not found.recorded:
-        lines.append("  recorded: nothing")
-    else:
-        lines.append("  recorded")
-        for stacked in found.recorded:
-            lines.append(f"    {stacked.name}: {stacked.what}, {stacked.size}")
-            lines += [f"      needed by {said(p)}" for p in stacked.needed_by]
     lines += _section("computed again instead of recorded", [
         f"{a.variable}: {a.how}, {said(a.place)}" for a in found.again])
     lines += _section("left out of the forward sweep", [said(p) for p in found.dropped])

@@ -53,11 +53,22 @@ class Stacked:
 
     @property
     def size(self) -> str:
-        """The bytes in words."""
+        """The bytes in words, and where they are known also the number."""
         each = self.formula.replace(" per push", "")
-        counted = "" if self.bytes is None or each == str(self.bytes) else f" = {self.bytes} bytes"
-        return f"{each} bytes{counted}" + (" per push, the number of pushes is known only at run time"
+        counted = "" if self.bytes is None or each == str(self.bytes) else f"{in_words(self.bytes)} = "
+        return f"{counted}{each} bytes" + (" per push, the number of pushes is known only at run time"
                                            if self.grows else "")
+
+
+def in_words(count: int) -> str:
+    """A number of bytes, in MB from a tenth of one on.
+
+    >>> in_words(2880), in_words(8_000_000), in_words(1_234_567_890)
+    ('2,880 bytes', '8.00 MB', '1,235 MB')
+    """
+    if count < 100_000:
+        return f"{count:,} bytes"
+    return f"{count / 1e6:,.{max(0, 9 - len(str(count)))}f} MB" if count >= 1_000_000 else f"{count / 1e6:.2f} MB"
 
 
 @dataclass(frozen=True)
@@ -91,6 +102,7 @@ class Findings:
     loops: tuple[Place, ...]
     kinks: tuple[Kink, ...]
     interpreted: tuple[Place, ...] = ()
+    calls: tuple[str, ...] = ()
 
 
 def findings(derived: Derived, sizes: Sizes | None, engine: str) -> Findings:
@@ -104,10 +116,12 @@ def findings(derived: Derived, sizes: Sizes | None, engine: str) -> Findings:
     return Findings(
         derived.function.name, unit.kernel.name, unit.kernel.source.path,
         tuple(dict.fromkeys([*names_wrt, *(r for r in derived.made.returns if r in unit.typing.table)])), tuple(of),
-        tuple(_verdicts(derived)), (*(_stacked(r, unit, sizes) for r in recorded_by(derived)), *_kept(derived)),
+        tuple(_verdicts(derived)), tuple(_recorded(derived, sizes)),
         tuple(_again(derived)), dropped, later, tuple(_loops(derived)),
         tuple(Kink(place_of(s, unit), what) for s, what in kinks(unit, derived.activity)),
-        tuple(dict.fromkeys(_interpreted(unit))) if engine == "numba" else ())
+        tuple(dict.fromkeys(_interpreted(unit))) if engine == "numba" else (),
+        tuple(dict.fromkeys(called.removeprefix("user.") for n in walk(derived.function.body)
+                            if (called := call_name(n) or "").startswith("user."))))
 
 
 def _interpreted(unit: Unit) -> Iterator[Place]:
@@ -177,6 +191,12 @@ def _verdict(versions: list[str], derived: Derived) -> tuple[bool, str]:
 
 
 # -- what is recorded, and what is not ------------------------------------------------------------------------------
+
+def _recorded(derived: Derived, sizes: Sizes | None) -> list[Stacked]:
+    """The stacks, the largest first, then those that grow."""
+    found = [*(_stacked(r, derived.unit, sizes) for r in recorded_by(derived)), *_kept(derived)]
+    return sorted(found, key=lambda s: (s.grows, -(s.bytes or 0)))
+
 
 def _stacked(recorded: Recorded, unit: Unit, sizes: Sizes | None) -> Stacked:
     needed = tuple(dict.fromkeys(place_of(s, unit) for s in recorded.readers))
