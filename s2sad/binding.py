@@ -1,7 +1,6 @@
 """Arguments as a caller gives them become values of the kernel's types, or a refusal that names the argument."""
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -182,14 +181,3 @@ def make_zero(x: Any) -> Any:
     if isinstance(value, (float, _SINGLE)):
         return type(value)(0.0)
     return x
-
-
-def same_number(a: Any, b: Any) -> bool:
-    """Whether two constants are the same value of the same type, NaN and the sign of zero included."""
-    if a is b:
-        return True
-    if type(a) is not type(b):
-        return False
-    if isinstance(a, float):
-        return (a == b and math.copysign(1.0, a) == math.copysign(1.0, b)) or (math.isnan(a) and math.isnan(b))
-    return isinstance(a, (bool, int, complex, str, np.generic, tuple)) and bool(a == b)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from s2sad.diagnostics import Source
+from s2sad.guards import Guards
 from s2sad.infer.types import Type
 from s2sad.rules.given import Own
 from s2sad.tree import FunctionDef
@@ -39,7 +40,8 @@ class Program:
     `constants` holds the numbers that kernels read from their module or closure, by the name behind
     `const.`; `arrays` the arrays read likewise, which become hidden parameters of every kernel on the way; `records`
     the classes that kernels make structures with, by the name behind `record.`; `methods`
-    the names of the kernels that are functions of classes; `tables` is what `once` remembers.
+    the names of the kernels that are functions of classes; `guards` what was taken from outside to read it; `tables` is
+    what `once` remembers.
     """
     entry: str
     kernels: dict[str, Kernel]
@@ -47,6 +49,7 @@ class Program:
     arrays: dict[str, Any] = field(default_factory=dict)
     records: dict[str, type] = field(default_factory=dict)
     methods: dict[Any, str] = field(default_factory=dict)
+    guards: Guards = field(default_factory=Guards, compare=False, repr=False)
     tables: dict[Any, tuple[int, Any]] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def once(self, make: Callable[[Program], T]) -> T:

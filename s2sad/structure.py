@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-import inspect
 import re
 import sys
 from collections import OrderedDict
@@ -24,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.guards import ABSENT, class_attribute, taken
 from s2sad.infer.types import FLOAT, INT, Type, of_value
 
 LARGEST = 512                           # leaves: longer lists of numbers are arrays
@@ -149,7 +149,7 @@ def _holds_fields(kind: type) -> bool:
 
 def method_of(made: type, name: str) -> tuple[FunctionType, str] | None:
     """A function that a class defines, and what it is: "method", "static" or "property"; None if there is none."""
-    found = inspect.getattr_static(made, name, None)
+    found = class_attribute(made, name)
     if isinstance(found, property):
         return (found.fget, "property") if isinstance(found.fget, FunctionType) else None
     if isinstance(found, staticmethod):
@@ -160,8 +160,8 @@ def method_of(made: type, name: str) -> tuple[FunctionType, str] | None:
 def own_method(made: type | None, name: str) -> Any:
     """What a class that is written in Python has under the name of an operator; None where it leaves that to a
     tuple's, an object's or a dataclass's own."""
-    found = next((vars(c)[name] for c in (made.__mro__ if made else ()) if c.__flags__ & _HEAP and name in vars(c)),
-                 None)
+    found = next((value for c in (taken(made, "mro") if made else ()) if c.__flags__ & _HEAP
+                  and (value := taken(c, "own", name)) is not ABSENT), None)
     code = getattr(found, "__code__", None)
     return None if code is not None and code.co_filename == "<string>" and "__dataclass_fields__" in dir(
         made) else found
@@ -173,7 +173,10 @@ def record_fields(made: type) -> tuple[str, dict[str, Any]] | None:
     if issubclass(made, tuple) and made.__bases__ == (tuple,) and hasattr(made, "_fields"):
         defaults = made._field_defaults  # pyright: ignore[reportAttributeAccessIssue]
         return "named", {n: defaults.get(n, ...) for n in made._fields}  # pyright: ignore[reportAttributeAccessIssue]
-    if "__dataclass_params__" not in vars(made) or hasattr(made, "__post_init__"):
+    if taken(made, "own", "__dataclass_params__") is ABSENT or class_attribute(made, "__post_init__") is not ABSENT:
+        return None
+    constructor = getattr(taken(made, "own", "__init__"), "__code__", None)
+    if constructor is None or constructor.co_filename != "<string>":    # one of the user's own
         return None
     given = dataclasses.fields(made)  # pyright: ignore[reportArgumentType]
     plain = made.__dataclass_params__.init and all(  # pyright: ignore[reportAttributeAccessIssue]

@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 
 from s2sad import pipeline, read
-from s2sad.binding import float_parameters, same_number, types as types_of
+from s2sad.binding import float_parameters, types as types_of
 from s2sad.compiler_lock import COMPILER_LOCK
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.generated import HIDDEN, Variant
+from s2sad.guards import Guards, recording, same
 from s2sad.infer.types import Type, of_value
 from s2sad.normalize.fields import asks
 from s2sad.read.capture import not_a_function
@@ -23,13 +24,12 @@ from s2sad.read.underlying import by_position, python_function
 from s2sad.program import Kernel, Program, Request
 from s2sad.rules.given import GIVEN
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
-from s2sad.run.given import given_of
+from s2sad.run.given import compiled_in, given_of
 from s2sad.run.overlap import Check, Slot
 from s2sad.side_table import side_table
 from s2sad.tree import equal
-from s2sad.watch import Watch
 
-_KEPT = 31  # states: a global that changes at every call must not fill the memory
+_KEPT = 32  # states: a global that changes at every call must not fill the memory
 
 
 def derivatives_of(f: Any) -> Derivatives:
@@ -50,31 +50,26 @@ class Derivatives:
     def __init__(self, function: FunctionType):
         self.function = function
         self._states: list[State] = []
-        self._watch: Watch | None = None
         self._current: State | None = None
-        self._edition = 0
 
     def state(self) -> State:
         """The state for the values that the function's constants have now."""
-        if (self._current is not None and self._watch is not None and self._edition == GIVEN.edition
-                and self._watch.unchanged() and self._current.unchanged()):
-            return self._current
+        current = self._current
+        if current is not None and current.holds():
+            return current
         with COMPILER_LOCK:
-            self._edition = GIVEN.edition
-            watch = Watch(self.function)
-            program = read.load(self.function)
-            self._current = self._state_of(program)
-            self._watch = watch
-            return self._current
+            found = next((s for s in self._states if s.holds()), None) or self._state_of(read.load(self.function))
+            self._states = [*(s for s in self._states[-_KEPT:] if s is not found), found]
+            self._current = found
+            return found
 
     def _state_of(self, program: Program) -> State:
+        """The state for another reading of the function."""
         for state in self._states:
             if state.serves(program):
-                state.arrays = tuple(program.arrays.values())
+                state.take_over(program)
                 return state
-        del self._states[:-_KEPT]
-        self._states.append(State(program, self.function))
-        return self._states[-1]
+        return State(program, self.function)
 
 
 class State:
@@ -87,23 +82,34 @@ class State:
         self.kernel: Kernel = program.kernels[program.entry]
         self.parameters = self.kernel.parameters
         self.floats = float_parameters(self.kernel)
-        self.arrays = tuple(program.arrays.values())
         self.entries: dict[Any, Any] = {}
         self._variants: dict[Any, Variant] = {}
         self._summaries: dict[tuple[Type, ...], Any] = {}
         self._forms: pipeline.Forms = {}
         self.given = given_of(program)
-        self._watched = [Watch(g.plain) for g in self.given if isinstance(g.plain, FunctionType)]
+        self._compiled_in = Guards()        # what functions with derivatives of their own read, which nobody else does
+        with recording(self._compiled_in):
+            self._frozen = [(g.plain, compiled_in(g.plain)) for g in self.given if isinstance(g.plain, FunctionType)]
+        self.take_over(program)
+
+    def take_over(self, program: Program) -> None:
+        """From now on the state is for what this reading took."""
+        self.guards, self.arrays = program.guards, tuple(program.arrays.values())
+        self._edition = GIVEN.edition
+
+    def holds(self) -> bool:
+        """Whether all that was taken from outside is what it was."""
+        return self._edition == GIVEN.edition and self.guards.hold() and self.unchanged()
 
     def unchanged(self) -> bool:
         """Whether the functions with derivatives of their own are what they were."""
-        return all(g.reachable() for g in self.given) and all(w.unchanged() for w in self._watched)
+        return all(g.reachable() for g in self.given) and self._compiled_in.hold()
 
     def serves(self, program: Program) -> bool:
         """Whether what was derived here holds for another reading of the same function."""
         ours, theirs = self.program, program
         return (list(ours.constants) == list(theirs.constants) and list(ours.arrays) == list(theirs.arrays)
-                and all(same_number(v, theirs.constants[k]) for k, v in ours.constants.items())
+                and all(same(v, theirs.constants[k]) for k, v in ours.constants.items())
                 and all(of_value(v) == of_value(theirs.arrays[k]) for k, v in ours.arrays.items())
                 and ours.records == theirs.records
                 and list(ours.kernels) == list(theirs.kernels) and self.given == given_of(theirs) and self.unchanged()
@@ -148,7 +154,7 @@ class State:
     def unfrozen(self) -> None:
         """Raises if a function with a derivative of its own reads an array of its module: Numba would compile its
         content in."""
-        for given, array in ((w.functions[0][0], a) for w in self._watched for a in w.arrays()):
+        for given, array in ((g, a) for g, arrays in self._frozen for a in arrays):
             raise S2sadError(Diagnostic("S407", f"'{given.__name__}' reads the array '{array}' of its module, whose "
                                         "content Numba would not look at again", help="pass it as an argument; "
                                         'engine="numpy" calls it as it is'))
@@ -228,7 +234,7 @@ def own(array: np.ndarray) -> np.ndarray:
 def _same_kernel(ours: Kernel, theirs: Kernel) -> bool:
     return (ours.source == theirs.source and equal(ours.tree, theirs.tree)    # a name may mean another function now
             and ours.own is theirs.own and list(ours.defaults) == list(theirs.defaults)
-            and all(same_number(v, theirs.defaults[k]) for k, v in ours.defaults.items()))
+            and all(same(v, theirs.defaults[k]) for k, v in ours.defaults.items()))
 
 
 def _with_trailing(function: Callable[..., Any], trailing: tuple[Any, ...]) -> Callable[..., Any]:

@@ -14,7 +14,6 @@ from s2sad import (
     value_and_gradient, vjp,
 )
 from s2sad.side_table import forget
-from s2sad.watch import Watch
 from tests import called_kernels as kernels
 
 
@@ -345,23 +344,6 @@ def test_make_zero():
 def test_public_names():
     for name in s2sad.__all__:
         assert getattr(s2sad, name).__doc__
-
-
-def test_what_a_function_reads_is_watched():
-    module = types.ModuleType("kernels_elsewhere")
-    exec("RATE = 2.0\ndef helper(x):\n    return RATE * x\n", vars(module))
-    space = {"elsewhere": module, "STEP": 0.5}
-    exec("def entry(x):\n    return elsewhere.helper(x) * STEP\n", space)
-    watch = Watch(space["entry"])
-    assert watch.unchanged()
-    space["STEP"] = float("0.5")
-    assert watch.unchanged()
-    module.RATE = 3.0
-    assert not watch.unchanged()
-    module.RATE = 2.0
-    assert watch.unchanged()
-    module.helper = lambda x: x
-    assert not watch.unchanged()
 
 
 def contracted(m):

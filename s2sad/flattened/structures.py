@@ -5,7 +5,6 @@ and numbers only.
 """
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -18,6 +17,7 @@ from s2sad import read
 from s2sad.binding import bind, misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.flattened.asked import Asked, Path
+from s2sad.guards import Guards, recording
 from s2sad.infer.types import FLOAT, NONE, UNKNOWN, Type
 from s2sad.normalize.field_values import Unread
 from s2sad.normalize.fields import Flat, fields
@@ -25,11 +25,10 @@ from s2sad.normalize.groups import Group, nothing
 from s2sad.prepared import selection_of
 from s2sad.selection import RETURN
 from s2sad.structure import (
-    Form, Structure, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, method_of, part_of, places_of,
+    Form, Structure, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, part_of, places_of,
     step, steps, without_lengths,
 )
 from s2sad.variants import State
-from s2sad.watch import Watch
 
 _NUMBERS = (int, float, np.integer, np.floating, complex)
 _PLAIN = frozenset((np.ndarray, float, complex, int, bool, np.float64, type(None), str))
@@ -53,14 +52,16 @@ def flattened(state: State, args: Sequence[Any]) -> Flattened | None:
     return found
 
 
-def _taken_apart(state: State, forms: tuple[Form, ...]) -> tuple[Flat, dict[Any, tuple[type, str]]]:
-    """The flat program, and the functions of classes that it calls, which are read as they are met."""
-    program, methods = state.program, {}
+def _taken_apart(state: State, forms: tuple[Form, ...]) -> tuple[Flat, list[Any], Guards]:
+    """The flat program, the functions of classes that it calls, which are read as they are met, and what was taken of
+    the arguments' classes."""
+    program, methods = state.program, []
     while True:
         try:
-            return fields(program, forms), methods
+            with recording(Guards()) as guards:
+                return fields(program, forms), methods, guards
         except Unread as unread:
-            methods[unread.function] = (unread.made, unread.name)
+            methods.append(unread.function)
             program = read.load(state.function, tuple(methods))
 
 
@@ -78,23 +79,17 @@ class Flattened(Asked):
     """The flat program for arguments of one make, and the way there and back."""
 
     def __init__(self, state: State, forms: tuple[Form, ...]):
-        flat, self.methods = _taken_apart(state, forms)
+        flat, self.methods, self._classes = _taken_apart(state, forms)
         self.forms = dict(zip(state.parameters, forms))
-        self.cells, self.paths, self.attributes = flat.cells, flat.paths, flat.attributes
+        self.cells, self.paths = flat.cells, flat.paths
         self.names = {path: name for name, path in flat.paths.items()}
         self.state = State(flat.program, state.function, flat=True)
-        self.watches = [Watch(f) for f in (state.function, *self.methods)] if self.methods else []
         self.result = None if flat.result is None else _form_of_result(flat.result)
         self.title = state.kernel.name
 
     def current(self) -> bool:
-        """Whether the functions of classes that are called are what they were, and what they read from outside, and so
-        the constants of classes."""
-        if any(not same_constant(inspect.getattr_static(made, name, None), value)
-               for (made, name), value in self.attributes.items()):
-            return False
-        return all((method_of(made, name) or (None,))[0] is f for f, (made, name) in self.methods.items()) and all(
-            w.unchanged() for w in self.watches)
+        """Whether the arguments' classes are what they were, and what functions of theirs read from outside."""
+        return self._classes.hold() and (not self.methods or self.state.guards.hold())
 
     # -- there ---------------------------------------------------------------------------------------------------------
 
@@ -234,11 +229,6 @@ class Flattened(Asked):
                 by_name[name][0] = part_of(kind, holder, key)
             return returned if self.result is None else self.result_leaves(returned)
         return called
-
-
-def same_constant(now: object, value: object) -> bool:
-    """Whether a constant of a class is what it was."""
-    return now is value or type(now) is type(value) and repr(now) == repr(value)
 
 
 def _form_of_result(group: Group) -> Form:

@@ -8,11 +8,11 @@
 from __future__ import annotations
 
 import functools
-import inspect
 from dataclasses import replace
 from typing import Any, Protocol
 
 from s2sad.diagnostics import Report
+from s2sad.guards import class_attribute
 from s2sad.infer.types import UNKNOWN
 from s2sad.normalize.calls import bound_arguments, user_call
 from s2sad.normalize.field_decisions import NO
@@ -42,11 +42,10 @@ class Callee(Protocol):
 
 
 class Maker(Protocol):
-    """What one kernel asks of the pass: the program, whether it has sparse matrices, the constants of classes that are
-    read, and other kernels for patterns of arguments."""
+    """What one kernel asks of the pass: the program, whether it has sparse matrices, and other kernels for patterns of
+    arguments."""
     program: Program
     sparse: bool
-    attributes: dict[tuple[type, str], object]
 
     def callee(self, kernel: str, patterns: tuple[Form, ...]) -> Callee: ...
 
@@ -97,10 +96,9 @@ class Values(Matrices):
     def _constant_of(self, base: Group, node: Attribute) -> Value | None:
         """A number or string that a structure's class holds, under a name that is no field."""
         made = base.form.made if node.attr not in base.form.keys else None
-        value = inspect.getattr_static(made, node.attr, None) if made else None
+        value = class_attribute(made, node.attr) if made else None
         if type(value) not in (int, float, bool, str) or base.form.kind not in ("record", "named"):
             return None
-        self.maker.attributes[made or object, node.attr] = value
         return Plain(at(const(value), node))
 
     def _call(self, node: Call) -> Value | None:

@@ -36,13 +36,11 @@ from s2sad.tree import (
 @dataclass(frozen=True)
 class Flat:
     """A program of arrays and numbers; `paths` has, for each of the entry's flat parameters, what a user calls it,
-    `cells` the flat parameters that are arrays of one element, `result` what structure is returned, `attributes` the
-    constants of classes that are read."""
+    `cells` the flat parameters that are arrays of one element, `result` what structure is returned."""
     program: Program
     paths: dict[str, str]
     cells: frozenset[str]
     result: Group | None
-    attributes: dict[tuple[type, str], object] = field(default_factory=dict)
 
 
 @dataclass
@@ -86,7 +84,7 @@ def fields(program: Program, forms: tuple[Form, ...]) -> Flat:
             making.finish()
             by_name = dict(zip(names, paths))
             return Flat(replace(program, kernels=making.kernels), by_name,
-                        frozenset(n for n, p in by_name.items() if p in cells), made.result, making.attributes)
+                        frozenset(n for n, p in by_name.items() if p in cells), made.result)
         cells = new
 
 
@@ -108,7 +106,6 @@ class _Making:
 
     def __init__(self, program: Program, sparse: bool):
         self.program, self.sparse = program, sparse
-        self.attributes: dict[tuple[type, str], object] = {}
         self.kernels: dict[str, Kernel] = {}
         self.reports: list[Report] = []
         self._made: dict[tuple[str, tuple[Form, ...]], Made] = {}

@@ -14,9 +14,11 @@ from __future__ import annotations
 
 import difflib
 import os
+from dataclasses import replace
 from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.guards import Guards, recording
 from s2sad.program import Program
 from s2sad.read.capture import name_of, not_a_function
 from s2sad.read.underlying import python_function
@@ -41,7 +43,8 @@ def load(function: Any, methods: tuple[Any, ...] = ()) -> Program:
     if GIVEN.of(plain) is not None:
         raise S2sadError(Diagnostic("S101", f"'{plain.__name__}' has a derivative of its own, and is not read",
                                     help="differentiate a function that calls it"))
-    return Linker().program(_live(plain), tuple(map(_live, methods)))
+    with recording(Guards()) as guards:
+        return replace(Linker().program(_live(plain), tuple(map(_live, methods))), guards=guards)
 
 
 def _live(function: Any) -> Function:

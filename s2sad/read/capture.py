@@ -17,6 +17,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
+from s2sad.guards import taken
 from s2sad.read.live import LiveScope, defaults_of
 from s2sad.read.meaning import AST, Captured, kind_of
 from s2sad.read.underlying import given, python_function
@@ -37,11 +38,12 @@ def capture(value: Any) -> Captured:
     if function is None:
         raise S2sadError(not_a_function(value))
     function, bound = given(function)
+    taken(function, "attribute", "__defaults__")
     if hasattr(function, "__wrapped__"):
         raise S2sadError(Diagnostic("S101", f"'{function.__name__}' is wrapped by a decorator that s2sad does not know",
                                     help=f"give the function inside: {function.__name__}.__wrapped__"))
-    code = function.__code__
-    text = _text(function)
+    code = taken(function, "code")
+    text = _text(function, code)
     try:
         module, compiled = _compiled(text, code.co_filename, code.co_flags & _FUTURE)
     except (SyntaxError, ValueError):
@@ -83,14 +85,14 @@ def _without(definition: Any, bound: Mapping[str, Any], source: Source) -> Any:
 
 # -- the text -------------------------------------------------------------------------------------------------------
 
-def _text(function: types.FunctionType) -> str:
-    path = function.__code__.co_filename
+def _text(function: types.FunctionType, code: types.CodeType) -> str:
+    path = code.co_filename
     linecache.checkcache(path)
     text = "".join(linecache.getlines(path, function.__globals__))
     if text:
         return text
     if path.startswith("<"):
-        raise S2sadError(_fileless(function.__code__))
+        raise S2sadError(_fileless(code))
     name = function.__name__
     raise S2sadError(Diagnostic("S101", f"the source of '{name}' cannot be had: {path} cannot be read",
                                 help="restore the file that the function was imported from"))

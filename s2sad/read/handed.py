@@ -17,6 +17,7 @@ from types import FunctionType
 
 from s2sad import tree
 from s2sad.diagnostics import S2sadError
+from s2sad.guards import taken
 from s2sad.read.capture import capture
 from s2sad.read.meaning import AST, Captured, Function, Library, NotConstant, library_value
 from s2sad.read.nested import Around, NestedFunction
@@ -36,9 +37,8 @@ def definition(function: Function) -> Captured:
 def by_default(node: Call, callee: Function) -> Handed:
     """The functions that a call leaves to the defaults of the callee's parameters."""
     handle = given_before(callee.handle)[0] if isinstance(callee.handle, FunctionType) else callee.handle
-    defaults = getattr(handle, "__defaults__", None), getattr(handle, "__kwdefaults__", None)
-    if not hasattr(callee.handle, "captured") and not any(map(callable, [*(defaults[0] or ()), *(
-            defaults[1] or {}).values()])):
+    if isinstance(handle, FunctionType) and not any(map(callable, [
+            *(taken(handle, "attribute", "__defaults__") or ()), *(handle.__kwdefaults__ or {}).values()])):
         return {}
     try:
         captured = definition(callee)

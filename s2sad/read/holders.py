@@ -2,45 +2,44 @@
 
     CONF["dt"], params.dt, Constants.g   ->   const.CONF_dt, const.params_dt, const.Constants_g
 
-A value that is set anew is seen at the next call: `places` is what the watch goes through.
+A value that is set anew is seen at the next call: what a name is looked up in is taken through `guards`.
 """
 from __future__ import annotations
 
 import re
 import types
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
+from s2sad.guards import ABSENT, class_attribute, taken
 from s2sad.read.meaning import Meaning, Unusable
 from s2sad.structure import record_fields
 
 _LIBRARIES = ("numpy", "numba", "scipy", "math", "s2sad")
+_PLAIN = (object.__getattribute__, types.SimpleNamespace.__getattribute__)
+_PROPERTY = Unusable("a property", "write it as a method or a function")
 Mean = Callable[[str, Any], Meaning]
 
 
-def places(value: Any) -> list[Mapping[str, Any]] | None:
-    """Where the values of a holder lie, the first that has a name gives its value; None for what is no holder.
+def is_holder(value: Any) -> bool:
+    """Whether a value holds others under names that mean no more than a place.
 
-    >>> places({"dt": 0.1}), places({1: 0.1}), places(0.5)
-    ([{'dt': 0.1}], None, None)
+    >>> is_holder({"dt": 0.1}), is_holder({1: 0.1}), is_holder(0.5)
+    (True, False, False)
     """
     if isinstance(value, dict):
-        plain = type(value).__getitem__ is dict.__getitem__ and all(isinstance(k, str) for k in value)
-        return [value] if plain else None
+        return type(value).__getitem__ is dict.__getitem__ and all(isinstance(k, str) for k in value)
     if isinstance(value, tuple):
-        names = getattr(type(value), "_fields", None)
-        return None if names is None else [dict(zip(names, value))]
-    kind = value if isinstance(value, type) else type(value)
-    if kind.__module__.partition(".")[0] in _LIBRARIES or hasattr(kind, "__getattr__") or isinstance(
+        return hasattr(type(value), "_fields")
+    made = value if isinstance(value, type) else taken(value, "class")
+    if made.__module__.partition(".")[0] in _LIBRARIES or isinstance(
             value, (types.FunctionType, types.MethodType, types.ModuleType)):
-        return None
+        return False
+    if taken(made, "attribute", "__getattr__") is not ABSENT:
+        return False
     if isinstance(value, type):
-        return [vars(c) for c in kind.__mro__[:-1]] if record_fields(kind) is None and kind.__module__ != "builtins" \
-            else None
-    plain = kind.__getattribute__ in (object.__getattribute__, types.SimpleNamespace.__getattribute__)
-    if not plain or not hasattr(value, "__dict__"):
-        return None
-    return [vars(value), *(vars(c) for c in kind.__mro__[:-1])]
+        return record_fields(made) is None and made.__module__ != "builtins"
+    return taken(made, "attribute", "__getattribute__") in _PLAIN and hasattr(value, "__dict__")
 
 
 class HolderScope:
@@ -52,25 +51,49 @@ class HolderScope:
     def lookup(self, name: str) -> Meaning | None:
         is_item = name.startswith("[")
         key = name[1:-1] if is_item else name
-        spaces = places(self.value) or [] if is_item == isinstance(self.value, dict) else []
-        found = next((space for space in spaces if key in space), None)
-        if found is None:
+        if is_item is not isinstance(self.value, dict):
             return None
+        found = self._item(key) if isinstance(self.value, (dict, tuple)) else self._attribute(key)
+        if found is ABSENT:
+            return None
+        return found if isinstance(found, Unusable) else self.mean(f"{self.name}_" + re.sub(r"\W", "_", key), found)
+
+    def _item(self, key: str) -> Any:
+        """What a dictionary or a named tuple holds."""
+        if isinstance(self.value, tuple):
+            return taken(self.value, "attribute", key) if key in _fields(self.value) else ABSENT
+        return taken(self.value, "item", key)
+
+    def _attribute(self, key: str) -> Any:
+        """What an object or a class holds, a function of a class as Python gives it."""
         own_class = isinstance(self.value, type)
-        of_class = next((space[key] for space in spaces[1:] if key in space), None)
-        if isinstance(of_class, property) and not own_class:     # it comes before what the object itself holds
-            return Unusable("a property", "write it as a method or a function")
-        value, own = found[key], found is spaces[0] and not own_class
+        if own_class and key == "__call__":     # who calls a class makes an object
+            return ABSENT
+        made = self.value if own_class else taken(self.value, "class")
+        value, own = class_attribute(made, key), False
+        if not own_class and hasattr(type(value), "__get__") and hasattr(type(value), "__set__"):
+            return _PROPERTY    # it comes before what the object itself holds
+        if not own_class and key != "__call__" and (held := taken(self.value, "own", key)) is not ABSENT:
+            value, own = held, True
         if isinstance(value, staticmethod):
-            value = value.__func__
-        elif isinstance(value, classmethod):
-            value = types.MethodType(value.__func__, self.value if own_class else type(self.value))
-        elif isinstance(value, types.FunctionType) and not (own or own_class):
-            value = types.MethodType(value, self.value)
-        elif not own and not isinstance(value, types.FunctionType) and hasattr(type(value), "__get__"):
-            return Unusable("a property", "write it as a method or a function")
-        return self.mean(f"{self.name}_" + re.sub(r"\W", "_", key), value)
+            return value.__func__
+        if isinstance(value, classmethod):
+            return types.MethodType(value.__func__, made)
+        if own or own_class:
+            return value
+        if isinstance(value, types.FunctionType):
+            return types.MethodType(value, self.value)
+        return _PROPERTY if hasattr(type(value), "__get__") else value
 
     def known(self) -> list[str]:
-        names = [n for space in places(self.value) or () for n in space if not n.startswith("__")]
-        return [f"[{n}]" for n in names] if isinstance(self.value, dict) else names
+        if isinstance(self.value, dict):
+            return [f"[{n}]" for n in taken(self.value, "keys")]
+        if isinstance(self.value, tuple):
+            return list(_fields(self.value))
+        classes = (self.value if isinstance(self.value, type) else type(self.value)).__mro__[:-1]
+        holders = classes if isinstance(self.value, type) else (self.value, *classes)
+        return [n for holder in holders for n in vars(holder) if not n.startswith("__")]
+
+
+def _fields(value: tuple[Any, ...]) -> tuple[str, ...]:
+    return getattr(type(value), "_fields", ())

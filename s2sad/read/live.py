@@ -1,7 +1,6 @@
 """What a name means around a live function: its closure, its module, the modules and objects that these hold."""
 from __future__ import annotations
 
-import builtins
 import functools
 import importlib
 import sys
@@ -11,6 +10,7 @@ from typing import Any
 
 import numpy
 
+from s2sad.guards import ABSENT, taken
 from s2sad.read import holders
 from s2sad.read.meaning import (
     AST, Function, Holder, Library, LibraryScope, Meaning, NotConstant, Number, Space, Text, Unusable,
@@ -25,20 +25,18 @@ class LiveScope:
 
     def __init__(self, function: types.FunctionType, given: Mapping[str, Any]):
         self.function, self.given = function, given
-        self.cells = dict(zip(function.__code__.co_freevars, function.__closure__ or ()))
+        self.cells = taken(function, "code").co_freevars
 
     def value(self, name: str) -> Any:
         """The value now; raises KeyError if there is none."""
         if name in self.given:
             return self.given[name]
-        if name in self.cells:
-            try:
-                return self.cells[name].cell_contents
-            except ValueError:
-                raise KeyError(name) from None
-        if name in self.function.__globals__:
-            return self.function.__globals__[name]
-        return vars(builtins)[name]
+        found = taken(self.function, "cell" if name in self.cells else "global", name)
+        if found is ABSENT and name not in self.cells:
+            found = taken(None, "builtin", name)
+        if found is ABSENT:
+            raise KeyError(name)
+        return found
 
     def lookup(self, name: str) -> Meaning | None:
         try:
@@ -52,12 +50,16 @@ class LiveScope:
     def imported(self, module: str, level: int, name: str | None) -> Meaning:
         """What an import in the function binds: a module, or what it has under a name."""
         try:
-            found = importlib.import_module("." * level + module, self.function.__globals__.get("__package__"))
+            found = importlib.import_module("." * level + module, taken(self.function, "global", "__package__") or None)
             if name is not None and not hasattr(found, name):
                 importlib.import_module(f"{found.__name__}.{name}")
-            value = found if name is None else getattr(found, name)
-        except (ImportError, AttributeError) as error:
+        except ImportError as error:
             return Unusable(f"imported, which fails: {error}", "correct the import")
+        found = taken(None, "module", found.__name__)
+        value = found if name is None else _member(found, name)
+        if value is ABSENT:
+            return Unusable(f"imported, which fails: module '{found.__name__}' has no attribute '{name}'",
+                            "correct the import")
         return live_meaning(name or module, value)
 
 
@@ -68,9 +70,9 @@ class ModuleScope:
         self.module = module
 
     def lookup(self, name: str) -> Meaning | None:
-        if not hasattr(self.module, name):
+        value = _member(self.module, name)
+        if value is ABSENT:
             return None
-        value = getattr(self.module, name)
         meaning = live_meaning(name, value)
         if isinstance(meaning, Unusable) and callable(value):
             return Library(f"{self.module.__name__}.{name}")
@@ -78,6 +80,12 @@ class ModuleScope:
 
     def known(self) -> list[str]:
         return [n for n in dir(self.module) if not n.startswith("_")]
+
+
+def _member(module: types.ModuleType, name: str) -> Any:
+    """What a module has under a name, in its dictionary or by a function of its own that says what."""
+    value = taken(module, "own", name) if type(module) is types.ModuleType else ABSENT
+    return taken(module, "attribute", name) if value is ABSENT else value
 
 
 def live_meaning(name: str, value: Any) -> Meaning:
@@ -110,9 +118,11 @@ def live_meaning(name: str, value: Any) -> Meaning:
     if isinstance(value, functools._lru_cache_wrapper):
         return Unusable("a function behind a cache, whose results are one object for all calls",
                         f"call the function inside: give it a name, as in inner = {name}.__wrapped__")
-    if holders.places(value) is not None:
+    if holders.is_holder(value):
         what = "a class" if isinstance(value, type) else kind_of(value)
         return Holder(name, holders.HolderScope(name, value, live_meaning), what)
+    if isinstance(value, (list, tuple)):
+        return value_meaning(name, value, taken(value, "items"))
     return value_meaning(name, value)
 
 
@@ -131,9 +141,11 @@ def _home(value: Any) -> str:
 
 def defaults_of(function: types.FunctionType) -> Callable[[str, AST], Any]:
     """Looks up a parameter's default value as the live function has it."""
-    code = function.__code__
+    code = taken(function, "code")
     positional = code.co_varnames[:code.co_argcount]
-    values = dict(zip(reversed(positional), reversed(function.__defaults__ or ()))) | (function.__kwdefaults__ or {})
+    values = dict(zip(reversed(positional), reversed(taken(function, "attribute", "__defaults__") or ())))
+    keywords = code.co_varnames[code.co_argcount:code.co_argcount + code.co_kwonlyargcount]
+    values |= {n: v for n in keywords if (v := taken(function, "keyword", n)) is not ABSENT}
 
     def default(parameter: str, node: AST) -> Any:
         value = values.get(parameter)

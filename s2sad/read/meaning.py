@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy
 
 from s2sad.diagnostics import Source
+from s2sad.guards import taken
 from s2sad.rules.spellings import is_scipy
 from s2sad.structure import SPARSE, record_fields, sparse_format
 from s2sad.tree import AST, FunctionDef
@@ -70,8 +71,10 @@ class Matrix:
 
     def parts(self) -> tuple[list[Array], list[Number]]:
         """The arrays that it is made of, and its shape."""
-        return ([Array(f"{self.name}_{k}", getattr(self.value, k)) for k in SPARSE[self.value.format][:-1]],
-                [Number(f"{self.name}_{w}", int(n)) for w, n in zip(("rows", "columns"), self.value.shape)])
+        kinds = SPARSE[taken(self.value, "attribute", "format")]
+        return ([Array(f"{self.name}_{k}", taken(self.value, "attribute", k)) for k in kinds[:-1]],
+                [Number(f"{self.name}_{w}", int(n)) for w, n in zip(
+                    ("rows", "columns"), taken(self.value, "attribute", "shape"))])
 
 
 @dataclass(frozen=True)
@@ -229,6 +232,13 @@ def is_number(value: Any) -> bool:
         value, complex) and bool(numpy.isfinite(value))
 
 
+def _plain(value: Any) -> Any:
+    """The number itself, of one that belongs to an enumeration or to another class of the user's."""
+    if isinstance(value, int) and type(value) not in (int, bool):
+        return int.__index__(value)
+    return float.__float__(value) if isinstance(value, float) and type(value) not in (float, *_SCALARS) else value
+
+
 def is_numbers(value: Any, kinds: type | tuple[type, ...] = (tuple, list)) -> bool:
     """Whether a value is a tuple (or a list) of numbers, or of such."""
     return isinstance(value, kinds) and len(value) > 0 and all(is_number(v) or is_numbers(v, kinds) for v in value)
@@ -240,8 +250,8 @@ def _count(value: Any) -> int:
 
 def _numbers(name: str, value: Any) -> Numbers:
     """The items of a sequence, each a number of its own."""
-    return Numbers(tuple(_numbers(f"{name}_{k}", v) if isinstance(v, (tuple, list)) else Number(f"{name}_{k}", v)
-                         for k, v in enumerate(value)))
+    items = [(f"{name}_{k}", v) for k, v in enumerate(value)]
+    return Numbers(tuple(_numbers(n, v) if isinstance(v, (tuple, list)) else Number(n, _plain(v)) for n, v in items))
 
 
 def kind_of(value: Any) -> str:
@@ -250,10 +260,11 @@ def kind_of(value: Any) -> str:
     return f"{'an' if word[0].lower() in 'aeiou' else 'a'} {word}"
 
 
-def value_meaning(name: str, value: Any) -> Meaning:
-    """What a number, string, array or other plain value means."""
+def value_meaning(name: str, value: Any, items: Any = None) -> Meaning:
+    """What a number, string, array or other plain value means; `items` are what a list or tuple held when it was
+    taken."""
     if is_number(value):
-        return Number(name, value)
+        return Number(name, _plain(value))
     if isinstance(value, numpy.ndarray) and type(value) not in (numpy.ndarray, numpy.memmap):
         return Unusable(kind_of(value), "make it a plain array: np.array(...)")
     if isinstance(value, numpy.ndarray) and value.dtype.kind in "biufc" and value.dtype != numpy.complex64:
@@ -270,10 +281,11 @@ def value_meaning(name: str, value: Any) -> Meaning:
         return Record(name, value)
     if isinstance(value, type):
         return Unusable("a class", "pass its fields as arguments of the kernel, numbers and arrays")
-    if is_numbers(value):
-        written = _numbers(name, value) if _count(value) <= _WRITTEN_OUT else None
-        array = _as_array(value)
-        found = written if array is None else Items(name, array, kind_of(value), written, _columns(name, value, array))
+    items = value if items is None else items
+    if is_numbers(items):
+        written = _numbers(name, items) if _count(items) <= _WRITTEN_OUT else None
+        array = _as_array(items)
+        found = written if array is None else Items(name, array, kind_of(value), written, _columns(name, items, array))
         return found or Unusable(kind_of(value), "make it a NumPy array")
     return Unusable(kind_of(value), "pass it as an argument, or make it a number or a NumPy array")
 

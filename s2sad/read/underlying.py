@@ -17,6 +17,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from types import FunctionType, MethodType
 from typing import Any
 
+from s2sad.guards import class_attribute, taken
 from s2sad.side_table import remembered, side_table
 
 _KEPT = 16                              # how many methods and partials of one function are remembered
@@ -26,7 +27,11 @@ _LIBRARIES = ("builtins", "functools", "numpy", "numba", "scipy", "s2sad")
 def python_function(value: Any) -> FunctionType | None:
     """The plain function behind a differentiated one, a Numba dispatcher, a method, a partial or an object that is
     called; None for anything else."""
-    return named_function(value) or (None if _method(value) is None else named_function(_method(value)))
+    found = named_function(value)
+    if found is not None:
+        return found
+    method = _method(value)
+    return None if method is None else _given(method, value)
 
 
 def named_function(value: Any) -> FunctionType | None:
@@ -43,8 +48,12 @@ def named_function(value: Any) -> FunctionType | None:
 
 
 def given(function: FunctionType) -> tuple[FunctionType, Mapping[str, Any]]:
-    """The function whose text is read, and what it was given, by parameter."""
-    return remembered(function, "given") or (function, {})
+    """The function whose text is read, and what it was given, by parameter; of an object that is called what its class
+    calls now."""
+    kernel, names, called = remembered(function, "given") or (function, {}, None)
+    method = None if called is None else _method(called)
+    made = None if method is None else _given(method)
+    return (kernel, names) if made is None else given(made)
 
 
 def by_position(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -77,32 +86,35 @@ def _is_function(value: Any) -> bool:
 
 def _method(value: Any) -> MethodType | None:
     """What is called where an object of a user's class is called."""
-    called = inspect.getattr_static(type(value), "__call__", None)
     home = str(getattr(type(value), "__module__", "")).partition(".")[0]
-    if not isinstance(called, FunctionType) or isinstance(value, type) or home in _LIBRARIES:
+    if isinstance(value, type) or home in _LIBRARIES:
         return None
-    return MethodType(called, value)
+    called = class_attribute(taken(value, "class"), "__call__")
+    return MethodType(called, value) if isinstance(called, FunctionType) else None
 
 
-def _given(value: MethodType | functools.partial) -> FunctionType | None:
-    """A function of the arguments that a method or partial leaves; the same one for the same method or partial."""
+def _given(value: MethodType | functools.partial, called: Any = None) -> FunctionType | None:
+    """A function of the arguments that a method or partial leaves; the same one for the same method or partial.
+    `called` is the object that is called, if that is how the method was found."""
     inner = value.__func__ if isinstance(value, MethodType) else value.func
     args = (value.__self__,) if isinstance(value, MethodType) else value.args
-    keywords = {} if isinstance(value, MethodType) else value.keywords
+    keywords = {} if isinstance(value, MethodType) else {
+        name: taken(value.keywords, "item", name) for name in taken(value.keywords, "keys")}
     function = named_function(inner)
     if function is None:
         return None
+    args = (*args, called)
     kept: list[tuple[tuple[Any, ...], dict[str, Any], FunctionType]] = side_table(function).setdefault("bound", [])
     for known, others, made in kept:
         if _same(known, args) and list(others) == list(keywords) and _same(others.values(), keywords.values()):
             return made
     try:
-        names = inspect.signature(function).bind_partial(*args, **keywords).arguments
+        names = inspect.signature(function).bind_partial(*args[:-1], **keywords).arguments
     except TypeError:
         return None
     kernel, before = given(function)
-    made = _called(function, names)
-    side_table(made)["given"] = kernel, {**before, **names}
+    made = _called(function, names, called)
+    side_table(made)["given"] = kernel, {**before, **names}, called
     kept[:] = [*kept[-_KEPT + 1:], (args, dict(keywords), made)]
     return made
 
@@ -111,8 +123,9 @@ def _same(ours: Collection[Any], theirs: Collection[Any]) -> bool:
     return len(ours) == len(theirs) and all(a is b for a, b in zip(ours, theirs))
 
 
-def _called(function: FunctionType, named: Mapping[str, Any]) -> FunctionType:
-    """A function of the parameters that are left, all of which it takes by position or by name."""
+def _called(function: FunctionType, named: Mapping[str, Any], called: Any = None) -> FunctionType:
+    """A function of the parameters that are left, all of which it takes by position or by name; of an object that is
+    called, which knows what its class calls now."""
     whole = inspect.signature(function)
     left = [p for p in whole.parameters.values() if p.name not in named]
 
@@ -120,6 +133,8 @@ def _called(function: FunctionType, named: Mapping[str, Any]) -> FunctionType:
         if len(rest) > len(left):
             raise TypeError(f"{function.__name__}() takes {len(left)} more arguments but {len(rest)} were given")
         values = {**named, **{p.name: value for p, value in zip(left, rest)}, **others}
+        if called is not None:
+            return called(*rest, **others)
         bound = inspect.BoundArguments(whole, values)  # pyright: ignore[reportArgumentType]
         return function(*bound.args, **bound.kwargs)
 

@@ -3,12 +3,14 @@ from __future__ import annotations
 
 import importlib
 import numbers
-from types import FunctionType, ModuleType
+from collections.abc import Iterator
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 
 from s2sad.diagnostics import Report, S2sadError
+from s2sad.guards import taken
 from s2sad.infer.types import FLOAT, Type
 from s2sad.program import Program
 from s2sad.read.link import header_of
@@ -16,6 +18,8 @@ from s2sad.rules import constant_result
 from s2sad.rules.given import GIVEN, ROOM, Given
 from s2sad.tree import Call, call_name, walk
 from s2sad.units import Unit, Units
+
+_LIBRARIES = ("numpy", "math", "builtins", "numba", "scipy")
 
 
 def given_of(program: Program) -> tuple[Given, ...]:
@@ -25,6 +29,41 @@ def given_of(program: Program) -> tuple[Given, ...]:
     owned = (g for k in program.kernels.values() if k.own is not None for g in k.own.functions.values())
     return (*GIVEN.closure(dict.fromkeys(c[len(ROOM):] for c in called if c.startswith(ROOM))),
             *dict.fromkeys(owned))
+
+
+def compiled_in(function: Any) -> list[str]:
+    """Takes what a function that is called as it is reads from its surroundings, which Numba compiles in; the names of
+    the arrays there."""
+    found: list[str] = []
+    seen: set[int] = set()
+    waiting = [function]
+    while waiting:
+        value = waiting.pop()
+        value = getattr(value, "py_func", value)
+        if id(value) in seen or not isinstance(value, FunctionType) or _is_of_library(value.__module__):
+            continue
+        seen.add(id(value))
+        codes = list(_codes(taken(value, "code")))
+        names = dict.fromkeys(n for c in codes for n in c.co_names)
+        taken(value, "attribute", "__defaults__")
+        places = [*((n, taken(value, "cell", n)) for n in codes[0].co_freevars),
+                  *((n, taken(value, "global", n)) for n in names)]
+        places += [(n, taken(m, "own", n)) for _, m in places if isinstance(m, ModuleType)
+                   and not _is_of_library(m.__name__) for n in names]
+        found += [n for n, v in places if isinstance(v, np.ndarray)]
+        waiting += [v for _, v in places]
+    return found
+
+
+def _is_of_library(module: str | None) -> bool:
+    return (module or "").partition(".")[0] in _LIBRARIES
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _codes(constant)
 
 
 def for_numba(function: Any, flags: dict[str, Any]) -> Any:

@@ -1,0 +1,162 @@
+"""Guards: what was taken from outside while a program was read, compared at each later call.
+
+    taken(function, "global", "G")     the value now; recorded, if anything is recording
+
+A reading takes every value of its surroundings through `taken`: globals, closure cells, defaults, what modules,
+objects, classes and dictionaries hold at any depth, the items of lists, the code of functions. What is recorded is what
+the reading got, so that a value that is set meanwhile is seen at the next call. A reading that takes a place twice gets
+one value. Containers are held, so a change anywhere on the way to a value is a change of one place: access paths need
+not be followed again.
+"""
+from __future__ import annotations
+
+import builtins
+import math
+import operator
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from functools import partial
+from types import FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+
+ABSENT: Any = type("Absent", (), {"__repr__": lambda self: "ABSENT"})()
+Getter = Callable[[Any, Any], Any]      # (key, default), as a mapping's `get`
+
+
+def _cells(function: FunctionType) -> Getter:
+    cells = dict(zip(function.__code__.co_freevars, function.__closure__ or ()))
+
+    def get(name: str, default: Any) -> Any:
+        try:
+            return cells[name].cell_contents
+        except (KeyError, ValueError):      # no such cell, or not bound yet
+            return default
+    return get
+
+
+def _keywords(function: FunctionType) -> Getter:
+    """The defaults of keyword-only parameters, whose dictionary may be replaced."""
+    def get(name: str, default: Any) -> Any:
+        return (function.__kwdefaults__ or {}).get(name, default)
+    return get
+
+
+def _own(holder: Any) -> Getter:
+    """What a module, class or object holds itself; an object's dictionary may be replaced."""
+    if isinstance(holder, (type, ModuleType)):
+        return vars(holder).get
+    return lambda name, default: getattr(holder, "__dict__", {}).get(name, default)
+
+
+# what a step from a holder to a value is called, and how it is made: each gives a `get`
+STEPS: dict[str, Callable[[Any], Getter]] = {
+    "global": lambda function: function.__globals__.get,
+    "builtin": lambda _: vars(builtins).get,
+    "module": lambda _: sys.modules.get,
+    "cell": _cells,
+    "code": lambda function: lambda *_: function.__code__,
+    "keyword": _keywords,
+    "own": _own,
+    "attribute": lambda holder: partial(getattr, holder),
+    "class": lambda holder: lambda *_: type(holder),
+    "mro": lambda made: lambda *_: made.__mro__,
+    "item": lambda mapping: partial(dict.get, mapping),
+    "keys": lambda mapping: lambda *_: tuple(mapping),
+    "items": lambda sequence: lambda *_: frozen(sequence),
+}
+
+
+@dataclass(frozen=True)
+class Guard:
+    """A place, and the value that was taken from it."""
+    holder: Any
+    step: str
+    key: Any
+    value: Any
+
+
+class Guards:
+    """The places that one reading took values from, in order. `hold()` says whether all of them are what they were:
+    numbers, strings and sequences of them by value, everything else by identity."""
+
+    def __init__(self) -> None:
+        self.places: dict[tuple[int, str, Any], Guard] = {}
+        self._compared: list[tuple[Getter, Any, Any]] = []
+
+    def take(self, holder: Any, step: str, key: Any) -> Any:
+        place = (id(holder), step, key)
+        known = self.places.get(place)
+        if known is None:
+            get = STEPS[step](holder)
+            known = self.places[place] = Guard(holder, step, key, get(key, ABSENT))
+            self._compared.append((get, key, known.value))
+        return known.value
+
+    def hold(self) -> bool:
+        for get, key, value in self._compared:
+            now = get(key, ABSENT)
+            if now is not value and not same(now, value):
+                return False
+        return True
+
+
+_RECORDING: ContextVar[Guards | None] = ContextVar("s2sad_guards", default=None)
+
+
+@contextmanager
+def recording(guards: Guards) -> Iterator[Guards]:
+    """All that is taken inside is recorded."""
+    token = _RECORDING.set(guards)
+    try:
+        yield guards
+    finally:
+        _RECORDING.reset(token)
+
+
+def taken(holder: Any, step: str, key: Any = "") -> Any:
+    """The value at a place now, ABSENT if there is none; recorded, if anything is recording.
+
+    >>> with recording(Guards()) as guards:
+    ...     holder = {"dt": 0.1}
+    ...     taken(holder, "item", "dt"), taken(holder, "item", "n")
+    (0.1, ABSENT)
+    >>> guards.hold(), holder.update(n=3), guards.hold()
+    (True, None, False)
+    """
+    guards = _RECORDING.get()
+    return STEPS[step](holder)(key, ABSENT) if guards is None else guards.take(holder, step, key)
+
+
+def class_attribute(made: type, name: str) -> Any:
+    """What a class has under a name, itself or from a base; ABSENT if none that is written in Python has it."""
+    found = (taken(c, "own", name) for c in taken(made, "mro") if c is not object)
+    return next((value for value in found if value is not ABSENT), ABSENT)
+
+
+def frozen(value: Any) -> Any:
+    """The items of nested lists, as tuples."""
+    return tuple(map(frozen, value)) if isinstance(value, (list, tuple)) else value
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two values are one object, or the same constant: of the same type, NaN and the sign of zero included.
+
+    >>> same(0.0, -0.0), same(1, 1.0), same(math.nan, -math.nan), same((1.0, "a"), (1.0, "a"))
+    (False, False, True, True)
+    """
+    if a is b:
+        return True
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, (float, np.floating)):
+        return bool(a == b) and math.copysign(1.0, a) == math.copysign(1.0, b) or bool(a != a and b != b)
+    if isinstance(a, (complex, np.complexfloating)):
+        return same(a.real, b.real) and same(a.imag, b.imag)
+    if type(a) is tuple:
+        return len(a) == len(b) and (all(map(operator.is_, a, b)) or all(map(same, a, b)))
+    return isinstance(a, (bool, int, str, np.generic)) and bool(a == b)
