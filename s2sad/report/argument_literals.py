@@ -11,7 +11,6 @@ import ast
 import math
 import operator
 from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -75,7 +74,9 @@ def flat_values(values: Mapping[str, Any], paths: Mapping[str, str], kernel: Ker
     for parameter in kernel.parameters:
         title, *keys = steps(paths.get(parameter, parameter)) or (parameter,)
         if title in values:
-            found[parameter] = reduce(lambda value, key: value[key], keys, values[title])
+            found[parameter] = values[str(title)]
+            for key in keys:
+                found[parameter] = found[parameter][key]
     return found
 
 
