@@ -247,7 +247,7 @@ def integers_beside_floats(a, x):
 
 
 def test_an_integer_beside_a_float_is_a_float_and_picks_nothing():
-    with pytest.raises(s2sad.S2sadError, match="S201.*: a float picks an element"):
+    with pytest.raises(s2sad.S2sadError, match="S203.*: a float, where an index is an integer"):
         s2sad.gradient(integers_beside_floats, "x")(A, X)
 
 

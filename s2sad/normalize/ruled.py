@@ -12,11 +12,12 @@ from s2sad import rules
 from s2sad.analyze.liveness import targets
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
+from s2sad.normalize.integer_operands import IntegerOperands
 from s2sad.rules.given import ROOM
 from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Call, Constant, Expr, FunctionDef, Raise, Subscript, UnaryOp, USub,
-    call_name, children, indices, walk,
+    call_name, children, walk,
 )
 
 _COPIES = frozenset({"numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array"})
@@ -72,17 +73,18 @@ _OF_ARRAYS = ("shape", "size", "ndim", "dtype", "T")
 
 def ruled(function: FunctionDef, typing: Typing, report: Report) -> None:
     """Puts one diagnostic into the report for each operation that nothing is known about."""
+    counted = IntegerOperands(function, typing, report)
     for statement in function.body:
-        _visit(statement, typing, report)
+        _visit(statement, typing, report, counted)
 
 
-def _visit(node: AST, typing: Typing, report: Report) -> None:
+def _visit(node: AST, typing: Typing, report: Report, counted: IntegerOperands) -> None:
     if isinstance(node, (Assert, Raise)) or isinstance(node, Expr) and call_name(node.value) == "builtins.print":
         return
     before = len(report.found)
     method = node.func.value if isinstance(node, Call) and isinstance(node.func, Attribute) else None
     for child in children(node):
-        _visit(child if method is None or child is not node.func else method, typing, report)
+        _visit(child if method is None or child is not node.func else method, typing, report, counted)
     if len(report.found) > before:
         return  # what is refused inside explains it
     if isinstance(node, Attribute) and node.attr not in _OF_ARRAYS and typing.of(node.value).is_array:
@@ -91,10 +93,9 @@ def _visit(node: AST, typing: Typing, report: Report) -> None:
     if isinstance(node, UnaryOp) and isinstance(node.op, USub) and typing.of(node.operand).dtype.startswith("uint"):
         report.error("S201", f"the negative of {typing.of(node.operand).dtype}, which wraps around", node,
                      help="convert first: k.astype(np.int64), or int(k[i])")
-    if isinstance(node, Subscript) and any(
-            typing.of(i).is_number and typing.of(i).is_float for i in indices(node)):
-        report.error("S201", "a float picks an element", node, help="make it an integer: x[int(k)]; what lies in one "
-                     "list with floats is a float")
+    counted.look(node)
+    if len(report.found) > before:
+        return
     if isinstance(node, (Assign, AugAssign)) and any(
             isinstance(t, Subscript) and typing.of(t.value).kind == "tuple" for t in targets(node)):
         report.error("S201", "an element of a list is written", node, help="make it an array: np.zeros(n), or "

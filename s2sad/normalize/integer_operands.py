@@ -1,0 +1,111 @@
+"""integer_operands: where Python takes nothing but an integer, there is one; a float, None or an array is refused.
+
+    for i in range(n / 2)       x[k]        x[:k]       np.zeros(n)         1 << n          with n or k a float
+
+Python and NumPy raise TypeError or IndexError there, whatever the value is; Numba rounds bounds of loops and slices.
+Requires structured form and types.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from s2sad.diagnostics import Report
+from s2sad.infer.infer import Typing
+from s2sad.infer.types import Type
+from s2sad.infer.types_of_calls import LISTED
+from s2sad.rules import find_array
+from s2sad.tree import (
+    AST, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Constant, FunctionDef, Invert, List, LShift, Name,
+    RShift, Slice, Subscript, Tuple, UnaryOp, call_name, indices, times_bound, walk,
+)
+
+RANGE, PLACE, BOUND, SIZE = "a bound of range", "an index", "a bound of a slice", "a size"
+_SIGNS = {LShift: "<<", RShift: ">>", BitAnd: "&", BitOr: "|", BitXor: "^", Invert: "~"}
+_MADE = ("numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full", LISTED)
+_SIZES = frozenset(("shape", "num", "N", "M", "n", "m", "k", "offset"))     # options of functions of arrays
+
+
+class IntegerOperands:
+    """The check of one function: `look` puts into the report what a node takes that is no integer."""
+
+    def __init__(self, function: FunctionDef, typing: Typing, report: Report):
+        self.typing, self.report = typing, report
+        bound = times_bound(function.body)
+        self.given = {p.id for p in function.args.args} - {*bound}
+        self.copies = {s.targets[0].id: s.value.id for s in walk(function.body) if isinstance(s, Assign) and isinstance(
+            s.targets[0], Name) and isinstance(s.value, Name) and bound[s.targets[0].id] == 1}
+
+    def look(self, node: AST) -> None:
+        for what, operand in _operands(node):
+            kind = self.typing.of(operand)
+            if _is_wrong(kind, what):
+                self._refuse(operand if getattr(operand, "lineno", None) else node, operand, kind, what)
+
+    def _refuse(self, place: AST, operand: AST, kind: Type, what: str) -> None:
+        name = self._argument(operand)
+        said = _described(kind)
+        where = f"{what} takes integers" if what in _SIGNS.values() else f"{what} is an integer"
+        if name:
+            self.report.error("S405", f"the argument '{name}' is {said}, and {where}", place,
+                              help=f"give an int, or write int({name})" if kind.is_number else "give an int")
+        else:
+            help = "make it an integer: x[int(k)]; what lies in one list with floats is a float" if what == PLACE else (
+                "make it an integer: int(...), or // in place of /")
+            self.report.error("S203", f"{said}, where {where}", place, help=help if kind.is_number else "")
+
+    def _argument(self, operand: AST) -> str:
+        """The parameter that an operand is, under its own name or that of a copy; "" if it is none."""
+        word = operand.id if isinstance(operand, Name) else ""
+        seen: set[str] = set()
+        while word in self.copies and word not in seen:
+            seen.add(word)
+            word = self.copies[word]
+        return word if word in self.given else ""
+
+
+def _is_wrong(kind: Type, what: str) -> bool:
+    """Whether a value of this type is no integer; what nothing is known of is refused elsewhere."""
+    if kind.is_number or kind.is_array and what in _SIGNS.values():
+        return kind.is_inexact
+    if what == PLACE and kind.kind == "none":
+        return False        # it makes an axis
+    return kind.kind in ("none", "text") or kind.is_array and what in (RANGE, BOUND)    # arrays pick elements
+
+
+def _operands(node: AST) -> Iterator[tuple[str, AST]]:
+    """What a node takes that must be an integer, and as what."""
+    name = call_name(node)
+    if name == "builtins.range":
+        yield from ((RANGE, a) for a in node.args)
+    elif isinstance(node, Subscript):
+        for part in indices(node):
+            if isinstance(part, Slice):
+                yield from ((BOUND, b) for b in (part.lower, part.upper, part.step) if not _is_none(b))
+            elif not _is_none(part):
+                yield PLACE, part
+    elif isinstance(node, (BinOp, AugAssign)) and (sign := _SIGNS.get(type(node.op))):
+        yield from ((sign, a) for a in ((node.left, node.right) if isinstance(node, BinOp) else (
+            node.target, node.value)))
+    elif isinstance(node, UnaryOp) and isinstance(node.op, Invert):
+        yield "~", node.operand
+    elif name in _MADE and node.args:
+        yield from ((SIZE, a) for a in _listed(node.args[0]))
+    elif isinstance(node, Call) and (rule := find_array(name)) is not None:
+        given = {**dict(zip((*rule.operands, *rule.options), node.args)), **{str(k.arg): k.value for k in node.keywords}}
+        for option in sorted(_SIZES & given.keys()):
+            if not _is_none(given[option]):
+                yield from ((SIZE if option in ("shape", "num") else f"{option}=", a) for a in _listed(given[option]))
+
+
+def _is_none(node: AST | None) -> bool:
+    return node is None or isinstance(node, Constant) and (node.value is None or node.value is Ellipsis)
+
+
+def _listed(node: AST) -> list[AST]:
+    return list(node.elts) if isinstance(node, (Tuple, List)) else [node]
+
+
+def _described(kind: Type) -> str:
+    if kind.is_array:
+        return f"an array of {kind.dtype}"
+    return {"none": "None", "text": "a str"}.get(kind.kind) or ("a complex number" if kind.is_complex else "a float")

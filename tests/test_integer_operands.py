@@ -1,0 +1,225 @@
+"""Where Python takes nothing but an integer, a float is refused with its place, under both engines."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import s2sad
+
+INTEGER = "make it an integer: int(...), or // in place of /"
+INDEX = "make it an integer: x[int(k)]; what lies in one list with floats is a float"
+
+
+def trips(u, n):
+    for _ in range(n):
+        u[0] *= 1.5
+    return u[0]
+
+
+def last(u, n):
+    s = 0.0
+    for i in range(0, n, 1):
+        s += u[i]
+    return s
+
+
+def index(u, n):
+    return u[n] ** 2
+
+
+def stored_at(u, n):
+    u[n] = u[0] ** 2
+    return u[0] + u[1]
+
+
+def part(u, n):
+    return np.sum(u[:n] ** 2)
+
+
+def stepped(u, n):
+    return np.sum(u[::n] ** 2)
+
+
+def filled_part(u, n):
+    u[n:] = u[0] * 2
+    return np.sum(u ** 2)
+
+
+def size(u, n):
+    v = np.zeros((2, n))
+    v[0, 0] = u[0]
+    return np.sum(v * v)
+
+
+def size_of_shape(u, n):
+    return np.sum(u.reshape(n, 1) ** 2)
+
+
+def number_of_points(u, n):
+    return np.sum(np.linspace(0.0, 1.0, n) * u[0])
+
+
+def diagonal(u, n):
+    return np.sum(np.diag(u, n) ** 2)
+
+
+def shifted(u, n):
+    return u[0] * (1 << n)
+
+
+def bits(u, n):
+    return u[0] * (n & 3)
+
+
+def inverted(u, n):
+    return u[0] * ~n
+
+
+def under_another_name(u, n):
+    m = n
+    for _ in range(m):
+        u[0] *= 1.5
+    return u[0]
+
+
+def comprehension(u, n):
+    return sum(u[i] ** 2 for i in range(n))
+
+
+def _sum(u, k):
+    s = 0.0
+    for i in range(k):
+        s += u[i] ** 2
+    return s
+
+
+def in_a_function(u, n):
+    return _sum(u, n)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize("kernel, said", [
+    (trips, "the argument 'n' is a float, and a bound of range is an integer"),
+    (last, "the argument 'n' is a float, and a bound of range is an integer"),
+    (index, "the argument 'n' is a float, and an index is an integer"),
+    (stored_at, "the argument 'n' is a float, and an index is an integer"),
+    (part, "the argument 'n' is a float, and a bound of a slice is an integer"),
+    (stepped, "the argument 'n' is a float, and a bound of a slice is an integer"),
+    (filled_part, "the argument 'n' is a float, and a bound of a slice is an integer"),
+    (size, "the argument 'n' is a float, and a size is an integer"),
+    (size_of_shape, "the argument 'n' is a float, and a size is an integer"),
+    (number_of_points, "the argument 'n' is a float, and a size is an integer"),
+    (diagonal, "the argument 'n' is a float, and k= is an integer"),
+    (shifted, "the argument 'n' is a float, and << takes integers"),
+    (bits, "the argument 'n' is a float, and & takes integers"),
+    (inverted, "the argument 'n' is a float, and ~ takes integers"),
+    (under_another_name, "the argument 'n' is a float, and a bound of range is an integer"),
+    (comprehension, "the argument 'n' is a float, and a bound of range is an integer"),
+    (in_a_function, "the argument 'k' is a float, and a bound of range is an integer"),
+])
+def test_float_arguments(kernel, said, engine):
+    g = s2sad.gradient(s2sad.differentiate(kernel, engine=engine), "u")
+    for n in (1.0, 3.7, math.nan, math.inf, np.float32(1.0)):
+        with pytest.raises(s2sad.S2sadError) as caught:
+            g(np.ones(3), n)
+        (found,) = caught.value.diagnostics
+        name = said.split("'")[1]
+        assert (found.code, found.message, found.help) == ("S405", said, f"give an int, or write int({name})")
+        assert found.span is not None and name in found.span.source.line(found.span.line)
+
+
+def half(u, n):
+    for _ in range(u.size / 2):
+        u[0] *= 1.5
+    return u[0]
+
+
+def element(u, n):
+    v = np.zeros(3)
+    v[0] = n
+    for _ in range(v[0]):
+        u[0] *= 1.5
+    return u[0]
+
+
+def floor(u, n):
+    return u[np.floor(n)] ** 2
+
+
+def quotient(u, n):
+    return np.sum(np.zeros(n / 1)) + u[0]
+
+
+def counted(u, n):
+    k, s = 0.0, 0.0
+    while k < n:
+        s += u[k] ** 2
+        k += 1
+    return s
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize("kernel, text, said, help", [
+    (half, "u.size / 2", "a float, where a bound of range is an integer", INTEGER),
+    (element, "v[0]", "a float, where a bound of range is an integer", INTEGER),
+    (floor, "np.floor(n)", "a float, where an index is an integer", INDEX),
+    (quotient, "n / 1", "a float, where a size is an integer", INTEGER),
+    (counted, "k", "a float, where an index is an integer", INDEX),
+])
+def test_floats_that_a_kernel_computes(kernel, text, said, help, engine):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(s2sad.differentiate(kernel, engine=engine), "u")(np.ones(3), 2.0)
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.message, found.help) == ("S203", said, help)
+    assert found.span.source.line(found.span.line)[found.span.column:found.span.end_column] == text
+
+
+@dataclass
+class Grid:
+    n: object
+    h: float = 0.5
+
+
+def over_grid(u, grid):
+    s = 0.0
+    for i in range(grid.n):
+        s += grid.h * u[i] ** 2
+    return s
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_a_field_of_a_structure(engine):
+    g = s2sad.gradient(s2sad.differentiate(over_grid, engine=engine), "u")
+    with pytest.raises(s2sad.S2sadError) as caught:
+        g(np.ones(3), Grid(2.0))
+    (found,) = caught.value.diagnostics
+    assert found.message == "the argument 'grid.n' is a float, and a bound of range is an integer"
+    assert found.help == "give an int, or write int(grid.n)"
+
+
+@pytest.mark.parametrize("value, said", [
+    (None, "None"), ("3", "a str"), (np.arange(3), "an array of int64")])
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_what_is_no_number_of_trips(value, said, engine):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(s2sad.differentiate(trips, engine=engine), "u")(np.ones(3), value)
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.message) == (
+        "S405", f"the argument 'n' is {said}, and a bound of range is an integer")
+
+
+@pytest.mark.parametrize("call", [
+    lambda f, u, n: f.primal(u, n), lambda f, u, n: s2sad.vjp(f, (u, n), {"return": 1.0}),
+    lambda f, u, n: s2sad.jvp(f, (u, n), {"u": u}), lambda f, u, n: f.adjoint(u, np.zeros(3), n, 1.0),
+    lambda f, u, n: f.tangent(u, np.zeros(3), n, 1.0), lambda f, u, n: f.adjoint_source(u, n),
+    lambda f, u, n: s2sad.autodiff(s2sad.Reverse, f, s2sad.Duplicated(u, np.zeros(3)), s2sad.Const(n)),
+])
+def test_every_way_to_call(call):
+    f = s2sad.differentiate(trips, engine="numba")
+    for _ in range(2):
+        with pytest.raises(s2sad.S2sadError, match=r"test_integer_operands\.py:\d+:\d+: error\[S405\]: the argument "
+                                                   "'n' is a float, and a bound of range is an integer"):
+            call(f, np.ones(3), 2.5)
