@@ -50,6 +50,8 @@ class AnnotatedCall:
         self.places = () if self.variant is None else places(
             [p.primal for p in self.variant.seeds] if mode.reverse else
             [r for r in self.variant.generated.returns if r.startswith(RETURN)])
+        self._plain = [n for n, a in self.marks.items() if isinstance(a, Duplicated)
+                       and type(a.shadow) is not np.ndarray and isinstance(a.shadow, np.ndarray)]
         self._ready = False
 
     def _convert(self, given: list[Any], bound: list[Any]) -> None:
@@ -99,6 +101,8 @@ class AnnotatedCall:
         if not self._ready or not self.mode.reverse:
             owned = {n: shadow(f"{n}_{'bar' if self.mode.reverse else 'dot'}", s, n, by_name[n])
                      for n, s in owned.items()}
+        for name in self._plain:
+            owned[name] = np.asarray(owned[name])
         seeds = self._seeds(seed, by_name)
         if self.variant is None:
             self._refuse_overlap(values)

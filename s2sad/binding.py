@@ -8,14 +8,15 @@ from typing import Any
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.infer.types import Type, of_value
+from s2sad.infer.types import Type, misfit_of, of_value
 from s2sad.program import Kernel
-from s2sad.run.overlap import folded, self_overlap, shape_mismatch
+from s2sad.run.overlap import Slot, folded, self_overlap, shape_mismatch
 from s2sad.structure import Structure, form_of, mapped
 
 FLOATS = ("float64", "float32")
 INEXACT = (*FLOATS, "complex128")   # the dtypes of what has shadows
-_DTYPES = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", *INEXACT))
+_LEAST, _BEYOND = -2 ** 63, 2 ** 63
+_PLAIN = frozenset((float, bool, str, complex, type(None), np.float64, np.float32, np.bool_))   # told by their class
 _SINGLE: type[np.floating] = np.float32  # to pyright np.float32 itself is an alias, which isinstance does not take
 _NUMBERS = (int, float, complex, np.integer, np.floating)
 _FLOAT_ANNOTATIONS = ("float", "np.float64", "numpy.float64", "float64", "np.float32", "numpy.float32", "float32")
@@ -60,7 +61,7 @@ def admitted(name: str, value: Any, is_float: bool = False) -> Any:
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     if isinstance(value, (int, np.integer)):
-        if not -2 ** 63 <= value < 2 ** 63:
+        if not _LEAST <= value < _BEYOND:
             raise _unfit(name, f"is {value}, which does not fit 64 bits", "give a float")
         return float(value) if is_float else int(value)
     if isinstance(value, _SINGLE):
@@ -85,11 +86,21 @@ def types(values: Sequence[Any]) -> tuple[Type, ...]:
 
 
 def describe(args: Sequence[Any]) -> tuple[Any, ...]:
-    """A key that is equal only for arguments that may take the same compiled function: dtype, rank, layout flags, and
-    the axes of length 1."""
+    """A key that is equal only for arguments that may take the same compiled function: all of each one that `admitted`
+    and the types look at, and the layout of arrays."""
     array = np.ndarray
-    return tuple([(a.dtype, a.ndim if 1 not in a.shape else of_value(a), a.flags.num) if type(a) is array else type(a)
+    return tuple([(a.dtype, a.ndim if 1 not in a.shape else of_value(a), a.flags.num) if (kind := type(a)) is array
+                  else kind if kind in _PLAIN or kind is int and _LEAST <= a < _BEYOND else _described(a)
                   for a in args])
+
+
+def _described(value: Any) -> Any:
+    """The key of an array of a class of its own, an integer that may be too wide, or anything else."""
+    if isinstance(value, np.ndarray):
+        return type(value), value.dtype, of_value(value), value.flags.num
+    if isinstance(value, (int, np.integer)):
+        return type(value), _LEAST <= value < _BEYOND
+    return type(value)
 
 
 def written_argument(name: str, value: Any) -> None:
@@ -117,11 +128,13 @@ def _shadow_array(name: str, value: Any, primal: str, of: np.ndarray) -> np.ndar
         raise misfit(f"the shadow '{name}' has dtype {value.dtype}, its primal '{primal}' has {of.dtype}", remedy)
     if value.shape != of.shape:
         raise S2sadError(shape_mismatch(name, value.shape, primal, of.shape))
+    if (found := misfit_of(value, name)) is not None:
+        raise misfit(f"the shadow '{name}' {found[0]}", remedy)
     if not value.flags.writeable:
         raise misfit(f"the shadow '{name}' is read-only", remedy)
     if folded(value):
-        raise S2sadError(self_overlap(name, primal))
-    return _array(name, value)
+        raise S2sadError(self_overlap(Slot(name, "shadow", primal, True)))
+    return value if type(value) is np.ndarray else np.asarray(value)
 
 
 def misfit(message: str, remedy: str = "") -> S2sadError:
@@ -129,30 +142,30 @@ def misfit(message: str, remedy: str = "") -> S2sadError:
 
 
 def _array(name: str, value: np.ndarray) -> np.ndarray:
-    if type(value) is not np.ndarray and not isinstance(value, np.memmap):
-        raise _unfit(name, f"is {_a(value)}", f"pass numpy.asarray({name})")
-    if value.ndim == 0:
-        raise _unfit(name, "is an array of rank 0", f"pass the number, {name}[()], or an array of shape (1,)")
-    if value.dtype.name not in _DTYPES:
-        raise _unfit(name, f"has dtype {value.dtype}", "use float64, float32, complex128, an integer type or bool")
-    if not value.dtype.isnative:
-        raise _unfit(name, "has the other byte order", f'pass {name}.astype("{value.dtype.name}")')
+    found = misfit_of(value, name)
+    if found is not None:
+        raise _unfit(name, *found)
     return value if type(value) is np.ndarray else np.asarray(value)
 
 
 def _odd(name: str, value: Any) -> tuple[str, str]:
     if isinstance(value, (list, tuple)):
         return f"is {_a(value)}", f"pass numpy.array({name}, dtype=float)"
-    if isinstance(value, np.generic):
-        return f"is a number of type {value.dtype}", "give a float"
+    if isinstance(value, np.number):
+        wanted = "complex number" if value.dtype.kind == "c" else "float"
+        return f"is a number of type {value.dtype}", f"give a {wanted}"
     if type(value).__module__.startswith("scipy.sparse."):
         return f"is {_a(value)}", "give it in another format: A.tocsr()"
+    if hasattr(value, "__array__") and not isinstance(value, (type, np.generic)):
+        return f"is {_a(value)}", f"pass numpy.asarray({name})"
+    if hasattr(value, "__float__") and not isinstance(value, (type, np.generic)):
+        return f"is {_a(value)}", f"pass float({name})"
     return f"is {_a(value)}", "give an array, a float, an int, a bool, a str or None"
 
 
 def _a(value: Any) -> str:
     word = "None" if value is None else type(value).__name__
-    return word if value is None else f"{'an' if word[0] in 'aeio' else 'a'} {word}"
+    return word if value is None else f"{'an' if word[0].lower() in 'aeio' else 'a'} {word}"
 
 
 def _unfit(name: str, what: str, remedy: str) -> S2sadError:

@@ -74,6 +74,7 @@ class Variant:
         self._check: Check | None = None
         self.array_places = tuple(k for k, p in enumerate(self.parameters) if p.type.is_array)
         self._pick = itemgetter(*self.array_places) if len(self.array_places) > 1 else None
+        self._only = self.array_places[0] if len(self.array_places) == 1 else None
         types = {p.name: p.type for p in self.parameters} | {f"return {k}": t for k, t in enumerate(summary.results)}
         if len(summary.results) == 1:
             types["result"] = summary.results[0]
@@ -111,7 +112,7 @@ class Variant:
     def checked(self, arguments: Sequence[Any]) -> tuple[int, ...]:
         """Raises unless shapes fit and memory lies apart; the places of shadows that need memory of their own."""
         if self._pick is None:
-            return ()
+            return () if self._only is None else self.check((arguments[self._only],))
         shared = self.check(self._pick(arguments))
         return tuple(self.array_places[k] for k in shared)
 

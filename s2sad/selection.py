@@ -9,7 +9,7 @@ import numpy as np
 
 from s2sad.binding import misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.infer.types import Type
+from s2sad.infer.types import Type, misfit_of
 from s2sad.normalize.calls import Structure, leaves, nested
 
 RETURN = "return"
@@ -102,6 +102,8 @@ def result_seed(seed: Any, kind: Type) -> Any:
     if seed.dtype != kind.dtype or seed.ndim != kind.rank:
         raise misfit(f"the seed of '{RETURN}' is an array of {seed.dtype} of shape {seed.shape}, the result one of "
                      f"{kind.dtype} with {kind.rank} {'axis' if kind.rank == 1 else 'axes'}", remedy)
+    if (found := misfit_of(seed, "seed")) is not None:
+        raise misfit(f"the seed of '{RETURN}' {found[0]}", remedy)
     return np.array(seed, order="C")
 
 
@@ -113,6 +115,8 @@ def array_seed(name: str, given: Any, like: np.ndarray) -> np.ndarray:
     if given.dtype != like.dtype or given.shape != like.shape:
         raise misfit(f"the seed of '{name}' is an array of {given.dtype} of shape {given.shape}, its output one of "
                      f"{like.dtype} of shape {like.shape}", f"give an array of {like.dtype} of shape {like.shape}")
+    if (found := misfit_of(given, "seed")) is not None:
+        raise misfit(f"the seed of '{name}' {found[0]}", f"give an array of {like.dtype} of shape {like.shape}")
     return np.array(given, order="C")
 
 

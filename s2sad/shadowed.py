@@ -27,8 +27,8 @@ class ShadowedCall:
                 written_argument(name, value)
         self._hidden = [k for k, p in enumerate(self.variant.parameters) if p.name.startswith(HIDDEN)]
         self._hidden_written = any(self.variant.parameters[k].name in written for k in self._hidden)
-        self._coercions = self._conversions(args)
         self._fitted(args, by_name)
+        self._coercions = self._conversions(args)
         arguments = self._arguments(args)
         self.variant.checked(arguments)
         state.first_run(values, self.variant.engine)

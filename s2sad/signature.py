@@ -27,23 +27,29 @@ Selection = tuple[Any, Any, str]
 
 def arranged(state: State, mode: str, args: tuple[Any, ...], selection: Selection) -> tuple[Variant, Layout, list[Any]]:
     """The variant, (role, parameter) of every argument without the seeds, and the values of f's own arguments."""
-    first: S2sadError | None = None
     valid: Request | None = None
     for strict, count in ((True, _STRICT), (False, _LOOSE)):
         for layout in islice(_layouts(state, args, mode, selection, strict), count):
             try:
-                values = [admitted(name, args[k], name in state.floats)
-                          for k, (role, name) in enumerate(layout) if role == "primal"]
+                values = _values(state, layout, args)
                 request = _request(state, mode, state.types(values), selection)
-            except S2sadError as error:
-                first = first or error
+            except S2sadError:
                 continue
             valid = valid or request
-            if _implied(state, request) == (layout, len(args) - len(layout)):
+            if _implied(state, request) == (layout, len(args) - len(layout)) and (strict or _meant(layout, args)):
                 return state.variant(request, selection[2]), layout, values
-    if valid is None and first is not None:
-        raise first
-    raise _misread(state, mode, args, valid and state.variant(valid, selection[2]))
+    raise _misread(state, mode, args, selection, valid)
+
+
+def _meant(layout: Layout, args: Sequence[Any]) -> bool:
+    """Whether no number is read as the shadow of an array: that is another argument."""
+    return not any(role == "shadow" and isinstance(args[k - 1], np.ndarray) and isinstance(args[k], (int, float))
+                   for k, (role, _) in enumerate(layout))
+
+
+def _values(state: State, layout: Layout, args: Sequence[Any]) -> list[Any]:
+    """f's own arguments in a reading of the list."""
+    return [admitted(name, args[k], name in state.floats) for k, (role, name) in enumerate(layout) if role == "primal"]
 
 
 def _request(state: State, mode: str, types: tuple[Type, ...], selection: Selection) -> Request:
@@ -103,9 +109,63 @@ def _alike(value: Any, following: Any) -> bool:
     return isinstance(following, (int, float, complex, np.number))
 
 
-def _misread(state: State, mode: str, args: Sequence[Any], variant: Variant | None) -> S2sadError:
-    name = state.kernel.name
+def _misread(state: State, mode: str, args: Sequence[Any], selection: Selection, valid: Request | None) -> S2sadError:
+    """What is wrong with a list of arguments that cannot be read: a shadow or a seed that is missing, else an argument
+    of its own, else what the signature is."""
+    lacking: dict[tuple[tuple[str, ...], int], Request] = {}
+    first: S2sadError | None = None
+    for layout in islice(_plausible(state, args, mode, selection), _LOOSE):
+        try:
+            request = _request(state, mode, state.types(_values(state, layout, args)), selection)
+        except S2sadError as error:
+            first = first or error
+            continue
+        implied, seeds = _implied(state, request)
+        absent = tuple(name for role, name in implied if role == "shadow" and (role, name) not in layout)
+        short = seeds - (len(args) - len(layout))
+        if {*layout} <= {*implied} and not (absent and short < 0):
+            lacking.setdefault((absent, short), request)
+    fewest = min((len(absent) + abs(short) for absent, short in lacking), default=0)
+    nearest = {k: r for k, r in lacking.items() if len(k[0]) + abs(k[1]) == fewest}
+    if first is not None and not nearest:
+        return first
+    request = next(iter(nearest.values()), valid)
+    variant = request and state.variant(request, selection[2])
+    name, order = state.kernel.name, state.parameters.index
     signature = (", ".join(p.name for p in variant.parameters if not p.name.startswith(HIDDEN)) if variant else
                  f"{', '.join(state.parameters)}, with a shadow after each float array")
-    message = f"'{name}.{mode}' was given {len(args)} arguments that do not fit its signature"
-    return S2sadError(Diagnostic("S405", message, help=f"call {name}.{mode}({signature})"))
+    said = " or ".join(_missing(absent, short, variant) for absent, short in sorted(
+        nearest, key=lambda k: [order(n) for n in k[0]]) if variant and short >= 0)
+    message = f"'{name}.{mode}' was given {len(args)} arguments {f'without {said}' if said else _UNFIT}"
+    given = f"given were {', '.join(map(_said, args))}" if args and not said else ""
+    return S2sadError(Diagnostic("S405", message, note=given, help=f"call {name}.{mode}({signature})"))
+
+
+_UNFIT = "that do not fit its signature"
+
+
+def _missing(absent: Sequence[str], short: int, variant: Variant) -> str:
+    """Which shadows and seeds are missing: `the shadow 'u_bar' of 'u'`."""
+    shadows = {p: v.name for p, v in variant.shadows.items()}
+    return " and ".join([*(f"the shadow '{shadows.get(n, n)}' of '{n}'" for n in absent),
+                         *(f"the seed '{p.name}'" for p in variant.seeds[len(variant.seeds) - short:] if short)])
+
+
+def _said(value: Any) -> str:
+    """An argument by its type and shape."""
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype} of shape {value.shape}"
+    return "None" if value is None else type(value).__name__
+
+
+def _plausible(state: State, args: Sequence[Any], mode: str, selection: Selection) -> Iterator[Layout]:
+    """The readings in which each shadow that is there has the shape of its primal, the fullest first."""
+    for layout in islice(_layouts(state, args, mode, selection, False), _STRICT):
+        if all(role == "primal" or _same_shape(args[k - 1], args[k]) for k, (role, _) in enumerate(layout)):
+            yield layout
+
+
+def _same_shape(value: Any, following: Any) -> bool:
+    if isinstance(value, np.ndarray):
+        return isinstance(following, np.ndarray) and following.shape == value.shape
+    return not isinstance(following, np.ndarray)

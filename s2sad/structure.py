@@ -24,12 +24,10 @@ import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.guards import ABSENT, class_attribute, taken
-from s2sad.infer.types import FLOAT, INT, Type, of_value
+from s2sad.infer.types import DTYPES, FLOAT, INT, Type, misfit_of, of_value
 
 LARGEST = 512                           # leaves: longer lists of numbers are arrays
 _DEEPEST = 16
-_USED = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "float64",
-                   "float32", "complex128"))
 _HEAP = 1 << 9                          # the flag of a class that is written in Python (or was made at run time)
 _LIBRARIES = ("builtins", "numpy", "scipy", "pandas", "numba", "torch", "jax", "s2sad", "threading", "types")
 SPARSE = {"csr": ("data", "indices", "indptr", "shape"), "csc": ("data", "indices", "indptr", "shape"),
@@ -216,10 +214,10 @@ def _leaf(value: object) -> Type:
     found = of_value(value)
     if found.kind in ("none", "text"):
         return found
-    if found.is_array and (type(value) is np.ndarray or isinstance(value, np.memmap)):
-        usable = found.dtype in _USED and found.rank > 0 and value.dtype.isnative  # pyright: ignore
+    if isinstance(value, np.ndarray) and type(value) in (np.ndarray, np.memmap):
+        usable = misfit_of(value, "") is None
         return found if usable else Type("other", f"an array of {found.dtype} of rank {found.rank}")
-    if found.is_number and found.dtype in _USED:
+    if found.is_number and found.dtype in DTYPES:
         return found
     word = type(value).__name__
     return Type("other", f"{'an' if word[0].lower() in 'aeiou' else 'a'} {word}")

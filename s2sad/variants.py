@@ -185,13 +185,14 @@ class State:
         self.entries[key] = True
 
     def apart(self, types: tuple[Type, ...]) -> Callable[[Sequence[Any]], None] | None:
-        """A function that refuses values whose arrays share memory where one of them is written; None if none can."""
+        """A function that refuses values whose arrays share memory, with another or in themselves, where they are
+        written; None if none can."""
         key = ("apart", types)
         if key not in self.entries:
             places = [k for k, t in enumerate(types) if t.is_array]
             names = [*(self.parameters[k] for k in places), *self.arrays_by_name()]
             slots = [Slot(n, "primal", n, n in self.summary(types).written) for n in names]
-            check = Check(slots, "numpy") if len(slots) > 1 and any(s.written for s in slots) else None
+            check = Check(slots, "numpy") if any(s.written for s in slots) else None
             self.entries[key] = check and (
                 lambda values: check.exact([*[values[k] for k in places], *self.arrays_by_name().values()]) and None)
         return self.entries[key]

@@ -3,6 +3,8 @@ from __future__ import annotations
 
 import types
 import warnings
+from decimal import Decimal
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -96,8 +98,11 @@ def test_other_layouts_of_memory(made):
 def test_the_signature_is_said_when_arguments_do_not_fit(made):
     f = made("unused")
     assert f.tangent(3.0, 1.0, 5.0, 1.0) == (2.0,)
-    refused("error[S405]: 'unused.tangent' was given 3 arguments that do not fit its signature\n"
-            "  help: call unused.tangent(x, x_dot, t, t_dot)", f.tangent, 3.0, 1.0, 5.0)
+    help = "  help: call unused.tangent(x, x_dot, t, t_dot)"
+    refused("error[S405]: 'unused.tangent' was given 3 arguments without the shadow 'x_dot' of 'x' or the shadow "
+            f"'t_dot' of 't'\n{help}", f.tangent, 3.0, 1.0, 5.0)
+    refused("error[S405]: 'unused.tangent' was given 5 arguments that do not fit its signature\n"
+            f"  note: given were float, float, float, int, float\n{help}", f.tangent, 3.0, 1.0, 5.0, 1, 1.0)
 
 
 def test_shadows_are_refused_before_anything_is_written(made):
@@ -131,14 +136,39 @@ def test_read_only_arguments_that_are_one_array_share_their_shadow(made):
     assert {k: v.tolist() for k, v in vjp(f, (x, x), {"return": 1.0}).items()} == {"x": [1.0, 2.0], "y": [1.0, 2.0]}
 
 
+class ArrayLike:
+    """Stands for the tensors of other libraries."""
+    __slots__ = ()
+
+    def __array__(self, dtype=None, copy=None):
+        return np.ones(2)
+
+    def __float__(self):
+        return 1.0
+
+
 @pytest.mark.parametrize(("value", "text"), [
     (np.array(1.0), "is an array of rank 0\n  help: pass the number, u[()], or an array of shape (1,)"),
     (np.zeros(2, np.float16), "has dtype float16\n  help: use float64, float32, complex128, an integer type or bool"),
     (np.zeros(2, np.complex64),
      "has dtype complex64\n  help: use float64, float32, complex128, an integer type or bool"),
     (np.zeros(2, ">f8"), 'has the other byte order\n  help: pass u.astype("float64")'),
-    (np.complex64(1j), "is a number of type complex64\n  help: give a float"),
-    (np.ma.zeros(2), "is a MaskedArray\n  help: pass numpy.asarray(u)"),
+    (np.complex64(1j), "is a number of type complex64\n  help: give a complex number"),
+    (np.ma.zeros(2), "is a MaskedArray\n  help: pass u.filled(...): what is masked would be read"),
+    (np.matrix([[1.0, 2.0]]), "is a matrix\n  help: pass numpy.asarray(u)"),
+    (np.rec.array([(1.0,)], dtype=[("a", float)]), "is a recarray\n  help: pass numpy.asarray(u)"),
+    (np.zeros(2, [("a", float)]),
+     "has dtype [('a', '<f8')]\n  help: use float64, float32, complex128, an integer type or bool"),
+    (np.zeros(2, object), "has dtype object\n  help: use float64, float32, complex128, an integer type or bool"),
+    (np.zeros(2, np.longdouble),
+     f"has dtype {np.dtype(np.longdouble)}\n  help: use float64, float32, complex128, an integer type or bool"),
+    (np.float16(1.0), "is a number of type float16\n  help: give a float"),
+    (np.longdouble(1.0), f"is a number of type {np.dtype(np.longdouble)}\n  help: give a float"),
+    (Decimal("1.5"), "is a Decimal\n  help: pass float(u)"), (Fraction(1, 2), "is a Fraction\n  help: pass float(u)"),
+    (ArrayLike(), "is an ArrayLike\n  help: pass numpy.asarray(u)"),
+    (2 ** 70, f"is {2 ** 70}, which does not fit 64 bits\n  help: give a float"),
+    (np.str_("a"), "is a str_\n  help: give an array, a float, an int, a bool, a str or None"),
+    (np.datetime64("2000-01-01"), "is a datetime64\n  help: give an array, a float, an int, a bool, a str or None"),
     ({(1, 2): 3.0}, "is a dict\n  help: give an array, a float, an int, a bool, a str or None"),
 ])
 def test_arguments_that_do_not_fit(value, text):

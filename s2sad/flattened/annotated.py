@@ -148,23 +148,42 @@ def shadowed(state: State, mode: str, args: Sequence[Any], f: Any) -> tuple[Any]
     """What `f.adjoint` or `f.tangent` returns, in a tuple of one; None if there is nothing to take apart."""
     if not state.asks and not any(map(is_structure, args)):
         return None
+    unmeant = not state.asks and _only_lists_as_shadows(args)
     for layout in islice(_layouts(state, mode, args, 0, 0), _READINGS):
-        own = [args[k] for k, (role, _) in enumerate(layout) if role == "primal"]
-        apart = flattened(state, own)
-        if apart is None:
+        try:
+            found = _reading(state, mode, layout, args, f)
+        except S2sadError:
+            if not unmeant:
+                raise
             continue
-        with apart.told():
-            carrier = apart.carried(f)[1]
-            values = apart.values(own)
-            shadows = _implied(apart, mode, values, carrier)
-            roles = [(role, p) for p, form in apart.forms.items() for role in ("primal", "shadow")
-                     if role == "primal" or any(path in shadows for path, _ in leaves(form, p))]
-            seeds = len(args) - len(layout)
-            if roles == layout and seeds == _seeds(apart, mode, values, carrier):
-                return (_called(apart, mode, layout, args, shadows, carrier),)
+        if found is not None:
+            with found[0].told():
+                return (_called(*found),)
+    if unmeant:
+        return None     # the list is refused as any shadow that is no array
     raise S2sadError(Diagnostic("S405", f"'{state.kernel.name}.{mode}' was given {len(args)} arguments that do not fit "
                                 "its signature", help=f"call {state.kernel.name}.{mode}({', '.join(state.parameters)}, "
                                 "with a shadow after each that holds float arrays)"))
+
+
+def _reading(state: State, mode: str, layout: Layout, args: Sequence[Any], f: Any) -> tuple[Any, ...] | None:
+    """What a list of arguments means that is read so; None if it cannot be."""
+    apart = flattened(state, [args[k] for k, (role, _) in enumerate(layout) if role == "primal"])
+    if apart is None:
+        return None
+    with apart.told():
+        carrier = apart.carried(f)[1]
+        values = apart.values([args[k] for k, (role, _) in enumerate(layout) if role == "primal"])
+        shadows = _implied(apart, mode, values, carrier)
+        roles = [(role, p) for p, form in apart.forms.items() for role in ("primal", "shadow")
+                 if role == "primal" or any(path in shadows for path, _ in leaves(form, p))]
+        fits = roles == layout and len(args) - len(layout) == _seeds(apart, mode, values, carrier)
+    return (apart, mode, layout, args, shadows, carrier) if fits else None
+
+
+def _only_lists_as_shadows(args: Sequence[Any]) -> bool:
+    """Whether lists behind arrays are all that may be a structure."""
+    return all(type(b) is list and isinstance(a, np.ndarray) for a, b in zip((None, *args), args) if is_structure(b))
 
 
 def _layouts(state: State, mode: str, args: Sequence[Any], start: int, done: int) -> Iterator[Layout]:

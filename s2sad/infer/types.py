@@ -68,8 +68,29 @@ FLOAT, INT, BOOL = Type("number", "float64"), Type("number", "int64"), Type("num
 NONE, TEXT, UNKNOWN = Type("none"), Type("text"), Type("unknown")
 
 
+DTYPES = frozenset(("bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "float64",
+                    "float32", "complex128"))      # of arrays that kernels take
+
+
 def array(dtype: str, rank: int) -> Type:
     return Type("array", dtype, rank)
+
+
+def misfit_of(value: np.ndarray, name: str) -> tuple[str, str] | None:
+    """What keeps an array, of whatever class, from being an argument, and what to do; None if it may be one."""
+    kind = type(value)
+    if kind is not np.ndarray and kind is not np.memmap:
+        word = kind.__name__
+        filled = f"pass {name}.filled(...): what is masked would be read"
+        return f"is {'an' if word[0] in 'aeioAEIO' else 'a'} {word}", (
+            filled if isinstance(value, np.ma.MaskedArray) else f"pass numpy.asarray({name})")
+    if value.ndim == 0:
+        return "is an array of rank 0", f"pass the number, {name}[()], or an array of shape (1,)"
+    if value.dtype.name not in DTYPES:
+        return f"has dtype {value.dtype}", "use float64, float32, complex128, an integer type or bool"
+    if not value.dtype.isnative:
+        return "has the other byte order", f'pass {name}.astype("{value.dtype.name}")'
+    return None
 
 
 def of_rank(kind: Type, rank: int) -> Type:

@@ -12,7 +12,7 @@ from s2sad import rules
 from s2sad.analyze.liveness import targets
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
-from s2sad.normalize.integer_operands import IntegerOperands
+from s2sad.normalize.operands import Operands
 from s2sad.rules.given import ROOM
 from s2sad.rules.operation import operation
 from s2sad.tree import (
@@ -73,12 +73,12 @@ _OF_ARRAYS = ("shape", "size", "ndim", "dtype", "T")
 
 def ruled(function: FunctionDef, typing: Typing, report: Report) -> None:
     """Puts one diagnostic into the report for each operation that nothing is known about."""
-    counted = IntegerOperands(function, typing, report)
+    counted = Operands(function, typing, report)
     for statement in function.body:
         _visit(statement, typing, report, counted)
 
 
-def _visit(node: AST, typing: Typing, report: Report, counted: IntegerOperands) -> None:
+def _visit(node: AST, typing: Typing, report: Report, counted: Operands) -> None:
     if isinstance(node, (Assert, Raise)) or isinstance(node, Expr) and call_name(node.value) == "builtins.print":
         return
     before = len(report.found)
@@ -100,6 +100,10 @@ def _visit(node: AST, typing: Typing, report: Report, counted: IntegerOperands) 
             isinstance(t, Subscript) and typing.of(t.value).kind == "tuple" for t in targets(node)):
         report.error("S201", "an element of a list is written", node, help="make it an array: np.zeros(n), or "
                      "np.array([...])")
+    if isinstance(node, (Assign, AugAssign)) and isinstance(targets(node)[0], Subscript) and (
+            typing.of(targets(node)[0]).is_number and typing.of(node.value).is_array):
+        report.error("S203", f"{typing.of(node.value)} is stored in an element", node,
+                     help="the types are taken from the arguments: check their ranks; of one element, write x[0]")
     if isinstance(node, (Assign, AugAssign)) and typing.of(targets(node)[0]).is_array or typing.of(node).is_array:
         _alone(node, typing, report)
     if isinstance(node, Call):

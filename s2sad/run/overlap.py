@@ -17,6 +17,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.run.compiled import compiled, prepare
 
 _MAX_WORK = 100_000
+_MAX_CELLS = 10_000_000
 _OFTEN = 16     # calls from which on compiling the check is worth its second
 
 
@@ -31,16 +32,18 @@ class Slot:
 
 
 class Check:
-    """`check(arrays)` raises S2sadError unless they fit; it returns the positions of the shadows that share memory
-    with an earlier one because their primals, which are only read, do (they need a private sum)."""
+    """`check(arrays)` raises S2sadError unless they fit, and unless the cells of what is written lie apart; it returns
+    the positions of the shadows that share memory with an earlier one because their primals, which are only read, do
+    (they need a private sum)."""
 
     def __init__(self, slots: Sequence[Slot], engine: str):
         self.slots = tuple(slots)
         place = {slot.name: k for k, slot in enumerate(slots) if slot.role == "primal"}
         self.shapes = [(k, place[s.primal]) for k, s in enumerate(slots) if s.role == "shadow" and s.primal in place]
+        self.alone = [k for k, s in enumerate(slots) if s.written]
         self.pairs = [(i, j) for i, j in combinations(range(len(slots)), 2) if _matters(slots[i], slots[j])]
         self.quick: Callable[..., int] | None = None
-        self.left = _OFTEN if engine == "numba" and (self.pairs or self.shapes) else -1     # calls until it compiles
+        self.left = _OFTEN if engine == "numba" and (self.pairs or self.alone) else -1     # calls until it compiles
 
     def __call__(self, arrays: Sequence[Any]) -> tuple[int, ...]:
         if self.quick is not None and self.quick(*arrays) == 0:
@@ -57,8 +60,9 @@ class Check:
             if arrays[shadow].shape != arrays[primal].shape:
                 raise S2sadError(shape_mismatch(self.slots[shadow].name, arrays[shadow].shape,
                                                 self.slots[primal].name, arrays[primal].shape))
-            if folded(arrays[shadow]):
-                raise S2sadError(self_overlap(self.slots[shadow].name, self.slots[primal].name))
+        for k in self.alone:
+            if folded(arrays[k]):
+                raise S2sadError(self_overlap(self.slots[k]))
         where = {slot.name: arrays[k] for k, slot in enumerate(self.slots) if slot.role == "primal"}
         shared = []
         for i, j in self.pairs:
@@ -73,7 +77,8 @@ class Check:
     def _text(self) -> str:
         names = [f"a{k}" for k in range(len(self.slots))]
         lines = [_EXTENT, f"def check({', '.join(names)}):"]
-        lines += [f"    if a{i}.shape != a{j}.shape or folded(a{i}):\n        return 1" for i, j in self.shapes]
+        lines += [f"    if a{i}.shape != a{j}.shape:\n        return 1" for i, j in self.shapes]
+        lines += [f"    if folded(a{k}):\n        return 3" for k in self.alone]
         lines += [f"    low{k}, high{k} = extent(a{k})" for k in sorted({k for pair in self.pairs for k in pair})]
         lines += [f"    if low{i} < high{j} and low{j} < high{i}:\n        return 2" for i, j in self.pairs]
         return "\n".join([*lines, "    return 0", ""])
@@ -84,8 +89,14 @@ import numpy as np
 
 
 def folded(a):
+    if a.flags.c_contiguous or a.size == 0:
+        return False
     for k in range(a.ndim):
-        if a.strides[k] == 0 and a.shape[k] > 1 and a.size > 0:
+        room = a.itemsize
+        for j in range(a.ndim):
+            if abs(a.strides[j]) < abs(a.strides[k]) or j < k and abs(a.strides[j]) == abs(a.strides[k]):
+                room += (a.shape[j] - 1) * abs(a.strides[j])
+        if a.shape[k] > 1 and abs(a.strides[k]) < room:
             return True
     return False
 
@@ -117,13 +128,33 @@ def overlap(a: np.ndarray, b: np.ndarray) -> bool:
 
 
 def folded(array: np.ndarray) -> bool:
-    """Whether an array's cells share memory through a stride of 0."""
-    return array.size > 0 and any(n > 1 and s == 0 for n, s in zip(array.shape, array.strides))
+    """Whether two cells of an array have a byte in common, through a stride of 0 or one that is too short."""
+    if array.flags.forc or array.size == 0:
+        return False
+    axes = sorted((abs(s), n) for n, s in zip(array.shape, array.strides) if n > 1)
+    room = array.itemsize
+    for stride, n in axes:
+        if stride < room:
+            break       # it may be: each axis may still step between the cells of the others
+        room += (n - 1) * stride
+    else:
+        return False
+    if axes[0][0] == 0 or array.size > _MAX_CELLS:
+        return True
+    places = np.zeros(1, np.int64)
+    for stride, n in axes:
+        places = np.add.outer(places, stride * np.arange(n)).ravel()
+    places.sort()
+    return bool(np.any(np.diff(places) < array.itemsize))
 
 
-def self_overlap(shadow: str, primal: str) -> Diagnostic:
-    return Diagnostic("S403", f"the shadow '{shadow}' overlaps itself (a stride of 0)",
-                      help=f"make one with s2sad.make_zero({primal})")
+def self_overlap(slot: Slot) -> Diagnostic:
+    """What is said of an array whose cells share memory, where it is written."""
+    if slot.role == "primal":
+        return Diagnostic("S404", f"the argument {_plain(slot)} overlaps itself, and it is written",
+                          help="pass a copy of it")
+    return Diagnostic("S403", f"the shadow '{slot.name}' overlaps itself",
+                      help=f"make one with s2sad.make_zero({slot.primal})")
 
 
 def shape_mismatch(shadow: str, shape: tuple[int, ...], primal: str, wanted: tuple[int, ...]) -> Diagnostic:

@@ -28,6 +28,7 @@ from s2sad.normalize.decided import decided, undecided
 from s2sad.normalize.dtyped import dtyped
 from s2sad.normalize.form import verify
 from s2sad.normalize.inlined import Helpers, inlined, returned
+from s2sad.normalize.operands import Operands
 from s2sad.normalize.parts import parts
 from s2sad.normalize.rename import rename
 from s2sad.normalize.listed_rows import listed_rows
@@ -131,7 +132,9 @@ class NormalForms(Calls):
         tree, table = self._widened(tree, given, report, names)
         typing = Typing({**table, **given}, self.call_types, first := Report(source), values)
         tree = told(tree, typing)
-        complexes(tree, typing, first)      # says more than that a type cannot be inferred
+        Operands(tree, typing, first).everywhere(tree.body)
+        first.finish()
+        complexes(tree, typing, first)      # these say more than that a type cannot be inferred
         of_its_own(kernel, types, first)
         first.finish()
         report.finish()

@@ -1,6 +1,7 @@
-"""integer_operands: where Python takes nothing but an integer, there is one; a float, None or an array is refused.
+"""operands: where Python takes nothing but an integer, there is one, and where it computes, a number or an array.
 
     for i in range(n / 2)       x[k]        x[:k]       np.zeros(n)         1 << n          with n or k a float
+    k * x       -k      k > 0       x[0] = k        np.sin(k)                               with k None or a str
 
 Python and NumPy raise TypeError or IndexError there, whatever the value is; Numba rounds bounds of loops and slices.
 Requires structured form and types.
@@ -13,20 +14,22 @@ from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import Type
 from s2sad.infer.types_of_calls import LISTED
-from s2sad.rules import find_array
+from s2sad.rules import find, find_array
 from s2sad.tree import (
-    AST, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Constant, FunctionDef, Invert, List, LShift, Name,
-    RShift, Slice, Subscript, Tuple, UnaryOp, call_name, indices, times_bound, walk,
+    AST, Assert, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Compare, Constant, Expr, FunctionDef, Gt, GtE,
+    Invert, List, LShift, Lt, LtE, Name, Not, RShift, Raise, Slice, Subscript, Tuple, UnaryOp, call_name, children,
+    indices, times_bound, walk,
 )
 
 RANGE, PLACE, BOUND, SIZE = "a bound of range", "an index", "a bound of a slice", "a size"
+NUMBER = "it is computed with"
 _SIGNS = {LShift: "<<", RShift: ">>", BitAnd: "&", BitOr: "|", BitXor: "^", Invert: "~"}
 _MADE = ("numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full", LISTED)
 _SIZES = frozenset(("shape", "num", "N", "M", "n", "m", "k", "offset"))     # options of functions of arrays
 
 
-class IntegerOperands:
-    """The check of one function: `look` puts into the report what a node takes that is no integer."""
+class Operands:
+    """The check of one function: `look` puts into the report what a node takes that is no integer, or no number."""
 
     def __init__(self, function: FunctionDef, typing: Typing, report: Report):
         self.typing, self.report = typing, report
@@ -35,7 +38,22 @@ class IntegerOperands:
         self.copies = {s.targets[0].id: s.value.id for s in walk(function.body) if isinstance(s, Assign) and isinstance(
             s.targets[0], Name) and isinstance(s.value, Name) and bound[s.targets[0].id] == 1}
 
+    def everywhere(self, block: list[AST]) -> None:
+        """Looks at every node of a block, but for what errors and assertions say."""
+        for node in block:
+            printed = isinstance(node, Expr) and call_name(node.value) == "builtins.print"
+            if not printed and not isinstance(node, (Assert, Raise)):
+                before = len(self.report.found)
+                self.everywhere(children(node))
+                if len(self.report.found) == before:    # else what is refused inside explains it
+                    self.look(node)
+
     def look(self, node: AST) -> None:
+        for operand in _computed(node, self.typing):
+            kind = self.typing.of(operand)
+            if kind.kind in ("none", "text"):
+                self._refuse(operand if getattr(operand, "lineno", None) else node, operand, kind, NUMBER)
+                return
         for what, operand in _operands(node):
             kind = self.typing.of(operand)
             if _is_wrong(kind, what):
@@ -44,10 +62,12 @@ class IntegerOperands:
     def _refuse(self, place: AST, operand: AST, kind: Type, what: str) -> None:
         name = self._argument(operand)
         said = _described(kind)
-        where = f"{what} takes integers" if what in _SIGNS.values() else f"{what} is an integer"
+        where = what if what == NUMBER else f"{what} takes integers" if what in _SIGNS.values() else (
+            f"{what} is an integer")
         if name:
+            wanted = "a number or an array" if what == NUMBER else "an int"
             self.report.error("S405", f"the argument '{name}' is {said}, and {where}", place,
-                              help=f"give an int, or write int({name})" if kind.is_number else "give an int")
+                              help=f"give an int, or write int({name})" if kind.is_number else f"give {wanted}")
         else:
             help = "make it an integer: x[int(k)]; what lies in one list with floats is a float" if what == PLACE else (
                 "make it an integer: int(...), or // in place of /")
@@ -67,9 +87,22 @@ def _is_wrong(kind: Type, what: str) -> bool:
     """Whether a value of this type is no integer; what nothing is known of is refused elsewhere."""
     if kind.is_number or kind.is_array and what in _SIGNS.values():
         return kind.is_inexact
-    if what == PLACE and kind.kind == "none":
-        return False        # it makes an axis
-    return kind.kind in ("none", "text") or kind.is_array and what in (RANGE, BOUND)    # arrays pick elements
+    return kind.kind in ("none", "text") or kind.kind in ("array", "tuple") and what in (RANGE, BOUND)
+
+
+def _computed(node: AST, typing: Typing) -> list[AST]:
+    """What a node computes with, or stores in an array."""
+    if isinstance(node, BinOp):
+        return [node.left, node.right]
+    if isinstance(node, UnaryOp):
+        return [] if isinstance(node.op, Not) else [node.operand]
+    if isinstance(node, Compare):
+        ordered = isinstance(node.ops[0], (Lt, LtE, Gt, GtE))
+        sides = [node.left, *node.comparators]
+        return sides if ordered and not all(typing.of(s).kind == "text" for s in sides) else []
+    if isinstance(node, AugAssign) or isinstance(node, Assign) and isinstance(node.targets[0], Subscript):
+        return [node.value] if isinstance(node.value, Name) else []
+    return list(node.args) if isinstance(node, Call) and find(call_name(node)) is not None else []
 
 
 def _operands(node: AST) -> Iterator[tuple[str, AST]]:
@@ -91,7 +124,7 @@ def _operands(node: AST) -> Iterator[tuple[str, AST]]:
     elif name in _MADE and node.args:
         yield from ((SIZE, a) for a in _listed(node.args[0]))
     elif isinstance(node, Call) and (rule := find_array(name)) is not None:
-        given = {**dict(zip((*rule.operands, *rule.options), node.args)), **{str(k.arg): k.value for k in node.keywords}}
+        given = dict(zip((*rule.operands, *rule.options), node.args)) | {str(k.arg): k.value for k in node.keywords}
         for option in sorted(_SIZES & given.keys()):
             if not _is_none(given[option]):
                 yield from ((SIZE if option in ("shape", "num") else f"{option}=", a) for a in _listed(given[option]))
@@ -108,4 +141,5 @@ def _listed(node: AST) -> list[AST]:
 def _described(kind: Type) -> str:
     if kind.is_array:
         return f"an array of {kind.dtype}"
-    return {"none": "None", "text": "a str"}.get(kind.kind) or ("a complex number" if kind.is_complex else "a float")
+    said = {"none": "None", "text": "a str", "tuple": "a list or tuple"}
+    return said.get(kind.kind) or ("a complex number" if kind.is_complex else "a float")
