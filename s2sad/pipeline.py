@@ -136,7 +136,7 @@ def in_loops(derived: Derived, units: Units) -> FunctionDef:
     sums = {f"{family.get(p, p)}_bar" for p in derived.made.shadows} - {*family, *family.values()}
     numbers = {n.id for n in walk(derived.function.body) if isinstance(n, Name) and shadow_of(n.id) in sums
                and n.id not in family}
-    arrays = {s for s in derived.made.shadows.values() if derived.types[s].is_array}
+    arrays = {s for s in derived.made.shadows.values() if derived.types[s].is_array} | derived.made.sums
     multiplied = products(derived.function, derived.types)
     kept_in = kept(turned(multiplied, derived.types, None, writing), derived.types, writing)
     function = faster(kept_in, derived.types, {s.array for s in tape.stacks.values()}, arrays, numbers, writing)

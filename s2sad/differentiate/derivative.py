@@ -18,10 +18,11 @@ class Wanted:
 @dataclass
 class Made:
     """A derivative: the function, the shadow of every name, its parameters as (name, role, primal), its returns; the
-    lists of what a user's first halves keep, each with the call."""
+    lists of what a user's first halves keep, each with the call; the arrays that sum what shadows gain."""
     function: FunctionDef
     shadows: dict[str, str]
     parameters: list[tuple[str, str, str]] = field(default_factory=list)
     returns: list[str] = field(default_factory=list)
     tape: Tape | None = None
     kept: list[tuple[str, AST]] = field(default_factory=list)
+    sums: set[str] = field(default_factory=set)

@@ -56,6 +56,6 @@ def scattered(g, shape, places):
     >>> scattered(np.array([1.0, 2.0, 4.0]), (3,), np.s_[np.array([0, 2, 2])])
     array([1., 0., 6.])
     """
-    found = np.zeros(shape, np.result_type(g))
+    found = np.zeros(shape, np.result_type(g, np.float64))      # rounded once, where it is stored
     np.add.at(found, places, g)
     return found

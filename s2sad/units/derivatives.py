@@ -13,7 +13,7 @@ from s2sad.analyze.resized import repeated
 from s2sad.analyze.structure import structure
 from s2sad.analyze.uses import Uses, uses
 from s2sad.diagnostics import Report
-from s2sad.differentiate.adjoint import adjoint
+from s2sad.differentiate.adjoint import REVERSE, adjoint
 from s2sad.differentiate.calls import Callee, Pattern, call_uses, is_kernel_call, pattern
 from s2sad.differentiate.derivative import Made, Wanted
 from s2sad.differentiate.owned import owned
@@ -30,6 +30,7 @@ from s2sad.normalize.workspace import is_allocation
 from s2sad.simplify import Effect, Effects, simplify
 from s2sad.simplify.dead import dead
 from s2sad.simplify.quotients import quotients
+from s2sad.simplify.wide_sums import is_single, wide_numbers, wide_sums
 from s2sad.tree import AST, Assign, AugAssign, Expr, FunctionDef, Return, const, index, walk
 from s2sad.units.array_forms import with_choices
 from s2sad.units.normal_forms import NormalForms
@@ -188,7 +189,9 @@ class Units(NormalForms):
 
     def _finished(self, unit: Unit, wanted: Wanted, made: Made, found: Activity, typing: Typing, names: Names,
                   plan: Plan | None) -> Derived:
-        function = made.function
+        function, single = made.function, plan is not None and is_single(typing)
+        if single:
+            function, made.sums = wide_sums(function, made.shadows.values(), typing, names)
         if self.engine == "numba":
             function = dead(function, self._live_out(made, typing, plan is None), self.effects.writes,
                             self.effects.pure, self.effects.unread)
@@ -203,6 +206,8 @@ class Units(NormalForms):
         function = simplify(function, typing, family, arrays, self.effects, names, kept, shadows, self.watch,
                             self.engine == "numba")
         function = quotients(function, typing) if self.engine == "numba" else function
+        if single and self.engine == "numpy":
+            function = wide_numbers(function, {*unit.family, *unit.family.values()}, REVERSE)
         self.effects.add(verify(function, "derivative", "simplify"), typing)
         parameters = made.parameters
         shadows = [k for k, (_, role, primal) in enumerate(parameters) if role == "shadow"]

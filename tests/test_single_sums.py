@@ -1,0 +1,117 @@
+"""Gradients of float32 kernels are precise to float32, however many gains they are sums of."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests.derivatives import check_derivatives
+from tests.engines import each
+
+
+def broadcast(x, b):
+    return np.sum((x + b) ** 2)
+
+
+def broadcast_column(x, b):
+    return np.sum(x.T * b[:, None])
+
+
+def elements(x, b):
+    s = 0.0
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            s += x[i, j] * b[j]
+    return s
+
+
+def one_element_each(x, b):
+    s = 0.0
+    for i in range(x.shape[0]):
+        s += x[i, 0] * b[0] + x[i, 1] * b[1]
+    return s
+
+
+def with_number(x, b):
+    c = b[0] + b[1]
+    s = 0.0
+    for i in range(x.shape[0]):
+        s += c * x[i, 0]
+    return s
+
+
+def scattered(x, b):
+    s = 0.0
+    for i in range(x.shape[0]):
+        s += x[i, 0] * b[i % 2]
+    return s
+
+
+def picked(x, b):
+    return np.sum(x[:, 0] * b[np.arange(x.shape[0]) % 2])
+
+
+def in_steps(x, b):
+    s = 0.0
+    for i in range(x.shape[0]):
+        s += np.sum(x[i] * b)
+    return s
+
+
+def in_a_local_array(x, b):
+    c = b * b
+    s = 0.0
+    for i in range(x.shape[0]):
+        s += x[i, 0] * c[0] + x[i, 1] * c[1]
+    return s
+
+
+ARRAYS = (broadcast, broadcast_column, elements, one_element_each, with_number, scattered, picked, in_steps,
+          in_a_local_array)
+
+
+def of_arrays(x, a):
+    return np.sum(a * x)
+
+
+def of_elements(x, a):
+    s = 0.0
+    for i in range(x.shape[0]):
+        s += a * x[i, 0]
+    return s
+
+
+NUMBERS = (of_arrays, of_elements)
+
+
+def given(size):
+    return np.full((size, 2), 0.1), np.array([0.3, 0.7])
+
+
+@pytest.mark.parametrize("kernel, engine", [*((f, "numpy") for f in ARRAYS + NUMBERS), *(
+    (f, "numba") for f in (elements, one_element_each, scattered, of_elements))])
+def test_long_sums(kernel, engine):
+    x, b = given(30_000)
+    parameter = "a" if kernel in NUMBERS else "b"
+    second = 0.3 if kernel in NUMBERS else b
+    exact = s2sad.gradient(kernel, wrt=parameter)(x, second)
+    single = 0.3 if kernel in NUMBERS else b.astype("f4")
+    found = s2sad.gradient(s2sad.differentiate(kernel, engine=engine), wrt=parameter)(x.astype("f4"), single)
+    assert kernel in NUMBERS or found.dtype == np.float32
+    np.testing.assert_allclose(found, exact, rtol=1e-6)
+
+
+@pytest.mark.parametrize("kernel, engine", each(ARRAYS))
+def test_derivatives(kernel, engine):
+    x, b = given(3)
+    check_derivatives(kernel, (x.astype("f4"), b.astype("f4")), ("x", "b"), ("return",), engine)
+
+
+def test_elements_that_gain_once_have_no_sum():
+    def kernel(u, y):
+        for i in range(1, u.size - 1):
+            y[i] = u[i - 1] * u[i] + u[i + 1]
+
+    u = np.ones(5, "f4")
+    for engine in ("numpy", "numba"):
+        assert "_sum" not in s2sad.differentiate(kernel, engine=engine).adjoint_source(u, u.copy())
