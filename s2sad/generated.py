@@ -14,7 +14,7 @@ from s2sad.program import Generated, Parameter
 from s2sad.rules.given import Given
 from s2sad.run.compiled import compiled, prepare
 from s2sad.run.given import held_to_numbers, uncompiled
-from s2sad.run.load import load
+from s2sad.run.load import load, owned
 from s2sad.run.own import looked_at
 from s2sad.run.overlap import Check, Slot
 
@@ -60,6 +60,7 @@ class Variant:
         moving = bool(given) or generated.facts.get("moving", False)
         module = (compiled(generated.text, generated.entry, plain=plain, given=moving) if engine == "numba"
                   else held_to_numbers(load(generated.text, generated.entry, own=bool(given)), given))
+        owned(module, self)
         if engine == "numpy" and "units" in generated.facts:
             looked_at(module, generated.facts["units"])
         stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()

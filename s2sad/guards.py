@@ -14,7 +14,7 @@ import builtins
 import math
 import operator
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -24,7 +24,10 @@ from typing import Any
 
 import numpy as np
 
+from s2sad.diagnostics import Diagnostic, S2sadError
+
 ABSENT: Any = type("Absent", (), {"__repr__": lambda self: "ABSENT"})()
+NUMBERS = (int, float)                  # Python's own: what may become an argument when it changes
 Getter = Callable[[Any, Any], Any]      # (key, default), as a mapping's `get`
 
 
@@ -71,21 +74,49 @@ STEPS: dict[str, Callable[[Any], Getter]] = {
 }
 
 
+Path = tuple[Any, ...]                  # ((..., step, key), step, key): the way from what was read to a place
+
+
 @dataclass(frozen=True)
 class Guard:
-    """A place, and the value that was taken from it."""
+    """A place, the value that was taken from it, and the way there."""
     holder: Any
     step: str
     key: Any
     value: Any
+    path: Path
+
+
+@dataclass(frozen=True)
+class Varying:
+    """A number that changes: not its value was taken, but its type; `now()` gives the value of a call."""
+    get: Getter
+    key: Any
+    value: int | float
+
+    def now(self) -> int | float:
+        """The number now; raises S2sadError if it has become another kind of thing since the guards held."""
+        found = self.get(self.key, ABSENT)
+        if type(found) is not type(self.value) or type(found) is int and not -2 ** 63 <= found < 2 ** 63:
+            raise S2sadError(Diagnostic("S405", f"'{self.key}', which the function reads from outside, became "
+                                        f"{found!r} while its derivative was called", help="set it before the call"))
+        return found
+
+
+def current(value: Any) -> Any:
+    """A value that was taken, as it is now: an array is what it is, a number that varies has another value."""
+    return value.now() if isinstance(value, Varying) else value
 
 
 class Guards:
     """The places that one reading took values from, in order. `hold()` says whether all of them are what they were:
-    numbers, strings and sequences of them by value, everything else by identity."""
+    numbers, strings and sequences of them by value, everything else by identity, of arrays dtype and rank as well. Of
+    the numbers at the paths in `varying` only the type counts."""
 
-    def __init__(self) -> None:
+    def __init__(self, varying: Collection[Path] = ()) -> None:
         self.places: dict[tuple[int, str, Any], Guard] = {}
+        self.varying = varying
+        self._paths: dict[int, Path] = {id(None): ()}
         self._compared: list[tuple[Getter, Any, Any]] = []
 
     def take(self, holder: Any, step: str, key: Any) -> Any:
@@ -93,9 +124,31 @@ class Guards:
         known = self.places.get(place)
         if known is None:
             get = STEPS[step](holder)
-            known = self.places[place] = Guard(holder, step, key, get(key, ABSENT))
-            self._compared.append((get, key, known.value))
+            value, path = get(key, ABSENT), (self._paths.get(id(holder), (id(holder),)), step, key)
+            if type(value) in NUMBERS and path in self.varying:
+                self._compared.append((lambda key, default: type(get(key, default)), key, type(value)))
+                value = Varying(get, key, value)
+            else:
+                self._compared.append((get, key, value))
+            if isinstance(value, np.ndarray):
+                self._compared.append((_layout, value, _layout(value)))
+            known = self.places[place] = Guard(holder, step, key, value, path)
+            self._paths.setdefault(id(value), path)
         return known.value
+
+    def reach(self, holder: Any, step: str, key: Any, value: Any) -> None:
+        """Notes the way to a value that follows from what was taken before."""
+        place = (id(holder), step, key)
+        if place not in self.places:
+            path = (self._paths.get(id(holder), (id(holder),)), step, key)
+            self.places[place] = Guard(holder, step, key, value, path)
+            self._paths.setdefault(id(value), path)
+
+    def changed(self, before: Guards) -> list[Path]:
+        """The paths at which both took numbers of one type that are not the same."""
+        numbers = {g.path: g.value for g in before.places.values() if type(g.value) in NUMBERS}
+        return [g.path for g in self.places.values() if g.path in numbers
+                and type(g.value) is type(numbers[g.path]) and not same(g.value, numbers[g.path])]
 
     def hold(self) -> bool:
         for get, key, value in self._compared:
@@ -103,6 +156,11 @@ class Guards:
             if now is not value and not same(now, value):
                 return False
         return True
+
+
+def _layout(array: np.ndarray, _: Any = None) -> tuple[Any, ...]:
+    """What of an array is compiled in: it may be given another shape or dtype in place."""
+    return array.dtype, *(n == 1 for n in array.shape)
 
 
 _RECORDING: ContextVar[Guards | None] = ContextVar("s2sad_guards", default=None)
@@ -130,6 +188,13 @@ def taken(holder: Any, step: str, key: Any = "") -> Any:
     """
     guards = _RECORDING.get()
     return STEPS[step](holder)(key, ABSENT) if guards is None else guards.take(holder, step, key)
+
+
+def reached(holder: Any, step: str, key: Any, value: Any) -> None:
+    """Notes the way to a value that follows from what was taken before: it needs no comparison."""
+    guards = _RECORDING.get()
+    if guards is not None:
+        guards.reach(holder, step, key, value)
 
 
 def class_attribute(made: type, name: str) -> Any:

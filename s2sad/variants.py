@@ -5,9 +5,10 @@ that the function reads, and a state one `Variant` for each (mode, types, wrt, o
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from types import FunctionType
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from s2sad.binding import float_parameters, types as types_of
 from s2sad.compiler_lock import COMPILER_LOCK
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.generated import HIDDEN, Variant
-from s2sad.guards import Guards, recording, same
+from s2sad.guards import Guards, Path, current, recording, same
 from s2sad.infer.types import Type, of_value
 from s2sad.normalize.fields import asks
 from s2sad.read.capture import not_a_function
@@ -25,11 +26,13 @@ from s2sad.program import Kernel, Program, Request
 from s2sad.rules.given import GIVEN
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
 from s2sad.run.given import compiled_in, given_of
+from s2sad.run.load import owned
 from s2sad.run.overlap import Check, Slot
 from s2sad.side_table import side_table
 from s2sad.tree import equal
 
-_KEPT = 32  # states: a global that changes at every call must not fill the memory
+_KEPT = 16      # states: values that go back and forth find theirs again
+_CHANGES = 4    # of a number from outside: from then on it is an argument
 
 
 def derivatives_of(f: Any) -> Derivatives:
@@ -51,17 +54,42 @@ class Derivatives:
         self.function = function
         self._states: list[State] = []
         self._current: State | None = None
+        self._changes: Counter[Path] = Counter()
+        self._varying: frozenset[Path] = frozenset()    # numbers that have changed often: arguments of derivatives
 
     def state(self) -> State:
         """The state for the values that the function's constants have now."""
-        current = self._current
-        if current is not None and current.holds():
-            return current
+        last = self._current
+        if last is not None and last.holds():
+            return last
         with COMPILER_LOCK:
-            found = next((s for s in self._states if s.holds()), None) or self._state_of(read.load(self.function))
+            found = next((s for s in self._states if s.holds()), None) or self._read()
             self._states = [*(s for s in self._states[-_KEPT:] if s is not found), found]
             self._current = found
             return found
+
+    def _read(self) -> State:
+        """The state for what the function reads now."""
+        found = self._state_of(read.load(self.function, (), self._varying))
+        last = self._current
+        changed = [] if last is None else found.guards.changed(last.guards)
+        self._changes.update(changed)
+        for path in changed:
+            if last is not None and self._changes[path] == _CHANGES:
+                found = self._generalized(path, last) or found
+        return found
+
+    def _generalized(self, path: Path, last: State) -> State | None:
+        """The state in which a number that changes is an argument, with all that the last one has derived; None where
+        it must be known when a derivative is made."""
+        varying = self._varying | {path}
+        try:
+            made = State(read.load(self.function, (), varying), self.function)
+            made.derive_as(last)
+        except S2sadError:
+            return None
+        self._varying, self._states = varying, []
+        return made
 
     def _state_of(self, program: Program) -> State:
         """The state for another reading of the function."""
@@ -70,6 +98,13 @@ class Derivatives:
                 state.take_over(program)
                 return state
         return State(program, self.function)
+
+
+@runtime_checkable
+class Restated(Protocol):
+    """A prepared call that is prepared again for another reading of its function."""
+
+    def restated(self, state: State) -> Restated: ...
 
 
 class State:
@@ -91,6 +126,14 @@ class State:
         with recording(self._compiled_in):
             self._frozen = [(g.plain, compiled_in(g.plain)) for g in self.given if isinstance(g.plain, FunctionType)]
         self.take_over(program)
+
+    def derive_as(self, other: State) -> None:
+        """Derives what another reading has derived; raises S2sadError for what is refused."""
+        for request, engine in other._variants:
+            self.variant(request, engine)
+        for key, entry in other.entries.items():
+            if isinstance(entry, Restated):
+                self.entries[key] = entry.restated(self)
 
     def take_over(self, program: Program) -> None:
         """From now on the state is for what this reading took."""
@@ -165,7 +208,7 @@ class State:
             return by_position(self.function)
         variant = self.variant(Request("primal", types, (), ()), engine)
         hidden = tuple(p.name for p in variant.generated.parameters if p.name.startswith(HIDDEN))
-        values = dict(zip((HIDDEN + x for x in self.program.arrays), self.arrays))
+        values = self.arrays_by_name()
         return _with_trailing(variant.function, tuple(values[h] for h in hidden)) if hidden else variant.function
 
     def first_run(self, values: Sequence[Any], engine: str) -> None:
@@ -176,7 +219,7 @@ class State:
             return
         variant = self.variant(Request("primal", types, (), ()), engine)
         text = quiet(variant.generated.text)
-        module = compiled(text, variant.generated.entry, bounds=True, given=bool(self.given))
+        module = owned(compiled(text, variant.generated.entry, bounds=True, given=bool(self.given)), self)
         function = getattr(module, variant.generated.entry)
         copies = dict(zip(self.parameters, self.copied(values, types)))
         arguments = variant.assemble(copies, {}, (), self.outside(types))
@@ -190,11 +233,11 @@ class State:
         key = ("apart", types)
         if key not in self.entries:
             places = [k for k, t in enumerate(types) if t.is_array]
-            names = [*(self.parameters[k] for k in places), *self.arrays_by_name()]
+            names = [*(self.parameters[k] for k in places), *self._arrays()]
             slots = [Slot(n, "primal", n, n in self.summary(types).written) for n in names]
             check = Check(slots, "numpy") if any(s.written for s in slots) else None
             self.entries[key] = check and (
-                lambda values: check.exact([*[values[k] for k in places], *self.arrays_by_name().values()]) and None)
+                lambda values: check.exact([*[values[k] for k in places], *self._arrays().values()]) and None)
         return self.entries[key]
 
     def copied(self, values: Sequence[Any], types: tuple[Type, ...]) -> list[Any]:
@@ -205,8 +248,12 @@ class State:
                 for name, v in zip(self.parameters, values)]
 
     def arrays_by_name(self) -> dict[str, Any]:
-        """The arrays that the function reads from its module or closure, by their parameters' names."""
-        return dict(zip((HIDDEN + x for x in self.program.arrays), self.arrays)) if self.arrays else {}
+        """The arrays that the function reads from its module or closure, and the numbers there that vary, by their
+        parameters' names."""
+        return dict(zip((HIDDEN + x for x in self.program.arrays), map(current, self.arrays))) if self.arrays else {}
+
+    def _arrays(self) -> dict[str, np.ndarray]:
+        return {n: a for n, a in self.arrays_by_name().items() if isinstance(a, np.ndarray)}
 
     def outside(self, types: tuple[Type, ...]) -> dict[str, Any]:
         """`arrays_by_name` with copies of what the function writes: no derivative changes its module."""

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import enum
 import functools
+import gc
 import math
 import sys
 import types
@@ -337,3 +338,83 @@ def test_every_step_gives_what_is_there():
         holder = {"item": {}, "keys": {}, "items": [1.0], "cell": helper, "global": helper, "code": helper,
                   "keyword": helper, "mro": Model}.get(step, MODEL)
         assert make(holder)("d", ABSENT) is make(holder)("d", ABSENT) or step in ("keys", "items")
+
+
+def with_numbers(x, n):
+    total = 0.0
+    for i in range(n):
+        total += scaled_by_the_module(x, i)
+    return total ** POWER + MODEL.k * MODEL.part.scale
+
+
+def scaled_by_the_module(x, i):
+    return x * RATE / (1.0 + i)
+
+
+POWER = 2
+
+
+def of_options(x):
+    return np.sum(np.ones((AXES, 3)) * x, axis=AXES - 2)[0]
+
+
+AXES = 2
+
+
+def modules():
+    gc.collect()
+    return {name for name in sys.modules if name.startswith("s2sad_")}
+
+
+@pytest.mark.parametrize("engine", ["numpy", pytest.param("numba", marks=pytest.mark.skipif(
+    not available(), reason="needs Numba"))])
+def test_numbers_that_change_in_each_call_become_arguments(monkeypatch, engine):
+    readings = []
+    monkeypatch.setattr(read, "load", lambda *given, load=read.load: readings.append(given) or load(*given))
+    before = modules()
+    g = s2sad.value_and_gradient(s2sad.differentiate(with_numbers, engine=engine), wrt="x")
+    for k in range(12 if engine == "numba" else 60):
+        monkeypatch.setattr(THIS, "RATE", 0.5 + k)
+        monkeypatch.setattr(MODEL, "k", 3.0 - k)
+        value, slope = g(1.5, 3)
+        total = (0.5 + k) * 1.5 * (1.0 + 0.5 + 1.0 / 3.0)
+        assert value == pytest.approx(with_numbers(1.5, 3)) and slope == pytest.approx(2.0 * total ** 2 / 1.5)
+    assert len(readings) < 12 and len(modules() - before) <= 8
+    monkeypatch.setattr(THIS, "RATE", 2)
+    assert g(1.5, 3)[0] == pytest.approx(with_numbers(1.5, 3))
+    monkeypatch.setattr(THIS, "RATE", np.float32(2.0))
+    assert g(1.5, 3)[0] == pytest.approx(with_numbers(1.5, 3))
+
+
+def test_what_must_be_known_stays_a_constant(monkeypatch):
+    g = s2sad.gradient(s2sad.differentiate(of_options, engine="numpy"))
+    for axes in (2, 3, 2, 3, 2, 3, 2, 3):
+        monkeypatch.setattr(THIS, "AXES", axes)
+        if axes == 2:
+            assert g(1.0) == 2.0
+        else:
+            assert g(1.0) == 3.0
+
+
+def test_integers_that_change(monkeypatch):
+    g = s2sad.gradient(s2sad.differentiate(with_numbers, engine="numpy"), wrt="x")
+    for power in range(1, 9):
+        monkeypatch.setattr(THIS, "POWER", power)
+        total = RATE * 1.5 * (1.0 + 0.5 + 1.0 / 3.0)
+        assert g(1.5, 3) == pytest.approx(power * total ** power / 1.5)
+
+
+def test_the_dead_free_what_they_took():
+    before = modules()
+    for k in range(3):
+        def local(x, k=k):
+            return math.sin(x) * k
+        assert s2sad.gradient(s2sad.differentiate(local, engine="numpy"), wrt="x")(0.0) == k
+        del local
+    assert modules() == before
+    inner, assign = of_a_closure()
+    for k in range(40):
+        assign((float(k), 1.0))     # no number: a tuple stays a constant
+        with pytest.raises(s2sad.S2sadError):
+            s2sad.gradient(s2sad.differentiate(inner, engine="numpy"))(1.0)
+    assert modules() == before

@@ -62,7 +62,7 @@ def _taken_apart(state: State, forms: tuple[Form, ...]) -> tuple[Flat, list[Any]
                 return fields(program, forms), methods, guards
         except Unread as unread:
             methods.append(unread.function)
-            program = read.load(state.function, tuple(methods))
+            program = read.load(state.function, tuple(methods), state.guards.varying)
 
 
 def taken_apart(state: State, f: Any, args: Sequence[Any], keywords: Mapping[str, Any] | None = None
@@ -86,6 +86,12 @@ class Flattened(Asked):
         self.state = State(flat.program, state.function, flat=True)
         self.result = None if flat.result is None else _form_of_result(flat.result)
         self.title = state.kernel.name
+
+    def restated(self, state: State) -> Flattened:
+        """The flat program of another reading of the function, with what was derived of this one."""
+        found = Flattened(state, tuple(self.forms.values()))
+        found.state.derive_as(self.state)
+        return found
 
     def current(self) -> bool:
         """Whether the arguments' classes are what they were, and what functions of theirs read from outside."""

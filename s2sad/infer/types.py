@@ -6,6 +6,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from s2sad.guards import Varying
+
 
 @dataclass(frozen=True)
 class Type:
@@ -106,6 +108,8 @@ def _of_array(dtype: np.dtype, rank: int, ones: tuple[int, ...]) -> Type:
 
 def of_value(value: object) -> Type:
     """The type of a Python value, as an argument or a constant of the kernel's module."""
+    if isinstance(value, Varying):
+        value = value.value
     if value is None:
         return NONE
     if isinstance(value, (bool, np.bool_)):

@@ -14,11 +14,12 @@ from __future__ import annotations
 
 import difflib
 import os
+from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.guards import Guards, recording
+from s2sad.guards import Guards, Path, reached, recording
 from s2sad.program import Program
 from s2sad.read.capture import name_of, not_a_function
 from s2sad.read.underlying import python_function
@@ -30,9 +31,9 @@ from s2sad.rules.given import GIVEN
 __all__ = ["load", "load_file", "python_function"]
 
 
-def load(function: Any, methods: tuple[Any, ...] = ()) -> Program:
+def load(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path] = ()) -> Program:
     """The program of a live function: a plain one, a differentiated one or a Numba dispatcher; `methods` are functions
-    of classes that it calls through its arguments.
+    of classes that it calls through its arguments. Numbers from outside at the paths in `varying` are arguments.
 
     Raises S2sadError: S101 without source, S104 if the source has changed, S201 for what is outside the language, S202
     for unknown names, S204 for recursion.
@@ -43,7 +44,9 @@ def load(function: Any, methods: tuple[Any, ...] = ()) -> Program:
     if GIVEN.of(plain) is not None:
         raise S2sadError(Diagnostic("S101", f"'{plain.__name__}' has a derivative of its own, and is not read",
                                     help="differentiate a function that calls it"))
-    with recording(Guards()) as guards:
+    with recording(Guards(varying)) as guards:
+        for number, root in enumerate((plain, *methods)):
+            reached(None, "root", number, root)
         return replace(Linker().program(_live(plain), tuple(map(_live, methods))), guards=guards)
 
 

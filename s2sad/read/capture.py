@@ -17,7 +17,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
-from s2sad.guards import taken
+from s2sad.guards import reached, taken
 from s2sad.read.live import LiveScope, defaults_of
 from s2sad.read.meaning import AST, Captured, kind_of
 from s2sad.read.underlying import given, python_function
@@ -37,7 +37,12 @@ def capture(value: Any) -> Captured:
     function = python_function(value)
     if function is None:
         raise S2sadError(not_a_function(value))
-    function, bound = given(function)
+    whole = function
+    function, bound = given(whole)
+    if bound:
+        reached(whole, "kernel", "", function)
+    for name, value in bound.items():
+        reached(whole, "given", name, value)
     taken(function, "attribute", "__defaults__")
     if hasattr(function, "__wrapped__"):
         raise S2sadError(Diagnostic("S101", f"'{function.__name__}' is wrapped by a decorator that s2sad does not know",

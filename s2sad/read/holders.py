@@ -11,7 +11,7 @@ import types
 from collections.abc import Callable
 from typing import Any
 
-from s2sad.guards import ABSENT, class_attribute, taken
+from s2sad.guards import ABSENT, class_attribute, reached, taken
 from s2sad.read.meaning import Meaning, Unusable
 from s2sad.structure import record_fields
 
@@ -76,14 +76,20 @@ class HolderScope:
         if not own_class and key != "__call__" and (held := taken(self.value, "own", key)) is not ABSENT:
             value, own = held, True
         if isinstance(value, staticmethod):
+            reached(value, "attribute", "__func__", value.__func__)
             return value.__func__
         if isinstance(value, classmethod):
-            return types.MethodType(value.__func__, made)
+            return self._bound(value.__func__, made, key)
         if own or own_class:
             return value
         if isinstance(value, types.FunctionType):
-            return types.MethodType(value, self.value)
+            return self._bound(value, self.value, key)
         return _PROPERTY if hasattr(type(value), "__get__") else value
+
+    def _bound(self, function: Any, first: Any, key: str) -> types.MethodType:
+        method = types.MethodType(function, first)
+        reached(self.value, "bound", key, method)
+        return method
 
     def known(self) -> list[str]:
         if isinstance(self.value, dict):

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy
 
-from s2sad.guards import ABSENT, taken
+from s2sad.guards import ABSENT, Varying, reached, taken
 from s2sad.read import holders
 from s2sad.read.meaning import (
-    AST, Function, Holder, Library, LibraryScope, Meaning, NotConstant, Number, Space, Text, Unusable,
+    AST, Array, Function, Holder, Library, LibraryScope, Meaning, NotConstant, Number, Space, Text, Unusable,
     is_numbers, kind_of, library_path, value_meaning,
 )
 from s2sad.read.underlying import named_function
@@ -90,6 +90,8 @@ def _member(module: types.ModuleType, name: str) -> Any:
 
 def live_meaning(name: str, value: Any) -> Meaning:
     """What a live value means to a kernel that names it."""
+    if isinstance(value, Varying):
+        return Array(name, value)
     given = GIVEN.of(value) or GIVEN.of(named_function(value))
     if given is not None:
         return Library(ROOM + given.path)
@@ -110,6 +112,7 @@ def live_meaning(name: str, value: Any) -> Meaning:
         return Library("builtins.range") if word == "prange" else Library(f"{_home(value)}.{word}")
     function = named_function(value)
     if function is not None:
+        reached(value, "function", "", function)
         path = f"{function.__module__}.{function.__qualname__}"
         word = name if function.__name__ == "<lambda>" else function.__name__
         return Function(word, ("live", id(function)), path, function)

@@ -17,7 +17,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from types import FunctionType, MethodType
 from typing import Any
 
-from s2sad.guards import class_attribute, taken
+from s2sad.guards import class_attribute, reached, taken
 from s2sad.side_table import remembered, side_table
 
 _KEPT = 16                              # how many methods and partials of one function are remembered
@@ -99,7 +99,7 @@ def _given(value: MethodType | functools.partial, called: Any = None) -> Functio
     inner = value.__func__ if isinstance(value, MethodType) else value.func
     args = (value.__self__,) if isinstance(value, MethodType) else value.args
     keywords = {} if isinstance(value, MethodType) else {
-        name: taken(value.keywords, "item", name) for name in taken(value.keywords, "keys")}
+        name: taken(value.keywords, "item", name) for name in _keys(value)}
     function = named_function(inner)
     if function is None:
         return None
@@ -117,6 +117,11 @@ def _given(value: MethodType | functools.partial, called: Any = None) -> Functio
     side_table(made)["given"] = kernel, {**before, **names}, called
     kept[:] = [*kept[-_KEPT + 1:], (args, dict(keywords), made)]
     return made
+
+
+def _keys(value: functools.partial) -> tuple[str, ...]:
+    reached(value, "attribute", "keywords", value.keywords)
+    return taken(value.keywords, "keys")
 
 
 def _same(ours: Collection[Any], theirs: Collection[Any]) -> bool:

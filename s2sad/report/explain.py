@@ -9,6 +9,7 @@ from typing import Any
 from s2sad import pipeline
 from s2sad.binding import admitted
 from s2sad.flattened import Carrier, taken_apart
+from s2sad.guards import current
 from s2sad.normalize.hidden import hidden_arrays
 from s2sad.program import Program, Request
 from s2sad.read.underlying import given_functions
@@ -110,7 +111,7 @@ def explained(program: Program, request: Request, given: Mapping[str, Any] | Non
     units, entry = made.facts["units"], made.facts["derived"]
     sizes = {}
     if given is not None:
-        outside = {p: program.arrays[a] for p, a in hidden_arrays(units.program).items()}
+        outside = {p: current(program.arrays[a]) for p, a in hidden_arrays(units.program).items()}
         sizes = sizes_of(units, entry.unit, {**given, **outside})
     derived = [entry, *(d for d in units.derived.values() if d is not entry)]
     sources = dict.fromkeys(_written(d) for d in derived)

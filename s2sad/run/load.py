@@ -9,13 +9,18 @@ import hashlib
 import importlib.machinery
 import importlib.util
 import itertools
+import linecache
 import sys
+import weakref
+from collections import Counter
 from types import CodeType, ModuleType
+from typing import Any
 
 from s2sad.compiler_lock import COMPILER_LOCK
 from s2sad.run import store
 
 _OWN = itertools.count(1)
+_OWNERS: Counter[str] = Counter()       # by the names of modules
 
 
 class _Loader(importlib.machinery.SourceFileLoader):
@@ -59,3 +64,23 @@ def load(text: str, name: str, key: str = "", own: bool = False) -> ModuleType:
             del sys.modules[identifier]
             raise
         return module
+
+
+def owned(module: ModuleType, owner: Any) -> ModuleType:
+    """The module, which is among the loaded ones for as long as one of its owners lives, as those who unpickle machine
+    code and those who look for a text by a module's name want it."""
+    _OWNERS[module.__name__] += 1
+    sys.modules.setdefault(module.__name__, module)
+    weakref.finalize(owner, _left, module).atexit = False
+    return module
+
+
+def _left(module: ModuleType) -> None:
+    """An owner is gone: with the last one nothing leads to the module any more but functions of it that are in use."""
+    name = module.__name__
+    _OWNERS[name] -= 1
+    if _OWNERS[name] <= 0:
+        del _OWNERS[name]
+        if sys.modules.get(name) is module:
+            del sys.modules[name]
+        linecache.cache.pop(module.__file__ or "", None)

@@ -15,6 +15,7 @@ import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.run.compiled import compiled, prepare
+from s2sad.run.load import owned
 
 _MAX_WORK = 100_000
 _MAX_CELLS = 10_000_000
@@ -50,7 +51,7 @@ class Check:
             return ()
         shared = self.exact(arrays)
         if self.left == 0:
-            self.quick = compiled(self._text(), "check").check
+            self.quick = owned(compiled(self._text(), "check"), self).check
             prepare(self.quick, tuple(arrays), "the argument check")
         self.left -= self.left >= 0
         return shared

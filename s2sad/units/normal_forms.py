@@ -15,7 +15,7 @@ from s2sad.differentiate.own import own_edges
 from s2sad.infer.infer import Typing, infer
 from s2sad.infer.known import known
 from s2sad.infer.shapes import shapes_of
-from s2sad.infer.types import FLOAT, Type
+from s2sad.infer.types import FLOAT, Type, of_value
 from s2sad.naming import Names
 from s2sad.normalize import structured
 from s2sad.normalize.around import around
@@ -68,7 +68,7 @@ class NormalForms(Calls):
             self.program, self.engine, self.watch, self, self.of_call, self.with_titles, self.apart)
         self.helpers, self.known = Helpers(self.program, plain_form), Known()
         self.singles = any(makes_singles(k.tree) for k in self.program.kernels.values()) or any(
-            a.dtype == "float32" for a in self.program.arrays.values())
+            of_value(a).dtype == "float32" for a in self.program.arrays.values())
 
     def unit(self, kernel: str, types: tuple[Type, ...], pairs: tuple[tuple[int, int], ...] = ()) -> Unit:
         """The unit of a kernel, or of a unit's title, for these types; `pairs` of its arguments are one array."""
