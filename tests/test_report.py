@@ -207,14 +207,6 @@ def test_nothing_is_said_of_inactive_values():
 
 # -- forms ----------------------------------------------------------------------------------------------------------
 
-def test_the_page_needs_nothing_else_and_shows_the_source():
-    page = explained("newton").html()
-    assert page.startswith("<!DOCTYPE html>") and "http" not in page and "<script" not in page
-    assert "x[i] = guess" in page and "records guess_stack: 8 bytes per push" in page
-    assert "def thomas" not in page
-    assert "guess * guess * guess - a[i]) &gt; tolerance" in page
-
-
 def test_the_decorator_s_selection_is_explained():
     kernel = differentiate(wrt="u", of="du", engine="numpy")(CASES["upwind"].function)
     assert str(explain(kernel, *CASES["upwind"].arguments("small"))).startswith(

@@ -4,6 +4,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
+from html import escape
 from typing import Any
 
 from s2sad import pipeline
@@ -14,11 +15,11 @@ from s2sad.normalize.hidden import hidden_arrays
 from s2sad.program import Program, Request
 from s2sad.read.underlying import given_functions
 from s2sad.report.findings import Findings, Place, findings, in_words
+from s2sad.report.listing import Listing, listings
 from s2sad.report.page import page
 from s2sad.report.sizes import sizes_of
 from s2sad.run.compiled import chosen
 from s2sad.selection import names_of, selected_of, selected_wrt
-from s2sad.units import Derived
 from s2sad.variants import derivatives_of
 
 
@@ -30,7 +31,7 @@ class Explanation:
     """
     title: str
     functions: tuple[Findings, ...]
-    sources: tuple[tuple[str, str, int], ...]
+    listings: tuple[Listing, ...]
 
     def __str__(self) -> str:
         head = f"{self.title}\nrecords {self.tape}"
@@ -62,8 +63,13 @@ class Explanation:
                           indent=2)
 
     def html(self) -> str:
-        """A page with the findings beside the source."""
-        return page(self.title, self.functions, self.sources)
+        """A page with the functions and their adjoints side by side, linked line by line; it needs nothing else."""
+        return page(self.title, self.tape, str(self), self.functions, self.listings)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the page, in a frame of its own."""
+        return (f'<iframe srcdoc="{escape(self.html())}" sandbox="allow-scripts" title="{escape(self.title)}" '
+                'style="width: 100%; height: 720px; border: 1px solid #8886"></iframe>')
 
 
 def explain(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None = None,
@@ -114,18 +120,10 @@ def explained(program: Program, request: Request, given: Mapping[str, Any] | Non
         outside = {p: current(program.arrays[a]) for p, a in hidden_arrays(units.program).items()}
         sizes = sizes_of(units, entry.unit, {**given, **outside})
     derived = [entry, *(d for d in units.derived.values() if d is not entry)]
-    sources = dict.fromkeys(_written(d) for d in derived)
     title = (f"{request.mode.capitalize()} of {entry.unit.kernel.name}: d({', '.join(request.of) or 'nothing'}) / "
              f"d({', '.join(request.wrt) or 'nothing'}), engine {request.engine}")
     found = tuple(findings(d, sizes.get(d.unit.title), request.engine) for d in derived)
-    return Explanation(title, found, tuple(sources))
-
-
-def _written(derived: Derived) -> tuple[str, str, int]:
-    """The text of the kernel behind a derivative: its path, its lines and the number of the first."""
-    source, tree = derived.unit.kernel.source, derived.unit.kernel.tree
-    numbers = range(tree.lineno, tree.end_lineno + 1)
-    return source.path, "\n".join(map(source.line, numbers)), tree.lineno
+    return Explanation(title, found, listings(program, made, {f.name: f for f in found}))
 
 
 def _most(name: str, functions: Mapping[str, Findings], known: dict[str, int | None]) -> int | None:

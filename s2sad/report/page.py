@@ -1,88 +1,82 @@
-"""page: the findings beside the source, as one HTML page that needs nothing else."""
+"""page: the functions and their derivatives side by side, as one HTML page that needs nothing else.
+
+The page is `page.html` with the title, the text of the report (for browsers without scripts) and the facts as JSON;
+what it looks like and does stands there.
+"""
 from __future__ import annotations
 
-from collections.abc import Iterable
+import json
+import re
+from collections.abc import Iterable, Sequence
+from functools import cache
 from html import escape
+from importlib.resources import files
+from typing import Any
 
-from s2sad.report.findings import Findings, Place
+from s2sad.report.findings import Findings, Place, in_words
+from s2sad.report.listing import Listing
 
-_STYLE = """
-:root { --line: #d8d8d8; --note: #555; --pushed: #fff2d6; --kinked: #fde4e4; --dropped: #f2f2f2; --again: #e6f0fb; }
-body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem; color: #1c1c1c; background: #fff; }
-h1 { font-size: 1.3rem; } h2 { font-size: 1.05rem; margin-top: 2rem; font-family: ui-monospace, monospace; }
-table { border-collapse: collapse; } td, th { padding: .1rem .7rem; text-align: left; vertical-align: top; }
-table.facts { margin: .5rem 0 1rem; } table.facts td { border-bottom: 1px solid var(--line); }
-table.source { width: 100%; table-layout: fixed; border: 1px solid var(--line); }
-table.source td { font: 13px/1.5 ui-monospace, monospace; white-space: pre-wrap; overflow-wrap: anywhere; }
-table.source td:first-child { width: 3rem; text-align: right; color: var(--note); user-select: none; }
-table.source td:nth-child(2) { width: 60%; }
-table.source td:last-child { font-family: system-ui, sans-serif; color: var(--note); }
-tr.pushed td { background: var(--pushed); } tr.kinked td { background: var(--kinked); }
-tr.dropped td { background: var(--dropped); } tr.again td { background: var(--again); }
-.active { font-weight: 600; } .legend span { padding: 0 .5rem; margin-right: .5rem; }
-"""
-_LEGEND = (("pushed", "recorded"), ("kinked", "not differentiable"), ("again", "computed again"),
-           ("dropped", "left out of the forward sweep"))
+_PLACEHOLDER = re.compile("@(title|text|data)@")
 
 
-def page(title: str, functions: Iterable[Findings], sources: Iterable[tuple[str, str, int]]) -> str:
-    """The page's text; `sources` are (path, text, number of the first line)."""
-    functions = tuple(functions)
-    legend = " ".join(f'<span style="background: var(--{key})">{words}</span>' for key, words in _LEGEND)
-    body = [f"<h1>{escape(title)}</h1>", f'<p class="legend">{legend}</p>', *map(_facts, functions)]
-    for path, text, first in sources:
-        inside = [f for f in functions if f.path == path]
-        body += [f"<h2>{escape(path)}</h2>", _source(text, first, _notes(inside))]
-    return (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{escape(title)}</title>\n'
-            f"<style>{_STYLE}</style>\n</head>\n<body>\n" + "\n".join(body) + "\n</body>\n</html>\n")
+def page(title: str, tape: str, text: str, functions: Iterable[Findings], listings: Sequence[Listing]) -> str:
+    """The page's text; `tape` says how much is recorded, `text` is the whole report."""
+    found = {f.name: f for f in functions}
+    data = {"title": title, "tape": tape, "functions": [_function(each, found.get(each.name)) for each in listings]}
+    parts = {"title": escape(title), "text": escape(text), "data": _embedded(data)}
+    return _PLACEHOLDER.sub(lambda match: parts[match[1]], _template())
 
 
-def _facts(found: Findings) -> str:
-    rows = [f"<tr><td{_bold(v.active)}>{escape(v.variable)}</td><td>{escape(v.type)}</td>"
-            f"<td>{escape(v.reason)}</td></tr>" for v in found.variables]
-    stacks = [f"<tr><td>{escape(s.name)}</td><td>{escape(s.what)}</td>"
-              f"<td>{escape(s.size)}</td></tr>" for s in found.recorded]
-    recorded = f'<table class="facts"><tr><th>recorded</th><th>what</th><th>size</th></tr>{"".join(stacks)}</table>' \
-        if stacks else "<p>It records nothing.</p>"
-    return (f"<h2>{escape(found.name)}</h2>\n<table class=\"facts\"><tr><th>variable</th><th>type</th><th>verdict</th>"
-            f"</tr>{''.join(rows)}</table>\n{recorded}")
+@cache
+def _template() -> str:
+    return files("s2sad.report").joinpath("page.html").read_text(encoding="utf-8")
 
 
-def _bold(active: bool) -> str:
-    return ' class="active"' if active else ""
+def _embedded(data: Any) -> str:
+    """JSON that stands in a script element: nothing in it ends that, or is anything but ASCII."""
+    text = json.dumps(data, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
-def _notes(functions: list[Findings]) -> dict[int, list[tuple[str, str]]]:
-    """By line of the source: (kind, words)."""
-    notes: dict[int, list[tuple[str, str]]] = {}
-
-    def note(place: Place, kind: str, words: str) -> None:
-        if not place.path and (kind, words) not in notes.setdefault(place.line, []):
-            notes[place.line].append((kind, words))
-
-    for found in functions:
-        for stacked in found.recorded:
-            note(stacked.place, "pushed", f"records {stacked.name}: {stacked.size}")
-            for place in stacked.needed_by:
-                note(place, "", f"needs {stacked.name}")
-        for kink in found.kinks:
-            note(kink.place, "kinked", f"not differentiable: {kink.what}")
-        for again in found.again:
-            note(again.place, "again", f"{again.variable} {again.how}")
-        for place in found.dropped:
-            note(place, "dropped", f"left out of the forward sweep of {found.name}")
-        for place in found.loops:
-            note(place, "", "run forward and back per iteration")
-        for place in found.interpreted:
-            note(place, "", "run by the interpreter, which Numba's code calls")
-    return notes
+def _function(listing: Listing, found: Findings | None) -> dict[str, Any]:
+    return {
+        "name": listing.name, "kernel": listing.kernel, "active": listing.active,
+        "sources": [{"name": s.name, "path": s.path, "lines": [
+            {"number": line.number, "text": line.text, "link": line.link, "marks": line.marks, "notes": line.notes,
+             "badge": line.badge} for line in s.lines]} for s in listing.sections],
+        "lines": [{"number": line.number, "text": line.text, "link": line.link, "kind": line.kind, "sweep": line.sweep}
+                  for line in listing.lines],
+        "records": [] if found is None else [
+            {"name": s.name, "bytes": None if s.grows else s.bytes, "what": s.what, "size": s.size,
+             "words": in_words(s.bytes) if s.bytes is not None and not s.grows else s.size,
+             "link": listing.link(s.place, found.path)} for s in found.recorded],
+        "tables": [] if found is None else list(_tables(listing, found))}
 
 
-def _source(text: str, first: int, notes: dict[int, list[tuple[str, str]]]) -> str:
-    rows = []
-    for number, line in enumerate(text.splitlines(), first):
-        here = notes.get(number, [])
-        kind = next((k for key, _ in _LEGEND for k, _ in here if k == key), "")
-        words = "<br>".join(escape(w) for _, w in here)
-        rows.append(f'<tr class="{kind}"><td>{number}</td><td>{escape(line)}</td><td>{words}</td></tr>')
-    return f'<table class="source">{"".join(rows)}</table>'
+def _tables(listing: Listing, found: Findings) -> Iterable[dict[str, Any]]:
+    """The findings as tables: a title, the columns, and rows with the statement that each leads to."""
+    def row(place: Place | None, *cells: str) -> dict[str, Any]:
+        return {"link": 0 if place is None else listing.link(place, found.path), "cells": cells}
+
+    def places(given: Iterable[Place]) -> list[dict[str, Any]]:
+        return [row(p, _where(p), p.text) for p in given]
+
+    tables = [
+        ("Recorded", ("name", "bytes", "what", "needed by"), [
+            row(s.place, s.name, s.size, s.what, "; ".join(f"{_where(p)}: {p.text}" for p in s.needed_by))
+            for s in found.recorded]),
+        ("Variables", ("variable", "type", "verdict"), [
+            row(None, v.variable, v.type, v.reason) for v in found.variables]),
+        ("Computed again instead of recorded", ("variable", "how", "line", "statement"), [
+            row(a.place, a.variable, a.how, _where(a.place), a.place.text) for a in found.again]),
+        ("Left out of the forward sweep", ("line", "statement"), places(found.dropped)),
+        ("Run in the reverse sweep only", ("line", "statement"), places(found.reversed_again)),
+        ("Loops run forward and back per iteration", ("line", "statement"), places(found.loops)),
+        ("Not differentiable", ("line", "statement", "what is done"), [
+            row(k.place, _where(k.place), k.place.text, k.what) for k in found.kinks]),
+        ("Run by the interpreter, which Numba's code calls", ("line", "statement"), places(found.interpreted))]
+    return [{"title": title, "columns": columns, "rows": rows} for title, columns, rows in tables if rows]
+
+
+def _where(place: Place) -> str:
+    return f"{place.path}:{place.line}" if place.path else f"line {place.line}"
