@@ -1,4 +1,4 @@
-"""What all tests share: this folder's parent on the path, quiet floating point, Hypothesis profiles, options."""
+"""What all tests share: this folder's parent on the path, quiet floating point, Hypothesis profiles, seeds, options."""
 from __future__ import annotations
 
 import os
@@ -16,13 +16,15 @@ if str(ROOT) not in sys.path:
 _SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
 settings.register_profile("ci", max_examples=300, deadline=None, derandomize=True, suppress_health_check=_SLOW)
 settings.register_profile("quick", max_examples=40, deadline=None, derandomize=True, suppress_health_check=_SLOW)
-settings.load_profile("ci" if os.environ.get("CI") else "quick")
+PROFILE = "ci" if os.environ.get("CI") else "quick"
+settings.load_profile(PROFILE)
 
 collect_ignore_glob = ["golden/*"]  # texts to compare and run, no tests
 
 
 def pytest_addoption(parser):
     parser.addoption("--update-golden", action="store_true", help="write the files of tests/golden anew")
+    parser.addoption("--seed", type=int, default=0, help="other random inputs: of arrays, weights and programs")
     parser.addoption("--compiled", action="store_true", help="let Numba compile what Python runs otherwise: hours")
 
 
@@ -32,11 +34,21 @@ def pytest_collection_finish(session):
 
 
 def pytest_configure(config):
+    _seeded(config)
     if config.getoption("compiled"):
         from tests.engines import compiling
         compiling.append(True)
     if config.getoption("update_golden") and os.environ.get("CI"):
         raise pytest.UsageError("--update-golden is refused where CI is set: goldens are read before they are written")
+
+
+def _seeded(config):
+    """Other random inputs, where `--seed` or the variable of tests/seeds.py asks for them: before tests are read."""
+    seed = config.getoption("seed") or int(os.environ.get("S2SAD_TEST_SEED", "0"))
+    if seed:
+        os.environ["S2SAD_TEST_SEED"] = config.option.hypothesis_seed = str(seed)
+        settings.register_profile("seeded", settings.get_profile(PROFILE), derandomize=False, database=None)
+        settings.load_profile("seeded")
 
 
 @pytest.fixture(autouse=True)

@@ -23,6 +23,7 @@ import s2sad
 from s2sad.report.differences import Line, rounding
 from s2sad.report.differences import differences as along_line
 from tests.engines import running
+from tests.seeds import generator
 
 Values = dict[str, Any]
 
@@ -118,7 +119,7 @@ class Subject:
     @cached_property
     def noise(self) -> np.ndarray:
         """What rounding adds to the outputs around here."""
-        return rounding(self.along(np.random.default_rng(0).standard_normal(self.x.size) * self.scales()))
+        return rounding(self.along(generator(0).standard_normal(self.x.size) * self.scales()))
 
     def is_single(self) -> bool:
         """Whether an argument is of float32: what is computed is precise to that."""
@@ -202,7 +203,7 @@ def _measured(function: Callable, subject: Subject, engine: str, rtol: float, do
         rtol, dot_tol = max(rtol, 2e-3), max(dot_tol, 1e-4)
     if not np.all(np.isfinite(_vector(subject.outputs, subject.of))):
         raise UnreliableDifferences("the outputs are not finite")
-    rng = np.random.default_rng(seed)
+    rng = generator(seed)
     differentiated = s2sad.differentiate(function, engine=engine)
     _primal_values(differentiated, subject, rtol)
     args = tuple(copy.deepcopy(subject.given).values())

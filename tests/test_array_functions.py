@@ -7,6 +7,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 ENGINES = ("numpy", "numba")
 
@@ -209,7 +210,7 @@ KERNELS = (diff, concatenate, stacks, appended, axes_added_and_dropped, axes_swa
 
 
 def arguments(kernel):
-    random = np.random.default_rng(7)
+    random = generator(7)
     if kernel is axes_of_three:
         return 0.3 + random.random((2, 3, 4)), 0.5 + random.random(4)
     return 0.3 + 0.7 * random.random((3, 4)), 0.5 + random.random(3), 0.5 + random.random(4)

@@ -14,9 +14,10 @@ from s2sad import (
 )
 from tests import called_arrays
 from tests.derivatives import check_derivatives
+from tests.seeds import generator
 
 GRAVITY = 2.0
-RNG = np.random.default_rng(3)
+RNG = generator(3)
 N = 6
 U, V, M = RNG.random(N) + 0.1, RNG.random(N) + 0.5, RNG.random((4, N))
 Y = np.zeros(N)

@@ -8,6 +8,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 ROWS, KEEP = 1, True
 
@@ -69,7 +70,7 @@ def helpers(a, b):
 
 @pytest.mark.parametrize(("kernel", "engine"), each((counters, bound_once, helpers, both_axes)))
 def test_known(kernel, engine):
-    random = np.random.default_rng(3)
+    random = generator(3)
     check_derivatives(kernel, (0.2 + random.random((3, 4)), random.random((3, 4))), ("a", "b"), ("return",), engine)
 
 

@@ -9,6 +9,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 
 
@@ -335,7 +336,7 @@ CASES = [
 
 @pytest.mark.parametrize(("kernel", "wrt", "of", "engine"), each(CASES))
 def test_changing_size(kernel, wrt, of, engine):
-    rng = np.random.default_rng(5)
+    rng = generator(5)
     names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]
     arguments = tuple(COUNTS if n == "counts" else 0.3 + 0.7 * rng.random((4, 3) if n == "m" else 4) for n in names)
     check_derivatives(kernel, arguments, wrt, of, engine=engine)

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import s2sad
+from tests.seeds import generator
 
-RNG = np.random.default_rng(5)
+RNG = generator(5)
 U, V, W = RNG.random(5) + 0.3, RNG.random(5) + 0.5, RNG.random(5) + 0.2
 
 

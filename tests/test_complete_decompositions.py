@@ -8,6 +8,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 _NEW = np.lib.NumpyVersion(np.__version__) >= "2.2.0"
 
@@ -74,7 +75,7 @@ KERNELS = (all_vectors, dots, of_tall_matrices, orthogonal, conditions, norms_in
 
 
 def arguments(n=3):
-    random = np.random.default_rng(4)
+    random = generator(4)
     a, b = random.random((2, 2, n, n))
     return a + np.diag(2.0 + np.arange(n)), b + np.diag(3.0 + 2.0 * np.arange(n)), 0.5 + random.random(n)
 

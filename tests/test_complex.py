@@ -7,8 +7,9 @@ import pytest
 import s2sad
 from tests import complex_kernels as kernels
 from tests.derivatives import check_derivatives
+from tests.seeds import generator
 
-RNG = np.random.default_rng(7)
+RNG = generator(7)
 Z, W = (RNG.normal(size=4) + 1j * RNG.normal(size=4) for _ in range(2))
 X = RNG.uniform(0.5, 1.5, 4)
 M = RNG.normal(size=(4, 4)) + 1j * RNG.normal(size=(4, 4))

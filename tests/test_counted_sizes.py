@@ -6,9 +6,10 @@ import pytest
 
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 X = np.array([0.3, 0.7, 1.1, 2.5, 0.9])
-A = np.random.default_rng(1).normal(size=(4, 5))
+A = generator(1).normal(size=(4, 5))
 
 
 def one_less(x):

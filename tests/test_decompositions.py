@@ -7,6 +7,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 scipy_linalg = pytest.importorskip("scipy.linalg")
 from scipy.linalg import (  # noqa: E402
@@ -80,7 +81,7 @@ KERNELS = (orthogonal, singular_vectors, norms, triangles, cholesky_factors, tri
 
 
 def arguments():
-    random = np.random.default_rng(5)
+    random = generator(5)
     a = random.random((3, 3))
     return a @ a.T + np.diag([1.0, 2.0, 3.5]), 0.5 + random.random((3, 3)) + np.eye(3), 0.5 + random.random(3)
 
@@ -98,7 +99,7 @@ def wide_bands(ab, x):
 
 
 def test_bands_with_row_exchanges():
-    random = np.random.default_rng(2)
+    random = generator(2)
     ab = random.standard_normal((4, 7))
     ab[1] *= 0.1
     check_derivatives(wide_bands, (ab, random.random(7)), ("ab", "x"), ("x",))

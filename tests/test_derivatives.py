@@ -8,6 +8,7 @@ import pytest
 
 from tests import derivatives
 from tests.derivatives import Subject, UnreliableDifferences, check_derivatives, differences
+from tests.seeds import generator
 
 
 def kernel(u, c):
@@ -150,14 +151,14 @@ def solved_apart(condition, random, wrong=0.0, size=4):
 
 @pytest.mark.parametrize("condition", (1e1, 1e3, 3e4))
 def test_differences_know_what_a_solve_does_to_rounding(condition):
-    random = np.random.default_rng(12)
+    random = generator(12)
     apart = np.concatenate([solved_apart(condition, random)[0] for _ in range(60)])
     assert apart.max() < 10.0, f"{np.sum(apart >= 10.0)} of {apart.size}, the worst {apart.max():.0f} times"
 
 
 @pytest.mark.parametrize("condition", (1e1, 1e3))
 def test_what_a_solve_does_to_rounding_hides_no_sixth_digit(condition):
-    random = np.random.default_rng(12)
+    random = generator(12)
     cases = [solved_apart(condition, random, wrong=1e-6) for _ in range(60)]
     assert np.mean([apart.max() > 10.0 for apart, _ in cases]) > 0.9
     assert np.mean([error.max() < 1e-8 for _, error in cases]) > 0.9

@@ -8,11 +8,12 @@ from hypothesis import assume, given, settings
 from tests.bulk import outcome
 from tests.derivatives import UnreliableDifferences, check_derivatives
 from tests.programs import SHAPES, kernels, random_kernel
+from tests.seeds import seeded
 
 
 def numbered(first: int, count: int, engine: str) -> None:
     """Programs by number: all of them are different. A failure names its number for `python -m tests.bulk`."""
-    found = [outcome(random_kernel(seed), engine, seed) for seed in range(first, first + count)]
+    found = [outcome(random_kernel(seed), engine, seed) for seed in range(seeded(first), seeded(first) + count)]
     failures = [f for f in found if f.failed]
     assert not failures, "\n".join(f"seed {f.seed}: {f.kind}\n{f.source}\n{f.text}" for f in failures)
     assert sum(f.kind == "ok" for f in found) >= 0.9 * count
@@ -42,7 +43,7 @@ def test_drawn_programs(program):
 @pytest.mark.parametrize("first", range(0, 300, 50))
 def test_programs_keep_their_promises(first):
     """They run, end, stay bounded, and their arguments are the same each time."""
-    for seed in range(first, first + 50):
+    for seed in range(seeded(first), seeded(first) + 50):
         program = random_kernel(seed)
         assert program == random_kernel(seed)
         arguments = program.arguments()
@@ -54,7 +55,7 @@ def test_programs_keep_their_promises(first):
 
 
 def test_programs_differ():
-    assert len({random_kernel(seed).source for seed in range(330)}) == 330
+    assert len({random_kernel(seed).source for seed in range(seeded(0), seeded(330))}) == 330
 
 
 def test_outcome_of_a_program_that_fails():

@@ -9,6 +9,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 ENGINES = ("numpy", "numba")
 
@@ -183,7 +184,7 @@ KERNELS = (extremes_of_no_rows, asked_of_whole_arrays, counters_of_a_loop_that_i
 
 @pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
-    random = np.random.default_rng(5)
+    random = generator(5)
     given = random.uniform(-0.9, 0.9, 5), random.uniform(-0.9, 0.9, 5), random.uniform(-0.9, 0.9, (3, 4))
     left = tuple(a.copy() for a in given)
     kernel(*left)
@@ -198,7 +199,7 @@ def deviations_and_choices(x, y, m):
 
 @pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_float32_stays_float32(engine):
-    random = np.random.default_rng(5)
+    random = generator(5)
     given = [random.uniform(-0.9, 0.9, shape).astype("float32") for shape in (5, 5, (3, 4))]
     check_derivatives(deviations_and_choices, tuple(given), ("m",), ("m",), engine)
 
@@ -221,7 +222,7 @@ def guards_of_branches(x, y, flag):
 @pytest.mark.parametrize("engine", ("numpy", "loops"))
 @pytest.mark.parametrize(("size", "flag"), ((4, 1), (8, 1), (3, 2), (4, 3)))
 def test_a_guard_holds_where_it_stands(size, flag, engine):
-    random = np.random.default_rng(5)
+    random = generator(5)
     given = random.uniform(0.5, 1.0, 5), random.uniform(0.5, 1.0, size), flag
     of = ("x", "y") if flag == 1 else ("x",)
     check_derivatives(guards_of_branches, given, ("x", "y"), of, engine)

@@ -43,6 +43,7 @@ from s2sad.tree import FunctionDef
 from s2sad.units import Unit
 from s2sad.variants import State
 from tests.derivatives import Subject, differences
+from tests.seeds import generator
 
 FOLDER = Path(__file__).resolve().parent / "golden"
 CASES = sorted(path.name for path in FOLDER.iterdir() if path.is_dir() and not path.name.startswith((".", "_")))
@@ -221,7 +222,7 @@ def adjoint_gradient(case: str, name: str, engine: str, seeds: dict[str, Any], r
 def test_adjoint_runs(case, engine, name):
     if engine == "numba":
         pytest.importorskip("numba")
-    rng, subject = np.random.default_rng(0), subject_of(case)
+    rng, subject = generator(0), subject_of(case)
     seeds = parts(subject.outputs, subject.of, rng)
     gradient, bars, scales = adjoint_gradient(case, name, engine, seeds, rng), flat(seeds, subject.of), subject.scales()
     for k in range(subject.x.size):
@@ -236,7 +237,7 @@ def test_adjoint_runs(case, engine, name):
 
 @pytest.mark.parametrize("case", CASES)
 def test_tangent_runs(case):
-    rng, subject = np.random.default_rng(0), subject_of(case)
+    rng, subject = generator(0), subject_of(case)
     direction = parts(subject.given, subject.wrt, rng)
     shadowed = [p.primal for p in made(case).signatures["tangent.py"].parameters if p.role == "shadow"]
     start = {n: np.zeros_like(subject.given[n]) for n in shadowed if n not in subject.wrt}

@@ -8,8 +8,9 @@ from s2sad import differentiate, explain
 from tests.called_kernels import asserted_between
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
-RNG = np.random.default_rng(11)
+RNG = generator(11)
 U, V = RNG.random((4, 5)) + 0.5, RNG.random((4, 5)) + 0.5
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import s2sad
+from tests.seeds import generator
 
 ENGINES = ("numpy", "numba")
 
@@ -119,7 +120,7 @@ def replayed(kernel, u, v, monkeypatch):
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("kernel", "outputs"), KERNELS, ids=[k.__name__ for k, _ in KERNELS])
 def test_held_fixed(kernel, outputs, engine, monkeypatch):
-    rng = np.random.default_rng(1)
+    rng = generator(1)
     u, v = rng.uniform(0.2, 1.0, 5), rng.uniform(0.2, 1.0, 5)
     run, x = replayed(kernel, u, v, monkeypatch), np.concatenate([u, v])
     seeds = {name: rng.standard_normal(5) if name in "uv" else rng.standard_normal() for name in outputs}

@@ -7,8 +7,9 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
-random = np.random.default_rng(5)
+random = generator(5)
 X, A = 0.2 + random.random(5), 0.2 + random.random((3, 4))
 FEW, SMALL = np.array([1, 2, -3, 0, 4], dtype=np.int32), np.array([200, 100, 3, 4, 250], dtype=np.uint8)
 TIES = np.array([1, 0, 1, 0, 1, 1, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0, 1, 0, 1, 0, 1, 0, 0, 1])

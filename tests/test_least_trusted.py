@@ -9,6 +9,7 @@ import pytest
 
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 
 def double_write(x, y):
@@ -228,6 +229,6 @@ CASES = [
 
 @pytest.mark.parametrize(("kernel", "given", "wrt", "of", "engine"), each(CASES))
 def test_least_trusted(kernel, given, wrt, of, engine):
-    rng = np.random.default_rng(5)
+    rng = generator(5)
     arguments = tuple(rng.random(a) + 0.4 if isinstance(a, tuple) else a for a in given)
     check_derivatives(kernel, arguments, wrt, of, engine=engine)

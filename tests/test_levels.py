@@ -7,10 +7,11 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each, running
+from tests.seeds import generator
 
 
 def given(count: int) -> np.ndarray:
-    return np.random.default_rng(8).uniform(0.3, 1.2, count)
+    return generator(8).uniform(0.3, 1.2, count)
 
 
 def summed(x):

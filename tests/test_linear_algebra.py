@@ -8,6 +8,7 @@ import s2sad
 from s2sad.runtime import cofactors
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 
 
@@ -109,7 +110,7 @@ KERNELS = (inverted, determinant, log_determinant, lower_triangle, solved, eigen
 
 
 def arguments():
-    random = np.random.default_rng(5)
+    random = generator(5)
     a = random.random((3, 3))
     return a @ a.T + np.diag([1.0, 2.0, 3.5]), 0.5 + random.random((3, 3)) + np.eye(3), 0.5 + random.random(3)
 

@@ -7,6 +7,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 ENGINES = ("numpy", "numba")
 
@@ -89,7 +90,7 @@ KERNELS = (comprehensions, appended, sometimes, trajectory, triangular, of_a_ker
 
 @pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
-    random = np.random.default_rng(7)
+    random = generator(7)
     given = 0.3 + 0.7 * random.random((3, 4)), 0.5 + random.random(3), 0.5 + random.random(4)
     left = [g.copy() for g in given]
     kernel(*left)

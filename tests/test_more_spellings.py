@@ -16,8 +16,9 @@ import s2sad
 from s2sad import S2sadError, check, differentiate, gradient
 from tests.derivatives import check_derivatives
 from tests.engines import each, running
+from tests.seeds import generator
 
-RNG = np.random.default_rng(4)
+RNG = generator(4)
 X, M = RNG.random(5) + 0.2, RNG.random((5, 2)) + 0.2
 
 

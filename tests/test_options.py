@@ -9,6 +9,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each, running
+from tests.seeds import generator
 
 linalg = pytest.importorskip("scipy.linalg")
 
@@ -77,7 +78,7 @@ CASES = [(copied, ("return",)), (one_array_twice, ("a", "return")),
 
 @pytest.mark.parametrize(("kernel", "of", "engine"), each(CASES))
 def test_kernel(kernel, of, engine):
-    random = np.random.default_rng(3)
+    random = generator(3)
     given = 0.2 + random.random(5), 0.2 + random.random(5), 0.2 + random.random((2, 5))
     check_derivatives(kernel, given, ("x", "y", "a"), of, engine)
 

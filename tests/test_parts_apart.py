@@ -7,9 +7,10 @@ import pytest
 from s2sad import S2sadError, differentiate
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 X = np.array([0.3, 1.2, 0.8, 0.5, 0.9, 1.4])
-A = np.random.default_rng(1).normal(size=(4, 5))
+A = generator(1).normal(size=(4, 5))
 
 
 def mix(p, q):

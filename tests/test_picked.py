@@ -6,9 +6,10 @@ import pytest
 
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 V = np.array([0.3, 1.2, 0.8, 2.0])
-A = np.random.default_rng(1).normal(size=(4, 5))
+A = generator(1).normal(size=(4, 5))
 
 
 def places(v):

@@ -7,6 +7,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 ENGINES = ("numpy", "numba")
 
@@ -58,7 +59,7 @@ KERNELS = (mask_and_row_of_one_matrix, column_by_number, mask_changed_in_while, 
 
 @pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
-    random = np.random.default_rng(3)
+    random = generator(3)
     given = 0.3 + random.random((3, 3)), np.array([0.9, 1.2, 0.7])
     left = given[0].copy(), given[1].copy()
     kernel(*left)
@@ -117,7 +118,7 @@ def products_of_integers(a, x):
 
 @pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_products_of_integers(engine):
-    random = np.random.default_rng(3)
+    random = generator(3)
     check_derivatives(products_of_integers, (random.random((3, 3)), random.random(3)), ("a", "x"), ("a", "x"), engine)
 
 
@@ -136,7 +137,7 @@ def functions_into_picked_elements(a, x, y):
 
 @pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_functions_into_picked_elements(engine):
-    random = np.random.default_rng(3)
+    random = generator(3)
     given = 0.5 + random.random((3, 3)), random.random(3), np.array([0.9, 0.5, 1.2])
     check_derivatives(functions_into_picked_elements, given, ("a", "x", "y"), ("a", "x", "y"), engine)
 

@@ -7,6 +7,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 ENGINES = ("numpy", "numba")
 
@@ -137,7 +138,7 @@ KERNELS = (results_in_place, stores_at_places, ufuncs, where_it_is, ordered, sou
 
 
 def arguments():
-    random = np.random.default_rng(7)
+    random = generator(7)
     return 0.3 + 0.7 * random.random((3, 4)), 0.5 + random.random(3), 0.5 + random.random(4)
 
 

@@ -6,8 +6,9 @@ import pytest
 
 from s2sad import differentiate
 from tests.derivatives import check_derivatives
+from tests.seeds import generator
 
-RNG = np.random.default_rng(11)
+RNG = generator(11)
 
 
 def layers(w, b, v, x, y):

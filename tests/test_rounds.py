@@ -7,8 +7,9 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
-A, X = np.random.default_rng(1).random((5, 5)) + 0.2, np.array([0.9, 0.31, 1.4, 0.55, 1.13])
+A, X = generator(1).random((5, 5)) + 0.2, np.array([0.9, 0.31, 1.4, 0.55, 1.13])
 BARS = ((0, 1, 0.5), (1, 2, 0.7), (2, 3, 0.2), (3, 4, 0.9), (0, 4, 1.1))
 
 

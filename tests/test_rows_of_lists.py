@@ -6,8 +6,9 @@ import pytest
 
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
-RNG = np.random.default_rng(0)
+RNG = generator(0)
 W, U, X, A, ROWS = RNG.random((3, 2)), RNG.random((3, 3)), RNG.random((4, 2)), RNG.random((3, 3)), RNG.random((4, 2))
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from s2sad import runtime
 from s2sad.runtime import exponentials, scalars, special, stacks, sums
+from tests.seeds import generator
 
 
 def _compiled(module) -> dict:
@@ -39,7 +40,7 @@ def elementary(request):
 @pytest.mark.parametrize("name", ["exp", "expm1", "sinh", "cosh", "tanh"])
 def test_exponentials_are_right_to_the_last_digits(elementary, name):
     """Against NumPy in extended precision where it has it, at most 3 units in the last place off."""
-    rng = np.random.default_rng(3)
+    rng = generator(3)
     inside = 709.7 if name in ("exp", "expm1") else 710.4
     for x in np.concatenate([rng.standard_normal(200), 1e-4 * rng.standard_normal(50), rng.uniform(-0.7, 0.7, 200),
                              rng.uniform(-inside, inside, 200), [-708.4, 1e-300, 5e-324, -1e-9, 22.5, -19.1, inside]]):
@@ -48,7 +49,7 @@ def test_exponentials_are_right_to_the_last_digits(elementary, name):
 
 
 def test_the_derivative_of_tanh(elementary):
-    rng = np.random.default_rng(3)
+    rng = generator(3)
     for x in np.concatenate([rng.standard_normal(200), 1e-4 * rng.standard_normal(50), rng.uniform(-350, 350, 200)]):
         exact = 1 / np.cosh(np.longdouble(x)) ** 2
         assert abs(elementary["sech_squared"](x) - exact) <= 4 * np.spacing(np.float64(exact)), x
@@ -90,7 +91,7 @@ def test_grow_from_nothing(functions):
 
 @pytest.mark.parametrize("size", [0, 1, 7, 127, 128, 129, 255, 256, 1000, 4096, 100_003])
 def test_sum_is_exact_to_a_few_roundings(functions, size):
-    x = np.random.default_rng(size).standard_normal(size)
+    x = generator(size).standard_normal(size)
     for name in ("pairwise_sum", "blocked_sum"):
         assert abs(functions[name](x) - math.fsum(x)) <= 8e-16 * np.sum(np.abs(x))
 
@@ -175,7 +176,7 @@ def test_heaviside_and_isclose(numbers):
 def test_digamma(functions):
     """Against SciPy's; near its zeros, and far below 0 where x itself has few digits, to the size of its terms."""
     reference = pytest.importorskip("scipy.special").digamma
-    rng = np.random.default_rng(1)
+    rng = generator(1)
     points = np.concatenate([rng.uniform(-30.0, 30.0, 4000), 10.0 ** rng.uniform(-300, 300, 1000),
                              -10.0 ** rng.uniform(-300, -1, 500), [1.4616321449683622, 9.999999999999998, 10.0]])
     for x in points:

@@ -7,6 +7,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 scipy_linalg = pytest.importorskip("scipy.linalg")
 from scipy.linalg import block_diag, eigh, qr, solve, solveh_banded, svd, toeplitz  # noqa: E402
@@ -66,7 +67,7 @@ KERNELS = (solutions, orthogonal, eigenvalues, of_diagonals, of_blocks, singular
 
 
 def arguments():
-    random = np.random.default_rng(5)
+    random = generator(5)
     a = random.random((3, 3))
     b = 0.5 + random.random((3, 3)) + np.diag([1.0, 2.0, 4.0])
     return a @ a.T + np.diag([1.0, 2.0, 3.5]), b, 0.5 + random.random(3)

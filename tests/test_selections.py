@@ -7,6 +7,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 X = np.array([-1.2, 0.7, 1.4, 0.3])
 A = np.array([[0.3, -0.9, 0.7], [0.5, 0.2, -0.6]])
@@ -172,7 +173,7 @@ def others(a, x, fixed):
 @pytest.mark.parametrize(("kernel", "engine"), each([free_of, others]))
 @pytest.mark.parametrize("fixed", [np.array([0, 3]), np.zeros(0, int), np.array([2, 1, 5, 1])])
 def test_numbers_that_are_left(kernel, fixed, engine):
-    a = np.random.default_rng(2).normal(size=(4, 4)) + 4.0 * np.eye(4)
+    a = generator(2).normal(size=(4, 4)) + 4.0 * np.eye(4)
     check_derivatives(kernel, (a, X, fixed), ("a", "x"), ("return",), engine=engine)
 
 

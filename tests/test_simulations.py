@@ -7,6 +7,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import running
+from tests.seeds import generator
 from tests.simulations import (
     euler, finite_elements, kalman, lattice_boltzmann, level_set, multigrid, ray_march, reaction_network,
     shallow_water, wave,
@@ -80,13 +81,13 @@ PROGRAMS = (of_shallow_water, of_wave, of_euler, of_lattice_boltzmann, of_level_
 @pytest.mark.parametrize(("program", "engine"), [*((p, e) for p in PROGRAMS for e in ("numpy", "loops")),
                                                  (of_wave, "numba"), (of_kalman, "numba")])
 def test_program(program, engine):
-    function, arguments, wrt, of = program(np.random.default_rng(8))
+    function, arguments, wrt, of = program(generator(8))
     check_derivatives(function, arguments, wrt, of, engine, coordinates=12)
 
 
 @pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_program_with_a_structure(engine):
-    function, arguments, wrt, of = of_reaction_network(np.random.default_rng(8))
+    function, arguments, wrt, of = of_reaction_network(generator(8))
     with running(engine) as name:
         found = s2sad.check(function, *arguments, wrt=wrt, of=of, engine=name)
     assert found, str(found)

@@ -7,6 +7,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 
 def ring_shrinks(u, v, steps):
@@ -83,7 +84,7 @@ CASES.remove((a_row_or_all, 2))     # a length of 1 that is not written repeats 
 
 @pytest.mark.parametrize(("kernel", "steps", "engine"), each(CASES))
 def test_kernel(kernel, steps, engine):
-    random = np.random.default_rng(2)
+    random = generator(2)
     given = (0.4 + random.random(5), 0.3 + random.random(5), steps)
     left = (given[0].copy(), given[1].copy(), steps)
     kernel(*left)

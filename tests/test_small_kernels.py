@@ -9,6 +9,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 
 
@@ -326,7 +327,7 @@ def _argument(name: str, rng: np.random.Generator, small: bool) -> object:
 
 @pytest.mark.parametrize(("kernel", "wrt", "of", "engine"), each(CASES))
 def test_small_kernel(kernel, wrt, of, engine):
-    rng = np.random.default_rng(3)
+    rng = generator(3)
     names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]
     arguments = tuple(_argument(n, rng, "q" in names and "m" not in names) for n in names)
     check_derivatives(kernel, arguments, wrt, of, engine=engine)

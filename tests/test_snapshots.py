@@ -6,6 +6,7 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives
+from tests.seeds import generator
 
 
 def stepped(u, steps, c):
@@ -76,7 +77,7 @@ KERNELS = {
 @pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.__name__)
 def test_kernel(kernel):
     arguments, wrt, of = KERNELS[kernel]
-    given = arguments(np.random.default_rng(2))
+    given = arguments(generator(2))
     check_derivatives(kernel, given, wrt, of, "numba")
     text = s2sad.differentiate(kernel, engine="numba").adjoint_source(*given)
     assert "where an iteration of" in text.partition('"""\n\n')[0]
@@ -103,7 +104,7 @@ def spread(a, b, c):
 
 
 def test_gains_in_loops_of_their_own():
-    random = np.random.default_rng(4)
+    random = generator(4)
     given = tuple(0.5 + random.random((4, 5)) for _ in range(3))
     function = s2sad.differentiate(spread, engine="numba")
     assert "_gains = np.zeros(" in function.adjoint_source(*given, level="fast")

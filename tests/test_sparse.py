@@ -7,6 +7,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each, running
+from tests.seeds import generator
 
 sparse = pytest.importorskip("scipy.sparse")
 from scipy.sparse import coo_matrix, csc_array, csr_array, csr_matrix, diags, eye, identity, spdiags  # noqa: E402
@@ -194,7 +195,7 @@ COMPILED = (poisson, rows_of_diagonals)               # the others as the text f
 @pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
     names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]
-    given, left = (KERNELS[kernel](np.random.default_rng(1)) for _ in range(2))
+    given, left = (KERNELS[kernel](generator(1)) for _ in range(2))
     kernel(*left)
     wrt = tuple(n for n, a in zip(names, given) if np.asarray(a).dtype.kind == "f")
     of = tuple(n for n, a, b in zip(names, given, left) if not np.array_equal(a, b))
@@ -216,7 +217,7 @@ def single(v, x):
 
 
 def test_single_precision():
-    random = np.random.default_rng(1)
+    random = generator(1)
     given = (1.0 + random.random(4)).astype(np.float32), random.random(4).astype(np.float32)
     check_derivatives(single, given, ("v", "x"), ("return",))
 
@@ -234,7 +235,7 @@ def misfit(A, x, b):
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_matrix_is_an_argument(engine):
-    random = np.random.default_rng(2)
+    random = generator(2)
     x, b, ones = random.random(4), random.random(4), np.ones(4)
     f = s2sad.differentiate(misfit, engine=engine)
     for A in [LAPLACE] if engine == "numba" else [LAPLACE, LAPLACE.tocsc(), csr_array(LAPLACE).tocoo()]:
@@ -354,7 +355,7 @@ def of_solutions(v, b):
 
 
 def test_implicit_functions_beside_sparse_matrices():
-    random = np.random.default_rng(4)
+    random = generator(4)
     check_derivatives(of_solutions, (random.random(4), random.random(4)), ("v", "b"), ("return",))
 
 

@@ -8,8 +8,9 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
-random = np.random.default_rng(5)
+random = generator(5)
 A, X, Y = (0.2 + random.random(shape) for shape in ((3, 3, 3), (3, 3), 3))
 MIXED = np.array([-1.0, 0.0, 2.0])
 

@@ -8,6 +8,7 @@ import scipy.linalg
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 _NEW = np.lib.NumpyVersion(np.__version__) >= "2.0.0"
 
@@ -78,7 +79,7 @@ KERNELS = (inverses, determinants, solutions, one_matrix_for_all, eigenvalues, t
 
 
 def arguments(count=2, n=3):
-    random = np.random.default_rng(3)
+    random = generator(3)
     a, b = random.random((2, count, n, n))
     return a + np.diag(2.0 + np.arange(n)), b + np.diag(3.0 + 2.0 * np.arange(n)), 0.5 + random.random(n)
 
@@ -170,7 +171,7 @@ def upper_factors(a, x):
 @pytest.mark.parametrize("kernel", (turned, upper_triangles, upper_factors))
 @pytest.mark.parametrize("shape", [(3, 3, 3), (2, 3, 3), (3, 3), (1, 1)])
 def test_of_scipy(kernel, shape, engine):
-    a = np.random.default_rng(5).normal(size=shape) + 3.0 * np.eye(shape[-1])
+    a = generator(5).normal(size=shape) + 3.0 * np.eye(shape[-1])
     check_derivatives(kernel, (a, np.array([0.4, -1.3, 0.8])[:shape[-1]]), ("a", "x"), ("return",), engine)
 
 

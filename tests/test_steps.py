@@ -7,10 +7,11 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each, running
+from tests.seeds import generator
 
 
 def given(*shape: int) -> np.ndarray:
-    return np.random.default_rng(7).uniform(0.3, 1.2, shape)
+    return generator(7).uniform(0.3, 1.2, shape)
 
 
 def diagonal(m, n):

@@ -7,6 +7,7 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 ENGINES = ("numpy", "numba")
 
@@ -50,7 +51,7 @@ KERNELS = (lists, copies, rolled, element_of_a_list, searchsorted)
 
 @pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
 def test_kernel(kernel, engine):
-    random = np.random.default_rng(7)
+    random = generator(7)
     given = 0.3 + 0.7 * random.random((3, 4)), np.array([0.6, 0.9, 1.2]), 0.5 + random.random(4)
     left = [g.copy() for g in given]
     kernel(*left)
@@ -79,7 +80,7 @@ def named_slices(a, x, y):
 
 @pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_named_slices(engine):
-    random = np.random.default_rng(3)
+    random = generator(3)
     check_derivatives(named_slices, (random.random((3, 4)), random.random(3), random.random(4)), ("a", "x", "y"),
                       ("a", "x", "return"), engine)
 

@@ -6,8 +6,9 @@ import pytest
 
 from s2sad import differentiate
 from tests.derivatives import check_derivatives
+from tests.seeds import generator
 
-RNG = np.random.default_rng(7)
+RNG = generator(7)
 U, W, B, V = RNG.random(4), RNG.random((3, 1)), RNG.random(3), RNG.random((1, 3))
 
 

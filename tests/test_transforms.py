@@ -6,8 +6,9 @@ import s2sad
 from s2sad import runtime
 from tests import transform_kernels as kernels
 from tests.derivatives import check_derivatives
+from tests.seeds import generator
 
-RNG = np.random.default_rng(11)
+RNG = generator(11)
 NORMS = (None, "backward", "ortho", "forward")
 X, Y = RNG.normal(size=(2, 5))
 Z = RNG.normal(size=4) + 1j * RNG.normal(size=4)

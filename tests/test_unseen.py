@@ -6,6 +6,7 @@ import pytest
 
 import s2sad
 from tests.derivatives import check_derivatives, check_value
+from tests.seeds import generator
 
 NODES, WEIGHTS = (-0.6, 0.6), [1.0, 0.5]
 STAGES = ((0.5, 0.25), (0.1, 0.2))
@@ -18,7 +19,7 @@ class Settings:
 
 
 def values(*shape, seed=1):
-    return np.random.default_rng(seed).uniform(0.5, 1.5, shape)
+    return generator(seed).uniform(0.5, 1.5, shape)
 
 
 def flux(q, gamma=1.4, speeds=(1.0, 2.0)):

@@ -9,6 +9,7 @@ from s2sad.emit import text
 from s2sad.units import array_forms
 from tests.derivatives import check_derivatives
 from tests.engines import running
+from tests.seeds import generator
 
 
 def written_in_turn(u):
@@ -431,7 +432,7 @@ def lines_of_a_transpose(u):
 
 
 def given(*shape):
-    return np.random.default_rng(3).uniform(0.3, 1.1, shape)
+    return generator(3).uniform(0.3, 1.1, shape)
 
 
 SQUARE = (

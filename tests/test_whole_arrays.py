@@ -10,6 +10,7 @@ import s2sad
 from benchmarks.kernels.cases import ARRAYS
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 ENGINES = ("numpy", "numba")
 
@@ -223,7 +224,7 @@ SQUARE = (operand_as_result,)
 
 
 def arguments(kernel):
-    random = np.random.default_rng(11)
+    random = generator(11)
     if kernel in THREE:
         return 0.5 + random.random(6), 0.5 + random.random(6)
     if kernel in SQUARE:
@@ -329,7 +330,7 @@ def quotient_in_a_sum(m, v):
 
 @pytest.mark.parametrize(("kernel", "engine"), each((transposed_and_read, quotient_in_a_sum)))
 def test_square(kernel, engine):
-    random = np.random.default_rng(5)
+    random = generator(5)
     of = ("m", "v") if kernel is transposed_and_read else ("return",)
     check_derivatives(kernel, (0.3 + random.random((4, 4)), 0.3 + random.random(4)), ("m", "v"), of, engine)
 
@@ -369,7 +370,7 @@ def one_column_at_a_time(m):
 
 @pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_bounds_known_at_run_time(engine):
-    random = np.random.default_rng(7)
+    random = generator(7)
     x, y, m = 0.5 + random.random(6), 0.5 + random.random(6), 0.5 + random.random((4, 4)) + 2.0 * np.eye(4)
     check_derivatives(bounds_that_cross, (x, y), ("x", "y"), ("x", "y"), engine)
     check_derivatives(bound_of_a_view_that_changes, (x, 3, y), ("x", "y"), ("x", "y"), engine)
@@ -390,7 +391,7 @@ def step_that_changes(x):
 
 @pytest.mark.parametrize("engine", ("numpy", "loops"))
 def test_bounds_of_products(engine):
-    random = np.random.default_rng(7)
+    random = generator(7)
     given = 0.5 + random.random((4, 4)), 0.5 + random.random(4)
     check_derivatives(one_counter_for_two_loops, given, ("m", "v"), ("v",), engine)
 

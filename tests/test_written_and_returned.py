@@ -6,8 +6,9 @@ import pytest
 
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
-RNG = np.random.default_rng(7)
+RNG = generator(7)
 
 
 def boundary(p):

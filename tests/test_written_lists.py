@@ -7,8 +7,9 @@ import pytest
 import s2sad
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
-RNG = np.random.default_rng(5)
+RNG = generator(5)
 X, A = 0.2 + RNG.random(4), 0.2 + RNG.random((4, 2))
 
 

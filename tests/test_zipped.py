@@ -6,9 +6,10 @@ import pytest
 
 from tests.derivatives import check_derivatives
 from tests.engines import each
+from tests.seeds import generator
 
 V = np.array([0.3, 1.2, 0.8])
-A = np.random.default_rng(1).normal(size=(3, 5))
+A = generator(1).normal(size=(3, 5))
 
 
 def weights(x, c):
