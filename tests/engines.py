@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import Any
 from zlib import crc32
 
@@ -15,6 +16,7 @@ import pytest
 from s2sad.run import compiled
 
 EVERY = 10
+_runtime = cache(compiled._runtime.__wrapped__)      # the runtime's functions as they are
 compiling: list[bool] = []      # with pytest's option --compiled: Numba compiles every text
 
 
@@ -24,15 +26,14 @@ def running(engine: str) -> Iterator[str]:
     if engine != "loops" or compiling:
         yield "numba" if engine == "loops" else engine
         return
-    jit, key = compiled._jit, compiled._key
+    before = compiled._jit, compiled._key, compiled._runtime
     compiled._jit = lambda function, *_, **__: function
-    compiled._key = lambda bounds: f"{key(bounds)}-loops"       # modules of their own
-    compiled._runtime.cache_clear()
+    compiled._key = lambda bounds: f"{before[1](bounds)}-loops"       # modules of their own
+    compiled._runtime = _runtime                                      # what is compiled of the runtime stays for others
     try:
         yield "numba"
     finally:
-        compiled._jit, compiled._key = jit, key
-        compiled._runtime.cache_clear()
+        compiled._jit, compiled._key, compiled._runtime = before
 
 
 def each(cases: Iterable[Any]) -> list[Any]:

@@ -8,6 +8,7 @@ import math
 import os
 import re
 import tempfile
+from functools import lru_cache
 from pathlib import Path
 
 import gast
@@ -55,6 +56,12 @@ def shown(text: str, name: str | None = None) -> str:
 
 def run_both(text: str, *arguments, name: str | None = None):
     """Outcome of the function and of its form: result or exception, and the arguments afterwards."""
+    return [_outcome(f, copy.deepcopy(arguments)) for f in _both(text, name)]
+
+
+@lru_cache(maxsize=1)
+def _both(text: str, name: str | None):
+    """The function and its form, for all the arguments that follow each other."""
     original: dict = {"np": np, "math": math}
     exec(text, original)
     tree = form(text, name)
@@ -68,7 +75,7 @@ def run_both(text: str, *arguments, name: str | None = None):
                 found = getattr(found, part)
             scope[node.id.replace(".", "__")] = found
     exec(printed(tree), scope)
-    return [_outcome(f, copy.deepcopy(arguments)) for f in (original[tree.name], scope[tree.name])]
+    return original[tree.name], scope[tree.name]
 
 
 def _outcome(f, arguments):
