@@ -252,7 +252,7 @@ def test_a_file_that_is_missing_a_directory_or_not_utf8(ran, kernel, tmp_path):
     assert ran("adjoint", ".:f") == (1, "", "error[S101]: .: this is a directory\n"
                                      "  help: give a Python file: kernel.py:function\n")
     assert ran("adjoint", "bad.py:f") == (
-        1, "", "error[S101]: bad.py: not UTF-8 (byte 0xff)\n  help: save the file as UTF-8, or name its encoding in "
+        1, "", "bad.py:3:6: error[S101]: not UTF-8 (byte 0xff)\n  3 | x = '\ufffd'\n    |      ^\n  help: save the file as UTF-8, or name its encoding in "
         "the first line: # -*- coding: latin-1 -*-\n")
 
 

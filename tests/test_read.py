@@ -6,6 +6,7 @@ import importlib.util
 import inspect
 import linecache
 import math
+import os
 import subprocess
 import sys
 import types
@@ -217,14 +218,82 @@ def test_missing_directory_encoding(tmp_path):
     latin = tmp_path / "latin.py"
     latin.write_bytes(b"def f(x):\n    return x\n\n# caf\xe9\n")
     assert refusal(read.load_file, latin, "f") == (
-        f"error[S101]: {latin}: not UTF-8 (byte 0xe9)\n  help: save the file as UTF-8, or name its encoding in the "
+        f"{latin}:4:6: error[S101]: not UTF-8 (byte 0xe9)\n  4 | # caf\ufffd\n    |      ^\n  help: save the file as UTF-8, or name its encoding in the "
         "first line: # -*- coding: latin-1 -*-")
     latin.write_bytes(b"# caf\xe9\n")
     assert refusal(read.load_file, latin, "f") == (
-        f"error[S101]: {latin}: not UTF-8, or an unknown encoding is named in its first lines\n"
-        "  help: save the file as UTF-8")
+        f"{latin}:1:6: error[S101]: not UTF-8 (byte 0xe9)\n  1 | # caf\ufffd\n    |      ^\n  help: save the file as "
+        "UTF-8, or name its encoding in the first line: # -*- coding: latin-1 -*-")
+    for first, column in ((b"# coding: klingon", 11), (b"\xef\xbb\xbf# coding: latin-1", 12), (b"# coding: hex", 11)):
+        latin.write_bytes(first + b"\ndef f(x):\n    return x\n")
+        assert refusal(read.load_file, latin, "f") == printed(
+            latin, 1, first.decode(), first.decode()[column - 1:], "S101",
+            "an encoding that Python does not read files in", "save the file as UTF-8")
+    latin.write_bytes(b"\xef\xbb\xbfdef f(x):\n    return x  # caf\xc3\xa9\n")
+    assert read.load_file(latin, "f").entry == "f"
+    latin.write_bytes(b"# -*- coding: latin-1 -*-\r\ndef f(x):\r\n    \xe4 = x\r\n    return \xe4\r\n")
+    assert read.load_file(latin, "f").entry == "f"
     latin.write_bytes(b"# -*- coding: latin-1 -*-\n# caf\xe9\ndef f(x):\n    return x\n")
     assert read.load_file(latin, "f").entry == "f"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="POSIX files")
+def test_pipes_and_devices_are_not_read(tmp_path):
+    os.mkfifo(tmp_path / "pipe.py")
+    for path in (tmp_path / "pipe.py", "/dev/zero"):
+        assert refusal(read.load_file, path, "f") == (
+            f"error[S101]: {path}: this is no file, but a pipe or a device\n"
+            "  help: write the text to a file: kernel.py:function")
+    (tmp_path / "k.py").write_text("from pipe import g\ndef f(x):\n    return g(x)\n")
+    assert "error[S201]" in refusal(read.load_file, tmp_path / "k.py", "f")
+
+
+# -- files that import each other, and constants without bounds --------------------------------------------------------
+
+def packaged(tmp_path, **files):
+    """The names of a package's files with their texts; gives the path of `kern.py`."""
+    (tmp_path / "pkg").mkdir()
+    for name, text in files.items():
+        (tmp_path / "pkg" / f"{name}.py").write_text(text)
+    return tmp_path / "pkg" / "kern.py"
+
+
+@pytest.mark.parametrize("files", [
+    {"__init__": "from . import helpers\n", "helpers": "from pkg import kern\ndef h(x):\n    return x * x\n",
+     "kern": "from . import helpers\ndef f(x):\n    return helpers.h(x)\n"},
+    {"__init__": "from .kern import f\nfrom .helpers import h\n", "helpers": "def h(x):\n    return x * x\n",
+     "kern": "from pkg import h\ndef f(x):\n    return h(x)\n"},
+    {"__init__": "from .kern import *\n", "helpers": "from .kern import f, G\ndef h(x):\n    return G * x\n",
+     "kern": "from .helpers import h\nG = 2.0\ndef f(x):\n    return h(x)\n"},
+    {"helpers": "from . import kern\ndef h(x):\n    return kern.G * x\n",          # without __init__
+     "kern": "from . import helpers\nG = 2.0\ndef f(x):\n    return helpers.h(x)\n"},
+])
+def test_files_that_import_each_other(tmp_path, files):
+    assert [k.partition("_")[0] for k in read.load_file(packaged(tmp_path, **files), "f").kernels] == ["h", "f"]
+
+
+def test_names_that_are_imported_in_a_circle_mean_nothing(tmp_path):
+    path = packaged(tmp_path, __init__="", helpers="from .kern import g\n",
+                    kern="from .helpers import g\ndef f(x):\n    return g(x)\n")
+    assert "'g' cannot be used in a kernel: it is not in the module" in refusal(read.load_file, path, "f")
+
+
+@pytest.mark.parametrize("text", [
+    "10 ** 10 ** 10", "1 << 10 ** 12", "round(5, -10 ** 10)", "np.power(2 ** 100, 10 ** 9)", "3 ** 2000 * 3 ** 2000",
+    "np.left_shift(2 ** 62, 10 ** 12) * 2 ** 4000", "0x1" + "0" * 2000, "-(1 << 4095) - (1 << 4095) - 1"])
+def test_constants_are_computed_in_bounded_time_and_memory(tmp_path, text):
+    path = write(tmp_path, f"import numpy as np\nN = {text}\ndef f(x):\n    return N * x\n")
+    assert "'N' cannot be used in a kernel" in refusal(read.load_file, path, "f")
+
+
+def test_constants_that_grow_and_grow(tmp_path):
+    path = write(tmp_path, "N = 3\n" + "N = N * N\n" * 60 + "def f(x):\n    return N * x\n")
+    assert "'N' cannot be used in a kernel: it is not constant arithmetic" in refusal(read.load_file, path, "f")
+    path = write(tmp_path, f"def f(x):\n    return 0x1{'0' * 2000} * x\n")
+    assert "error[S201]: an integer of more than 4096 bits is not supported in a kernel" in refusal(
+        read.load_file, path, "f")
+    path = write(tmp_path, "N = 2 ** 4000 // 2 ** 3990\nM = 10 ** -400\ndef f(x):\n    return (N + M) * x\n")
+    assert read.load_file(path, "f").constants == {"N": 1024, "M": 0.0}
 
 
 def test_not_python(tmp_path):

@@ -7,13 +7,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 
-from s2sad.infer.affine import Affine
+from s2sad.bounded_arithmetic import is_bounded
+from s2sad.infer.affine import Affine, combined
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import ONE, Shape, whole_number
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Mod, Mult, Name, Sub, Subscript, USub, UnaryOp, attribute, call, call_name,
     children, const, copy, dump, index, name, names,
 )
+
+_NAMES = 64     # that are followed for one form
 
 
 class Sizes(ABC):
@@ -66,21 +69,26 @@ class Sizes(ABC):
                 self.equal[symbol] = rest.times(-coefficient)
                 return
 
-    def size(self, node: AST, depth: int = 0) -> Affine | None:
-        """The form of an integer expression; None if it may change."""
+    def size(self, node: AST, found: dict[str, Affine | None] | None = None) -> Affine | None:
+        """The form of an integer expression; None if it may change. `found` has the forms of the names in it, as far as
+        these are known already; a name within its own is a symbol."""
+        found = {} if found is None else found
         number = whole_number(node)
         if number is not None:
             return Affine((), number)
         if isinstance(node, UnaryOp) and isinstance(node.op, USub):
-            inner = self.size(node.operand, depth)
+            inner = self.size(node.operand, found)
             return inner and inner.times(-1)
         if isinstance(node, BinOp) and isinstance(node.op, (Add, Sub, Mult)):
-            made = self._binary(node, depth)
+            made = self._binary(node, found)
             if made is not None:
                 return made
-        if isinstance(node, Name) and depth < 20:
+        if isinstance(node, Name) and len(found) < _NAMES:
             value = self.values.get(node.id)
-            inner = None if value is None else self.size(value, depth + 1)
+            if value is not None and node.id not in found:
+                found[node.id] = None
+                found[node.id] = self.size(value, found)
+            inner = found.get(node.id)
             if inner is not None:
                 return inner
         if isinstance(node, Attribute) and node.attr == "ndim" and self.typing.of(node.value).is_array:
@@ -90,15 +98,9 @@ class Sizes(ABC):
             return asked
         return self.symbol(node) if self.stable(node) else None
 
-    def _binary(self, node: BinOp, depth: int) -> Affine | None:
-        left, right = self.size(node.left, depth), self.size(node.right, depth)
-        if left is None or right is None:
-            return None
-        if isinstance(node.op, Mult):
-            if left.terms and right.terms:
-                return None
-            return right.times(left.constant) if not left.terms else left.times(right.constant)
-        return left.plus(right, 1 if isinstance(node.op, Add) else -1)
+    def _binary(self, node: BinOp, found: dict[str, Affine | None]) -> Affine | None:
+        form = combined(node.op, self.size(node.left, found), self.size(node.right, found))
+        return form if form is not None and all(map(is_bounded, (form.constant, *dict(form.terms).values()))) else None
 
     def is_extent(self, size: Affine) -> bool:
         """Whether a form is what it is taken for as part of a sum as well: it is not negative."""

@@ -55,14 +55,15 @@ def _ranges(node: AST, target: AST) -> list[Range]:
     if not isinstance(node, Call) or not isinstance(target, Tuple) or not all(
             isinstance(t, Name) for t in target.elts) or len({t.id for t in target.elts}) < len(target.elts):
         return []
-    given = {k.arg: k.value for k in node.keywords}
+    given, most = {k.arg: k.value for k in node.keywords}, len(target.elts) + 1
     if call_name(node) == _PRODUCT:
         times = given.pop("repeat", const(1))
         known = isinstance(times, Constant) and type(times.value) is int and not given
-        parts = node.args * times.value if known else []
+        parts = node.args * min(times.value, most) if known else []
     else:
         count = node.args[1] if len(node.args) == 2 and not given else given.pop("r", const(0))
-        parts = node.args[:1] * count.value if isinstance(count, Constant) and type(count.value) is int else []
+        known = isinstance(count, Constant) and type(count.value) is int
+        parts = node.args[:1] * min(count.value, most) if known else []
     found = [_range(p) for p in parts]
     return [f for f in found if f is not None] if len(found) == len(target.elts) and None not in found else []
 

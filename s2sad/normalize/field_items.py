@@ -7,10 +7,11 @@
 from __future__ import annotations
 
 import difflib
-import operator
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, ClassVar
 
+from s2sad.bounded_arithmetic import operation
 from s2sad.diagnostics import Report
 from s2sad.normalize.field_handed import Nest, by_item
 from s2sad.normalize.field_rounds import late_comprehension
@@ -24,8 +25,7 @@ from s2sad.tree import (
     Store, Sub, Subscript, Tuple, UnaryOp, USub, at, call_name, const, copy, index, indices, rebuild, walk,
 )
 
-_ARITHMETIC: dict[type, Callable[[int, int], int]] = {
-    Add: operator.add, Sub: operator.sub, Mult: operator.mul, FloorDiv: operator.floordiv, Mod: operator.mod}
+_ARITHMETIC = (Add, Sub, Mult, FloorDiv, Mod)
 _SEQUENCE = ("__iter__", "__len__", "__getitem__", "__array__")
 
 
@@ -249,10 +249,11 @@ class Items:
         if isinstance(node, UnaryOp) and isinstance(node.op, USub):
             inner = self.key(node.operand)
             return -inner if isinstance(inner, int) else None
-        if isinstance(node, BinOp) and type(node.op) in _ARITHMETIC:
+        if isinstance(node, BinOp) and isinstance(node.op, _ARITHMETIC):
             left, right = self.key(node.left), self.key(node.right)
-            if isinstance(left, int) and isinstance(right, int) and (right or isinstance(node.op, (Add, Sub, Mult))):
-                return _ARITHMETIC[type(node.op)](left, right)
+            if isinstance(left, int) and isinstance(right, int):
+                with suppress(ArithmeticError):
+                    return operation(type(node.op).__name__, left, right)
         if call_name(node) == "builtins.len":
             found = self._length(node)
             return self.key(found.node) if isinstance(found, Plain) else None

@@ -11,14 +11,19 @@ in NumPy, are refused. For NumPy nothing changes, and sums of bools that may be 
 """
 from __future__ import annotations
 
+from typing import Any
+
+from s2sad.bounded_arithmetic import operation
 from s2sad.infer.infer import Typing, is_inverted
 from s2sad.infer.laws import whole_number
 from s2sad.normalize.bools import bools
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, Constant, For, FunctionDef, If, Mod, Mult, Name, Pow, Sub,
-    UnaryOp, USub, While, assign, at, call, call_name, copy, mult, name, names, rebuild, stored_names,
+    UnaryOp, USub, While, assign, at, call, call_name, children, copy, mult, name, names, rebuild, stored_names,
+    times_bound, walk,
 )
 
+_LARGE = object()
 _NARROW = ("int8", "int16", "uint8", "uint16", "uint32", "uint64")
 
 
@@ -29,7 +34,11 @@ def integers(function: FunctionDef, typing: Typing, compiled: bool) -> FunctionD
         return function
     new, stored = copy(function), stored_names(function.body)
     given = {p.id for p in function.args.args if p.id not in stored and typing.of(p).is_number}
-    new.body = _Integers(typing, given).block(new.body, False)
+    made, stores = _Integers(typing, given), times_bound(function.body)
+    for node in walk(function.body):
+        if isinstance(node, Assign) and isinstance(node.targets[0], Name) and stores[node.targets[0].id] == 1:
+            made.bound[node.targets[0].id] = made.known(node.value)
+    new.body = made.block(new.body, False)
     return new
 
 
@@ -38,6 +47,8 @@ class _Integers:
 
     def __init__(self, typing: Typing, given: set[str]):
         self.typing, self.given = typing, given
+        self.bound: dict[str, int | object | None] = {}
+        self.seen: dict[int, tuple[AST, int | object | None]] = {}     # by the id of a node, which is kept with it
 
     def block(self, block: list[AST], looped: bool) -> list[AST]:
         return [self.statement(s, looped) for s in block]
@@ -101,12 +112,35 @@ class _Integers:
             return at(call("runtime.whole_product", *(rebuild(p, change) for p in (part.left, part.right))), part)
         return rebuild(node, change)
 
+    def known(self, node: AST) -> int | object | None:
+        """The integer of 64 bits that an expression of constants is, `_LARGE` if it is another; None if it is no such
+        expression."""
+        if id(node) not in self.seen:
+            self.seen[id(node)] = node, self._known(node)
+        return self.seen[id(node)][1]
+
+    def _known(self, node: AST) -> int | object | None:
+        value: Any = None
+        if isinstance(node, Constant):
+            value = node.value
+        elif isinstance(node, Name):
+            value = self.typing.constants.get(node.id.removeprefix("const.")) if node.id.startswith(
+                "const.") else self.bound.get(node.id)
+        elif isinstance(node, (BinOp, UnaryOp)):
+            parts = [self.known(p) for p in ([node.left, node.right] if isinstance(node, BinOp) else [node.operand])]
+            try:
+                value = operation(type(node.op).__name__, *parts) if all(type(p) is int for p in parts) else None
+            except OverflowError:
+                return _LARGE
+            except (ArithmeticError, ValueError, KeyError):
+                return None     # raised when it runs
+        if value is _LARGE or type(value) is int and not -2 ** 63 <= value < 2 ** 63:
+            return _LARGE
+        return value if type(value) is int else None
+
     def refuse(self, node: AST) -> None:
         """Puts what Numba computes otherwise into the report."""
-        word = node.id if isinstance(node, Name) else ""
-        value = self.typing.constants.get(word.removeprefix("const.")) if word.startswith("const.") else getattr(
-            node, "value", None) if isinstance(node, Constant) else None
-        if type(value) is int and not -2 ** 63 <= value < 2 ** 63:
+        if self.known(node) is _LARGE and not any(self.known(c) is _LARGE for c in children(node)):
             self.typing.report.error("S201", "an integer that does not fit 64 bits", node,
                                      help="write it as a float: 1e20")
         parts = [node.left, node.right] if isinstance(node, BinOp) and isinstance(node.op, (Add, Sub, Mult)) else [

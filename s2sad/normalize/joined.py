@@ -20,6 +20,7 @@ from s2sad.tree import (
 )
 
 _ARRAYS = ("numpy.array", "numpy.asarray")
+_MOST = 4096    # items that are written out
 
 
 def joined(function: FunctionDef, scope: Scope) -> FunctionDef:
@@ -55,19 +56,31 @@ def joined(function: FunctionDef, scope: Scope) -> FunctionDef:
 
 def items_of(node: AST, kind: type, copied: bool = False) -> list[AST] | None:
     """The items of lists or tuples that are added and repeated: `[a] * 2 + [b]`; what is `copied` at once need be no
-    one object."""
+    one object. None for what is no such sum, and for what would be long."""
     if isinstance(node, kind):
         return node.elts
     if isinstance(node, BinOp) and isinstance(node.op, Add):
         left, right = items_of(node.left, kind, copied), items_of(node.right, kind, copied)
         return None if left is None or right is None else [*left, *right]
-    if isinstance(node, BinOp) and isinstance(node.op, Mult) and isinstance(node.right, Constant):
+    if isinstance(node, BinOp) and isinstance(node.op, Mult) and isinstance(node.right, Constant) and _count(
+            node) <= _MOST:
         left = items_of(node.left, kind, copied)
         one = left is not None and (all(map(_is_one, left)) or copied and not any(
             isinstance(n, Call) for n in walk(left)))
         return None if left is None or type(node.right.value) is not int or not one else [
             copy(item) for _ in range(node.right.value) for item in left]
     return None
+
+
+def _count(node: AST) -> int:
+    """How many items a display has where what it repeats is written out."""
+    if isinstance(node, (Tuple, List)):
+        return sum(map(_count, node.elts))
+    if isinstance(node, BinOp) and isinstance(node.op, Add):
+        return _count(node.left) + _count(node.right)
+    if isinstance(node, BinOp) and isinstance(node.op, Mult) and isinstance(node.right, Constant):
+        return _count(node.left) * (node.right.value if type(node.right.value) is int else 1)
+    return 1
 
 
 def _filled(node: Call) -> AST | None:

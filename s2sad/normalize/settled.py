@@ -13,10 +13,12 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
 from s2sad import rules
+from s2sad.bounded_arithmetic import operation
 from s2sad.diagnostics import Report
 from s2sad.infer.laws import whole_number
 from s2sad.normalize.call_graph import calls
@@ -253,6 +255,6 @@ def _value(node: AST, known: Numbers) -> Any:
     if isinstance(node, BinOp) and isinstance(node.op, (Add, Sub, Mult)):
         left, right = _value(node.left, known), _value(node.right, known)
         if type(left) is type(right) is int:
-            return left + right if isinstance(node.op, Add) else left - right if isinstance(
-                node.op, Sub) else left * right
+            with suppress(OverflowError):
+                return operation(type(node.op).__name__, left, right)
     return UNKNOWN

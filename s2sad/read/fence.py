@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad import tree
+from s2sad.bounded_arithmetic import BITS, is_bounded
 from s2sad.diagnostics import Report
 from s2sad.tree import AST
 
@@ -161,6 +162,8 @@ def _is_none(*nodes: AST) -> bool:
 def _constant(node: AST, report: Report) -> list[AST] | None:
     if isinstance(node.value, bytes):
         report.error("S201", f"a bytes string {_NOT}", node, help="use an array of integers")
+    elif not is_bounded(node.value):
+        report.error("S201", f"an integer of more than {BITS} bits {_NOT}", node, help="write it as a float: 1e20")
     elif node.value is Ellipsis:
         report.error("S201", f"... {_NOT} except as x[...]", node, help="write x[...] for the whole array, or a loop")
     return None

@@ -2,23 +2,16 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Callable
 from typing import Any
 
 import numpy
 
 from s2sad import tree
+from s2sad.bounded_arithmetic import BITS, is_bounded, operation
 from s2sad.read.meaning import AST, Library, Meaning, NotConstant, Number, Text, is_number, library_value
 
-_OPERATORS: dict[str, Callable[..., Any]] = {
-    "Add": operator.add, "Sub": operator.sub, "Mult": operator.mul, "Div": operator.truediv, "Mod": operator.mod,
-    "FloorDiv": operator.floordiv, "Pow": operator.pow, "LShift": operator.lshift, "RShift": operator.rshift,
-    "BitAnd": operator.and_, "BitOr": operator.or_, "BitXor": operator.xor,
-    "USub": operator.neg, "UAdd": operator.pos, "Invert": operator.invert, "Not": operator.not_,
-}
 _CALLS = ("builtins.abs", "builtins.float", "builtins.int", "builtins.max", "builtins.min", "builtins.round")
-_BITS = 4096  # an integer power or shift that gives more than this is nobody's constant
 
 
 def folded(node: AST, meaning: Callable[[AST], Meaning | None]) -> Any:
@@ -32,22 +25,22 @@ def folded(node: AST, meaning: Callable[[AST], Meaning | None]) -> Any:
         return library_value(known.path)
     try:
         if isinstance(node, tree.UnaryOp):
-            return _OPERATORS[type(node.op).__name__](_number(folded(node.operand, meaning)))
+            return operation(type(node.op).__name__, _number(folded(node.operand, meaning)))
         if isinstance(node, tree.BinOp):
             left, right = (_number(folded(side, meaning)) for side in (node.left, node.right))
-            return _binary(type(node.op).__name__, left, right)
+            return _number(operation(type(node.op).__name__, left, right))
         if isinstance(node, tree.Call) and not node.keywords:
             function = meaning(node.func)
             if isinstance(function, Library) and _is_arithmetic(function.path):
                 arguments = [_number(folded(argument, meaning)) for argument in node.args]
-                return _number(library_value(function.path)(*arguments))
+                return _number(_called(function.path, arguments))
     except (ArithmeticError, ValueError, TypeError, KeyError):
         raise NotConstant from None
     raise NotConstant
 
 
 def _number(value: Any) -> Any:
-    if not is_number(value):
+    if not is_number(value) or not is_bounded(value):
         raise NotConstant
     return value
 
@@ -60,8 +53,10 @@ def _is_arithmetic(path: str) -> bool:
                                                                 and issubclass(value, (numpy.number, numpy.bool_)))
 
 
-def _binary(op: str, left: Any, right: Any) -> Any:
-    integers = isinstance(left, int) and isinstance(right, int)
-    if integers and (op == "Pow" and left.bit_length() * abs(right) > _BITS or op == "LShift" and right > _BITS):
+def _called(path: str, arguments: list[Any]) -> Any:
+    """What a function of numbers gives. NumPy's take integers of 64 bits: beyond these they compute with Python's."""
+    limit = 64 if path.startswith("numpy.") else BITS
+    digits = arguments[1:] if path == "builtins.round" else []
+    if any(isinstance(a, int) and a.bit_length() >= limit for a in arguments) or any(abs(d) > BITS for d in digits):
         raise NotConstant
-    return _number(_OPERATORS[op](left, right))
+    return library_value(path)(*arguments)

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 import numpy
 
+from s2sad.bounded_arithmetic import BITS, is_bounded
 from s2sad.diagnostics import Source
 from s2sad.guards import taken
 from s2sad.rules.spellings import is_scipy
@@ -263,6 +264,8 @@ def kind_of(value: Any) -> str:
 def value_meaning(name: str, value: Any, items: Any = None) -> Meaning:
     """What a number, string, array or other plain value means; `items` are what a list or tuple held when it was
     taken."""
+    if not is_bounded(value):
+        return Unusable(f"an integer of more than {BITS} bits", "make it a float")
     if is_number(value):
         return Number(name, _plain(value))
     if isinstance(value, numpy.ndarray) and type(value) not in (numpy.ndarray, numpy.memmap):

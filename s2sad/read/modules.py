@@ -55,6 +55,11 @@ class FileModule:
     def known(self) -> list[str]:
         return list(self.meanings)
 
+    def is_being_imported(self, name: str) -> bool:
+        """Whether a name is what an import of this file is looking for just now: imports may go round in circles."""
+        meaning = self.meanings.get(name)
+        return isinstance(meaning, _Member) and meaning.is_under_way
+
     def imported(self, module: str, level: int, name: str | None) -> Meaning:
         """What an import in a function of the file binds."""
         return _Member(self, module, level, name).found()
@@ -214,13 +219,14 @@ _PASS_IT = "pass it to the kernel as an argument, or write it at module level as
 
 
 class PackageScope:
-    """The names of an imported file, not those of builtins; a package's files are reached as attributes, too."""
+    """The names of an imported file, not those of builtins; a package's files are reached as attributes, too: by the
+    package itself, which imports them with `from . import helpers`."""
 
     def __init__(self, module: FileModule):
         self.module = module
 
     def lookup(self, name: str) -> Meaning | None:
-        if name in self.module.meanings:
+        if name in self.module.meanings and not self.module.is_being_imported(name):
             return self.module.lookup(name)
         if os.path.basename(self.module.path) == "__init__.py":
             path = _file(os.path.dirname(self.module.path), name)
@@ -238,12 +244,21 @@ class _Member:
 
     def __init__(self, importer: FileModule, module: str, level: int, name: str | None):
         self.importer, self.module, self.level, self.name = importer, module, level, name
+        self.is_under_way = False
 
     def found(self) -> Meaning:
-        space = self.importer.space(self.module, self.level)
-        if self.name is None:
-            return space
-        return space.scope.lookup(self.name) or Unusable(f"not in the module '{space.name}'", "correct the import")
+        self.is_under_way = True
+        try:
+            space = self.importer.space(self.module, self.level)
+            if self.name is None:
+                return space
+            if not isinstance(space.scope, PackageScope) and (self.level or self.module):
+                inner = self.importer.space(f"{self.module}.{self.name}".lstrip("."), self.level)   # without __init__
+                if isinstance(inner.scope, PackageScope):
+                    return inner
+            return space.scope.lookup(self.name) or Unusable(f"not in the module '{space.name}'", "correct the import")
+        finally:
+            self.is_under_way = False
 
 
 class FileFunction:
@@ -271,7 +286,8 @@ def dropped_decorator(path: str) -> bool:
 
 def _file(folder: str, module: str) -> str | None:
     base = os.path.join(folder, *module.split(".")) if module else folder
-    return next((p for p in (base + ".py", os.path.join(base, "__init__.py")) if os.path.isfile(p)), None)
+    paths = (base + ".py", os.path.join(base, "__init__.py"))
+    return next((p for p in paths[not module:] if os.path.isfile(p)), None)
 
 
 def _changed(node: AST) -> str:

@@ -1,13 +1,16 @@
 """A Python file as text and as a tree."""
 from __future__ import annotations
 
+import io
 import os
+import re
 import tokenize
 import warnings
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 
+_COOKIE = re.compile(rb"(?:[^\r\n]*\r?\n)??[^\r\n#]*#[^\r\n]*?coding[:=][ \t]*([-\w.]+)")
 _SYNTAX_HELP = "correct the line; the file must be one that Python itself can read"
 
 
@@ -17,18 +20,44 @@ def read_text(path: str) -> str:
         return S2sadError(Diagnostic("S101", f"{path}: {message}", help=help))
     if os.path.isdir(path):
         raise fail("this is a directory", "give a Python file: kernel.py:function")
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise fail("this is no file, but a pipe or a device", "write the text to a file: kernel.py:function")
     try:
-        with tokenize.open(path) as file:
-            return file.read()
+        with open(path, "rb") as file:
+            content = file.read()
     except FileNotFoundError:
         raise fail("no such file", "check the path, which is relative to the working directory") from None
-    except UnicodeDecodeError as error:
-        raise fail(f"not UTF-8 (byte 0x{error.object[error.start]:02x})", "save the file as UTF-8, or name its "
-                   "encoding in the first line: # -*- coding: latin-1 -*-") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise fail(f"cannot be read ({reason})", "check the file's path and its permissions") from None
+    return _decoded(path, content)
+
+
+def _decoded(path: str, content: bytes) -> str:
+    """A file's text, in the encoding that it names; raises S2sadError (S101), with the place."""
+    cookie = _COOKIE.match(content)
+    try:
+        encoding = tokenize.detect_encoding(io.BytesIO(content).readline)[0]
     except SyntaxError:
-        raise fail("not UTF-8, or an unknown encoding is named in its first lines", "save the file as UTF-8") from None
-    except OSError as error:
-        raise fail(f"cannot be read ({error.strerror})", "check the file's permissions") from None
+        encoding = "" if cookie else "utf-8"
+    try:
+        return io.StringIO(content.decode(encoding), newline=None).read()
+    except UnicodeDecodeError as error:
+        message, start, length = f"not {encoding.upper()} (byte 0x{content[error.start]:02x})", error.start, 1
+        help = "save the file as UTF-8, or name its encoding in the first line: # -*- coding: latin-1 -*-"
+    except (LookupError, UnicodeError):
+        start, length = (cookie.start(1), len(cookie[1])) if cookie else (0, 1)
+        message, help = "an encoding that Python does not read files in", "save the file as UTF-8"
+    raise S2sadError(Diagnostic("S101", message, _place(path, content, start, length), help=help))
+
+
+def _place(path: str, content: bytes, start: int, length: int) -> Span:
+    """The place of bytes in a file that cannot be decoded: what can be is shown."""
+    before = content[:start].decode("utf-8", "replace")
+    text = before + content[start:].decode("utf-8", "replace")
+    line = before.count("\n") + 1
+    column = len(before) - before.rfind("\n") - 1
+    return Span(Source(path, text), line, column, line, column + length)
 
 
 def parsed(source: Source, text: str) -> tree.Module:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from s2sad.bounded_arithmetic import is_bounded
 from s2sad.infer.types import Type
 from s2sad.simplify.signs import gained, signed
 from s2sad.simplify.whole import is_whole, with_counters
@@ -106,7 +107,7 @@ def _binary(node: BinOp, types: Mapping[str, Type] | None, integers: bool) -> AS
         return _sum(node, left, right)
     if isinstance(node.op, (Add, Sub)):
         return _signed(node)
-    if isinstance(node.op, Mult) and left is not None and right is not None:
+    if isinstance(node.op, Mult) and left is not None and right is not None and is_bounded(left * right):
         return const(left * right)
     if isinstance(node.op, Mult) and (left == 1 or right == 1):
         other = node.right if left == 1 else node.left
