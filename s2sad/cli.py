@@ -5,24 +5,30 @@ Exit status: 0; 1 for a refusal, with diagnostics on stderr, and for a check tha
 from __future__ import annotations
 
 import argparse
+import difflib
 import os
+import platform
 import sys
-import tempfile
 import traceback
 from collections.abc import Sequence
+from contextlib import suppress
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from s2sad import pipeline, read
+from s2sad import __version__, pipeline, read
 from s2sad.binding import float_parameters
 from s2sad.diagnostics import Diagnostic, Report, S2sadError
 from s2sad.flattened.spelling import form_spelled, listed, named, spelled_out
 from s2sad.infer.assumed import Assumed, assumed
 from s2sad.program import Program, Request
 from s2sad.report.argument_literals import evaluated, flat_values, form_of_literal
+from s2sad.report.cache import cleared, described
 from s2sad.report.explain import explained
 from s2sad.report.made_up import checked_file
+from s2sad.report.output import check_output, write_output
 from s2sad.report.stages import ROOMS, STAGES, stages
+from s2sad.run import store
 from s2sad.run.compiled import chosen
 from s2sad.structure import Form
 from s2sad.selection import selected_of, selected_wrt
@@ -41,6 +47,7 @@ examples:
   s2sad explain kernel.py:step --html -o step.html   the same as a page, the adjoint beside the function
   s2sad stages kernel.py:step --after normalize      the function after one pass of the compiler
   s2sad check kernel.py:step                         run it: tangent, adjoint and differences compared
+  s2sad cache --clear                                remove what is kept on disk
 
 types come from --types, else from the signature's annotations ("float64[:, :]", float, int), else from use: a
 subscript of rank k or unpacking means a float64 array; use as a bound, an index or a shift int64; anything else
@@ -51,6 +58,7 @@ _COMMANDS = {
     "explain": "say what the adjoint records, leaves out and computes again, and where f is not differentiable",
     "stages": "print the function after the passes of the compiler",
     "check": "RUN the function and compare adjoint, tangent and differences",
+    "cache": "say what is kept on disk for later processes, and where; or remove it",
 }
 _SHADOWS = """
 a shadow (u_bar, u_dot) follows each float array; a tangent also follows each float number, whose adjoint is returned.
@@ -64,19 +72,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     >>> main(["adjoint", "nowhere.py:f"])
     1
     """
-    parser = _parser()
-    options = parser.parse_args(argv)
+    parser, given = _parser(), sys.argv[1:] if argv is None else list(argv)
+    if given and not given[0].startswith("-") and given[0] not in _COMMANDS:
+        parser.error(_no_command(given[0]))
+    options = parser.parse_args(given)
     if options.command is None:
         parser.print_help()
         return 2
     try:
-        return _run(parser, options)
+        return _cache(options) if options.command == "cache" else _run(parser, options)
     except S2sadError as refusal:
         print(refusal, file=sys.stderr)
         return 1
     except BrokenPipeError:
         sys.stderr.close()
         return 1
+    except KeyboardInterrupt:
+        return 130
     except Exception as error:
         print(_internal(error), file=sys.stderr)
         return 1
@@ -93,15 +105,16 @@ def _internal(error: Exception) -> Diagnostic:
 def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
     path, _, function = options.target.rpartition(":")
     if not path or not function.isidentifier():
-        parser.error(f"'{options.target}' is not FILE:FUNCTION, as kernel.py:step")
+        parser.error(_no_target(options))
     given = _given(parser, options.types or "")
     program = read.load_file(path, function)
+    check_output(options.output, program.files)
     values = _values(program, options)
     program, request, found, paths = _request(parser, program, options, {
         **{name: form_of_literal(v) for name, v in values.items()}, **given})
     if options.command == "check":
         report = checked_file(path, function, options.arguments, found, request, paths)
-        _write(options.output, f"{report}\n")
+        write_output(options.output, f"{report}\n")
         return 0 if report else 1
     if options.command == "explain":
         explanation = explained(program, request, flat_values(values, paths, program.kernels[program.entry]))
@@ -114,8 +127,35 @@ def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
             print(Diagnostic("S401", f"no output asked for of '{program.entry}' depends on '{name}': its gradient is "
                              "zero", severity="warning"), file=sys.stderr)
         text = made.text
-    _write(options.output, text)
+    write_output(options.output, text)
     return 0
+
+
+def _cache(options: argparse.Namespace) -> int:
+    write_output(None, f"{store.location()}\n" if options.where else cleared() if options.clear else described())
+    return 0
+
+
+def _no_command(word: str) -> str:
+    """What is said of a first word that is no command."""
+    if ":" in word or word.endswith(".py"):
+        return f"a command is missing: s2sad adjoint {word}"
+    close = difflib.get_close_matches(word, _COMMANDS, 1)
+    return f"there is no command '{word}'" + (f"; did you mean '{close[0]}'?" if close else
+                                              f": the commands are {', '.join(_COMMANDS)}")
+
+
+def _no_target(options: argparse.Namespace) -> str:
+    """What is said of a target without a function: which there are in its file."""
+    path, _, function = options.target.rpartition(":")
+    path = path if path and not os.path.exists(options.target) else options.target.rstrip(":")
+    if not os.path.exists(path) and not path.endswith(".py"):
+        return f"'{options.target}' is not FILE:FUNCTION, as kernel.py:step"
+    there = read.functions(path)
+    if not there:
+        return f"'{options.target}' names no function, and {path} defines none at module level"
+    asked = "\n".join(f"  s2sad {options.command} {path}:{name}" for name in there)
+    return f"'{options.target}' names no function at module level; {path} defines\n{asked}"
 
 
 def _request(parser: argparse.ArgumentParser, program: Program, options: argparse.Namespace,
@@ -187,46 +227,33 @@ def _stages(parser: argparse.ArgumentParser, program: Program, request: Request,
     return "\n".join(shown)
 
 
-def _write(output: str | None, text: str) -> None:
-    """To stdout, or to a file that is written beside and renamed, so that it is never there by half."""
-    if output is None:
-        sys.stdout.write(text)
-        return
-    path = Path(output)
-    try:
-        handle, beside = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-                file.write(text)
-            os.chmod(beside, 0o666 & ~_umask())
-            os.replace(beside, path)
-        except BaseException:
-            Path(beside).unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        raise S2sadError(Diagnostic("S407", f"{output}: cannot be written ({error.strerror})",
-                                    help="give -o a file in a folder that is there and can be written to")) from None
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
-
-
 # -- arguments ------------------------------------------------------------------------------------------------------
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser("s2sad", description=_ABOUT, epilog=_EXAMPLES,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--version", action="version", version=_version())
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     for command, about in _COMMANDS.items():
         lines = [line for line in _EXAMPLES.splitlines() if f"s2sad {command} " in line]
         epilog = "\n".join(["examples:", *lines]) + (_SHADOWS if command in ("adjoint", "tangent") else "")
         made = commands.add_parser(command, help=about, description=about[0].upper() + about[1:] + ".", epilog=epilog,
                                    formatter_class=argparse.RawDescriptionHelpFormatter)
-        _add_options(made, command)
+        if command == "cache":
+            what = made.add_mutually_exclusive_group()
+            what.add_argument("--where", action="store_true", help="print its folder only")
+            what.add_argument("--clear", action="store_true", help="remove what it holds")
+        else:
+            _add_options(made, command)
     return parser
+
+
+def _version() -> str:
+    found = [f"Python {platform.python_version()}"]
+    for name in ("NumPy", "Numba"):
+        with suppress(metadata.PackageNotFoundError):
+            found.append(f"{name} {metadata.version(name.lower())}")
+    return f"s2sad {__version__} ({', '.join(found)})"
 
 
 def _add_options(parser: argparse.ArgumentParser, command: str) -> None:

@@ -41,7 +41,7 @@ class Program:
     `const.`; `arrays` the arrays read likewise, which become hidden parameters of every kernel on the way; `records`
     the classes that kernels make structures with, by the name behind `record.`; `methods`
     the names of the kernels that are functions of classes; `guards` what was taken from outside to read it; `tables` is
-    what `once` remembers.
+    what `once` remembers; `files` are the paths of the files that were read, where no live function was.
     """
     entry: str
     kernels: dict[str, Kernel]
@@ -49,6 +49,7 @@ class Program:
     arrays: dict[str, Any] = field(default_factory=dict)
     records: dict[str, type] = field(default_factory=dict)
     methods: dict[Any, str] = field(default_factory=dict)
+    files: tuple[str, ...] = ()
     guards: Guards = field(default_factory=Guards, compare=False, repr=False)
     tables: dict[Any, tuple[int, Any]] = field(default_factory=dict, init=False, compare=False, repr=False)
 

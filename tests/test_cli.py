@@ -2,19 +2,23 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import s2sad
 from s2sad.cli import main
 from s2sad.diagnostics import Report
 from s2sad.infer.assumed import assumed
 from s2sad.report.stages import NORMALIZE, STAGES
 from s2sad.binding import types as types_of
 from s2sad import read
+from s2sad.run import store
 from tests.conftest import ROOT
 from benchmarks.kernels.cases import LOOPS
 
@@ -252,8 +256,8 @@ def test_a_file_that_is_missing_a_directory_or_not_utf8(ran, kernel, tmp_path):
     assert ran("adjoint", ".:f") == (1, "", "error[S101]: .: this is a directory\n"
                                      "  help: give a Python file: kernel.py:function\n")
     assert ran("adjoint", "bad.py:f") == (
-        1, "", "bad.py:3:6: error[S101]: not UTF-8 (byte 0xff)\n  3 | x = '\ufffd'\n    |      ^\n  help: save the file as UTF-8, or name its encoding in "
-        "the first line: # -*- coding: latin-1 -*-\n")
+        1, "", "bad.py:3:6: error[S101]: not UTF-8 (byte 0xff)\n  3 | x = '\ufffd'\n    |      ^\n"
+        "  help: save the file as UTF-8, or name its encoding in the first line: # -*- coding: latin-1 -*-\n")
 
 
 def test_a_function_that_is_not_in_the_file(ran, kernel):
@@ -315,7 +319,10 @@ s.py:4:32: error[S203]: 'p' has parts, whose types are not known
 
 
 @pytest.mark.parametrize(("options", "message"), [
-    (("k.py",), "'k.py' is not FILE:FUNCTION, as kernel.py:step"),
+    (("k.py",), "'k.py' names no function at module level; k.py defines   s2sad adjoint k.py:scale"),
+    (("k.py:",), "'k.py:' names no function at module level; k.py defines   s2sad adjoint k.py:scale"),
+    (("k.py:C.scale",), "'k.py:C.scale' names no function at module level; k.py defines   s2sad adjoint k.py:scale"),
+    (("k",), "'k' is not FILE:FUNCTION, as kernel.py:step"),
     (("k.py:scale", "--types", "u: flaot64[:]"), "--types: 'flaot64[:]' is no type for 'u'; use float64, float32, "
      "complex128, int64 or bool, an array of these, as float64[:, :], or a structure, as {u: float64[:], t: float}"),
     (("k.py:scale", "--types", "float64"), "--types: 'float64' is not NAME: TYPE, as u: float64[:, :]"),
@@ -328,6 +335,103 @@ def test_wrong_usage(ran, kernel, options, message):
     status, out, err = ran("adjoint", *options)
     assert (status, out) == (2, "") and message in err.replace("\n", " ")
     assert ran("stages", "k.py:scale", "--after", "lunch")[0] == 2
+
+
+def test_a_word_that_is_no_command(ran, kernel):
+    kernel(SCALE)
+    for words, message in ((("adjont", "k.py:scale"), "there is no command 'adjont'; did you mean 'adjoint'?"),
+                           (("k.py:scale", "--wrt", "u"), "a command is missing: s2sad adjoint k.py:scale"),
+                           (("k.py",), "a command is missing: s2sad adjoint k.py"),
+                           (("lunch",), "there is no command 'lunch': the commands are adjoint, tangent, explain, "
+                            "stages, check, cache")):
+        status, out, err = ran(*words)
+        assert (status, out) == (2, "") and err.endswith(f"s2sad: error: {message}\n")
+
+
+def test_a_file_without_functions_has_none_to_list(ran, kernel):
+    kernel("x = 1\n")
+    status, _, err = ran("adjoint", "k.py")
+    assert status == 2 and err.endswith("'k.py' names no function, and k.py defines none at module level\n")
+    assert ran("adjoint", "none.py")[::2] == (1, "error[S101]: none.py: no such file\n  help: check the path, which is "
+                                              "relative to the working directory\n")
+
+
+def test_versions(ran):
+    status, out, _ = ran("--version")
+    assert status == 0 and out.startswith(f"s2sad {s2sad.__version__} (Python 3.") and f"NumPy {np.__version__}" in out
+
+
+def test_the_cache_is_shown_and_cleared(ran, tmp_path, monkeypatch):
+    monkeypatch.setenv("S2SAD_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setenv("S2SAD_CACHE_SIZE", "200M")
+    limits = "limits: 200.0 MB (S2SAD_CACHE_SIZE), 90 days without use (S2SAD_CACHE_DAYS)\n"
+    assert ran("cache") == (0, f"{tmp_path / 'cache'}\n  nothing\n{limits}", "")
+    store.put("a", bytes(2000), "code")
+    store.put("b", bytes(200), "code")
+    store.keep("f_0123456789abcdef0123.py", "x = 1\n")
+    for k, path in enumerate(sorted((tmp_path / "cache" / "v2").iterdir(), key=lambda p: p.suffix)):
+        os.utime(path, (time.time() + k - 86_400.0 * 7,) * 2)
+    assert ran("cache")[1] == (
+        f"{tmp_path / 'cache'}\n"
+        "  machine code        2 entries     2.2 kB\n"
+        "  generated text        1 entry    6 bytes\n"
+        f"  in all              3 entries     2.2 kB, the oldest used 7 days ago\n{limits}")
+    assert ran("cache", "--where") == (0, f"{tmp_path / 'cache'}\n", "")
+    assert ran("cache", "--clear") == (0, f"3 entries removed (2.2 kB) from {tmp_path / 'cache'}\n", "")
+    assert "  nothing\n" in ran("cache")[1]
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="POSIX permissions")
+def test_a_cache_that_others_can_write_is_shown_as_such(ran, tmp_path, monkeypatch):
+    monkeypatch.setenv("S2SAD_CACHE_DIR", str(tmp_path / "cache"))
+    store.put("a", bytes(2000), "code")
+    (tmp_path / "cache").chmod(0o777)
+    assert f"  NOT USED: {tmp_path / 'cache'} can be written by other users, and what it holds is executed\n" in ran(
+        "cache")[1]
+
+
+def test_what_was_read_is_not_written_over(ran, kernel, tmp_path):
+    kernel("from helpers import double\nfrom constants import G\n\n\ndef f(x):\n    return double(x) * G\n")
+    kernel("def double(x):\n    return 2.0 * x\n", "helpers.py")
+    kernel("G = 9.81\n", "constants.py")
+    os.link("k.py", "hard.py")
+    os.symlink("helpers.py", "soft.py")
+    before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    for output, same in (("k.py", ""), ("hard.py", f", which is {tmp_path / 'k.py'}"), ("constants.py", ""),
+                         ("soft.py", f", which is {tmp_path / 'helpers.py'}")):
+        for command in ("adjoint", "explain", "stages", "check"):
+            assert ran(command, "k.py:f", "-o", output) == (
+                1, "", f"error[S407]: {output}: the function is read from this file{same}\n"
+                "  help: give -o another file\n")
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
+
+
+def test_only_plain_files_are_written_over(ran, kernel, tmp_path):
+    kernel(SCALE)
+    os.mkfifo("pipe")
+    (tmp_path / "there.py").write_text("old\n")
+    (tmp_path / "there.py").chmod(0o640)
+    os.symlink("there.py", "link.py")
+    for output, what in (("pipe", "no plain file"), (os.devnull, "no plain file"), (".", "a directory")):
+        assert ran("adjoint", "k.py:scale", "-o", output) == (
+            1, "", f"error[S407]: {output}: cannot be written (it is {what})\n"
+            "  help: give -o a file, or leave it out to print\n")
+    assert ran("adjoint", "k.py:scale", "-o", "link.py")[0] == 0
+    assert (tmp_path / "link.py").is_symlink() and "def scale_adjoint" in (tmp_path / "there.py").read_text()
+    assert (tmp_path / "there.py").stat().st_mode & 0o777 == 0o640
+    assert ran("adjoint", "k.py:scale", "-o", "-")[1] == (tmp_path / "there.py").read_text()
+
+
+def test_letters_that_the_terminal_lacks_and_a_full_disk(tmp_path):
+    (tmp_path / "k.py").write_bytes("# coding: latin-1\ndef f(x):\n    ä = x * x\n    return ä\n".encode("latin-1"))
+    done = subprocess.run([sys.executable, "-m", "s2sad", "adjoint", "k.py:f"], capture_output=True, cwd=tmp_path,
+                          env={**os.environ, "PYTHONIOENCODING": "ascii"}, check=True)
+    assert "ä_bar = result_bar" in done.stdout.decode()
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([sys.executable, "-m", "s2sad", "adjoint", "k.py:f"], stdout=full, text=True,
+                              stderr=subprocess.PIPE, cwd=tmp_path, check=False)
+    assert (done.returncode, done.stderr) == (
+        1, "error[S407]: standard output cannot be written (No space left on device)\n  help: give -o a file\n")
 
 
 def test_an_output_that_cannot_be_written(ran, kernel):

@@ -218,8 +218,8 @@ def test_missing_directory_encoding(tmp_path):
     latin = tmp_path / "latin.py"
     latin.write_bytes(b"def f(x):\n    return x\n\n# caf\xe9\n")
     assert refusal(read.load_file, latin, "f") == (
-        f"{latin}:4:6: error[S101]: not UTF-8 (byte 0xe9)\n  4 | # caf\ufffd\n    |      ^\n  help: save the file as UTF-8, or name its encoding in the "
-        "first line: # -*- coding: latin-1 -*-")
+        f"{latin}:4:6: error[S101]: not UTF-8 (byte 0xe9)\n  4 | # caf\ufffd\n    |      ^\n"
+        "  help: save the file as UTF-8, or name its encoding in the first line: # -*- coding: latin-1 -*-")
     latin.write_bytes(b"# caf\xe9\n")
     assert refusal(read.load_file, latin, "f") == (
         f"{latin}:1:6: error[S101]: not UTF-8 (byte 0xe9)\n  1 | # caf\ufffd\n    |      ^\n  help: save the file as "

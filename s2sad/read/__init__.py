@@ -28,7 +28,7 @@ from s2sad.read.meaning import Function
 from s2sad.read.modules import FileModule
 from s2sad.rules.given import GIVEN
 
-__all__ = ["load", "load_file", "python_function"]
+__all__ = ["functions", "load", "load_file", "python_function"]
 
 
 def load(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path] = ()) -> Program:
@@ -60,11 +60,20 @@ def load_file(path: str | os.PathLike[str], function: str) -> Program:
     Raises S2sadError: S101 if the file cannot be read, S102 if it is not Python, S103 if the function is not in it, and
     as `load`.
     """
-    module = FileModule(os.fspath(path), {})
+    files: dict[str, FileModule] = {}
+    module = FileModule(os.fspath(path), files)
     meaning = module.meanings.get(function) and module.lookup(function)
     if not isinstance(meaning, Function):
         raise S2sadError(_no_function(module, function))
-    return Linker().program(meaning)
+    return replace(Linker().program(meaning), files=tuple(files))
+
+
+def functions(path: str | os.PathLike[str]) -> list[str]:
+    """The functions at the module level of a file, which is read and not run.
+
+    Raises S2sadError: S101 if the file cannot be read, S102 if it is not Python.
+    """
+    return list(dict.fromkeys(FileModule(os.fspath(path), {}).definitions))
 
 
 def _no_function(module: FileModule, function: str) -> Diagnostic:
