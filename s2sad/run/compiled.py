@@ -24,6 +24,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.run.interpreter import DTYPES, interpreted
 from s2sad.run.load import load
 from s2sad.run.machine_code import stored
+from s2sad.run.special_functions import register, used
 from s2sad.run.through_python import through_python
 
 _RUNTIME = "s2sad.runtime"
@@ -76,6 +77,7 @@ def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ..
     module = load(text, name, _key(bounds), own=given)
     if not getattr(module, "__compiled__", False):
         space = vars(module)
+        register(used(space))
         on_disk = not given and not any(map(_is_interpreted, space.values()))
         for identifier, value in list(space.items()):
             if not isinstance(value, FunctionType) or identifier in plain:

@@ -16,6 +16,7 @@ from s2sad.program import Program
 from s2sad.read.link import header_of
 from s2sad.rules import constant_result
 from s2sad.rules.given import GIVEN, ROOM, Given
+from s2sad.run.special_functions import register, used
 from s2sad.tree import Call, call_name, walk
 from s2sad.units import Unit, Units
 
@@ -68,6 +69,7 @@ def _codes(code: CodeType) -> Iterator[CodeType]:
 
 def for_numba(function: Any, flags: dict[str, Any]) -> Any:
     """A given function as compiled code can call it: a Python function compiled, anything else as it is."""
+    register(used({"function": function}))
     return importlib.import_module("numba").njit(**flags)(function) if isinstance(function, FunctionType) else function
 
 
