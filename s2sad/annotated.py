@@ -16,7 +16,7 @@ from s2sad.binding import (
 )
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.generated import Variant
-from s2sad.normalize.calls import leaves
+from s2sad.results import leaves
 from s2sad.program import Request
 from s2sad.selection import RETURN, Results, array_seed, places, result_seed, selected_of, selected_wrt, structured
 from s2sad.variants import State

@@ -5,16 +5,16 @@ import functools
 from collections.abc import Callable, Iterable
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar, overload
 
-from s2sad import pipeline
 from s2sad.annotated import AnnotatedCall
 from s2sad.annotations import Annotation, Const, Duplicated, Mode
 from s2sad.binding import admitted, bind, describe
+from s2sad.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.flattened import annotated as with_structures, flattened, taken_apart
 from s2sad.pickling import Decorated
 from s2sad.prepared import selection_of
 from s2sad.program import Request
-from s2sad.read.underlying import given_functions
+from s2sad.unwrap import given_functions
 from s2sad.run.compiled import chosen
 from s2sad.selection import Results, names_of, selected_of, selected_wrt
 from s2sad.shadowed import ShadowedCall
@@ -187,7 +187,7 @@ class Differentiated(Decorated, Generic[P, R]):
         wrt = selected_wrt(name, parameters, types, wrt)
         of = selected_of(name, parameters, types, state.summary(types), of)
         request = Request(mode, types, wrt, of, engine=chosen(self.engine), level=level)
-        return pipeline.derive(state.program, request).text
+        return compiler().derived(state.program, request, {}).text
 
 
 def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = None) -> Any:

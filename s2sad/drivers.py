@@ -10,7 +10,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.flattened import drivers as with_structures, flattened
 from s2sad.pickling import Decorated
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
-from s2sad.read.underlying import given_functions
+from s2sad.unwrap import given_functions
 from s2sad.selection import RETURN, names_of
 from s2sad.variants import Derivatives, derivatives_of
 

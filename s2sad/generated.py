@@ -8,14 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from s2sad.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.differentiate.adjoint import MISFIT
-from s2sad.program import Generated, Parameter
-from s2sad.rules.given import Given
+from s2sad.program import MISFIT, Generated, Parameter
+from s2sad.registry import Given
 from s2sad.run.compiled import compiled, prepare
-from s2sad.run.given import held_to_numbers, uncompiled
 from s2sad.run.load import load, owned
-from s2sad.run.own import looked_at
 from s2sad.run.overlap import Check, Slot
 
 HIDDEN = "array."
@@ -59,10 +57,12 @@ class Variant:
         plain = tuple(generated.facts.get("wrappers", ()))
         moving = bool(given) or generated.facts.get("moving", False)
         module = (compiled(generated.text, generated.entry, plain=plain, given=moving) if engine == "numba"
-                  else held_to_numbers(load(generated.text, generated.entry, own=bool(given)), given))
+                  else load(generated.text, generated.entry, own=bool(given)))
         owned(module, self)
-        if engine == "numpy" and "units" in generated.facts:
-            looked_at(module, generated.facts["units"])
+        if given and engine == "numpy":
+            compiler().held_to_numbers(module, given)
+            if "units" in generated.facts:
+                compiler().looked_at(module, generated.facts["units"])
         stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
         self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
         self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)
@@ -123,7 +123,8 @@ class Variant:
             try:
                 prepare(self.dispatcher, [*arguments, *self._first], f"'{self.generated.entry}' of '{self.kernel}'")
             except Exception:  # whatever it is: Numba raises more than its own errors on code that it does not know
-                wrong = uncompiled(self.generated.facts["units"]) if "units" in self.generated.facts else None
+                units = self.generated.facts.get("units")   # not of one that was kept: it calls nothing of the user's
+                wrong = None if units is None else compiler().uncompiled(units)
                 if wrong is not None:
                     raise wrong from None
                 raise

@@ -9,8 +9,8 @@ from s2sad.adjoints import Registered, written
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.partials import Partials, dotted
 from s2sad.read.capture import capture
-from s2sad.read.underlying import python_function
-from s2sad.rules.given import GIVEN, ROOM, Given, imported
+from s2sad.unwrap import python_function
+from s2sad.registry import GIVEN, ROOM, Given, imported
 from s2sad.rules.rule import TABLE, Rule, divides, number
 from s2sad.tree import Call, Name, expression, names
 

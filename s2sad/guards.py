@@ -20,12 +20,13 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import partial
 from types import FunctionType, ModuleType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 
+T = TypeVar("T")
 ABSENT: Any = type("Absent", (), {"__repr__": lambda self: "ABSENT"})()
 NUMBERS = (int, float)                  # Python's own: what may become an argument when it changes
 Getter = Callable[[Any, Any], Any]      # (key, default), as a mapping's `get`
@@ -131,18 +132,19 @@ class Guards:
             else:
                 self._compared.append((get, key, value))
             if isinstance(value, np.ndarray):
-                self._compared.append((_layout, value, _layout(value)))
+                self._compared.append((layout, value, layout(value)))
             known = self.places[place] = Guard(holder, step, key, value, path)
             self._paths.setdefault(id(value), path)
         return known.value
 
-    def reach(self, holder: Any, step: str, key: Any, value: Any) -> None:
-        """Notes the way to a value that follows from what was taken before."""
+    def reach(self, holder: Any, step: str, key: Any, value: Any) -> Any:
+        """Notes the way to a value that follows from what was taken before; the one that was noted first."""
         place = (id(holder), step, key)
         if place not in self.places:
             path = (self._paths.get(id(holder), (id(holder),)), step, key)
             self.places[place] = Guard(holder, step, key, value, path)
             self._paths.setdefault(id(value), path)
+        return self.places[place].value
 
     def changed(self, before: Guards) -> list[Path]:
         """The paths at which both took numbers of one type that are not the same."""
@@ -158,7 +160,7 @@ class Guards:
         return True
 
 
-def _layout(array: np.ndarray, _: Any = None) -> tuple[Any, ...]:
+def layout(array: np.ndarray, _: Any = None) -> tuple[Any, ...]:
     """What of an array is compiled in: it may be given another shape or dtype in place."""
     return array.dtype, *(n == 1 for n in array.shape)
 
@@ -190,11 +192,11 @@ def taken(holder: Any, step: str, key: Any = "") -> Any:
     return STEPS[step](holder)(key, ABSENT) if guards is None else guards.take(holder, step, key)
 
 
-def reached(holder: Any, step: str, key: Any, value: Any) -> None:
-    """Notes the way to a value that follows from what was taken before: it needs no comparison."""
+def reached(holder: Any, step: str, key: Any, value: T) -> T:
+    """The value, or what was noted in its place before; the way to it is noted. It follows from what was taken before,
+    and needs no comparison."""
     guards = _RECORDING.get()
-    if guards is not None:
-        guards.reach(holder, step, key, value)
+    return value if guards is None else guards.reach(holder, step, key, value)
 
 
 def class_attribute(made: type, name: str) -> Any:

@@ -11,7 +11,6 @@
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from s2sad.analyze.liveness import base_name
@@ -24,10 +23,11 @@ from s2sad.emit.module import module, module_text
 from s2sad.emit.origins import with_origins
 from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
-from s2sad.normalize.calls import Structure, result_structure
+from s2sad.normalize.calls import result_structure
 from s2sad.normalize.hidden import hidden, hidden_name
 from s2sad.normalize.numbered import numbered
 from s2sad.program import Generated, Parameter, Program, Request
+from s2sad.results import Summary
 from s2sad.run.given import compilable
 from s2sad.simplify import Watch, unwatched
 from s2sad.simplify.dead import dead
@@ -47,19 +47,6 @@ __all__ = ["Summary", "derive", "summary"]
 
 Forms = dict[tuple[str, tuple[Type, ...]], tuple[Units, Unit]]
 """The normal forms of one program: its units and that of its entry, by engine and types."""
-
-
-@dataclass(frozen=True)
-class Summary:
-    """What an entry writes and returns: names of parameters, types of results, results that are written arguments;
-    whether it holds guards that arrays have one shape, how results are put into tuples, and which parameters must be
-    contiguous."""
-    written: tuple[str, ...]
-    results: tuple[Type, ...]
-    returned: dict[int, str]
-    guarded: bool = False
-    structure: Structure = None
-    contiguous: tuple[str, ...] = ()
 
 
 def summary(program: Program, types: tuple[Type, ...], forms: Forms | None = None) -> Summary:

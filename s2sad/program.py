@@ -3,15 +3,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from s2sad.diagnostics import Source
 from s2sad.guards import Guards
 from s2sad.infer.types import Type
-from s2sad.rules.given import Own
-from s2sad.tree import FunctionDef
+from s2sad.registry import Own
+
+if TYPE_CHECKING:
+    from s2sad.tree import FunctionDef
 
 T = TypeVar("T")
+MISFIT = " does not have the shape of the result"      # what a generated file says of a seed, after its name
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from s2sad.binding import misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, misfit_of
-from s2sad.normalize.calls import Structure, leaves, nested
+from s2sad.results import Structure, leaves, nested
 
 RETURN = "return"
 

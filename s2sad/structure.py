@@ -169,13 +169,17 @@ def record_fields(made: type) -> tuple[str, dict[str, Any]] | None:
     """The kind of a class whose constructor only fills its fields, and these with their defaults (`...` without one);
     None for any other class."""
     if issubclass(made, tuple) and made.__bases__ == (tuple,) and hasattr(made, "_fields"):
-        defaults = made._field_defaults  # pyright: ignore[reportAttributeAccessIssue]
-        return "named", {n: defaults.get(n, ...) for n in made._fields}  # pyright: ignore[reportAttributeAccessIssue]
+        defaults, given = taken(made, "attribute", "_field_defaults"), {}
+        for name in taken(made, "attribute", "_fields"):
+            found = taken(defaults, "item", name)
+            given[name] = ... if found is ABSENT else found
+        return "named", given
     if taken(made, "own", "__dataclass_params__") is ABSENT or class_attribute(made, "__post_init__") is not ABSENT:
         return None
-    constructor = getattr(taken(made, "own", "__init__"), "__code__", None)
-    if constructor is None or constructor.co_filename != "<string>":    # one of the user's own
-        return None
+    constructor = taken(made, "own", "__init__")
+    if not isinstance(constructor, FunctionType) or taken(constructor, "code").co_filename != "<string>":
+        return None     # one of the user's own
+    taken(constructor, "attribute", "__defaults__")
     given = dataclasses.fields(made)  # pyright: ignore[reportArgumentType]
     plain = made.__dataclass_params__.init and all(  # pyright: ignore[reportAttributeAccessIssue]
         f.init and not f.kw_only and f.default_factory is dataclasses.MISSING for f in given)

@@ -12,24 +12,23 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from s2sad import pipeline, read
+from s2sad import artifacts
+from s2sad.artifacts import Reading
 from s2sad.binding import float_parameters, types as types_of
 from s2sad.compiler_lock import COMPILER_LOCK
+from s2sad.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.generated import HIDDEN, Variant
-from s2sad.guards import Guards, Path, current, recording, same
-from s2sad.infer.types import Type, of_value
-from s2sad.normalize.fields import asks
-from s2sad.read.capture import not_a_function
-from s2sad.read.underlying import by_position, python_function
-from s2sad.program import Kernel, Program, Request
-from s2sad.rules.given import GIVEN
+from s2sad.guards import Guards, Path, current, recording
+from s2sad.infer.types import Type
+from s2sad.unwrap import by_position, python_function
+from s2sad.program import Program, Request
+from s2sad.registry import GIVEN, Given
+from s2sad.results import Summary
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
-from s2sad.run.given import compiled_in, given_of
 from s2sad.run.load import owned
 from s2sad.run.overlap import Check, Slot
 from s2sad.side_table import side_table
-from s2sad.tree import equal
 
 _KEPT = 16      # states: values that go back and forth find theirs again
 _CHANGES = 4    # of a number from outside: from then on it is an argument
@@ -39,7 +38,7 @@ def derivatives_of(f: Any) -> Derivatives:
     """The derivatives of a plain function, a differentiated one or a Numba dispatcher."""
     function = python_function(f)
     if function is None:
-        raise S2sadError(not_a_function(f))
+        raise S2sadError(compiler().not_a_function(f))
     with COMPILER_LOCK:
         table = side_table(function)
         if "derivatives" not in table:
@@ -63,14 +62,19 @@ class Derivatives:
         if last is not None and last.holds():
             return last
         with COMPILER_LOCK:
-            found = next((s for s in self._states if s.holds()), None) or self._read()
+            found = next((s for s in self._states if s.holds()), None) or self._kept() or self._read()
             self._states = [*(s for s in self._states[-_KEPT:] if s is not found), found]
             self._current = found
             return found
 
+    def _kept(self) -> State | None:
+        """The state for what another process has read, if the function reads the same here."""
+        known = None if self._states else artifacts.find(self.function)
+        return None if known is None else State(known, self.function)
+
     def _read(self) -> State:
         """The state for what the function reads now."""
-        found = self._state_of(read.load(self.function, (), self._varying))
+        found = self._state_of(compiler().program(self.function, (), self._varying))
         last = self._current
         changed = [] if last is None else found.guards.changed(last.guards)
         self._changes.update(changed)
@@ -84,7 +88,7 @@ class Derivatives:
         it must be known when a derivative is made."""
         varying = self._varying | {path}
         try:
-            made = State(read.load(self.function, (), varying), self.function)
+            made = State.of(compiler().program(self.function, (), varying), self.function)
             made.derive_as(last)
         except S2sadError:
             return None
@@ -97,7 +101,9 @@ class Derivatives:
             if state.serves(program):
                 state.take_over(program)
                 return state
-        return State(program, self.function)
+        found = State.of(program, self.function)
+        artifacts.keep(found.reading, self.function)
+        return found
 
 
 @runtime_checkable
@@ -111,21 +117,54 @@ class State:
     """A program whose constants are known, and what was derived from it. `entries` keeps prepared calls by their
     callers' keys. A `flat` one takes the leaves of structures; one that `asks` must know what arguments are made of."""
 
-    def __init__(self, program: Program, function: FunctionType, flat: bool = False):
-        self.program, self.function, self.flat = program, function, flat
-        self.asks = not flat and asks(program)
-        self.kernel: Kernel = program.kernels[program.entry]
+    def __init__(self, reading: Reading, function: FunctionType, flat: bool = False,
+                 read: Callable[[], Program] | None = None):
+        self.reading, self.function, self.flat = reading, function, flat
+        self.asks, self.kernel = reading.asks, reading.kernel
         self.parameters = self.kernel.parameters
         self.floats = float_parameters(self.kernel)
         self.entries: dict[Any, Any] = {}
         self._variants: dict[Any, Variant] = {}
-        self._summaries: dict[tuple[Type, ...], Any] = {}
-        self._forms: pipeline.Forms = {}
-        self.given = given_of(program)
+        self._summaries: dict[tuple[Type, ...], Summary] = {}
+        self._forms: dict[Any, Any] = {}
+        self._read, self._program = read or self._again, None
+        self.given: tuple[Given, ...] = ()
         self._compiled_in = Guards()        # what functions with derivatives of their own read, which nobody else does
+        self._frozen: list[tuple[Any, list[str]]] = []
+        self._hold(reading.guards, reading.arrays)
+
+    @classmethod
+    def of(cls, program: Program, function: FunctionType) -> State:
+        """The state for a program that was read."""
+        kernel, given = program.kernels[program.entry], compiler().given_of(program)
+        held = (*program.arrays.values(), *program.records.values())
+        address = None if given else artifacts.address(program.guards, function, held, kernel)
+        made = cls(Reading(kernel, compiler().asks(program), program.arrays, program.records, program.guards, address),
+                   function)
+        return made.with_program(program)
+
+    def with_program(self, program: Program) -> State:
+        """The state, whose program was read."""
+        self._program, self.given = program, compiler().given_of(program)
         with recording(self._compiled_in):
-            self._frozen = [(g.plain, compiled_in(g.plain)) for g in self.given if isinstance(g.plain, FunctionType)]
-        self.take_over(program)
+            self._frozen = [(g.plain, compiler().compiled_in(g.plain)) for g in self.given
+                            if isinstance(g.plain, FunctionType)]
+        return self
+
+    @property
+    def program(self) -> Program:
+        """The program; of a state that another process has read it is read now."""
+        if self._program is None:
+            with COMPILER_LOCK:
+                self._program = self._read()
+        return self._program
+
+    def _again(self) -> Program:
+        program = compiler().program(self.function)
+        if artifacts.address(program.guards, self.function, (), self.kernel) != self.reading.address:
+            raise S2sadError(Diagnostic("S405", f"what '{self.kernel.name}' reads from outside was changed while its "
+                                        "derivative was made", help="call it again"))
+        return program
 
     def derive_as(self, other: State) -> None:
         """Derives what another reading has derived; raises S2sadError for what is refused."""
@@ -137,7 +176,10 @@ class State:
 
     def take_over(self, program: Program) -> None:
         """From now on the state is for what this reading took."""
-        self.guards, self.arrays = program.guards, tuple(program.arrays.values())
+        self._hold(program.guards, program.arrays)
+
+    def _hold(self, guards: Guards, arrays: Mapping[str, Any]) -> None:
+        self.guards, self.arrays = guards, tuple(arrays.values())
         self._edition = GIVEN.edition
 
     def holds(self) -> bool:
@@ -150,19 +192,21 @@ class State:
 
     def serves(self, program: Program) -> bool:
         """Whether what was derived here holds for another reading of the same function."""
-        ours, theirs = self.program, program
-        return (list(ours.constants) == list(theirs.constants) and list(ours.arrays) == list(theirs.arrays)
-                and all(same(v, theirs.constants[k]) for k, v in ours.constants.items())
-                and all(of_value(v) == of_value(theirs.arrays[k]) for k, v in ours.arrays.items())
-                and ours.records == theirs.records
-                and list(ours.kernels) == list(theirs.kernels) and self.given == given_of(theirs) and self.unchanged()
-                and all(_same_kernel(k, theirs.kernels[name]) for name, k in ours.kernels.items()))
+        if self._program is not None:
+            return self.unchanged() and compiler().same_program(self._program, program)
+        if artifacts.address(program.guards, self.function, (), self.kernel) != self.reading.address:
+            return False
+        self._program = program
+        return True
 
-    def summary(self, types: tuple[Type, ...]) -> Any:
+    def summary(self, types: tuple[Type, ...]) -> Summary:
         """What the pipeline says of the kernel's writes and results for these types."""
-        found = self._summaries.get(types)
+        found = self._summaries.get(types) or artifacts.summary_of(self.reading.address, types)
         if found is None:
-            found = self._summaries[types] = pipeline.summary(self.program, types, self._forms)
+            found = compiler().summary(self.program, types, self._forms)
+            artifacts.keep_summary(self.reading.address, types, found)
+        if types not in self._summaries:
+            self._summaries[types] = found
             for array in (n for n in found.returned.values() if n.startswith(HIDDEN)):
                 raise S2sadError(Diagnostic("S201", f"'{self.kernel.name}' returns '{array[len(HIDDEN):]}', an array "
                                             "of its module", help="pass the array as an argument"))
@@ -189,7 +233,10 @@ class State:
             if key not in self._variants:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
                                   request.with_primal)
-                generated = pipeline.derive(self.program, request, forms=self._forms)
+                generated = artifacts.generated_for(self.reading.address, request)
+                if generated is None:
+                    generated = compiler().derived(self.program, request, self._forms)
+                    artifacts.keep_generated(self.reading.address, request, generated)
                 self._variants[key] = Variant(generated, engine, self.summary(request.types), self.kernel.name,
                                                self.given)
             return self._variants[key]
@@ -250,7 +297,7 @@ class State:
     def arrays_by_name(self) -> dict[str, Any]:
         """The arrays that the function reads from its module or closure, and the numbers there that vary, by their
         parameters' names."""
-        return dict(zip((HIDDEN + x for x in self.program.arrays), map(current, self.arrays))) if self.arrays else {}
+        return dict(zip((HIDDEN + x for x in self.reading.arrays), map(current, self.arrays))) if self.arrays else {}
 
     def _arrays(self) -> dict[str, np.ndarray]:
         return {n: a for n, a in self.arrays_by_name().items() if isinstance(a, np.ndarray)}
@@ -277,12 +324,6 @@ def lying(summary: Any, values: Mapping[str, Any]) -> None:
 def own(array: np.ndarray) -> np.ndarray:
     """A copy of an array that a function may write."""
     return np.array(array, order="C")
-
-
-def _same_kernel(ours: Kernel, theirs: Kernel) -> bool:
-    return (ours.source == theirs.source and equal(ours.tree, theirs.tree)    # a name may mean another function now
-            and ours.own is theirs.own and list(ours.defaults) == list(theirs.defaults)
-            and all(same(v, theirs.defaults[k]) for k, v in ours.defaults.items()))
 
 
 def _with_trailing(function: Callable[..., Any], trailing: tuple[Any, ...]) -> Callable[..., Any]:

@@ -76,7 +76,7 @@ def given(case: str) -> Given:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     program, kernel, arguments = read.load(module.kernel), module.kernel, module.ARGUMENTS
-    apart = flattened(State(program, kernel), arguments)
+    apart = flattened(State.of(program, kernel), arguments)
     if apart is not None:
         arguments = bind(program.kernels[program.entry], arguments)
         program, kernel = apart.state.program, apart.calling(kernel, copy.deepcopy(arguments))

@@ -32,6 +32,7 @@ from s2sad.infer.slices import scattered
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.workspace import is_allocation
+from s2sad.program import MISFIT
 from s2sad.tree import (
     AST, Add, Assert, Assign, AugAssign, Call, Constant, Eq, Expr, Name, Return, Sub, Subscript, Tuple, assign, at,
     attribute, augment, call, call_name, comment, compare, const, copy, function, index, indices, name, names,
@@ -40,7 +41,6 @@ from s2sad.tree import (
 
 
 REVERSE = "reverse sweep"
-MISFIT = " does not have the shape of the result"
 
 
 def adjoint(structure: Structure, active: Activity, plan: Plan, wanted: Wanted, free: Names, derive: Derive,

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from s2sad.differentiate.derivative import Made, Wanted
 from s2sad.infer.types import Type
 from s2sad.naming import Names
-from s2sad.rules.given import Own
+from s2sad.registry import Own
 from s2sad.tree import AST, Expr, FunctionDef, Return, assign, call, const, function, name, tuple_of
 
 

@@ -18,7 +18,7 @@ from s2sad.emit.manner import manners
 from s2sad.emit.paste import pasted
 from s2sad.emit.spelling import BUILTINS, SPECIAL, literal, module_spelling
 from s2sad.emit.uses import Uses
-from s2sad.rules.given import ROOM
+from s2sad.registry import ROOM
 
 
 @dataclass(frozen=True)

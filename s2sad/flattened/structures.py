@@ -13,15 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from s2sad import read
+from s2sad import artifacts
+from s2sad.artifacts import Reading
 from s2sad.binding import bind, misfit
+from s2sad.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.flattened.asked import Asked, Path
-from s2sad.guards import Guards, recording
-from s2sad.infer.types import FLOAT, NONE, UNKNOWN, Type
-from s2sad.normalize.field_values import Unread
-from s2sad.normalize.fields import Flat, fields
-from s2sad.normalize.groups import Group, nothing
+from s2sad.infer.types import FLOAT, Type
 from s2sad.prepared import selection_of
 from s2sad.selection import RETURN
 from s2sad.structure import (
@@ -52,19 +50,6 @@ def flattened(state: State, args: Sequence[Any]) -> Flattened | None:
     return found
 
 
-def _taken_apart(state: State, forms: tuple[Form, ...]) -> tuple[Flat, list[Any], Guards]:
-    """The flat program, the functions of classes that it calls, which are read as they are met, and what was taken of
-    the arguments' classes."""
-    program, methods = state.program, []
-    while True:
-        try:
-            with recording(Guards()) as guards:
-                return fields(program, forms), methods, guards
-        except Unread as unread:
-            methods.append(unread.function)
-            program = read.load(state.function, tuple(methods), state.guards.varying)
-
-
 def taken_apart(state: State, f: Any, args: Sequence[Any], keywords: Mapping[str, Any] | None = None
                 ) -> tuple[State, list[Any], tuple[Any, Any, str]]:
     """The state and the values to work with, flat where there are structures, and what f carries in its names."""
@@ -79,13 +64,34 @@ class Flattened(Asked):
     """The flat program for arguments of one make, and the way there and back."""
 
     def __init__(self, state: State, forms: tuple[Form, ...]):
-        flat, self.methods, self._classes = _taken_apart(state, forms)
         self.forms = dict(zip(state.parameters, forms))
-        self.cells, self.paths = flat.cells, flat.paths
-        self.names = {path: name for name, path in flat.paths.items()}
-        self.state = State(flat.program, state.function, flat=True)
-        self.result = None if flat.result is None else _form_of_result(flat.result)
         self.title = state.kernel.name
+        self.methods: list[Any] = []
+        kept = artifacts.flat_of(state.reading, forms)
+        if kept is None:
+            self._take_apart(state, forms)
+        else:
+            kernel, self.paths, self.cells, self.result, self._classes, address = kept
+            reading = Reading(kernel, False, state.reading.arrays, {}, state.guards, address)
+            self.state = State(reading, state.function, True, lambda: self._program(state, forms))
+        self.names = {path: name for name, path in self.paths.items()}
+
+    def _take_apart(self, state: State, forms: tuple[Form, ...]) -> None:
+        """Has it done by the compiler, and kept for other processes, where no function of a class is called."""
+        flat, self.methods, self._classes = compiler().taken_apart(
+            state.program, state.function, forms, state.guards.varying)
+        self.cells, self.paths = flat.cells, flat.paths
+        self.result = None if flat.result is None else compiler().result_form(flat.result)
+        program = flat.program
+        kernel = program.kernels[program.entry]
+        address = None if self.methods else artifacts.keep_flat(
+            state.reading, forms, kernel, self.paths, self.cells, self.result, self._classes)
+        self.state = State(Reading(kernel, False, program.arrays, {}, program.guards, address), state.function,
+                           True).with_program(program)
+
+    @staticmethod
+    def _program(state: State, forms: tuple[Form, ...]) -> Any:
+        return compiler().taken_apart(state.program, state.function, forms, state.guards.varying)[0].program
 
     def restated(self, state: State) -> Flattened:
         """The flat program of another reading of the function, with what was derived of this one."""
@@ -235,11 +241,6 @@ class Flattened(Asked):
                 by_name[name][0] = part_of(kind, holder, key)
             return returned if self.result is None else self.result_leaves(returned)
         return called
-
-
-def _form_of_result(group: Group) -> Form:
-    items = tuple(_form_of_result(i) if isinstance(i, Group) else NONE if nothing(i) else UNKNOWN for i in group.items)
-    return replace(group.form, items=items)
 
 
 def _built(form: Form, remaining: Iterator[Any]) -> Any:

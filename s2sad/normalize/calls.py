@@ -1,15 +1,13 @@
 """Calls of the user's functions: arguments bound to positions, and how many results a function returns."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from collections.abc import Mapping
 
 from s2sad.normalize.memory import bindings
 from s2sad.normalize.scope import Scope
 from s2sad.program import Kernel, Program
+from s2sad.results import Structure, leaves
 from s2sad.tree import AST, Call, Constant, IfExp, List, Name, Return, Tuple, call_name, literal, walk
-
-Structure = tuple[Any, ...] | None
 
 
 def user_call(node: AST) -> str | None:
@@ -68,28 +66,6 @@ def _structures(program: Program) -> dict[str, Structure]:
 def result_count(kernel: str, program: Program) -> int:
     """How many values a kernel returns, those of tuples within tuples too; 1 if it returns nothing."""
     return len(leaves(result_structure(kernel, program)))
-
-
-def leaves(structure: Any) -> list[Any]:
-    """The single values of tuples within tuples, in order.
-
-    >>> leaves(((1, 2), 3))
-    [1, 2, 3]
-    """
-    return [leaf for item in structure for leaf in leaves(item)] if isinstance(structure, tuple) else [structure]
-
-
-def nested(values: Iterable[Any], structure: Structure, made: Callable[[list[Any]], Any] = tuple) -> Any:
-    """Values in a row as tuples within tuples.
-
-    >>> nested([1, 2, 3], ((None, None), None))
-    ((1, 2), 3)
-    """
-    left = iter(values)
-
-    def take(part: Structure) -> Any:
-        return next(left) if part is None else made([take(p) for p in part])
-    return take(structure)
 
 
 def _structure(value: AST, kernel: Kernel, found: Mapping[str, Structure]) -> Structure:

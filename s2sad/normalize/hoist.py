@@ -13,9 +13,10 @@ chained comparison is evaluated only where Python does.
 """
 from __future__ import annotations
 
-from s2sad.normalize.calls import bound_arguments, leaves, nested, result_structure, user_call
+from s2sad.normalize.calls import bound_arguments, result_structure, user_call
 from s2sad.normalize.in_place import changed, stored_out
 from s2sad.normalize.scope import Scope, atomic
+from s2sad.results import leaves, nested
 from s2sad.tree import (
     AST, And, Attribute, BoolOp, Call, Compare, Constant, If, IfExp, Name, Not, Slice, Starred, Subscript, Tuple,
     USub, UnaryOp, assign, children, const, copy, dump, expr, index, indices, keyword, name, names, rebuild, tuple_of,

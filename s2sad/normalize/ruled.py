@@ -13,7 +13,7 @@ from s2sad.analyze.liveness import targets
 from s2sad.diagnostics import Report
 from s2sad.infer.infer import Typing
 from s2sad.normalize.operands import Operands
-from s2sad.rules.given import ROOM
+from s2sad.registry import ROOM
 from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Call, Constant, Expr, FunctionDef, Raise, Subscript, UnaryOp, USub,

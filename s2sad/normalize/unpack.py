@@ -7,10 +7,11 @@
 """
 from __future__ import annotations
 
-from s2sad.normalize.calls import leaves, nested, result_count, result_structure, user_call
+from s2sad.normalize.calls import result_count, result_structure, user_call
 from s2sad.normalize.hoist import bound_call, hoist, hoist_all, impure, into, operands, replace_operands
 from s2sad.normalize.memory import STABLE
 from s2sad.normalize.scope import Scope, atomic
+from s2sad.results import leaves, nested
 from s2sad.tree import (
     AST, Attribute, Constant, If, IfExp, List, Name, Starred, Subscript, Tuple, assign, const, copy, index,
     name, names, stored_names, tuple_of,

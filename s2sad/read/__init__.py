@@ -22,11 +22,11 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.guards import Guards, Path, reached, recording
 from s2sad.program import Program
 from s2sad.read.capture import name_of, not_a_function
-from s2sad.read.underlying import python_function
+from s2sad.unwrap import python_function
 from s2sad.read.link import Linker
 from s2sad.read.meaning import Function
 from s2sad.read.modules import FileModule
-from s2sad.rules.given import GIVEN
+from s2sad.registry import GIVEN
 
 __all__ = ["functions", "load", "load_file", "python_function"]
 

@@ -17,10 +17,10 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
-from s2sad.guards import reached, taken
+from s2sad.guards import taken
 from s2sad.read.live import LiveScope, defaults_of
 from s2sad.read.meaning import AST, Captured, kind_of
-from s2sad.read.underlying import given, python_function
+from s2sad.unwrap import fingerprint, given, python_function
 
 _FUTURE = functools.reduce(int.__or__, (getattr(__future__, n).compiler_flag for n in __future__.all_feature_names))
 # line ends to str.splitlines, but not to Python: replaced by blanks as wide in UTF-8
@@ -37,12 +37,7 @@ def capture(value: Any) -> Captured:
     function = python_function(value)
     if function is None:
         raise S2sadError(not_a_function(value))
-    whole = function
-    function, bound = given(whole)
-    if bound:
-        reached(whole, "kernel", "", function)
-    for name, value in bound.items():
-        reached(whole, "given", name, value)
+    function, bound = given(function)
     taken(function, "attribute", "__defaults__")
     if hasattr(function, "__wrapped__"):
         raise S2sadError(Diagnostic("S101", f"'{function.__name__}' is wrapped by a decorator that s2sad does not know",
@@ -190,18 +185,5 @@ def _same(code: types.CodeType, other: types.CodeType) -> bool:
     if any(name.startswith("@py") for name in code.co_varnames):
         # pytest rewrote the asserts: what the text names and computes with must at least be there
         return (set(other.co_names) <= set(code.co_names) and set(other.co_varnames) <= set(code.co_varnames)
-                and set(map(_fingerprint, other.co_consts)) <= set(map(_fingerprint, code.co_consts)))
-    return _fingerprint(code) == _fingerprint(other)
-
-
-def _fingerprint(value: Any) -> Any:
-    """What two equal codes or constants share; places are left out, 1, 1.0 and True are three things."""
-    if isinstance(value, types.CodeType):
-        return (value.co_code, value.co_names, value.co_varnames, value.co_freevars, value.co_cellvars, value.co_flags,
-                value.co_argcount, value.co_posonlyargcount, value.co_kwonlyargcount,
-                tuple(map(_fingerprint, value.co_consts)))
-    if isinstance(value, tuple):
-        return ("tuple", *map(_fingerprint, value))
-    if isinstance(value, frozenset):
-        return ("frozenset", *sorted(map(repr, value)))
-    return type(value).__name__, repr(value)
+                and set(map(fingerprint, other.co_consts)) <= set(map(fingerprint, code.co_consts)))
+    return fingerprint(code) == fingerprint(other)

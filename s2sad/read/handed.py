@@ -21,7 +21,7 @@ from s2sad.guards import taken
 from s2sad.read.capture import capture
 from s2sad.read.meaning import AST, Captured, Function, Library, NotConstant, library_value
 from s2sad.read.nested import Around, NestedFunction
-from s2sad.read.underlying import given as given_before
+from s2sad.unwrap import given as given_before
 from s2sad.read.unique_names import unique_names
 from s2sad.tree import Call, FunctionDef
 

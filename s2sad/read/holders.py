@@ -87,9 +87,7 @@ class HolderScope:
         return _PROPERTY if hasattr(type(value), "__get__") else value
 
     def _bound(self, function: Any, first: Any, key: str) -> types.MethodType:
-        method = types.MethodType(function, first)
-        reached(self.value, "bound", key, method)
-        return method
+        return reached(self.value, "bound", key, types.MethodType(function, first))
 
     def known(self) -> list[str]:
         if isinstance(self.value, dict):

@@ -22,7 +22,7 @@ from s2sad.read.plain import plain
 from s2sad.read.resolve import Resolved, resolve
 from s2sad.read.reshaped import reshaped
 from s2sad.read.returned_lists import returned_lists
-from s2sad.rules.given import GIVEN, Own
+from s2sad.registry import GIVEN, Own
 
 
 _PYTHON = os.path.dirname(os.__file__)

@@ -16,8 +16,8 @@ from s2sad.read.meaning import (
     AST, Array, Function, Holder, Library, LibraryScope, Meaning, NotConstant, Number, Space, Text, Unusable,
     is_numbers, kind_of, library_path, value_meaning,
 )
-from s2sad.read.underlying import named_function
-from s2sad.rules.given import GIVEN, ROOM
+from s2sad.unwrap import named_function
+from s2sad.registry import GIVEN, ROOM
 
 
 class LiveScope:

@@ -13,7 +13,7 @@ from s2sad.read.meaning import (
     AST, BUILTIN_CALLS, Array, Function, Holder, Items, Library, Matrix, Meaning, Number, Numbers, Record, Space, Text,
     Unusable, dotted, library_value,
 )
-from s2sad.rules.given import GIVEN, ROOM
+from s2sad.registry import GIVEN, ROOM
 from s2sad.rules.spellings import is_scipy
 
 Identify = Callable[["Function | Number | Array | Record"], str]

@@ -18,8 +18,8 @@ from s2sad.report.differences import differences
 from s2sad.report.parting import wrong_adjoint, wrong_tangent
 from s2sad.report.subject import Subject, flat, split, vector_of
 from s2sad.rules import constant_result
-from s2sad.rules.given import ROOM
-from s2sad.read.underlying import by_position, given_functions
+from s2sad.registry import ROOM
+from s2sad.unwrap import by_position, given_functions
 from s2sad.run.compiled import bounds_checked, chosen
 from s2sad.selection import names_of, selected_of, selected_wrt
 from s2sad.variants import Derivatives, State, derivatives_of

@@ -13,7 +13,7 @@ from s2sad.flattened import Carrier, taken_apart
 from s2sad.guards import current
 from s2sad.normalize.hidden import hidden_arrays
 from s2sad.program import Program, Request
-from s2sad.read.underlying import given_functions
+from s2sad.unwrap import given_functions
 from s2sad.report.findings import Findings, Place, findings, in_words
 from s2sad.report.listing import Listing, listings
 from s2sad.report.page import page

@@ -14,8 +14,8 @@ from s2sad.guards import taken
 from s2sad.infer.types import FLOAT, Type
 from s2sad.program import Program
 from s2sad.read.link import header_of
+from s2sad.registry import GIVEN, ROOM, Given
 from s2sad.rules import constant_result
-from s2sad.rules.given import GIVEN, ROOM, Given
 from s2sad.run.special_functions import register, used
 from s2sad.tree import Call, call_name, walk
 from s2sad.units import Unit, Units

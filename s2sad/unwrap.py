@@ -14,12 +14,16 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable, Collection, Mapping, Sequence
-from types import FunctionType, MethodType
+from types import CodeType, FunctionType, MethodType
 from typing import Any
 
-from s2sad.guards import class_attribute, reached, taken
+from s2sad.guards import STEPS, class_attribute, reached, taken
 from s2sad.side_table import remembered, side_table
 
+STEPS["function"] = lambda value: lambda *_: named_function(value)
+STEPS["kernel"] = lambda function: lambda *_: given(function)[0]
+STEPS["given"] = lambda function: given(function)[1].get
+STEPS["bound"] = lambda holder: lambda key, _: bound(holder, key)
 _KEPT = 16                              # how many methods and partials of one function are remembered
 _LIBRARIES = ("builtins", "functools", "numpy", "numba", "scipy", "s2sad")
 
@@ -53,7 +57,20 @@ def given(function: FunctionType) -> tuple[FunctionType, Mapping[str, Any]]:
     kernel, names, called = remembered(function, "given") or (function, {}, None)
     method = None if called is None else _method(called)
     made = None if method is None else _given(method)
-    return (kernel, names) if made is None else given(made)
+    if made is not None:
+        kernel, names = given(made)
+    if kernel is not function:
+        reached(function, "kernel", "", kernel)
+        for name, value in names.items():
+            reached(function, "given", name, value)
+    return kernel, names
+
+
+def bound(holder: Any, name: str) -> MethodType:
+    """A method of an object or a class method of a class, as a holder has it."""
+    made = holder if isinstance(holder, type) else type(holder)
+    found = class_attribute(made, name)
+    return MethodType(found.__func__, made) if isinstance(found, classmethod) else MethodType(found, holder)
 
 
 def by_position(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -146,3 +163,16 @@ def _called(function: FunctionType, named: Mapping[str, Any], called: Any = None
     call.__name__, call.__qualname__, call.__module__ = function.__name__, function.__qualname__, function.__module__
     vars(call)["__signature__"] = inspect.Signature(left)
     return call
+
+
+def fingerprint(value: Any) -> Any:
+    """What two equal codes or constants share; places are left out, 1, 1.0 and True are three things."""
+    if isinstance(value, CodeType):
+        return (value.co_code, value.co_names, value.co_varnames, value.co_freevars, value.co_cellvars, value.co_flags,
+                value.co_argcount, value.co_posonlyargcount, value.co_kwonlyargcount,
+                tuple(map(fingerprint, value.co_consts)))
+    if isinstance(value, tuple):
+        return ("tuple", *map(fingerprint, value))
+    if isinstance(value, frozenset):
+        return ("frozenset", *sorted(map(repr, value)))
+    return type(value).__name__, repr(value)

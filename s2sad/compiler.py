@@ -1,0 +1,78 @@
+"""The compiler, as what runs derivatives asks it.
+
+Nothing but `deferred.compiler` imports this module, when something must be read or derived: a process that finds on
+disk what it calls goes without.
+"""
+from __future__ import annotations
+
+from collections.abc import Collection
+from types import FunctionType
+from typing import Any
+
+from s2sad import pipeline, read
+from s2sad.guards import Guards, Path, recording, same
+from s2sad.infer.types import NONE, UNKNOWN, of_value
+from s2sad.normalize.field_values import Unread
+from s2sad.normalize.fields import Flat, asks, fields
+from s2sad.normalize.groups import Group, nothing
+from s2sad.program import Generated, Kernel, Program, Request
+from s2sad.read.capture import not_a_function
+from s2sad.results import Summary
+from s2sad.run.given import compiled_in, given_of, held_to_numbers, uncompiled
+from s2sad.run.own import looked_at
+from s2sad.structure import Form, Structure
+from s2sad.tree import equal
+
+__all__ = ["asks", "compiled_in", "derived", "given_of", "held_to_numbers", "looked_at", "not_a_function", "program",
+           "result_form", "same_program", "summary", "taken_apart", "uncompiled"]
+
+
+def program(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path] = ()) -> Program:
+    """The program of a live function; raises S2sadError."""
+    return read.load(function, methods, varying)
+
+
+def summary(program: Program, types: tuple[Any, ...], forms: dict[Any, Any]) -> Summary:
+    """What the entry of a program writes and returns; raises S2sadError."""
+    return pipeline.summary(program, types, forms)
+
+
+def derived(program: Program, request: Request, forms: dict[Any, Any]) -> Generated:
+    """The generated module for a request; raises S2sadError."""
+    return pipeline.derive(program, request, forms=forms)
+
+
+def taken_apart(program: Program, function: FunctionType, forms: tuple[Form, ...], varying: Collection[Path]
+                ) -> tuple[Flat, list[Any], Guards]:
+    """The flat program, the functions of classes that it calls, which are read as they are met, and what was taken of
+    the arguments' classes."""
+    methods: list[Any] = []
+    while True:
+        try:
+            with recording(Guards()) as guards:
+                return fields(program, forms), methods, guards
+        except Unread as unread:
+            methods.append(unread.function)
+            program = read.load(function, tuple(methods), varying)
+
+
+def result_form(group: Group) -> Structure:
+    """What a structure that a kernel returns is made of."""
+    items = tuple(result_form(i) if isinstance(i, Group) else NONE if nothing(i) else UNKNOWN for i in group.items)
+    return Structure(group.form.kind, group.form.keys, items, group.form.made, group.form.fixed)
+
+
+def same_program(ours: Program, theirs: Program) -> bool:
+    """Whether what was derived of one program holds for another reading of the same function."""
+    return (list(ours.constants) == list(theirs.constants) and list(ours.arrays) == list(theirs.arrays)
+            and all(same(v, theirs.constants[k]) for k, v in ours.constants.items())
+            and all(of_value(v) == of_value(theirs.arrays[k]) for k, v in ours.arrays.items())
+            and ours.records == theirs.records
+            and list(ours.kernels) == list(theirs.kernels) and given_of(ours) == given_of(theirs)
+            and all(_same_kernel(k, theirs.kernels[name]) for name, k in ours.kernels.items()))
+
+
+def _same_kernel(ours: Kernel, theirs: Kernel) -> bool:
+    return (ours.source == theirs.source and equal(ours.tree, theirs.tree)    # a name may mean another function now
+            and ours.own is theirs.own and list(ours.defaults) == list(theirs.defaults)
+            and all(same(v, theirs.defaults[k]) for k, v in ours.defaults.items()))

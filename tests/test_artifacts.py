@@ -1,0 +1,300 @@
+"""What was derived is handed on to later processes, and to none that would derive something else."""
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import s2sad
+from s2sad import artifacts, pipeline, read
+from s2sad.registry import GIVEN
+from s2sad.run import store
+from s2sad.rules.rule import TABLE
+
+KERNEL = '''
+from dataclasses import dataclass
+import numpy as np
+from helpers_of_artifacts import SETTINGS, Shape, helper, settings
+
+G = 2.0
+WEIGHTS = np.array([1.0, 2.0])
+
+
+@dataclass
+class Params:
+    k: float = 3.0
+    n: int = 2
+
+
+def f(x, c=1.5):
+    return G * helper(x) * SETTINGS["a"] * settings.b * c * np.sum(WEIGHTS)
+
+
+def made(x):
+    p = Shape(x)
+    return p.a * p.b
+
+
+def structured(x, p):
+    total = 0.0
+    for i in range(p.n):
+        total += p.k * helper(x) * (i + 1)
+    return total
+
+
+def summed(u):
+    return np.sum(u * u) * G
+
+
+def pair(x, y):
+    return x * x * y
+
+
+def picks(x, n):
+    return x ** n
+
+
+def with_function(x):
+    return applied(helper, x)
+
+
+def applied(f, x):
+    return f(x)
+
+
+class Model:
+    scale = 2.0
+
+    def __init__(self):
+        self.k = 3.0
+
+    def energy(self, x):
+        return self.scale * self.factor() * x
+
+    def factor(self):
+        return self.k
+
+
+MODEL = Model()
+
+
+def through(x):
+    return MODEL.energy(x)
+'''
+HELPERS = '''
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+SETTINGS = {"a": 3.0}
+settings = SimpleNamespace(b=5.0)
+
+
+@dataclass
+class Shape:
+    a: float
+    b: float = 7.0
+
+
+def helper(x, *, power=2):
+    return x ** power
+'''
+
+
+class Processes:
+    """A kernel's files, imported anew as another process does; `derived` has what reached the compiler since."""
+
+    def __init__(self, folder: Path, monkeypatch):
+        self.folder, self.derived, self.read = folder, [], []
+        self.write()
+        derive, load = pipeline.derive, read.load
+        monkeypatch.setattr(pipeline, "derive", lambda program, request, **given: self.derived.append(
+            request) or derive(program, request, **given))
+        monkeypatch.setattr(read, "load", lambda *given: self.read.append(given) or load(*given))
+
+    def write(self, kernel=KERNEL, helpers=HELPERS):
+        (self.folder / "kernel_of_artifacts.py").write_text(kernel)
+        (self.folder / "helpers_of_artifacts.py").write_text(helpers)
+
+    def fresh(self):
+        for name in ("kernel_of_artifacts", "helpers_of_artifacts"):
+            sys.modules.pop(name, None)
+        importlib.invalidate_caches()
+        self.derived.clear()
+        self.read.clear()
+        return importlib.import_module("kernel_of_artifacts")
+
+    @property
+    def warm(self):
+        return not self.derived and not self.read
+
+
+@pytest.fixture
+def processes(tmp_path, monkeypatch):
+    monkeypatch.setenv("S2SAD_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setattr(artifacts, "ENABLED", True)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    yield Processes(tmp_path, monkeypatch)
+    for name in ("kernel_of_artifacts", "helpers_of_artifacts"):
+        sys.modules.pop(name, None)
+
+
+def slope(f, *args, wrt="x", **options):
+    return s2sad.gradient(s2sad.differentiate(f, engine="numpy", **options), wrt=wrt)(*args)
+
+
+def test_another_process_derives_nothing(processes):
+    for _ in range(2):
+        module = processes.fresh()
+        assert slope(module.f, 2.0) == 2.0 * 4.0 * 3.0 * 5.0 * 1.5 * 3.0
+        assert slope(module.structured, 2.0, module.Params()) == 3.0 * 4.0 * 3.0
+        assert slope(module.structured, 2.0, module.Params(), wrt="p").k == 4.0 * 3.0
+        assert slope(module.made, 2.0) == 7.0
+        assert slope(module.through, 2.0) == slope(module.MODEL.energy, 2.0) == 6.0
+        assert slope(module.with_function, 2.0) == slope(module.applied, module.helper, 2.0) == 4.0
+        assert slope(module.summed, np.ones(2), wrt="u").tolist() == [4.0, 4.0]
+        assert s2sad.jvp(s2sad.differentiate(module.pair, engine="numpy"), (2.0, 3.0), {"x": 1.0}) == {"return": 12.0}
+    assert processes.warm
+
+
+CHANGES = {
+    "a helper's text": (lambda p: p.write(helpers=HELPERS.replace("x ** power", "x * power")), "f", (2.0,), 270.0),
+    "a helper's default": (lambda p: p.write(helpers=HELPERS.replace("power=2", "power=3")), "f", (2.0,), 1620.0),
+    "a comment": (lambda p: p.write(KERNEL + "# more\n"), "f", (2.0,), 540.0),
+    "a constant": (lambda p: p.write(KERNEL.replace("G = 2.0", "G = 4.0")), "f", (2.0,), 1080.0),
+    "an integer in its place": (lambda p: p.write(KERNEL.replace("G = 2.0", "G = 2")), "f", (2.0,), 540.0),
+    "an item": (lambda p: p.write(helpers=HELPERS.replace('"a": 3.0', '"a": 6.0')), "f", (2.0,), 1080.0),
+    "an attribute": (lambda p: p.write(helpers=HELPERS.replace("b=5.0", "b=10.0")), "f", (2.0,), 1080.0),
+    "a default of the kernel": (lambda p: p.write(KERNEL.replace("c=1.5", "c=3.0")), "f", (2.0,), 1080.0),
+    "an array of another type": (
+        lambda p: p.write(KERNEL.replace("[1.0, 2.0]", "[[1.0, 2.0]]")), "f", (2.0,), 540.0),
+    "a default of a dataclass": (
+        lambda p: p.write(helpers=HELPERS.replace("b: float = 7.0", "b: float = 8.0")), "made", (2.0,), 8.0),
+    "a field more": (lambda p: p.write(helpers=HELPERS.replace("    b: float", "    c: float = 4.0\n    b: float")),
+                     "made", (2.0,), 7.0),
+    "a class attribute": (lambda p: p.write(KERNEL.replace("scale = 2.0", "scale = 5.0")), "through", (2.0,), 15.0),
+    "an attribute of an object": (
+        lambda p: p.write(KERNEL.replace("self.k = 3.0", "self.k = 4.0")), "through", (2.0,), 8.0),
+    "a method of an object": (
+        lambda p: p.write(KERNEL.replace("return self.k", "return 2.0 * self.k")), "through", (2.0,), 12.0),
+    "a method that is patched": (
+        lambda p: p.write(KERNEL + "\nModel.factor = lambda self: 9.0\n"), "through", (2.0,), 18.0),
+}
+
+
+@pytest.mark.parametrize("title", CHANGES)
+def test_what_has_changed_is_derived_anew(title, processes):
+    change, name, args, right = CHANGES[title]
+    slope(getattr(processes.fresh(), name), *args)
+    change(processes)
+    assert slope(getattr(processes.fresh(), name), *args) == right and not processes.warm
+    assert slope(getattr(processes.fresh(), name), *args) == right and processes.warm
+    processes.write()
+    if title != "a comment":
+        before = getattr(processes.fresh(), name)
+        assert slope(before, *args) == slope(before, *args)
+        assert processes.warm       # both are kept
+
+
+def test_an_array_is_read_as_it_is(processes):
+    assert slope(processes.fresh().f, 2.0) == 540.0
+    module = processes.fresh()
+    module.WEIGHTS[:] = [2.0, 4.0]
+    assert slope(module.f, 2.0) == 1080.0 and processes.warm
+
+
+def test_what_is_set_before_the_first_call_is_seen(processes):
+    slope(processes.fresh().f, 2.0)
+    module = processes.fresh()
+    module.G = 4.0
+    assert slope(module.f, 2.0) == 1080.0 and not processes.warm
+    module = processes.fresh()
+    g = s2sad.gradient(s2sad.differentiate(module.f, engine="numpy"), wrt="x")
+    assert g(2.0) == 540.0 and processes.warm
+    module.G = 8.0
+    assert g(2.0) == 2160.0 and not processes.warm
+
+
+def test_other_types_and_other_questions_are_others(processes):
+    slope(processes.fresh().summed, np.ones(2), wrt="u")
+    module = processes.fresh()
+    assert slope(module.summed, np.ones(2, np.float32), wrt="u").dtype == np.float32 and processes.derived
+    slope(processes.fresh().pair, 2.0, 3.0)
+    assert slope(processes.fresh().pair, 2.0, 3.0, wrt="y") == 4.0 and processes.derived
+    slope(processes.fresh().picks, 2.0, 3)
+    assert slope(processes.fresh().picks, 2.0, 3.0) == 12.0 and processes.derived
+    module = processes.fresh()
+    assert s2sad.value_and_gradient(s2sad.differentiate(module.pair, engine="numpy"), wrt="x")(2.0, 3.0) == (12.0, 12.0)
+
+
+@pytest.fixture
+def registry():
+    given = dict(GIVEN.by_path), dict(GIVEN.by_identity)
+    rules, constants = dict(TABLE.rules), dict(TABLE.constants)
+    yield
+    for table, before in ((GIVEN.by_path, given[0]), (GIVEN.by_identity, given[1]), (TABLE.rules, rules),
+                          (TABLE.constants, constants)):
+        table.clear()
+        table.update(before)
+    GIVEN.edition += 1
+
+
+def test_derivatives_of_the_users_own_are_asked_for(processes, registry):
+    slope(processes.fresh().f, 2.0)
+    module = processes.fresh()
+    s2sad.rule("helpers_of_artifacts.helper(x)", x="5.0", check=False)
+    assert slope(module.f, 2.0) == 2.0 * 5.0 * 3.0 * 5.0 * 1.5 * 3.0 and not processes.warm
+    module = processes.fresh()
+    s2sad.nondifferentiable(module.helper)
+    assert slope(module.f, 2.0) == 0.0 and not processes.warm
+
+
+def test_damage_is_a_miss(processes, monkeypatch):
+    slope(processes.fresh().f, 2.0)
+    entries = sorted(Path(store.folder()).glob("*.derived"))
+    assert entries
+    for position in (0, 20, 60, -5):
+        for entry in entries:
+            content = bytearray(entry.read_bytes())
+            content[position] ^= 1
+            entry.write_bytes(bytes(content))
+        assert slope(processes.fresh().f, 2.0) == 540.0 and not processes.warm
+
+
+@pytest.mark.parametrize("planted", [b"", b"[]", b"{", b"[\"tuple\"]", b"[\"Type\"]", b"[\"class\",\"os\",\"nothing\"]",
+                                     b"[\"tuple\",[\"tuple\",1,2,3]]", b"3", b"[[]]", b"[\"dict\",1]"])
+def test_what_is_no_entry_is_a_miss(planted, processes, monkeypatch):
+    """Even with a checksum that fits."""
+    slope(processes.fresh().f, 2.0)
+    monkeypatch.setattr(store, "get", lambda key, kind="data": planted)
+    assert slope(processes.fresh().f, 2.0) == 540.0
+
+
+def test_numbers_come_back_as_they_were():
+    values = (0.0, -0.0, float("inf"), 1e-300, 3, True, None, "a", 2j, {"a": (1, [2.5])}, ...)
+    again = artifacts._value(json.loads(artifacts._text(values)))
+    assert repr(again) == repr(values)
+    assert np.isnan(artifacts._value(json.loads(artifacts._text(float("nan")))))
+
+
+SCRIPT = """
+import sys
+import numpy as np, s2sad, kernel_of_artifacts as k
+print(s2sad.gradient(s2sad.differentiate(k.structured, engine="numpy"), wrt="x")(2.0, k.Params()))
+print("s2sad.pipeline" in sys.modules, "gast" in sys.modules)
+f = s2sad.differentiate(k.structured, engine="numpy")
+print("def structured_adjoint" in f.adjoint_source(2.0, k.Params()), "s2sad.pipeline" in sys.modules)
+"""
+
+
+def test_a_process_that_finds_everything_goes_without_the_compiler(processes, tmp_path):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(Path(__file__).parent.parent)])}
+    runs = [subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, env=environment,
+                           check=True).stdout.split() for _ in range(2)]
+    assert runs == [["36.0", "True", "True", "True", "True"], ["36.0", "False", "False", "True", "True"]]
