@@ -76,7 +76,9 @@ class Document:
 
     def shell(self, line: str) -> str:
         line = line.removeprefix("$ ")
-        words = f'"{sys.executable}" -m s2sad' + line.removeprefix("s2sad") if line.startswith("s2sad ") else line
+        command, _, rest = line.partition(" ")
+        ours = {"s2sad": f'"{sys.executable}" -m s2sad', "python": f'"{sys.executable}"'}
+        words = f"{ours.get(command, command)} {rest}"
         done = subprocess.run(words, shell=True, cwd=self.folder, env=environment(), text=True, check=False,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8")
         return done.stdout

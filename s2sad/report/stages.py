@@ -1,7 +1,8 @@
 """stages: a program as it is after each pass, printed as Python.
 
     structured  views  workspace  scalarize  handed  rename  atoms       the kernels on their way to normal form
-    differentiate  merge  dead  coalesce  fold  algebra  select  final  the derivatives
+    differentiate  merge  dead  undone  coalesce  branches  fold  algebra  select  gains  uncopied  repeated  final
+                                                                        the derivatives
 """
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ from s2sad.units import Units
 
 NORMALIZE = ("structured", "views", "workspace", "scalarize", "handed", "rename", "atoms")
 DERIVE = ("differentiate", "merge", "dead", "undone", "coalesce", "branches", "fold", "algebra", "select", "gains",
-          "final")
+          "uncopied", "repeated", "final")
 STAGES = (*NORMALIZE, *DERIVE)
 ROOMS = {"normalize": "atoms", "simplify": "final"}
 
@@ -25,9 +26,10 @@ def stages(program: Program, request: Request) -> dict[str, str]:
     seen: dict[str, dict[str, FunctionDef]] = {stage: {} for stage in STAGES}
 
     def watch(stage: str, function: FunctionDef) -> None:
+        assert stage in seen, f"the stage '{stage}' has no place in STAGES"
         shown: FunctionDef = copy(function)
         shown.body = _readable(shown.body)
-        seen.setdefault(stage, {}).setdefault(function.name, shown)
+        seen[stage].setdefault(function.name, shown)
 
     made = pipeline.derive(program, request, watch)
     units: Units = made.facts["units"]
