@@ -13,9 +13,10 @@ import importlib.util
 import os
 import platform
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from functools import cache, lru_cache
+from importlib import metadata
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
@@ -168,9 +169,12 @@ def _key(bounds: bool) -> str:
         origin = Path(found.origin)
         for path in sorted(origin.parent.rglob("*.py")) if origin.name == "__init__.py" else [origin]:
             digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    digest.update(Path(__file__).read_bytes())      # the flags
+    for path in sorted(Path(__file__).parent.glob("*.py")):     # the flags, and what is registered with Numba
+        digest.update(path.read_bytes())
     config = tuple(getattr(numba.config, n, None) for n in ("BOUNDSCHECK", "OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE"))
     llvm = importlib.import_module("llvmlite").__version__
+    with suppress(metadata.PackageNotFoundError):
+        digest.update(metadata.version("scipy").encode())       # its C functions are called
     versions = (numba.__version__, llvm, numpy.__version__, platform.python_version(), config)
     digest.update(repr(versions).encode())
     return f"numba-{digest.hexdigest()[:12]}{'-bounds' if bounds else ''}"

@@ -39,7 +39,7 @@ def location() -> Path:
     """
     chosen = os.environ.get("S2SAD_CACHE_DIR")
     if chosen:
-        return Path(os.path.abspath(chosen))
+        return Path(os.path.abspath(os.path.expanduser(chosen)))
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "s2sad" / "cache"
     if sys.platform == "darwin":
