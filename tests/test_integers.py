@@ -181,6 +181,15 @@ def test_constants_beyond_64_bits_are_refused_under_numba(kernel, line, part):
         assert s2sad.gradient(s2sad.differentiate(kernel, engine="numpy"))(1.0) == float(kernel(1))
 
 
+@pytest.mark.parametrize("statement", ["a = (a, a)", "a = [a, a]", "a = a + a"])
+def test_tuples_that_grow_are_refused_before_they_are_large(statement, tmp_path, capsys):
+    path = tmp_path / "k.py"
+    first = "(x,)" if "(" in statement else "[x]"
+    path.write_text(f"def f(x):\n    a = {first}\n" + f"    {statement}\n" * 40 + "    return a[0]\n")
+    assert main(["adjoint", f"{path}:f"]) == 1
+    assert "k.py:17:9: error[S201]: a tuple or list of more than 16384 items\n" in capsys.readouterr().err
+
+
 def constants_that_fit(x):
     n = 2 ** 31
     m = n * n + (n - 1) * 2

@@ -22,6 +22,8 @@ from s2sad.tree import (
     UnaryOp, While, call_name, indices, is_unset,
 )
 
+_MOST = 1 << 14         # items of a tuple, those of tuples within it counted
+
 
 def infer(function: FunctionDef, parameters: Mapping[str, Type], call_types: CallTypes, report: Report,
           constants: Mapping[str, object] | None = None, confused: set[str] | None = None,
@@ -114,7 +116,14 @@ class Typing(TypesOfCalls):
         return TEXT if isinstance(node.value, str) else of_value(node.value)
 
     def _Tuple(self, node: Tuple) -> Type:
-        return Type("tuple", items=tuple(map(self.of, node.elts)))
+        return self._tuple(node, tuple(map(self.of, node.elts)))
+
+    def _tuple(self, node: AST, items: tuple[Type, ...]) -> Type:
+        """The type of a tuple; one that is put together of itself again and again is refused before it is large."""
+        if sum(item.count for item in items) > _MOST:
+            self.report.error("S201", f"a tuple or list of more than {_MOST} items", node, help="make it an array")
+            self.report.finish()
+        return Type("tuple", items=items)
 
     def _List(self, node: List) -> Type:
         return self._Tuple(node)
@@ -141,7 +150,7 @@ class Typing(TypesOfCalls):
     def _BinOp(self, node: BinOp) -> Type:
         left, right = self.of(node.left), self.of(node.right)
         if left.kind == right.kind == "tuple" and isinstance(node.op, Add):
-            return Type("tuple", items=left.items + right.items)
+            return self._tuple(node, left.items + right.items)
         if isinstance(node.op, (Add, Mult)):
             left, right = _as_array(node.left, left, right), _as_array(node.right, right, left)
         result = promote(left, right)

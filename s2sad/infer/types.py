@@ -24,6 +24,11 @@ class Type:
     ones: tuple[int, ...] = ()
 
     @property
+    def count(self) -> int:
+        """How many values it is made of, those of tuples within tuples counted one by one."""
+        return sum(item.count for item in self.items) if self.kind == "tuple" else 1
+
+    @property
     def is_float(self) -> bool:
         return self.kind in ("number", "array") and self.dtype.startswith("float")
 
