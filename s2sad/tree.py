@@ -24,7 +24,7 @@ from gast import (
     Call, Compare, Constant, Continue, Dict, DictComp, Div, Eq, Expr, FloorDiv, For, FunctionDef, GeneratorExp, Gt, GtE,
     If, IfExp, In, Invert, Is, IsNot, List, ListComp, Load, LShift, Lt, LtE, MatMult, Mod, Module, Mult, Name, Not,
     NotEq, NotIn, Or, Pass, Pow, Raise, Return, RShift, Slice, Starred, Store, Sub, Subscript, Tuple, UAdd, UnaryOp,
-    USub, While, arguments, expr, keyword,
+    USub, While, arguments, expr, keyword, stmt,
 )
 
 __all__ = [
@@ -37,8 +37,8 @@ __all__ = [
     "arguments", "keyword", "add", "assign", "at", "attribute", "augment", "binary", "call", "call_name",
     "children", "comment", "compare", "const", "copy", "counted_for", "dump", "equal", "expr", "expression",
     "forget", "forgotten", "function", "index", "indices", "is_comment", "is_unset", "literal", "mult", "name",
-    "names", "negate", "parse", "rebuild", "rename", "statements", "stored_names", "sub", "substitute", "tuple_of",
-    "unset", "walk", "written",
+    "names", "negate", "parse", "rebuild", "rename", "statements", "stmt", "stored_names", "sub", "substitute",
+    "tuple_of", "unset", "walk", "written",
 ]
 
 _LOAD, _STORE = Load(), Store()

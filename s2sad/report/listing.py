@@ -17,7 +17,7 @@ from s2sad.emit.module import Function
 from s2sad.program import Generated, Kernel, Program
 from s2sad.report.findings import Findings, Place, Stacked, in_words
 from s2sad.tree import (
-    AST, Assign, AugAssign, Constant, Expr, For, FunctionDef, If, Return, While, is_comment, names, walk,
+    AST, Assign, AugAssign, Constant, Expr, For, FunctionDef, If, Return, While, is_comment, names, stmt, walk,
 )
 from s2sad.units import Derived, Unit, Units
 from s2sad.units.derivatives import is_active_statement
@@ -96,7 +96,7 @@ class _Statements:
         self.texts: set[tuple[str, int]] = set()
         for kernel in self.kernels:
             for statement in walk(kernel.tree.body):
-                if not isinstance(statement, (*_SIMPLE, For, If, While)) or not getattr(statement, "lineno", None):
+                if not isinstance(statement, stmt) or not getattr(statement, "lineno", None):
                     continue
                 source, first = kernel.source.home(statement.lineno)
                 lines = [(source.path, line) for line in range(first, first + _height(statement))]
@@ -132,7 +132,7 @@ def _height(statement: AST) -> int:
     """The lines of a statement, of a loop or branch those of its head."""
     last = statement.iter if isinstance(statement, For) else (
         statement.test if isinstance(statement, (If, While)) else statement)
-    end = getattr(last, "end_lineno", None) or statement.lineno
+    end = statement.lineno if isinstance(statement, FunctionDef) else getattr(last, "end_lineno", None) or 0
     return max(1, end - statement.lineno + 1)
 
 
