@@ -155,7 +155,7 @@ class ArrayLike:
     (np.zeros(2, ">f8"), 'has the other byte order\n  help: pass u.astype("float64")'),
     (np.complex64(1j), "is a number of type complex64\n  help: give a complex number"),
     (np.ma.zeros(2), "is a MaskedArray\n  help: pass u.filled(...): what is masked would be read"),
-    (np.matrix([[1.0, 2.0]]), "is a matrix\n  help: pass numpy.asarray(u)"),
+    (np.zeros((1, 2)).view(np.matrix), "is a matrix\n  help: pass numpy.asarray(u)"),
     (np.rec.array([(1.0,)], dtype=[("a", float)]), "is a recarray\n  help: pass numpy.asarray(u)"),
     (np.zeros(2, [("a", float)]),
      "has dtype [('a', '<f8')]\n  help: use float64, float32, complex128, an integer type or bool"),

@@ -102,7 +102,7 @@ def _computed(node: AST, typing: Typing) -> list[AST]:
         return sides if ordered and not all(typing.of(s).kind == "text" for s in sides) else []
     if isinstance(node, AugAssign) or isinstance(node, Assign) and isinstance(node.targets[0], Subscript):
         return [node.value] if isinstance(node.value, Name) else []
-    return list(node.args) if isinstance(node, Call) and find(call_name(node)) is not None else []
+    return list(node.args) if isinstance(node, Call) and find(call_name(node) or "") is not None else []
 
 
 def _operands(node: AST) -> Iterator[tuple[str, AST]]:
