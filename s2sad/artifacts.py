@@ -28,7 +28,7 @@ import numpy as np
 
 from s2sad.guards import ABSENT, STEPS, Guards, Varying, layout, reached, recording, taken
 from s2sad.infer.types import Type
-from s2sad.program import Generated, Kernel, Parameter, Request
+from s2sad.program import Generated, Guard, Kernel, Parameter, Place, Request
 from s2sad.registry import GIVEN
 from s2sad.results import Summary
 from s2sad.run import store
@@ -40,8 +40,9 @@ ENABLED = True
 _KIND = "derived"
 _READINGS = 8           # of one function: for so many sets of constants
 _FOLLOWING = frozenset(("root", "function", "kernel", "given", "bound"))     # steps that follow from what was taken
-_WRITTEN: dict[str, type] = {c.__name__: c for c in (Type, Structure, Parameter, Summary, Request)}
-_FACTS = ("wrappers", "stacks", "taped", "independent")
+_WRITTEN: dict[str, type] = {c.__name__: c for c in (
+    Type, Structure, Parameter, Summary, Request, Guard, Place)}
+_FACTS = ("wrappers", "stacks", "taped", "independent", "guards", "places")
 
 
 class Unkept(Exception):

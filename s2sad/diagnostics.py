@@ -30,6 +30,8 @@ CODES = {
     "S405": "an argument that does not fit its parameter",
     "S406": "an active value is stored where no derivative is kept",
     "S407": "what was asked for cannot be written",
+    # S5: while the kernel runs
+    "S501": "values that do not fit each other, as sizes of arrays",
     # S9: ourselves
     "S901": "internal error",
 }
@@ -127,6 +129,10 @@ class S2sadError(Exception):
     def __init__(self, *diagnostics: Diagnostic):
         self.diagnostics = diagnostics
         super().__init__("\n".join(map(str, diagnostics)))
+
+
+class S2sadValueError(S2sadError, ValueError):
+    """Raised while the kernel runs: what NumPy, or the kernel itself, would raise ValueError for as well."""
 
 
 class S2sadWarning(UserWarning):

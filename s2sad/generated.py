@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from s2sad.deferred import compiler
-from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.program import MISFIT, Generated, Parameter
+from s2sad.program import Generated, Parameter
 from s2sad.registry import Given
 from s2sad.run.compiled import compiled, prepare
+from s2sad.run.failures import CAUGHT, Failures
 from s2sad.run.load import load, owned
 from s2sad.run.overlap import Check, Slot
 
@@ -56,8 +56,10 @@ class Variant:
         self.parameters: tuple[Parameter, ...] = generated.parameters
         plain = tuple(generated.facts.get("wrappers", ()))
         moving = bool(given) or generated.facts.get("moving", False)
-        module = (compiled(generated.text, generated.entry, plain=plain, given=moving) if engine == "numba"
-                  else load(generated.text, generated.entry, own=bool(given)))
+        guards = tuple(generated.facts.get("guards", ()))
+        module = (compiled(generated.text, generated.entry, plain=plain, given=moving, guards=guards)
+                  if engine == "numba" else load(generated.text, generated.entry, own=bool(given), guards=guards))
+        self.failures = Failures(generated.facts, str(module.__file__), kernel)
         owned(module, self)
         if given and engine == "numpy":
             compiler().held_to_numbers(module, given)
@@ -133,19 +135,16 @@ class Variant:
         """Calls the generated function; always a tuple, in the order of `generated.returns`."""
         try:
             returned = self.apart(arguments, shared) if shared else self.function(*arguments)
-        except AssertionError as error:
-            raise self.misfit(error, arguments) from None
+        except CAUGHT as error:
+            raise self.failures.meaning(error) from None
         return () if returned is None else tuple([kind(v) for kind, v in zip(self._kinds, returned)])
 
-    def misfit(self, error: AssertionError, arguments: Sequence[Any]) -> Exception:
-        """The error, or what it says where the seed of an array does not fit: its shape is known when f has run."""
-        said = str(error)
-        found = next((k for k, p in enumerate(self.parameters) if p.role == "seed" and said == p.name + MISFIT), None)
-        if found is None:
-            return error
-        return S2sadError(Diagnostic("S403", f"the seed '{self.parameters[found].name}' has shape "
-                                     f"{arguments[found].shape}, what '{self.kernel}' returns there has another one",
-                                     help="give an array of its shape"))
+    def heard(self, *arguments: Any) -> Any:
+        """Calls the generated function, and gives what it gives."""
+        try:
+            return self.function(*arguments)
+        except CAUGHT as error:
+            raise self.failures.meaning(error) from None
 
     def apart(self, arguments: Sequence[Any], shared: tuple[int, ...]) -> Any:
         """Calls it with private shadows for arguments that are one array, and adds these to the caller's."""

@@ -17,9 +17,10 @@ from s2sad.analyze.liveness import base_name
 from s2sad.analyze.unshadowed import unshadowed
 from s2sad.differentiate.derivative import Wanted
 from s2sad.simplify.taped import Taped, taped
+from s2sad.emit.asserted import asserted
 from s2sad.emit.dialect import in_dialect
 from s2sad.emit.header import documented, header
-from s2sad.emit.module import module, module_text
+from s2sad.emit.module import module
 from s2sad.emit.origins import with_origins
 from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
@@ -76,9 +77,11 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
             functions = [turned(f, units.titled[f.name].lowered_types, None, _writing(f, units)) for f in functions]
         if request.engine == "numba":
             functions = in_dialect(functions, units)
-        text = module_text(functions, header=[f"The primal of {unit.kernel.name}."], constants=program.constants,
-                           standalone=request.standalone)
-        return Generated(text, unit.title, parameters, ("result",))
+        sources = [units.titled[f.name].kernel.source for f in functions]
+        printed = module(functions, header=[f"The primal of {unit.kernel.name}."], constants=program.constants,
+                         standalone=request.standalone)
+        guards, places = asserted(printed, sources)
+        return Generated(printed.text, unit.title, parameters, ("result",), {"guards": guards, "places": places})
     wanted = Wanted(request.wrt, expanded(request.of, unit), request.with_primal)
     derived = units.derive(request.mode, unit, wanted)
     made = [f for d in units.derived.values() for f in (d.function, *d.beside)]
@@ -94,9 +97,12 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
             return in_loops(d, units)
         multiplied = d.function if d.made.tape is None else products(d.function, d.types)
         return extremes(unguarded(powers(multiplied, d.types), d.types), d.types)
-    functions = primal_functions(units, kernels_called(made, units)) + [
-        f for d in units.derived.values() for f in (
-            *d.beside, *([] if d is derived else [documented(with_origins(final(d), d.unit.kernel.source), d)]))]
+    functions = primal_functions(units, kernels_called(made, units))
+    sources = [units.titled[f.name].kernel.source for f in functions]
+    for d in units.derived.values():
+        more = [*d.beside, *([] if d is derived else [documented(with_origins(final(d), d.unit.kernel.source), d)])]
+        functions += more
+        sources += [d.unit.kernel.source] * len(more)
     kept = kept_tape(derived, final(derived), units) if request.level == "fast" else None
     if kept is None:
         functions.append(with_origins(final(derived), unit.kernel.source))
@@ -107,6 +113,8 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     printed = module(in_dialect(functions, units), header=header(derived, request, units),
                      constants=program.constants, standalone=request.standalone)
     found["functions"] = printed.functions
+    sources += [unit.kernel.source] * (len(functions) - len(sources))
+    found["guards"], found["places"] = asserted(printed, sources)
     parameters = tuple(Parameter(hidden_name(n, units.program) if role == "primal" else n, role,
                                  hidden_name(p, units.program), derived.types[n])
                        for n, role, p in derived.made.parameters)

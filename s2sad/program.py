@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from s2sad.diagnostics import Source
+from s2sad.diagnostics import Source, Span
 from s2sad.guards import Guards
 from s2sad.infer.types import Type
 from s2sad.registry import Own
@@ -90,6 +90,39 @@ class Parameter:
     role: str
     primal: str
     type: Type
+
+
+@dataclass(frozen=True)
+class Place:
+    """A place in the kernel's source that needs no source: the path, the line with its number, and columns in it."""
+    path: str
+    line: int
+    column: int
+    end_column: int
+    text: str
+
+    @classmethod
+    def of(cls, source: Source, node: Any) -> Place:
+        """The place of a node, which has one."""
+        span = Span.of(source, node)
+        text = span.source.line(span.line)
+        end = span.end_column if span.end_line == span.line else len(text)
+        return cls(span.source.path, span.line, span.column, end, text)
+
+    def span(self) -> Span:
+        """The place for a diagnostic."""
+        return Span(Source(self.path, self.text, self.line), self.line, self.column, self.line, self.end_column)
+
+
+@dataclass(frozen=True)
+class Guard:
+    """An assertion of a generated text that a sweep made: what is said where it fails, what to do, where its statement
+    is in the kernel, and what it compares, as the text has it; `seed` is the seed that it is about, "" for none."""
+    message: str
+    help: str
+    place: Place | None
+    compared: tuple[str, ...] = ()
+    seed: str = ""
 
 
 @dataclass(frozen=True)

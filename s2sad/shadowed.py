@@ -8,6 +8,7 @@ from typing import Any
 
 from s2sad.binding import coerced, shadow, written_argument
 from s2sad.generated import HIDDEN
+from s2sad.run.failures import CAUGHT
 from s2sad.selection import RETURN, result_seed
 from s2sad.signature import arranged
 from s2sad.variants import State
@@ -46,7 +47,10 @@ class ShadowedCall:
             outside = self.state.outside(self.types)
             for k in self._hidden:
                 arguments[k] = outside[variant.parameters[k].name]
-        return variant.apart(arguments, shared) if shared else self._call(*arguments)
+        try:
+            return variant.apart(arguments, shared) if shared else self._call(*arguments)
+        except CAUGHT as error:
+            raise variant.failures.meaning(error) from None
 
     def _plain(self, *arguments: Any) -> Any:
         """Under NumPy a number may come back as a NumPy scalar; the seed of an array may not fit."""

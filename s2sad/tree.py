@@ -44,6 +44,9 @@ __all__ = [
 _LOAD, _STORE = Load(), Store()
 
 
+SAID = "said"       # the kind of a text that is the kernel's own message
+
+
 def parse(text: str) -> Module:
     """The tree of a module's text; raises SyntaxError as Python does."""
     return gast.ast_to_gast(_ast.parse(text))

@@ -26,6 +26,7 @@ from s2sad.program import Program, Request
 from s2sad.registry import GIVEN, Given
 from s2sad.results import Summary
 from s2sad.run.compiled import chosen, compiled, prepare, quiet
+from s2sad.run.failures import CAUGHT
 from s2sad.run.load import owned
 from s2sad.run.overlap import Check, Slot
 from s2sad.side_table import side_table
@@ -256,7 +257,7 @@ class State:
         variant = self.variant(Request("primal", types, (), ()), engine)
         hidden = tuple(p.name for p in variant.generated.parameters if p.name.startswith(HIDDEN))
         values = self.arrays_by_name()
-        return _with_trailing(variant.function, tuple(values[h] for h in hidden)) if hidden else variant.function
+        return _with_trailing(variant.heard, tuple(values[h] for h in hidden)) if hidden else variant.heard
 
     def first_run(self, values: Sequence[Any], engine: str) -> None:
         """Runs the primal with bounds checks on copies, so that an index out of bounds raises before any write."""
@@ -266,12 +267,17 @@ class State:
             return
         variant = self.variant(Request("primal", types, (), ()), engine)
         text = quiet(variant.generated.text)
-        module = owned(compiled(text, variant.generated.entry, bounds=True, given=bool(self.given)), self)
+        guards = tuple(variant.generated.facts.get("guards", ()))
+        module = compiled(text, variant.generated.entry, bounds=True, given=bool(self.given), guards=guards)
+        owned(module, self)
         function = getattr(module, variant.generated.entry)
         copies = dict(zip(self.parameters, self.copied(values, types)))
         arguments = variant.assemble(copies, {}, (), self.outside(types))
         prepare(function, arguments, f"'{self.kernel.name}'")
-        function(*arguments)
+        try:
+            function(*arguments)
+        except CAUGHT as error:
+            raise variant.failures.meaning(error) from None
         self.entries[key] = True
 
     def apart(self, types: tuple[Type, ...]) -> Callable[[Sequence[Any]], None] | None:

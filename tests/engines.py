@@ -13,6 +13,7 @@ from zlib import crc32
 
 import pytest
 
+from s2sad import S2sadError
 from s2sad.run import compiled
 
 EVERY = 10
@@ -34,6 +35,12 @@ def running(engine: str) -> Iterator[str]:
         yield "numba"
     finally:
         compiled._jit, compiled._key, compiled._runtime = before
+
+
+def said(error: S2sadError) -> str:
+    """What an error says in one line, with what to do."""
+    (found,) = error.diagnostics
+    return f"{found.message}: {found.help}" if found.help else found.message
 
 
 def each(cases: Iterable[Any]) -> list[Any]:

@@ -191,5 +191,5 @@ def test_factors_that_do_not_fit(engine):
     """The derivative does not need the product, which would have told."""
     function = Differentiated(product, wrt="x", engine=engine)
     assert vjp(function, (np.ones((2, 3)), np.ones(3)), {"return": 1.0})["x"].tolist() == [2.0, 2.0, 2.0]
-    with pytest.raises((AssertionError, ValueError), match="shapes differ|broadcast"):
+    with pytest.raises(S2sadError, match="shapes differ|broadcast"):
         vjp(function, (np.ones((2, 3)), np.ones(50)), {"return": 1.0})

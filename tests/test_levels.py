@@ -96,5 +96,5 @@ def left_early(x):
 @pytest.mark.parametrize("kernel", (counter_behind_its_loop, left_early))
 def test_what_is_not_written_out_is_refused_when_it_is_run(kernel, engine):
     said = "an array of another size than the others is put into a list, whose arrays have one size"
-    with running(engine) as under, pytest.raises(AssertionError, match=said):
+    with running(engine) as under, pytest.raises(s2sad.S2sadError, match=said):
         s2sad.gradient(s2sad.differentiate(kernel, engine=under))(given(8))

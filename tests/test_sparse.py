@@ -522,7 +522,7 @@ def test_what_raises(engine):
     with running(engine) as run_under:
         for kernel, said in RAISES.items():
             f = s2sad.differentiate(kernel, engine=run_under)
-            with pytest.raises((ValueError, RuntimeError, AssertionError), match=said):
+            with pytest.raises((ValueError, RuntimeError), match=said):
                 s2sad.vjp(f, given, {"return": 1.0})
     assert np.all(np.isnan(s2sad.vjp(nan_of, given, {"return": 1.0})["x"]))
 

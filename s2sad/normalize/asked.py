@@ -55,6 +55,11 @@ def lines(*parts: str) -> str:
     return "\n".join(p for p in parts if p)
 
 
+WEIGHTS = "there are not as many weights as elements"
+NOT_AS_MANY = "there are not as many places, or values, along one axis as along another"
+SECTIONS = "np.split into sections that are not of one length: np.array_split makes such"
+
+
 def guard(test: str, message: str) -> str:
     """The text of an assertion that says what to do."""
     return f"assert {test}, {message!r}"

@@ -30,7 +30,8 @@ _BATCH = "abcdefgh"
 _OPEN = "ABCDEF"
 _LETTERS = "ijklmnop"
 _LAST = {"numpy.dot": 2, "numpy.inner": 1}      # sum over the last axis of the first, and the last or last but one
-_PRODUCTS = {"numpy.matmul", "numpy.tensordot", "numpy.outer", *_LAST}
+REPEATING = "numpy.einsum.matmul"
+_PRODUCTS = {"numpy.matmul", REPEATING, "numpy.tensordot", "numpy.outer", *_LAST}
 
 
 def contracted(function: FunctionDef) -> FunctionDef:
@@ -101,6 +102,9 @@ def batched(function: FunctionDef, typing: Typing) -> FunctionDef:
     def change(node: AST) -> AST | None:
         if not isinstance(node, Call) or call_name(node) not in _PRODUCTS or len(node.args) != 2:
             return None
+        if call_name(node) == REPEATING:
+            plain = at(_repeated(node, typing), node)
+            return rebuild(plain, change)
         ranks = [typing.of(a).rank for a in node.args]
         if call_name(node) == "numpy.outer":
             return _raveled(node, ranks, [rebuild(a, change) for a in node.args])
@@ -199,7 +203,29 @@ def _matrix_product(inputs: list[str], output: str, operands: list[AST]) -> AST 
     a, b = operands
     a = call("numpy.transpose", a) if len(inputs[0]) == 2 and inputs[0][0] in both else a
     b = call("numpy.transpose", b) if len(inputs[1]) == 2 and inputs[1][1] in both else b
-    return call("numpy.matmul", a, b)
+    return call(REPEATING, a, b)
+
+
+def _repeated(node: Call, typing: Typing) -> AST:
+    """The matrix product of `np.einsum`, in which an axis of length 1 is as long as the other one."""
+    alone = [typing.argument(x) for x in node.args]
+    places = [_summed(x, typing, last) for x, last in zip(node.args, (True, False))]
+    single = [axis in kind.ones for kind, (_, axis) in zip(map(typing.argument, (x for x, _ in places)), places)]
+    if single[0] == single[1]:
+        return call("numpy.matmul", *node.args)
+    factors = [index(x, *(const(0) if k == axis else Slice(None, None, None) for k in range(kind.rank))) if one else
+               call("numpy.sum", x, **({"axis": const(axis)} if kind.rank > 1 else {}))
+               for (x, axis), one, kind in zip(places, single, alone)]
+    return call("numpy.outer", *factors) if all(k.rank == 2 for k in alone) else mult(*factors)
+
+
+def _summed(operand: AST, typing: Typing, last: bool) -> tuple[AST, int]:
+    """The array that an operand is or transposes, and which axis of it is summed over."""
+    rank = typing.of(operand).rank
+    axis = rank - 1 if last else max(rank - 2, 0)
+    if call_name(operand) == "numpy.transpose" and len(operand.args) == 1:
+        return operand.args[0], rank - 1 - axis
+    return operand, axis
 
 
 def _order(inputs: list[str], output: str, letters: str) -> str | None:

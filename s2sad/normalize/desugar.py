@@ -25,7 +25,7 @@ from s2sad.normalize.scope import Scope
 from s2sad.normalize.unpack import unpack
 from s2sad.rules.composed import WRITING
 from s2sad.tree import (
-    AST, And, AnnAssign, Assert, Assign, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr, For,
+    SAID, AST, And, AnnAssign, Assert, Assign, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr, For,
     FunctionDef, If, IfExp, Name, Not, Pass, Raise, Return, Subscript, UnaryOp, While, assign, at, call_name, const,
     copy, function, index, name, walk,
 )
@@ -169,6 +169,8 @@ def _return(node: Return, scope: Scope) -> list[AST]:
 def _assert(node: Assert, scope: Scope) -> list[AST]:
     before, test = hoist(node.test, scope)
     said, message = hoist(node.msg, scope) if node.msg is not None else ([], None)
+    if isinstance(message, Constant):
+        message = at(Constant(message.value, SAID), node)
     if not said:
         return [*before, Assert(test, message)]
     return [*before, If(UnaryOp(Not(), test), [*said, Assert(const(False), message)], [])]

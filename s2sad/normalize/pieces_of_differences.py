@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.normalize.asked import Asked, empty, lines, part, size, sizes
+from s2sad.normalize.asked import Asked, empty, guard, lines, part, size, sizes
 
 
 def _trapezoid(asked: Asked) -> str:
@@ -41,7 +41,8 @@ def _gradient(asked: Asked) -> str:
     axis = asked.axis(rank) if asked.given("axis") else 0
     n = size("f", axis)
     dtype = asked.type("f").dtype if asked.type("f").is_float else "float64"
-    found = [f"assert {n} >= {1 + (asked.number('edge_order') or 1)}", f"result = {empty(sizes('f', rank), dtype)}"]
+    enough = guard(f"{n} >= {1 + (asked.number('edge_order') or 1)}", "np.gradient of too few elements along an axis")
+    found = [enough, f"result = {empty(sizes('f', rank), dtype)}"]
 
     def at(array: str, taken: str) -> str:
         return part(array, axis, taken)

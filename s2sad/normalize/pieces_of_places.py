@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.infer.laws import axes_of
-from s2sad.normalize.asked import Asked, empty, guard, lines, part, size, sizes, zeros
+from s2sad.normalize.asked import NOT_AS_MANY, WEIGHTS, Asked, empty, guard, lines, part, size, sizes, zeros
 from s2sad.tree import List, Tuple, call
 
 _SIGNS = {"add": "+=", "subtract": "-=", "multiply": "*=", "divide": "/="}
@@ -38,8 +38,8 @@ def _stored(asked: Asked, function: str) -> str:
     before = ["held = numpy.copy(values)"] if values == "held" else []
     if not arrays:
         return lines(*before, store)
-    fits = [f"assert {size(g, 0)} == {size(arrays[0], 0)}" for g in arrays[1:]]
-    fits += [f"assert {size('held', 0)} == {size(arrays[0], 0)}"] if taken != values else []
+    fits = [guard(f"{size(g, 0)} == {size(arrays[0], 0)}", NOT_AS_MANY) for g in arrays[1:]]
+    fits += [guard(f"{size('held', 0)} == {size(arrays[0], 0)}", NOT_AS_MANY)] if taken != values else []
     return lines(*before, *fits, f"for place in range({size(arrays[0], 0)}):", f"    {store}")
 
 
@@ -242,7 +242,7 @@ def _select(asked: Asked) -> str:
 
 def _bincount(asked: Asked) -> str:
     weighted = asked.given("weights")
-    fits = [f"assert {size('weights', 0)} == {size('x', 0)}"] if weighted else []
+    fits = [guard(f"{size('weights', 0)} == {size('x', 0)}", WEIGHTS)] if weighted else []
     return lines(*fits, "count = minlength", f"for place in range({size('x', 0)}):",
                  "    count = max(count, x[place] + 1)",
                  f"result = {zeros(['count'], 'float64' if weighted else 'int64')}",

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.normalize.asked import Asked, empty, guard, lines, made, part, size, sizes, zeros
+from s2sad.normalize.asked import WEIGHTS, Asked, empty, guard, lines, made, part, size, sizes, zeros
 from s2sad.tree import List, Tuple, call
 
 _OUTSIDE = "np.{}: the place is not in the array"
@@ -182,7 +182,7 @@ def _histogram(asked: Asked) -> str:
     if asked.number("part") == 1:
         return lines(*edges, "result = edges")
     weighted = asked.given("weights")
-    fits = f"assert {size('weights', 0)} == {size('x', 0)}" if weighted else ""
+    fits = guard(f"{size('weights', 0)} == {size('x', 0)}", WEIGHTS) if weighted else ""
     return lines(fits, *edges, "last = edges.shape[0] - 1", "found = runtime.sought(edges, x, True)",
                  f"sums = {zeros(['last'], 'float64' if weighted else 'int64')}",
                  f"for place in range({size('x', 0)}):", "    bin = found[place]",

@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.infer.options import astype_dtype, widths_of
-from s2sad.normalize.asked import Asked, empty, guard, lines, part, size, sizes, zeros
+from s2sad.normalize.asked import SECTIONS, Asked, empty, guard, lines, part, size, sizes, zeros
 from s2sad.normalize.pieces_of_selections import repeated
 from s2sad.tree import List, Tuple
 
@@ -28,7 +28,8 @@ def _squeeze(asked: Asked) -> str:
                 for k in range(rank) if k not in gone]
         return lines(*more, f"result = x[{', '.join('0' if k in gone else ':' for k in range(rank))}]")
     axis = asked.axis(asked.rank("x"))
-    return lines(f"assert {size('x', axis)} == 1", f"result = {part('x', axis, '0')}")
+    fits = guard(f"{size('x', axis)} == 1", "np.squeeze along an axis of another length than 1")
+    return lines(fits, f"result = {part('x', axis, '0')}")
 
 
 def _atleast(asked: Asked, rank: int) -> str:
@@ -59,7 +60,7 @@ def _split(asked: Asked, axis: int | None = None, even: bool = True) -> str:
         bounds = ["", *(asked.let("bound", e) for e in node.elts), ""]
         return f"result = numpy.copy({part('x', axis, f'{bounds[number]}:{bounds[number + 1]}')})"
     if even:
-        return lines(f"assert {n} % sections == 0", f"step = {n} // sections",
+        return lines(guard(f"{n} % sections == 0", SECTIONS), f"step = {n} // sections",
                      f"result = numpy.copy({part('x', axis, f'{number} * step:{number + 1} * step')})")
     return lines(f"step = {n} // sections", f"more = {n} % sections",
                  f"start = {number} * step + min({number}, more)",
@@ -108,7 +109,6 @@ def _repeat(asked: Asked) -> str:
                  f"result = numpy.reshape(rows, ({', '.join(whole)},))")
 
 
-_WIDE = "np.pad adds more than the array has along an axis: take the elements by index"
 
 
 def _pad(asked: Asked) -> str:
@@ -144,14 +144,15 @@ def _borders(mode: str, axis: int, a: str, b: str, n: str) -> list[str]:
         function = {"mean": "mean", "maximum": "max", "minimum": "min"}[mode]
         return [f"found{axis} = numpy.{function}({taken(a, f'{a} + {n}')}, axis={axis}, keepdims=True)",
                 f"{low} = found{axis}", f"{high} = found{axis}"]
-    if mode == "wrap":
-        return [guard(f"{a} <= {n} and {b} <= {n}", _WIDE), f"{low} = {taken(n, f'{n} + {a}')}",
-                f"{high} = {taken(a, f'{a} + {b}')}"]
-    skip = 1 if mode == "reflect" else 0
-    below = taken(f"{a} + {skip}", f"2 * {a} + {skip}")
-    above = taken(f"{a} + {n} - {b} - {skip}", f"{a} + {n} - {skip}")
-    return [guard(f"{a} + {skip} <= {n} and {b} + {skip} <= {n}", _WIDE), f"{low} = numpy.flip({below}, axis={axis})",
-            f"{high} = numpy.flip({above}, axis={axis})"]
+    period, mirrored = {"wrap": (n, "{0}"), "symmetric": (f"(2 * {n})", f"min({{0}}, 2 * {n} - 1 - {{0}})"),
+                        "reflect": (f"max(2 * {n} - 2, 1)", f"min({{0}}, max(2 * {n} - 2, 1) - {{0}})")}[mode]
+
+    def filled(count: str, cell: str, place: str) -> list[str]:
+        """The loop over one end, whose cells repeat with a period what lies between, however wide it is."""
+        return [f"for place in range({count}):", f"    turn = ({place}) % {period}",
+                f"    {part('result', axis, cell)} = {part('result', axis, f'{a} + ' + mirrored.format('turn'))}"]
+    return [guard(f"{n} > 0 or {a} + {b} == 0", "np.pad of an axis without elements"),
+            *filled(a, "place", f"place - {a}"), *filled(b, f"{a} + {n} + place", f"{n} + place")]
 
 
 # -- diagonals and triangles -----------------------------------------------------------------------------------------

@@ -160,7 +160,8 @@ def _cross(asked: Asked) -> str:
 
     def part(p: str, k: int) -> str:
         return f"{p}[{':, ' * (asked.rank(p) - 1)}{k}]"
-    fits = [f"assert {size(p, asked.rank(p) - 1)} == 3" for p in "ab"]
+    three = "np.cross of vectors that do not have 3 elements"
+    fits = [guard(f"{size(p, asked.rank(p) - 1)} == 3", three) for p in "ab"]
     whole = sizes("ab"[ranks.index(max(ranks))], max(ranks))
     return lines(*fits, f"result = {empty(whole, kind)}", *(
         f"result[{':, ' * (max(ranks) - 1)}{k}] = {part('a', i)} * {part('b', j)} - {part('a', j)} * {part('b', i)}"
@@ -187,10 +188,14 @@ def _polyval(asked: Asked) -> str:
 
 
 def _correlate(asked: Asked) -> str:
-    mode = asked.text("mode")
-    fits = "" if mode == "full" else guard(
-        f"{size('a', 0)} >= {size('v', 0)}", "np.correlate with the shorter array first: np.correlate(v, a)[::-1]")
-    return lines(fits, "turned = numpy.flip(v)", f"result = numpy.convolve(a, turned, mode='{mode}')")
+    mode, n, m = asked.text("mode"), size("a", 0), size("v", 0)
+    if mode != "same":
+        return lines("turned = numpy.flip(v)", f"result = numpy.convolve(a, turned, mode='{mode}')")
+    kind = common([asked.type("a"), asked.type("v")])   # NumPy turns what it gives where the first is the shorter one
+    return lines("turned = numpy.flip(v)", "whole = numpy.convolve(a, turned, mode='full')",
+                 f"least = min({n}, {m})", "first = (least - 1) // 2", f"if {n} < {m}:", "    first = least // 2",
+                 f"count = max({n}, {m})", f"result = {empty(['count'], kind)}", "for position in range(count):",
+                 "    result[position] = whole[position + first]")
 
 
 def _convolve(asked: Asked) -> str:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from s2sad import rules
 from s2sad.blocks import with_blocks
 from s2sad.infer.laws import whole_number
+from s2sad.normalize.asked import SECTIONS
 from s2sad.tree import (
     AST, Assert, Assign, BinOp, Eq, FloorDiv, FunctionDef, List, Mod, Name, Slice, Subscript, Tuple, assign, at,
     attribute, call_name, compare, const, copy, index, mult,
@@ -44,7 +45,7 @@ def _statement(statement: AST) -> list[AST]:
         bounds = [None, *asked.elts, None]
         low, high, before = bounds[number], bounds[number + 1], []
     else:
-        before = [Assert(compare(BinOp(size, Mod(), copy(asked)), Eq(), const(0)), None)]
+        before = [Assert(compare(BinOp(size, Mod(), copy(asked)), Eq(), const(0)), const(SECTIONS))]
         low, high = (mult(const(k), BinOp(copy(size), FloorDiv(), copy(asked))) if k else None
                      for k in (number, number + 1))
     whole = [Slice(None, None, None) for _ in range(axis)]

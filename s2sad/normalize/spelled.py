@@ -45,7 +45,7 @@ _REDUCING = {"linalg.norm", "median", "sort", "diff", "count_nonzero"}
 _LISTED = {"diag", "diagflat", "tril", "triu", "roll", "flip", "searchsorted", "linalg.det", "linalg.inv", "trapezoid",
            "average", "ediff1d"}
 _PRODUCTS = {"dot", "outer", "inner", "vdot", "matmul", "where", "interp", "polyval", "convolve", "correlate", "cross",
-             "kron", "linalg.solve", "setdiff1d"}
+             "kron", "linalg.solve", "setdiff1d", "einsum.matmul"}
 _SHAPED = {"reshape", "transpose"}
 _PARTS = {"real", "imag"}  # attributes
 

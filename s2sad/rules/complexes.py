@@ -7,8 +7,8 @@ from __future__ import annotations
 
 # functions of whole arrays with rules that are analytic in each operand
 HOLOMORPHIC = frozenset({
-    "numpy.sum", "numpy.mean", "numpy.matmul", "numpy.dot", "numpy.outer", "numpy.linalg.solve", "numpy.linalg.inv",
-    "numpy.roll", "numpy.flip", "numpy.transpose", "numpy.moveaxis", "numpy.reshape", "numpy.ravel",
+    "numpy.sum", "numpy.mean", "numpy.matmul", "numpy.einsum.matmul", "numpy.dot", "numpy.outer", "numpy.linalg.solve",
+    "numpy.linalg.inv", "numpy.roll", "numpy.flip", "numpy.transpose", "numpy.moveaxis", "numpy.reshape", "numpy.ravel",
     "numpy.broadcast_to", "numpy.tensordot"})
 
 # transforms, whose rules are written for the inner product; `rfft` is of floats alone

@@ -6,7 +6,8 @@ from s2sad.rules.array import arrays
 for _product, _law in (("matmul", "matmul"), ("dot", "dot")):       # of up to two axes they are the same
     arrays(f"numpy.{_product}(a, b)", law=_law,
            a={(2, 2): "g @ b.T", (2, 1): "numpy.outer(g, b)", (1, 2): "b @ g", (1, 1): "g * b"},
-           b={(2, 2): "a.T @ g", (2, 1): "a.T @ g", (1, 2): "numpy.outer(a, g)", (1, 1): "g * a"})
+           b={(2, 2): "a.T @ g", (2, 1): "a.T @ g", (1, 2): "numpy.outer(a, g)", (1, 1): "g * a"},
+           also=("numpy.einsum.matmul",) if _product == "matmul" else ())     # which repeats an axis of length 1
 arrays("numpy.outer(a, b)", law="outer", a="g @ b", b="g.T @ a")
 arrays("numpy.linalg.solve(a, b)", law="solution", shared={"s": "numpy.linalg.solve(a.T, g)"}, b="s",
        a={(2, 1): "-numpy.outer(s, y)", (2, 2): "-(s @ y.T)"}, tangent="numpy.linalg.solve(a, b_dot - a_dot @ y)")

@@ -12,7 +12,7 @@ import importlib
 import importlib.util
 import os
 import platform
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from functools import cache, lru_cache
@@ -22,6 +22,7 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.run.interrupts import interruptible
 from s2sad.run.interpreter import DTYPES, interpreted
 from s2sad.run.load import load
 from s2sad.run.machine_code import stored
@@ -67,7 +68,7 @@ def bounds_checked() -> Iterator[None]:
 
 
 def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ...] = (),
-             given: bool = False) -> ModuleType:
+             given: bool = False, guards: Collection[int] = ()) -> ModuleType:
     """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left.
 
     With `given` it imports functions of the user: these are compiled too, and nothing is kept on disk, for the text
@@ -75,7 +76,7 @@ def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ..
     long as the process.
     """
     bounds = bounds or always_checked()
-    module = load(text, name, _key(bounds), own=given)
+    module = load(text, name, _key(bounds), own=given, guards=guards)
     if not getattr(module, "__compiled__", False):
         space = vars(module)
         register(used(space))
@@ -94,19 +95,20 @@ def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ..
 
 
 def quiet(text: str) -> str:
-    """A text without its `print` statements: for a run that only looks whether indices stay in bounds.
+    """A text without its `print` statements, line for line: for a run that only looks whether indices stay in bounds.
 
     >>> quiet("def f(x):\\n    print(x)\\n    return x")
     'def f(x):\\n    pass\\n    return x'
     """
-    return ast.unparse(_Silence().visit(ast.parse(text))) if "print(" in text else text
-
-
-class _Silence(ast.NodeTransformer):
-    def visit_Expr(self, node: ast.Expr) -> ast.AST:
-        call = node.value
-        says = isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "print"
-        return ast.Pass() if says else node
+    if "print(" not in text:
+        return text
+    lines = text.splitlines()
+    for node in ast.walk(ast.parse(text)):
+        call = node.value if isinstance(node, ast.Expr) else None
+        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "print":
+            last = node.end_lineno or node.lineno       # pyright: ignore[reportAttributeAccessIssue]
+            lines[node.lineno - 1:last] = [" " * node.col_offset + "pass", *[""] * (last - node.lineno)]  # pyright: ignore
+    return "\n".join(lines)
 
 
 def prepare(dispatcher: Any, args: Sequence[Any], what: str) -> None:
@@ -116,7 +118,8 @@ def prepare(dispatcher: Any, args: Sequence[Any], what: str) -> None:
     numba_errors = importlib.import_module("numba.core.errors")
     signature = tuple(map(dispatcher.typeof_pyval, args))
     try:
-        dispatcher.compile(signature)
+        with interruptible():
+            dispatcher.compile(signature)
     except numba_errors.NumbaError as error:
         reason = str(error).strip()
         raise S2sadError(Diagnostic("S901", f"internal error: Numba cannot compile {what}", note=reason,

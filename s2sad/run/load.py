@@ -5,6 +5,7 @@ tracebacks, too, where there can be no file.
 """
 from __future__ import annotations
 
+import ast
 import hashlib
 import importlib.machinery
 import importlib.util
@@ -13,6 +14,7 @@ import linecache
 import sys
 import weakref
 from collections import Counter
+from collections.abc import Collection
 from types import CodeType, ModuleType
 from typing import Any
 
@@ -26,25 +28,47 @@ _OWNERS: Counter[str] = Counter()       # by the names of modules
 class _Loader(importlib.machinery.SourceFileLoader):
     """Compiles the text that was verified, whatever its file holds, and leaves no bytecode."""
 
-    def __init__(self, name: str, path: str, text: str):
+    def __init__(self, name: str, path: str, text: str, guards: Collection[int]):
         super().__init__(name, path)
-        self._text = text
+        self._text, self._guards = text, guards
 
     def get_code(self, fullname: str) -> CodeType:
+        made = _Raising(self._guards).visit(ast.parse(self._text)) if self._guards else self._text
         # the guards are assertions: they stay under python -O
-        return compile(self._text, self.path, "exec", dont_inherit=True, optimize=0)
+        return compile(made, self.path, "exec", dont_inherit=True, optimize=0)
 
     def get_source(self, fullname: str) -> str:
         return self._text
 
 
-def load(text: str, name: str, key: str = "", own: bool = False) -> ModuleType:
-    """The module of a generated text; the same text, name and key give the same module.
+class _Raising(ast.NodeTransformer):
+    """Guards that say which they are and what they compared: Numba takes no message that is computed, but arguments.
+
+        assert u.shape == v.shape, "..."    if not u.shape == v.shape: raise AssertionError("...", 12, u.shape, v.shape)
+    """
+
+    def __init__(self, lines: Collection[int]):
+        self._lines = lines
+
+    def visit_Assert(self, node: ast.Assert) -> ast.AST:
+        if node.lineno not in self._lines or node.msg is None:
+            return node
+        test = node.test
+        compared = [test.left, *test.comparators] if isinstance(test, ast.Compare) and len(test.ops) == 1 else []
+        error = ast.Call(ast.Name("AssertionError", ast.Load()), [node.msg, ast.Constant(node.lineno), *compared], [])
+        made = ast.If(ast.UnaryOp(ast.Not(), test), [ast.Raise(error)], [])
+        return ast.fix_missing_locations(ast.copy_location(made, node))
+
+
+def load(text: str, name: str, key: str = "", own: bool = False, guards: Collection[int] = ()) -> ModuleType:
+    """The module of a generated text; the same text, name, key and guards give the same module.
+
+    The assertions in the lines of `guards` raise AssertionError with their message, their line and what they compared.
 
     `key` stands for what else the compiled form depends on (engine, flags, versions): another key is another module.
     With `own` the module is a new one each time: it imports functions that may have changed.
     """
-    digest = hashlib.sha256(f"{key}\0{name}\0{text}".encode()).hexdigest()[:20]
+    digest = hashlib.sha256(f"{key}\0{name}\0{text}\0{sorted(guards)}".encode()).hexdigest()[:20]
     identifier = f"s2sad_{name}_{digest}"
     with COMPILER_LOCK:
         if own:
@@ -53,7 +77,7 @@ def load(text: str, name: str, key: str = "", own: bool = False) -> ModuleType:
         if module is not None:
             return module
         path = store.keep(f"{name}_{digest}.py", text) or f"generated/{name}_{digest}.py"
-        loader = _Loader(identifier, str(path), text)
+        loader = _Loader(identifier, str(path), text, guards)
         spec = importlib.util.spec_from_file_location(identifier, path, loader=loader)
         assert spec is not None  # a loader was given
         module = importlib.util.module_from_spec(spec)

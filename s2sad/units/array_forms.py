@@ -16,7 +16,7 @@ from s2sad.naming import Names
 from s2sad.normalize.aliases import SHARED
 from s2sad.normalize.choices import choices
 from s2sad.normalize.contiguous import Contiguity, demanded, of_calls
-from s2sad.normalize.contracted import batched
+from s2sad.normalize.contracted import REPEATING, batched
 from s2sad.normalize.exchanged import exchanged
 from s2sad.normalize.factored import factored
 from s2sad.normalize.form import verify
@@ -89,6 +89,7 @@ class ArrayForms:
             return self.of_call(called, typing).summary.written
         tree = rows(tree, typing, self.program, written, report)
         report.finish()
+        repeating = any(call_name(n) == REPEATING for n in walk(tree.body))
         tree = sought(batched(choices(tree, typing, names), typing), typing, self.engine == "numba")
         ruled(tree, typing, report)
         report.finish()
@@ -104,7 +105,7 @@ class ArrayForms:
         report.finish()
         tree = views(tree, typing.table, typing, names, written, report, self.engine == "numba")
         report.finish()
-        guarded = count(tree, Assert) > count(plain, Assert)
+        guarded = repeating or count(tree, Assert) > count(plain, Assert)
         unnamed(tree, report)
         report.finish()
         tree = demanded(tree, needed)

@@ -1,0 +1,363 @@
+"""What cannot be known before the kernel runs is refused with its line and both sizes; the kernel's own errors stay."""
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import s2sad
+from s2sad.run.interrupts import interruptible
+from tests.derivatives import check_derivatives
+from tests.engines import running
+
+REPEATS = "a length of 1 repeats only where it is written, as in x[:, None] or x[:1], or an argument's"
+U, V = np.array([0.3, 0.7, 1.1]), np.array([1.2, -0.4, 0.5, 0.9])
+
+
+def added(u, v):
+    return np.sum((u + v) ** 2)
+
+
+def added_in_place(u, v):
+    u += v
+    return np.sum(u ** 2)
+
+
+def stored(u, v):
+    u[:] = v ** 2
+    return np.sum(u)
+
+
+def parts(u, v):
+    u[1:] = v[:-1] ** 2
+    return np.sum(u)
+
+
+def chosen(u, v):
+    return np.sum(np.where(u > 0, u * v, v))
+
+
+def stacked(u, v):
+    return np.sum(np.stack([u, v]) ** 2)
+
+
+def out_of_its_array(u, v):
+    u[-5:] *= 2.0
+    return np.sum(u ** 2)
+
+
+def halves(u, v):
+    a, b = np.split(u, 2)
+    return np.sum(a * b)
+
+
+def turned(u, v):
+    for _ in range(2):
+        u, v = v, u * 2.0
+    return np.sum(u)
+
+
+def stepped(u, v):
+    k = v.size - 5
+    w = u[2:0:k]
+    return np.sum(w ** 2)
+
+
+def _sum(a, b):
+    c = a + b
+    return np.sum(c * c)
+
+
+def in_a_function(u, v):
+    return 2.0 * _sum(u, v)
+
+
+GUARDED = [
+    (added, "shapes differ", "u.shape is (3,), v.shape is (4,)", REPEATS, "return np.sum((u + v) ** 2)"),
+    (added_in_place, "shapes differ", "u.shape is (3,), v.shape is (4,)", REPEATS, "u += v"),
+    (stored, "shapes differ", "u.shape is (3,), v.shape is (4,)", REPEATS, "u[:] = v ** 2"),
+    (parts, "shapes differ", "max(u.shape[0] - 1, 0) is 2, max(v.shape[0] - 1, 0) is 3", REPEATS,
+     "u[1:] = v[:-1] ** 2"),
+    (chosen, "shapes differ", "u.shape is (3,), v.shape is (4,)", REPEATS,
+     "return np.sum(np.where(u > 0, u * v, v))"),
+    (stacked, "shapes differ", "u.shape[0] is 3, v.shape[0] is 4", REPEATS, "np.stack([u, v])"),
+    (out_of_its_array, "a slice reaches out of its array, where NumPy takes less", "u.shape[0] - 5 is -2",
+     "bound it by max(..., 0) or min(..., n)", "u[-5:] *= 2.0"),
+    (halves, "np.split into sections that are not of one length", "u.shape[0] % 2 is 1", "np.array_split makes such",
+     "np.split(u, 2)"),
+    (turned, "'u' may change its size from one iteration to the next", "u_1.shape is (3,), v_1.shape is (4,)", "",
+     "u, v = v, u * 2.0"),
+    (stepped, "the step of a slice is not positive, where it is not a written number", "v.shape[0] - 6 is -2",
+     "write a loop", "w = u[2:0:k]"),
+    (in_a_function, "shapes differ", "a.shape is (3,), b.shape is (4,)", REPEATS, "c = a + b"),
+]
+DOORS = {
+    "gradient": lambda f, u, v: s2sad.gradient(f, "u")(u, v),
+    "vjp": lambda f, u, v: s2sad.vjp(f, (u, v), {"return": 1.0}),
+    "jvp": lambda f, u, v: s2sad.jvp(f, (u, v), {"u": np.ones_like(u)}),
+    "adjoint": lambda f, u, v: f.adjoint(u, np.zeros_like(u), v, np.zeros_like(v), 1.0),
+    "tangent": lambda f, u, v: f.tangent(u, np.zeros_like(u), v, np.zeros_like(v)),
+    "autodiff": lambda f, u, v: s2sad.autodiff(
+        s2sad.Reverse, f, s2sad.Duplicated(u, np.zeros_like(u)), s2sad.Duplicated(v, np.zeros_like(v))),
+}
+
+
+def failing(call, *arguments):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        call(*arguments)
+    (found,) = caught.value.diagnostics
+    assert isinstance(caught.value, ValueError)     # as NumPy's own error is
+    return found
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel, message, note, help, text", GUARDED, ids=[g[0].__name__ for g in GUARDED])
+def test_guards_say_where_and_what(kernel, message, note, help, text, engine):
+    with running(engine) as name:
+        f = s2sad.differentiate(kernel, engine=name)
+        for door in sorted(DOORS):
+            found = failing(DOORS[door], f, U.copy(), V.copy())
+            assert (found.code, found.message, found.note, found.help) == ("S501", message, note, help), door
+            line = found.span.source.line(found.span.line)
+            assert line[found.span.column:found.span.end_column] == text and found.span.source.path == __file__
+
+
+def test_guards_of_compiled_code():
+    f = s2sad.differentiate(in_a_function, engine="numba")
+    U4 = np.ones(4)
+    for _ in range(2):
+        for door in ("gradient", "adjoint", "tangent"):
+            found = failing(DOORS[door], f, U.copy(), V.copy())
+            assert (found.message, found.note) == ("shapes differ", "a.shape is (3,), b.shape is (4,)")
+            DOORS[door](f, U4.copy(), V.copy())
+        found = failing(f.primal, U, V)
+        assert (found.message, found.note) == ("shapes differ", "a.shape is (3,), b.shape is (4,)")
+        assert f.primal(U4, V) == in_a_function(U4, V)
+
+
+def test_the_text_of_a_refusal():
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(s2sad.differentiate(added_in_place, engine="numpy"), "u")(U, V)
+    first, *rest = str(caught.value).splitlines()
+    assert re.fullmatch(r".*test_run_time_guards\.py:\d+:5: error\[S501\]: shapes differ", first)
+    assert [line.partition("|")[2] for line in rest[:2]] == [
+        "     u += v", "     ^^^^^^ u.shape is (3,), v.shape is (4,)"]
+    assert rest[2] == f"  help: {REPEATS}"
+
+
+def product(u, v):
+    return np.dot(u, v)
+
+
+def reshaped(u, v):
+    w = u.reshape(2, -1)
+    return np.sum(w * w)
+
+
+def test_what_numpy_refuses_is_said_with_its_line():
+    for kernel, text, said in (
+            (product, "np.dot(u, v)", "shapes (3,) and (4,) not aligned: 3 (dim 0) != 4 (dim 0)"),
+            (reshaped, "w = u.reshape(2, -1)", "cannot reshape array of size 3 into shape (2,newaxis)")):
+        found = failing(s2sad.gradient(s2sad.differentiate(kernel, engine="numpy"), "u"), U, V)
+        line = found.span.source.line(found.span.line)
+        assert (found.code, found.message) == ("S501", said)
+        assert line[found.span.column:found.span.end_column] == text
+
+
+def asserting(u, v):
+    assert u.size == v.size, "as many of both"
+    return np.sum(u * v)
+
+
+def asserting_nothing(u, v):
+    assert u.size == v.size
+    return np.sum(u * v)
+
+
+def raising(u, v):
+    if u.size != v.size:
+        raise ValueError("as many of both")
+    return np.sum(u * v)
+
+
+def singular(u, v):
+    a = np.zeros((3, 3))
+    return np.sum(np.linalg.solve(a, u))
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+@pytest.mark.parametrize("kernel, kind, arguments", [
+    (asserting, AssertionError, ("as many of both",)), (asserting_nothing, AssertionError, ()),
+    (raising, ValueError, ("as many of both",))])
+def test_what_the_kernel_says_itself_stays(kernel, kind, arguments, engine):
+    with running(engine) as name:
+        f = s2sad.differentiate(kernel, engine=name)
+        for door in ("gradient", "adjoint"):
+            with pytest.raises(kind) as caught:
+                DOORS[door](f, U.copy(), V.copy())
+            assert type(caught.value) is kind and caught.value.args == arguments
+
+
+def test_singular_matrices_stay_numpys_own_error():
+    with pytest.raises(np.linalg.LinAlgError):
+        s2sad.gradient(s2sad.differentiate(singular, engine="numpy"), "u")(U, V)
+
+
+def squares(u, v):
+    return u * u
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_seeds_of_another_shape(engine):
+    with running(engine) as name:
+        f = s2sad.differentiate(squares, engine=name)
+        for seed in (np.ones(4), np.ones(1)):
+            with pytest.raises(s2sad.S2sadError) as caught:
+                s2sad.vjp(f, (U, V), {"return": seed}, "u")
+            assert str(caught.value) == (
+                f"error[S403]: the seed 'result_bar' has shape {seed.shape}, what 'squares' returns there has (3,)\n"
+                "  help: give an array of its shape")
+
+
+def padded_reflect(u, v):
+    return np.pad(u, (7, 5), mode="reflect") * 1.5
+
+
+def padded_symmetric(u, v):
+    return np.pad(u, (8, 4), mode="symmetric") * 1.5
+
+
+def padded_wrap(u, v):
+    return np.pad(u, (8, 7), mode="wrap") * 1.5
+
+
+def padded_plane(u, v):
+    return np.pad(np.outer(u, v), ((4, 1), (0, 9)), mode="reflect") ** 2
+
+
+def shorter_first(u, v):
+    return np.correlate(u, v)
+
+
+def shorter_first_same(u, v):
+    return np.correlate(u, v, mode="same")
+
+
+def longer_first_same(u, v):
+    return np.correlate(v, u, mode="same")
+
+
+def even_first_same(u, v):
+    return np.correlate(v, np.concatenate((u, v)), mode="same")
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel", [
+    padded_reflect, padded_symmetric, padded_wrap, padded_plane, shorter_first, shorter_first_same, longer_first_same,
+    even_first_same])
+def test_wide_pads_and_short_signals(kernel, engine):
+    check_derivatives(kernel, (U, V), ("u", "v") if kernel not in (
+        padded_reflect, padded_symmetric, padded_wrap) else ("u",), ("return",), engine)
+    for n in (1, 2):    # NumPy fills what reflects one element with it
+        with running(engine) as name:
+            assert np.allclose(s2sad.differentiate(kernel, engine=name).primal(U[:n], V), kernel(U[:n], V))
+            x, dot = U[:n].copy(), np.ones(n)
+            assert np.allclose(s2sad.jvp(s2sad.differentiate(kernel, engine=name), (x, V), {"u": dot})["return"],
+                               (kernel(x + 1e-6 * dot, V) - kernel(x - 1e-6 * dot, V)) / 2e-6, atol=1e-6)
+
+
+def rows(a, x):
+    return np.einsum("ij,j->i", a, x)
+
+
+def columns(a, x):
+    return np.einsum("ij,i->j", a, x)
+
+
+def plain(a, x):
+    return np.einsum("i,ij", x, a)
+
+
+def matrices(a, b):
+    return np.einsum("ij,jk->ik", a, b)
+
+
+def turned_matrices(a, b):
+    return np.einsum("ji,kj->ik", a, b)
+
+
+def scalars(a, x):
+    return np.einsum("i,i", a[0], x)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel, shapes", [
+    (rows, ((3, 4), (1,))), (rows, ((3, 1), (4,))), (rows, ((3, 1), (1,))), (rows, ((3, 4), (4,))),
+    (columns, ((3, 4), (1,))), (columns, ((1, 4), (3,))), (plain, ((1, 4), (3,))), (plain, ((3, 4), (1,))),
+    (matrices, ((2, 1), (3, 4))), (matrices, ((2, 3), (1, 4))), (matrices, ((1, 3), (1, 1))),
+    (turned_matrices, ((1, 2), (4, 3))), (turned_matrices, ((3, 2), (4, 1))), (scalars, ((2, 4), (1,)))])
+def test_einsum_repeats_an_axis_of_length_1(kernel, shapes, engine):
+    generator = np.random.default_rng(5)
+    a, b = (generator.uniform(-1.0, 1.0, s) for s in shapes)
+    check_derivatives(kernel, (a, b), kernel.__code__.co_varnames[:2], ("return",), engine)
+
+
+# -- signals ------------------------------------------------------------------------------------------------------
+
+def test_an_interrupt_is_heard_where_it_is_passed_over():
+    with pytest.raises(KeyboardInterrupt):
+        with interruptible():
+            try:
+                signal.raise_signal(signal.SIGINT)
+            except KeyboardInterrupt:
+                pass        # as a callback does
+
+
+def test_an_interrupt_is_heard_where_it_becomes_another_error():
+    with pytest.raises(KeyboardInterrupt):
+        with interruptible():
+            try:
+                signal.raise_signal(signal.SIGINT)
+            except KeyboardInterrupt:
+                raise RuntimeError("cannot be compiled") from None
+    with pytest.raises(RuntimeError), interruptible():
+        raise RuntimeError("cannot be compiled")
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+PROGRAM = """
+import numpy as np, s2sad
+from tests.test_run_time_guards import rounds
+f = s2sad.differentiate(rounds, engine="numba")
+u, u_bar = np.ones(100), np.zeros(100)
+s2sad.gradient(f, "u")(u, 1), f.adjoint(u, u_bar, 1, 1.0)
+print("ready", flush=True)
+try:
+    while True:
+        {call}
+except BaseException as error:
+    print(type(error).__name__, flush=True)
+"""
+
+
+def rounds(u, n):
+    s = 0.0
+    for _ in range(n):
+        for i in range(u.size):
+            s += u[i] ** 2 * 1e-9
+        u[0] = 0.5 * s
+    return s
+
+
+@pytest.mark.parametrize("call", ['s2sad.gradient(f, "u")(u, 300000)', "f.adjoint(u, u_bar, 300000, 1.0)",
+                                  "f.primal(u, 3000000)"])
+def test_ctrl_c_in_compiled_code(call):
+    process = subprocess.Popen([sys.executable, "-c", PROGRAM.format(call=call)], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=60)[0] == "KeyboardInterrupt\n"
