@@ -335,8 +335,8 @@ from tests.test_run_time_guards import rounds
 f = s2sad.differentiate(rounds, engine="numba")
 u, u_bar = np.ones(100), np.zeros(100)
 s2sad.gradient(f, "u")(u, 1), f.adjoint(u, u_bar, 1, 1.0)
-print("ready", flush=True)
 try:
+    print("ready", flush=True)
     while True:
         {call}
 except BaseException as error:
