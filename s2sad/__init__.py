@@ -45,12 +45,13 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 's2sad' has no attribute {name!r}")
-    value = getattr(import_module(f"s2sad.{_HOME[name]}"), name)
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:
+    def __getattr__(name: str) -> Any:
+        if name not in _HOME:
+            raise AttributeError(import_module("s2sad.elsewhere").attribute(name))
+        value = getattr(import_module(f"s2sad.{_HOME[name]}"), name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

@@ -2,21 +2,22 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable
-from typing import Any, Concatenate, Generic, ParamSpec, TypeVar, overload
+from collections.abc import Callable
+from typing import Any, Concatenate, Generic, NoReturn, ParamSpec, TypeVar, overload
 
 from s2sad.annotated import AnnotatedCall
 from s2sad.annotations import Annotation, Const, Duplicated, Mode
 from s2sad.binding import admitted, bind, describe
 from s2sad.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.elsewhere import unexpected
 from s2sad.flattened import annotated as with_structures, flattened, taken_apart
 from s2sad.pickling import Decorated
 from s2sad.prepared import selection_of
 from s2sad.program import Request
 from s2sad.unwrap import given_functions
 from s2sad.run.compiled import chosen
-from s2sad.selection import Results, names_of, selected_of, selected_wrt
+from s2sad.selection import Results, Wrt, names_of, selected_of, selected_wrt
 from s2sad.shadowed import ShadowedCall
 from s2sad.structure import is_structure
 from s2sad.variants import State, derivatives_of
@@ -30,22 +31,21 @@ R = TypeVar("R", covariant=True)
 
 
 @overload
-def differentiate(function: Callable[P, R], *, wrt: str | Iterable[str] | None = None,
-                  of: str | Iterable[str] | None = None, engine: str = "auto") -> Differentiated[P, R]: ...
+def differentiate(function: Callable[P, R], *, wrt: Wrt = None, of: Wrt = None, engine: str = "auto"
+                  ) -> Differentiated[P, R]: ...
 
 
 @overload
-def differentiate(function: None = None, *, wrt: str | Iterable[str] | None = None,
-                  of: str | Iterable[str] | None = None, engine: str = "auto"
+def differentiate(function: None = None, *, wrt: Wrt = None, of: Wrt = None, engine: str = "auto"
                   ) -> Callable[[Callable[P, R]], Differentiated[P, R]]: ...
 
 
-def differentiate(function: Callable[..., Any] | None = None, *, wrt: str | Iterable[str] | None = None,
-                  of: str | Iterable[str] | None = None, engine: str = "auto") -> Any:
+def differentiate(function: Callable[..., Any] | None = None, *, wrt: Wrt = None, of: Wrt = None,
+                  engine: str = "auto", **unknown: NoReturn) -> Any:
     """The function, which still does what it did, with its derivatives as attributes; see `Differentiated`.
 
-    Args: wrt, names of parameters (default: every float array and float scalar); of, names of written arrays and
-    "return" (default: all of them); engine, "auto" (Numba where it is installed), "numba" or "numpy".
+    Args: wrt, names or positions of parameters (default: every float array and float scalar); of, names of written
+    arrays and "return" (default: all of them); engine, "auto" (Numba where it is installed), "numba" or "numpy".
     Raises S2sadError (S405) for an engine that is not there; everything else when a derivative is first asked for.
 
     >>> @differentiate(wrt="u", engine="numpy")
@@ -55,6 +55,8 @@ def differentiate(function: Callable[..., Any] | None = None, *, wrt: str | Iter
     >>> double
     <differentiated double>
     """
+    if unknown:
+        raise unexpected("differentiate", unknown)
     chosen(engine)
     if function is None:
         return lambda f: Differentiated(f, wrt, of, engine)
@@ -69,18 +71,22 @@ class Differentiated(Decorated, Generic[P, R]):
     function raises midway.
     """
 
-    def __init__(self, function: Callable[P, R], wrt: str | Iterable[str] | None = None,
-                 of: str | Iterable[str] | None = None, engine: str = "auto"):
+    def __init__(self, function: Callable[P, R], wrt: Wrt = None, of: Wrt = None, engine: str = "auto"):
         self.__wrapped_kernel__ = derivatives_of(function).function
         functools.update_wrapper(self, self.__wrapped_kernel__, updated=())
         self._original = function
         self._derivatives = derivatives_of(function)
-        self.wrt, self.of, self.engine = names_of(wrt), names_of(of), engine
+        self.wrt, self.of = names_of(wrt, function), names_of(of, function, "of")
         self.__s2sad_selection__ = (self.wrt, self.of, engine)
         self._tokens = {mode: f"{mode} {self.__s2sad_selection__!r}" for mode in ("adjoint", "tangent")}
 
     def given(self) -> tuple[Any, ...]:
         return self._original, *self.__s2sad_selection__
+
+    @property
+    def engine(self) -> str:
+        """The engine that runs the derivatives: "numba" or "numpy"."""
+        return chosen(self.__s2sad_selection__[2])
 
     def __call__(self, *args: P.args, **keywords: P.kwargs) -> R:
         return self._original(*args, **keywords)
@@ -122,7 +128,7 @@ class Differentiated(Decorated, Generic[P, R]):
         state = self._derivatives.state()
         structures = flattened(state, bind(state.kernel, args, keywords))
         if structures is not None:
-            if chosen(self.engine) == "numpy":
+            if self.engine == "numpy":
                 return self.__wrapped_kernel__(*args, **keywords)
             return with_structures.primal(structures, bind(state.kernel, args, keywords), self.engine)
         values = self._values(state, args, keywords)
@@ -157,7 +163,7 @@ class Differentiated(Decorated, Generic[P, R]):
         if mode != "primal":
             raise S2sadError(Diagnostic("S405", f"there is no mode {mode!r}", help='"adjoint", "tangent" or "primal"'))
         values = self._values(state, args, {})
-        if chosen(self.engine) == "numpy":
+        if self.engine == "numpy":
             return self.__wrapped_kernel__
         variant = state.variant(Request("primal", state.types(values), (), ()), self.engine)
         variant.prepare(variant.assemble(dict(zip(state.parameters, values)), {}, (), state.arrays_by_name()))
@@ -186,7 +192,7 @@ class Differentiated(Decorated, Generic[P, R]):
         name, parameters = state.kernel.name, state.parameters
         wrt = selected_wrt(name, parameters, types, wrt)
         of = selected_of(name, parameters, types, state.summary(types), of)
-        request = Request(mode, types, wrt, of, engine=chosen(self.engine), level=level)
+        request = Request(mode, types, wrt, of, engine=self.engine, level=level)
         return compiler().derived(state.program, request, {}).text
 
 

@@ -129,12 +129,14 @@ def _place(function: FunctionType) -> str | None:
 
 
 def _of_kernel(kernel: Kernel) -> Any:
-    return kernel.name, kernel.parameters, kernel.defaults, kernel.annotations, kernel.results
+    return (kernel.name, kernel.parameters, kernel.defaults, kernel.annotations, kernel.results, kernel.floats,
+            kernel.independents)
 
 
 def _kernel(kept: Any) -> Kernel:
-    name, parameters, defaults, annotations, results = kept
-    return Kernel(name, None, None, parameters, defaults, annotations, results=results)  # pyright: ignore
+    name, parameters, defaults, annotations, results, floats, independents = kept
+    return Kernel(name, None, None, parameters, defaults, annotations, results=results,  # pyright: ignore
+                  floats=floats, independents=independents)
 
 
 # -- what was derived -------------------------------------------------------------------------------------------------

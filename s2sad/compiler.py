@@ -6,11 +6,13 @@ disk what it calls goes without.
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 from types import FunctionType
 from typing import Any
 
 from s2sad import pipeline, read
 from s2sad.guards import Guards, Path, recording, same
+from s2sad.infer.independents import independents, usable_as_floats
 from s2sad.infer.types import NONE, UNKNOWN, of_value
 from s2sad.normalize.field_values import Unread
 from s2sad.normalize.fields import Flat, asks, fields
@@ -23,13 +25,21 @@ from s2sad.run.own import looked_at
 from s2sad.structure import Form, Structure
 from s2sad.tree import equal
 
-__all__ = ["asks", "compiled_in", "derived", "given_of", "held_to_numbers", "looked_at", "not_a_function", "program",
-           "result_form", "same_program", "summary", "taken_apart", "uncompiled"]
+__all__ = ["asks", "compiled_in", "derived", "entry_kernel", "given_of", "held_to_numbers", "looked_at",
+           "not_a_function", "program", "result_form", "same_program", "summary", "taken_apart", "uncompiled"]
 
 
 def program(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path] = ()) -> Program:
     """The program of a live function; raises S2sadError."""
     return read.load(function, methods, varying)
+
+
+def entry_kernel(program: Program) -> Kernel:
+    """The entry, and which of its parameters are floats."""
+    kernel = program.kernels[program.entry]
+    usable = usable_as_floats(program.entry, {n: k.tree for n, k in program.kernels.items()})
+    found = independents(usable, kernel.parameters, kernel.annotations, kernel.defaults)
+    return replace(kernel, floats=tuple(p for p in kernel.parameters if p in usable), independents=found)
 
 
 def summary(program: Program, types: tuple[Any, ...], forms: dict[Any, Any]) -> Summary:

@@ -4,8 +4,13 @@ A pass collects diagnostics in a `Report` and raises `S2sadError` once, with all
 """
 from __future__ import annotations
 
+import os
+import sys
+import warnings
 from dataclasses import dataclass, field, replace
 from typing import Any
+
+_HOME = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
 
 CODES = {
     # S1: reading
@@ -137,6 +142,14 @@ class S2sadValueError(S2sadError, ValueError):
 
 class S2sadWarning(UserWarning):
     """Something that is correct and probably not meant."""
+
+
+def warn(message: object) -> None:
+    """Warns where the user's own code called."""
+    depth, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(_HOME):
+        depth, frame = depth + 1, frame.f_back
+    warnings.warn(str(message), S2sadWarning, stacklevel=depth)
 
 
 @dataclass

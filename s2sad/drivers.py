@@ -3,30 +3,35 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Generic, ParamSpec, TypeVar
+from typing import Any, Generic, NoReturn, ParamSpec, TypeVar
 
-from s2sad.binding import bind, describe, make_zero
+import numpy as np
+
+from s2sad.binding import admitted, bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.elsewhere import unexpected
 from s2sad.flattened import drivers as with_structures, flattened
 from s2sad.pickling import Decorated
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
+from s2sad.selection import RETURN, Wrt, names_of
 from s2sad.unwrap import given_functions
-from s2sad.selection import RETURN, names_of
-from s2sad.variants import Derivatives, derivatives_of
+from s2sad.variants import Derivatives, State, derivatives_of
 
 __all__ = ["gradient", "jvp", "make_zero", "value_and_gradient", "vjp"]
 
 
 P = ParamSpec("P")
 R = TypeVar("R", covariant=True)
+_INTEGERS = (int, np.integer)
 
 
-def gradient(f: Callable[P, Any], wrt: str | Sequence[str] | None = None) -> Gradient[P]:
+def gradient(f: Callable[P, Any], wrt: Wrt = None, **unknown: NoReturn) -> Gradient[P]:
     """A function of f's arguments that returns the gradient of the one float that f returns.
 
-    Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or names (default: every float
-    argument). The result is one array (of the argument's shape and dtype) or float for one name, a dict by name for
-    several; arguments are never changed, read-only arrays are fine, and nothing is changed when f raises.
+    Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or position of a parameter, or
+    several (default: all that are floats by f's text: annotation, default, use). The result is one array (of the
+    argument's shape and dtype) or float for one of them, a dict by name for several; an integer that stands there for a
+    float is one. Arguments are never changed, read-only arrays are fine, and nothing is changed when f raises.
     The gradient of a structure is one of the same make, what is no float as it was; names may mean parts: "p.k".
     Raises S2sadError: S401 (f does not return one float; wrt names nothing that is a float), S404 (a written argument
     shares memory with another), S405 (an argument of another type); and what f raises. Reverse mode: Griewank and
@@ -41,10 +46,12 @@ def gradient(f: Callable[P, Any], wrt: str | Sequence[str] | None = None) -> Gra
     >>> gradient(norm)(np.array([1.0, 2.0]))
     array([2., 4.])
     """
+    if unknown:
+        raise unexpected("gradient", unknown)
     return Gradient(f, wrt)
 
 
-def value_and_gradient(f: Callable[P, R], wrt: str | Sequence[str] | None = None) -> ValueAndGradient[P, R]:
+def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, **unknown: NoReturn) -> ValueAndGradient[P, R]:
     """As `gradient`, but the function returns (value, gradient); `scipy.optimize.minimize(..., jac=True)` takes it.
 
     Args, errors and literature as for `gradient`; the value is f's float.
@@ -58,6 +65,8 @@ def value_and_gradient(f: Callable[P, R], wrt: str | Sequence[str] | None = None
     >>> value_and_gradient(norm)(np.array([1.0, 2.0]))
     (5.0, array([2., 4.]))
     """
+    if unknown:
+        raise unexpected("value_and_gradient", unknown)
     return ValueAndGradient(f, wrt)
 
 
@@ -65,8 +74,8 @@ class _Driver(Decorated):
     """A function of f's arguments that can be pickled where f can; `_what` it gives."""
     _what = ""
 
-    def __init__(self, f: Callable[..., Any], wrt: str | Sequence[str] | None = None):
-        self._derivatives, self._names = derivatives_of(f), names_of(wrt)
+    def __init__(self, f: Callable[..., Any], wrt: Wrt = None):
+        self._derivatives, self._names = derivatives_of(f), names_of(wrt, f)
         self.__wrapped__ = f
         name, self.__module__ = getattr(f, "__name__", "f"), getattr(f, "__module__", __name__)
         self.__name__ = self.__qualname__ = f"{self._what.replace(' ', '_')}_of_{name}"
@@ -109,6 +118,7 @@ def _prepared(f: Any, derivatives: Derivatives, names: tuple[str, ...] | None, a
     state = (derivatives if given is f else derivatives_of(given)).state()
     if keywords:
         args = tuple(bind(state.kernel, args, keywords))
+    args = _with_floats(state, names if names is not None else selection_of(f)[0], args)
     apart = flattened(state, args)
     if apart is not None:
         return with_structures.Gradient(apart, f, names), tuple(bind(state.kernel, args))
@@ -119,13 +129,27 @@ def _prepared(f: Any, derivatives: Derivatives, names: tuple[str, ...] | None, a
     return entry, args
 
 
-def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
-        wrt: str | Sequence[str] | None = None) -> dict[str, Any]:
+def _with_floats(state: State, names: tuple[str, ...] | None, args: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The arguments, with integers that stand for floats, 2 for 2.0, as floats: those that a gradient is with respect
+    to, so that what it returns depends on the kernel and not on how its arguments are written."""
+    found = state.entries.get(("floats", names))
+    if found is None:
+        wanted = state.kernel.independents if names is None else {*names}.intersection(state.kernel.floats)
+        found = state.entries["floats", names] = [k for k, p in enumerate(state.parameters) if p in wanted]
+    if found and found[-1] >= len(args):
+        args = tuple(bind(state.kernel, args))
+    odd = [k for k in found if isinstance(args[k], _INTEGERS) and not isinstance(args[k], bool)]
+    return tuple([admitted(p, a, True) if k in odd else a for k, (p, a) in enumerate(zip(state.parameters, args))]
+                 ) if odd else args
+
+
+def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wrt: Wrt = None
+        ) -> dict[str, Any]:
     """The gradients, by argument name, of the outputs weighted by `seeds`, at the arguments' entry values.
 
     Args: args, all of f's positional arguments; seeds by output name: a written argument's name (an array of its
     shape and dtype: weights of its final content) or "return" (a float, an array, or a tuple for a tuple result, with
-    None for what is no float); wrt, a name or names (default: every float argument). Gradients have the shape and
+    None for what is no float); wrt, as for `gradient` (default: every float argument). Gradients have the shape and
     dtype of their arguments, those of structures their make, as seeds have; `args` and `seeds` are never changed.
     Raises S2sadError: S401 (an unknown output or wrt), S403 (a seed that does not fit), S404, S405 as for `gradient`;
     and what f raises. A zero gradient because no output depends on the argument comes with an S2sadWarning.
@@ -139,7 +163,7 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
     {'u': array([3., 3.]), 'c': 2.0}
     """
     given, args, _ = given_functions(f, _listed(args), {})
-    state, names = derivatives_of(given).state(), names_of(wrt)
+    state, names = derivatives_of(given).state(), names_of(wrt, given)
     apart = flattened(state, args)
     if apart is not None:
         _named(seeds, "seeds")
@@ -151,8 +175,8 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any],
     return entry.vjp(args, seeds)
 
 
-def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any],
-        of: str | Sequence[str] | None = None) -> dict[str, Any]:
+def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any], of: Wrt = None
+        ) -> dict[str, Any]:
     """The tangents of f's outputs, by output name, for `tangents` of its arguments by name.
 
     Args: args, all of f's positional arguments; tangents, a float for a float, an array of the same shape and dtype
@@ -168,7 +192,7 @@ def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any],
     {'u': array([1., 1.])}
     """
     given, args, _ = given_functions(f, _listed(args), {})
-    state, names = derivatives_of(given).state(), names_of(of)
+    state, names = derivatives_of(given).state(), names_of(of, given, "of")
     apart = flattened(state, args)
     if apart is not None:
         _named(tangents, "tangents")

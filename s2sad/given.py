@@ -2,8 +2,8 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar, overload
 
 from s2sad.adjoints import Registered, written
 from s2sad.diagnostics import Diagnostic, S2sadError
@@ -17,6 +17,21 @@ from s2sad.tree import Call, Name, expression, names
 __all__ = ["nondifferentiable", "rule"]
 
 _RESULTS = ("float", "int", "bool")
+
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+@overload
+def nondifferentiable(function: F, *, result: str = "float") -> F: ...
+
+
+@overload
+def nondifferentiable(function: str, *, result: str = "float") -> Callable[..., Any]: ...
+
+
+@overload
+def nondifferentiable(function: None = None, *, result: str = "float") -> Callable[[F], F]: ...
 
 
 def nondifferentiable(function: Any = None, *, result: str = "float") -> Any:
@@ -44,6 +59,25 @@ def nondifferentiable(function: Any = None, *, result: str = "float") -> Any:
                      "`u = u + 1.0` in place of `u += 1.0`")
     _add(path, value, result)
     return value
+
+
+@overload
+def rule(text: F, *, adjoint: Any = None, tangent: Any = None, forward: Any = None, reverse: Any = None,
+         implicit: Any = None, solver: Any = None, writes: Any = None, returns: int | None = None) -> F: ...
+
+
+@overload
+def rule(text: str, *, adjoint: Any = None, tangent: Any = None, forward: Any = None, reverse: Any = None,
+         implicit: Any = None, solver: Any = None, writes: Any = None, returns: int | None = None,
+         domain: Mapping[str, tuple[float, float]] | None = None, singular: tuple[str, ...] | None = None,
+         kink: str = "", check: bool = True, **partials: str) -> Callable[..., Any]: ...
+
+
+@overload
+def rule(text: None = None, *, adjoint: Any = None, tangent: Any = None, forward: Any = None, reverse: Any = None,
+         implicit: Any = None, solver: Any = None, writes: Any = None, returns: int | None = None,
+         domain: Mapping[str, tuple[float, float]] | None = None, singular: tuple[str, ...] | None = None,
+         kink: str = "", check: bool = True, **partials: str) -> Callable[[F], F]: ...
 
 
 def rule(text: Any = None, *, adjoint: Any = None, tangent: Any = None, forward: Any = None, reverse: Any = None,

@@ -5,15 +5,15 @@ spent here.
 """
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from s2sad.binding import admitted, bind, coerced, misfit
-from s2sad.diagnostics import Diagnostic, S2sadError, S2sadWarning
+from s2sad.diagnostics import Diagnostic, S2sadError, warn
 from s2sad.generated import Variant
+from s2sad.infer.types import NONE
 from s2sad.program import Request
 from s2sad.selection import (
     RETURN, Results, array_seed, number_seed, places, result_seed, selected_of, selected_wrt, structured,
@@ -87,7 +87,12 @@ class ReverseCall(PreparedCall):
         super().__init__(state, f, args)
         name = state.kernel.name
         chosen = wrt if wrt is not None else selection_of(f)[0]
-        self.wrt = selected_wrt(name, self.names, self.types, chosen)
+        kinds = dict(zip(self.names, self.types))
+        if chosen is None and with_value:
+            wrt = tuple(n for n in state.kernel.independents if kinds[n].is_inexact) or None
+        self.wrt = selected_wrt(name, self.names, self.types, wrt if chosen is None else chosen)
+        self.alone = len(self.wrt) == 1 and (
+            chosen is not None or sum(kinds[n] != NONE for n in state.kernel.independents) <= 1)
         if with_value and (len(self.results.types) != 1 or not self.results.types[0].is_float
                            or self.results.types[0].is_array):
             raise _no_float(name, self.results)
@@ -116,8 +121,7 @@ class ReverseCall(PreparedCall):
     def gradients(self, shadows: dict[str, Any], returned: tuple[Any, ...]) -> dict[str, Any]:
         scalars = dict(zip(self.rv.generated.returns, returned))
         for name in self.in_vain:
-            message = f"no output asked for of '{self.state.kernel.name}' depends on '{name}': its gradient is zero"
-            warnings.warn(message, S2sadWarning, stacklevel=4)
+            warn(f"no output asked for of '{self.state.kernel.name}' depends on '{name}': its gradient is zero")
         return {name: shadows[name] if name in shadows else scalars[name] for name in self.wrt}
 
     def vjp(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> dict[str, Any]:
@@ -127,7 +131,7 @@ class ReverseCall(PreparedCall):
     def value_and_gradient(self, args: Sequence[Any]) -> tuple[Any, Any]:
         shadows, returned = self.run(args, _ONE)
         found = self.gradients(shadows, returned)
-        return returned[0], found[self.wrt[0]] if len(self.wrt) == 1 else found
+        return returned[0], found[self.wrt[0]] if self.alone else found
 
     def _result_seeds(self, seed: Any) -> dict[int, Any]:
         """The seeds of the results, by position."""

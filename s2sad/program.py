@@ -23,7 +23,8 @@ class Kernel:
 
     `parameters` in order; `defaults` by name (Python values); `annotations` by name (their text); `own` is the
     derivative that the user gave it, `residual` the kernel that it makes zero, if it is an implicit function;
-    `results` says how many of its last parameters take what the user's function returns.
+    `results` says how many of its last parameters take what the user's function returns. Of an entry, `floats` are the
+    parameters that may be floats by its text, `independents` those that a gradient is with respect to by default.
     """
     name: str
     tree: FunctionDef
@@ -34,6 +35,8 @@ class Kernel:
     own: Own | None = None
     residual: str = ""
     results: int = 0
+    floats: tuple[str, ...] = ()
+    independents: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

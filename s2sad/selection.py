@@ -1,6 +1,7 @@
 """What is differentiated with respect to what: defaults, and the refusal of names that cannot be meant."""
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,8 +12,10 @@ from s2sad.binding import misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, misfit_of
 from s2sad.results import Structure, leaves, nested
+from s2sad.unwrap import python_function
 
 RETURN = "return"
+Wrt = str | int | Iterable[str | int] | None
 
 
 @dataclass(frozen=True)
@@ -120,9 +123,27 @@ def array_seed(name: str, given: Any, like: np.ndarray) -> np.ndarray:
     return np.array(given, order="C")
 
 
-def names_of(chosen: str | Iterable[str] | None) -> tuple[str, ...] | None:
-    """One name or several as a tuple."""
-    return (chosen,) if isinstance(chosen, str) else None if chosen is None else tuple(chosen)
+def names_of(chosen: Wrt, f: Any, what: str = "wrt") -> tuple[str, ...] | None:
+    """One name or several as a tuple; a position among f's parameters stands for its name."""
+    if chosen is None or isinstance(chosen, str):
+        return None if chosen is None else (chosen,)
+    several = chosen if isinstance(chosen, Iterable) and not isinstance(chosen, np.ndarray) else (chosen,)
+    return tuple(_name_at(n, f, what) for n in several)
+
+
+def _name_at(place: Any, f: Any, what: str) -> str:
+    if isinstance(place, str):
+        return place
+    if isinstance(place, bool) or not isinstance(place, (int, np.integer)):
+        word = type(place).__name__
+        raise _refused(f"{what} holds {'an' if word[0] in 'aeiou' else 'a'} {word}",
+                       'give names of parameters, or their positions: "x", 0, ("x", "y")')
+    function = python_function(f)
+    names = list(inspect.signature(function).parameters) if function is not None else []
+    if not -len(names) <= place < len(names):
+        raise _refused(f"{what} names the parameter at {place}, and '{getattr(function, '__name__', f)}' has "
+                       f"{len(names)}", f"its parameters are {', '.join(names)}")
+    return names[place]
 
 
 def selected_wrt(function: str, parameters: Sequence[str], types: Sequence[Type],

@@ -137,7 +137,7 @@ class State:
     @classmethod
     def of(cls, program: Program, function: FunctionType) -> State:
         """The state for a program that was read."""
-        kernel, given = program.kernels[program.entry], compiler().given_of(program)
+        kernel, given = compiler().entry_kernel(program), compiler().given_of(program)
         held = (*program.arrays.values(), *program.records.values())
         address = None if given else artifacts.address(program.guards, function, held, kernel)
         made = cls(Reading(kernel, compiler().asks(program), program.arrays, program.records, program.guards, address),

@@ -89,7 +89,7 @@ def test_integers_where_floats_are_needed(made):
             "  note: 'u' is an array of int64\n  help: pass u.astype(float) if it holds real quantities",
             gradient(made(mean)), whole)
     refused("error[S401]: 'root' was given no float to differentiate with respect to\n  note: 'a' is an integer\n"
-            "  help: give a float (3.0, not 3) if it is a real quantity", gradient(made(root)), 2)
+            "  help: give a float (3.0, not 3) if it is a real quantity", vjp, made(root), (2,), {"return": 1.0})
     refused("error[S401]: wrt names 'u', which is an array of int64\n"
             "  help: pass u.astype(float) if it holds real quantities", gradient(made(kernels.norm), "u"), whole)
 

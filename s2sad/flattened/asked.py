@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.infer.types import FLOAT, Type, array
+from s2sad.infer.types import FLOAT, NONE, Type, array
 from s2sad.prepared import selection_of
 from s2sad.selection import RETURN
 from s2sad.structure import Form, Structure, is_held, leaves, reached, steps
@@ -39,6 +39,7 @@ class Asked:
     names: dict[str, str]
     paths: dict[str, str]
     cells: frozenset[str]
+    plain: tuple[str, ...]          # the parameters that the kernel's text takes for floats
     state: State
     title: str
 
@@ -47,6 +48,12 @@ class Asked:
         if names is None:
             return [(p, f, p) for p, f in self.forms.items() if self.floats(f, p)]
         return [self._asked(n, what) for n in names]
+
+    def independents(self) -> list[str]:
+        """The parameters that a gradient is with respect to where nobody says: structures that hold a float, and
+        others by the kernel's text."""
+        return [p for p, form in self.forms.items()
+                if (self.floats(form, p) if isinstance(form, Structure) else p in self.plain and form != NONE)]
 
     def _asked(self, name: str, what: str) -> Path:
         keys = steps(name)

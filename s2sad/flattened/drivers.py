@@ -5,12 +5,11 @@
 from __future__ import annotations
 
 import copy
-import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from s2sad.binding import describe, make_zero
-from s2sad.diagnostics import S2sadWarning
+from s2sad.diagnostics import warn
 from s2sad.flattened.asked import Path
 from s2sad.flattened.structures import Flattened
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
@@ -30,7 +29,12 @@ class Gradient:
             asked, call, values = _reverse(apart, self.f, args, (RETURN,), self.names, True)
             shadows, returned = call.run(values, {RETURN: 1.0})
             found = _answered(apart, self.f, self.names, asked, call, args, call.gradients(shadows, returned))
-        return returned[0], found[asked[0][0]] if len(asked) == 1 else found
+        return returned[0], found[asked[0][0]] if self.alone(asked) else found
+
+    def alone(self, asked: Sequence[Path]) -> bool:
+        """Whether there is one gradient, which is given as it is."""
+        explicit = self.names is not None or selection_of(self.f)[0] is not None
+        return len(asked) == 1 and (explicit or len(self.apart.independents()) <= 1)
 
 
 def vjp(apart: Flattened, f: Any, args: Sequence[Any], seeds: Mapping[str, Any], names: Sequence[str] | None
@@ -70,6 +74,8 @@ def _reverse(apart: Flattened, f: Any, args: Sequence[Any], outputs: tuple[str, 
     values = apart.values(args)
     inputs, carrier = apart.carried(f)
     asked = apart.asked(names, "wrt") if names is not None or inputs is None else inputs
+    if with_value and names is None and inputs is None:
+        asked = [path for path in asked if path[0] in apart.independents()] or asked
     wrt = apart.flat_names(asked, "wrt") if asked else None
     key = ("reverse", with_value, outputs, wrt, carrier.__s2sad_selection__, describe(values))
     call = apart.state.entries.get(key)
@@ -85,8 +91,7 @@ def _answered(apart: Flattened, f: Any, names: Sequence[str] | None, asked: list
     explicit = names is not None or selection_of(f)[0] is not None
     for name, form, path in asked if explicit else ():
         if set(apart.floats(form, path)) <= lost:
-            message = f"no output asked for of '{apart.title}' depends on '{name}': its gradient is zero"
-            warnings.warn(message, S2sadWarning, stacklevel=4)
+            warn(f"no output asked for of '{apart.title}' depends on '{name}': its gradient is zero")
     return {path[0]: apart.gathered(path, args, found) for path in asked}
 
 

@@ -65,7 +65,7 @@ class Flattened(Asked):
 
     def __init__(self, state: State, forms: tuple[Form, ...]):
         self.forms = dict(zip(state.parameters, forms))
-        self.title = state.kernel.name
+        self.title, self.plain = state.kernel.name, state.kernel.independents
         self.methods: list[Any] = []
         kept = artifacts.flat_of(state.reading, forms)
         if kept is None:

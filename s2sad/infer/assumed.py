@@ -17,17 +17,17 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from s2sad.diagnostics import Report
+from s2sad.infer.integer_arguments import integer_arguments
 from s2sad.infer.types import BOOL, FLOAT, INT, Type, array, of_value
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Call, Constant, Div, For, FunctionDef, IfExp, LShift, Name, Pow, RShift, Slice,
-    Subscript, Tuple, UnaryOp, call_name, indices, walk,
+    AST, Assign, Attribute, BinOp, BitAnd, BitOr, BitXor, Call, Constant, Div, For, FunctionDef, IfExp, List, LShift,
+    Name, Pow, RShift, Slice, Subscript, Tuple, UnaryOp, call_name, indices, walk,
 )
 
 _DTYPES = ("float64", "float32", "complex128", "int64", "int32", "int16", "int8", "uint64", "uint32", "uint16", "uint8",
            "bool")
 _WORDS = {"float": "float64", "int": "int64", "bool_": "bool", "complex": "complex128"}
 _SPELLED = re.compile(r"^(?:np\.|numpy\.|nb\.|numba\.)?(\w+)\s*(?:\[\s*(:{1,2}1?(?:\s*,\s*:{1,2}1?)*)\s*\])?$")
-_SHAPED = ("numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full", "numpy.ndindex")
 _WHOLE = ("builtins.len", "numpy.sum", "numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full_like",
           "numpy.copy")
 _ITERATED = ("builtins.enumerate", "builtins.reversed", "builtins.zip")
@@ -70,10 +70,7 @@ def spelled(text: str) -> Type | None:
 def assumed(entry: str, trees: Mapping[str, FunctionDef], parameters: tuple[str, ...], annotations: Mapping[str, str],
             defaults: Mapping[str, Any], given: Mapping[str, Type], report: Report) -> dict[str, Assumed]:
     """The types of the entry's parameters; what contradicts itself goes into the report."""
-    found: dict[str, Uses] = {}
-    for title, tree in trees.items():
-        found[title] = _Scan(tree, found, trees).uses()
-    uses = found[entry]
+    uses = uses_of(trees)[entry]
     types: dict[str, Assumed] = {}
     for parameter in parameters:
         extents = tuple((k, n) for (name, k), n in uses.extents.items() if name == parameter)
@@ -88,6 +85,14 @@ def assumed(entry: str, trees: Mapping[str, FunctionDef], parameters: tuple[str,
         else:
             types[parameter] = Assumed(used.type, used.reason, extents)
     return types
+
+
+def uses_of(trees: Mapping[str, FunctionDef]) -> dict[str, Uses]:
+    """What each function does with its names."""
+    found: dict[str, Uses] = {}
+    for title, tree in trees.items():
+        found[title] = _Scan(tree, found, trees).uses()
+    return found
 
 
 def _used(parameter: str, uses: Uses, report: Report) -> Assumed:
@@ -187,7 +192,7 @@ class _Scan:
             self.demand(node.value, 1)
 
     def see_BinOp(self, node: BinOp) -> None:
-        if isinstance(node.op, (LShift, RShift)):
+        if isinstance(node.op, (LShift, RShift, BitAnd, BitOr, BitXor)) or isinstance(node.left, List):
             self.demand(node.left, 0, True)
             self.demand(node.right, 0, True)
 
@@ -226,10 +231,9 @@ class _Scan:
 
     def see_Call(self, node: Call) -> None:
         called = call_name(node) or ""
-        if called in ("builtins.range", *_SHAPED):
-            for argument in node.args[:1] if called in _SHAPED[:4] else node.args:
-                self.demand(argument, 0, True)
-        elif called in _WHOLE:
+        for argument in node.args if called == "builtins.range" else integer_arguments(node):
+            self.demand(argument, 0, True)
+        if called in _WHOLE:
             for argument in node.args[:1]:
                 self.demand(argument, 1)
         elif called.startswith("user.") and called[5:] in self.others:

@@ -21,7 +21,7 @@ from s2sad.rules import constant_result
 from s2sad.registry import ROOM
 from s2sad.unwrap import by_position, given_functions
 from s2sad.run.compiled import bounds_checked, chosen
-from s2sad.selection import names_of, selected_of, selected_wrt
+from s2sad.selection import Wrt, names_of, selected_of, selected_wrt
 from s2sad.variants import Derivatives, State, derivatives_of
 
 
@@ -81,7 +81,7 @@ class Checked:
                 f"<th>allowed</th></tr>{''.join(rows)}</table>{''.join(f'<p>{escape(r)}</p>' for r in self.remarks())}")
 
 
-def check(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None = None,
+def check(f: Callable[..., Any], *args: Any, wrt: Wrt = None,
           of: str | Iterable[str] | None = None, engine: str | None = None, seed: int = 0) -> Checked:
     """Runs f and its derivatives at args, and compares them; args are not changed.
 
@@ -101,7 +101,8 @@ def check(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None = N
     function, args, _ = given_functions(f, args, {})
     given = Derivatives(derivatives_of(function).function).state()
     apart = flattened(given, args)
-    state, flat, carried = taken_apart(given, Carrier.overridden(f, names_of(wrt), names_of(of), engine), args)
+    asked = Carrier.overridden(f, names_of(wrt, f), names_of(of, f, "of"), engine)
+    state, flat, carried = taken_apart(given, asked, args)
     values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, flat)]
     types, name = state.types(values), state.kernel.name
     single = any(getattr(v, "dtype", None) == np.float32 for v in values)

@@ -19,7 +19,7 @@ from s2sad.report.listing import Listing, listings
 from s2sad.report.page import page
 from s2sad.report.sizes import sizes_of
 from s2sad.run.compiled import chosen
-from s2sad.selection import names_of, selected_of, selected_wrt
+from s2sad.selection import Wrt, names_of, selected_of, selected_wrt
 from s2sad.variants import derivatives_of
 
 
@@ -72,7 +72,7 @@ class Explanation:
                 'style="width: 100%; height: 720px; border: 1px solid #8886"></iframe>')
 
 
-def explain(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None = None,
+def explain(f: Callable[..., Any], *args: Any, wrt: Wrt = None,
             of: str | Iterable[str] | None = None, engine: str | None = None) -> Explanation:
     """What the adjoint of f for arguments of these types does, records and leaves out, and why.
 
@@ -101,7 +101,7 @@ def explain(f: Callable[..., Any], *args: Any, wrt: str | Iterable[str] | None =
         i: int64, inactive: int64 has no derivative
     ...
     """
-    asked = Carrier.overridden(f, names_of(wrt), names_of(of), engine)
+    asked = Carrier.overridden(f, names_of(wrt, f), names_of(of, f, "of"), engine)
     function, args, _ = given_functions(f, args, {})
     state, given, carried = taken_apart(derivatives_of(function).state(), asked, args)
     values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, given)]
