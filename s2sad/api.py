@@ -20,6 +20,7 @@ from s2sad.run.compiled import chosen
 from s2sad.selection import Results, Wrt, names_of, selected_of, selected_wrt
 from s2sad.shadowed import ShadowedCall
 from s2sad.structure import is_structure
+from s2sad.tracebacks import public, shortened
 from s2sad.variants import State, derivatives_of
 
 __all__ = ["Differentiated", "autodiff", "differentiate"]
@@ -40,6 +41,7 @@ def differentiate(function: None = None, *, wrt: Wrt = None, of: Wrt = None, eng
                   ) -> Callable[[Callable[P, R]], Differentiated[P, R]]: ...
 
 
+@public
 def differentiate(function: Callable[..., Any] | None = None, *, wrt: Wrt = None, of: Wrt = None,
                   engine: str = "auto", **unknown: NoReturn) -> Any:
     """The function, which still does what it did, with its derivatives as attributes; see `Differentiated`.
@@ -111,15 +113,24 @@ class Differentiated(Decorated, Generic[P, R]):
         seeds of the float results. Raises S2sadError, before anything is written: S403 (a shadow that does not fit),
         S404 (memory shared), S405 (an argument that does not fit); and what f raises.
         """
-        return self._shadowed("adjoint", args)
+        try:
+            return self._shadowed("adjoint", args)
+        except Exception as error:
+            outside = shortened(error)
+        raise outside
 
     def tangent(self, *args: Any) -> Any:
         """The tangents of the float results; those of written arrays stand in their shadows.
 
         Args: f's arguments, each followed by its tangent if it has one. Raises as `adjoint` does.
         """
-        return self._shadowed("tangent", args)
+        try:
+            return self._shadowed("tangent", args)
+        except Exception as error:
+            outside = shortened(error)
+        raise outside
 
+    @public
     def primal(self, *args: Any, **keywords: Any) -> Any:
         """What f returns, computed by the compiled primal (under NumPy: by f itself)."""
         given, args, keywords = given_functions(self, args, keywords)
@@ -140,14 +151,17 @@ class Differentiated(Decorated, Generic[P, R]):
         results = Results.of(state.summary(types))
         return results.with_aliases(function(*values), dict(zip(state.parameters, values)))
 
+    @public
     def adjoint_source(self, *args: Any, level: str = "plain", **keywords: Any) -> str:
         """The generated adjoint module's text for arguments of these types (f's own, without shadows)."""
         return self._source("adjoint", args, keywords, level)
 
+    @public
     def tangent_source(self, *args: Any, level: str = "plain", **keywords: Any) -> str:
         """The generated tangent module's text for arguments of these types (f's own, without shadows)."""
         return self._source("tangent", args, keywords, level)
 
+    @public
     def compiled(self, mode: str, *args: Any) -> Callable[..., Any]:
         """The bare function for arguments of these types, compiled: no checks, no conversions, no overhead.
 
@@ -196,6 +210,7 @@ class Differentiated(Decorated, Generic[P, R]):
         return compiler().derived(state.program, request, {}).text
 
 
+@public
 def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = None) -> Any:
     """Enzyme's call: in reverse a tuple with one derivative for each `Active` argument, forwards the tangent of the
     returned value; with primal, (that, what f returns).

@@ -9,11 +9,9 @@ import difflib
 import os
 import platform
 import sys
-import traceback
 from collections.abc import Sequence
 from contextlib import suppress
 from importlib import metadata
-from pathlib import Path
 from typing import Any
 
 from s2sad import __version__, pipeline, read
@@ -31,6 +29,7 @@ from s2sad.report.stages import ROOMS, STAGES, stages
 from s2sad.run import store
 from s2sad.run.compiled import chosen
 from s2sad.structure import Form
+from s2sad.tracebacks import internal
 from s2sad.selection import selected_of, selected_wrt
 
 _ABOUT = """\
@@ -90,16 +89,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 130
     except Exception as error:
-        print(_internal(error), file=sys.stderr)
+        print(internal(error), file=sys.stderr)
         return 1
-
-
-def _internal(error: Exception) -> Diagnostic:
-    """What went wrong inside the compiler, and where."""
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if f"{os.sep}s2sad{os.sep}" in f.filename]
-    place = f", in {Path(frames[-1].filename).stem} (line {frames[-1].lineno})" if frames else ""
-    return Diagnostic("S901", f"internal error: {type(error).__name__}: {error}{place}",
-                      help="this is a defect of s2sad: please report it with the function")
 
 
 def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:

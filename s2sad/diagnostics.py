@@ -10,7 +10,7 @@ import warnings
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-_HOME = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
+HOME = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
 
 CODES = {
     # S1: reading
@@ -50,12 +50,14 @@ class Source:
 
     A kernel into which functions of other files were written knows these, too: the lines of the k-th follow from line
     k * APART on. `renamed` pairs names that variables of inner scopes were given with those that they have in the text.
+    `call` is the place in the kernel's file from which a function of another file was first called.
     """
     path: str
     text: str
     first: int = 1
     others: tuple[Source, ...] = ()
     renamed: tuple[tuple[str, str], ...] = ()
+    call: str = ""
 
     def home(self, number: int) -> tuple[Source, int]:
         """The source of a line, and its number there."""
@@ -121,6 +123,8 @@ class Diagnostic:
             caret = " " * (len(gutter) - 2) + "| " + " " * span.column + "^" * max(1, end - span.column)
             lines = [f"{span.source.path}:{span.line}:{span.column + 1}: {head}", gutter + text,
                      (caret + " " + self.note).rstrip()]
+            if span.source.call:
+                lines.append(f"  note: called from {span.source.call}")
         elif self.note:
             lines.append(f"  note: {self.note}")
         if self.help:
@@ -147,7 +151,7 @@ class S2sadWarning(UserWarning):
 def warn(message: object) -> None:
     """Warns where the user's own code called."""
     depth, frame = 2, sys._getframe(1)
-    while frame.f_back is not None and frame.f_code.co_filename.startswith(_HOME):
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(HOME):
         depth, frame = depth + 1, frame.f_back
     warnings.warn(str(message), S2sadWarning, stacklevel=depth)
 

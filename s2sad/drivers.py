@@ -15,6 +15,7 @@ from s2sad.pickling import Decorated
 from s2sad.prepared import ForwardCall, ReverseCall, selection_of
 from s2sad.selection import RETURN, Wrt, names_of
 from s2sad.unwrap import given_functions
+from s2sad.tracebacks import public
 from s2sad.variants import Derivatives, State, derivatives_of
 
 __all__ = ["gradient", "jvp", "make_zero", "value_and_gradient", "vjp"]
@@ -25,6 +26,7 @@ R = TypeVar("R", covariant=True)
 _INTEGERS = (int, np.integer)
 
 
+@public
 def gradient(f: Callable[P, Any], wrt: Wrt = None, **unknown: NoReturn) -> Gradient[P]:
     """A function of f's arguments that returns the gradient of the one float that f returns.
 
@@ -51,6 +53,7 @@ def gradient(f: Callable[P, Any], wrt: Wrt = None, **unknown: NoReturn) -> Gradi
     return Gradient(f, wrt)
 
 
+@public
 def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, **unknown: NoReturn) -> ValueAndGradient[P, R]:
     """As `gradient`, but the function returns (value, gradient); `scipy.optimize.minimize(..., jac=True)` takes it.
 
@@ -99,6 +102,7 @@ class Gradient(_Driver, Generic[P]):
     """The gradient of f's float, as a function of f's arguments; see `gradient`."""
     _what = "gradient"
 
+    @public
     def __call__(self, *args: P.args, **keywords: P.kwargs) -> Any:
         return self._found(args, keywords)[1]
 
@@ -107,6 +111,7 @@ class ValueAndGradient(_Driver, Generic[P, R]):
     """f's float and its gradient, as a function of f's arguments; see `value_and_gradient`."""
     _what = "value and gradient"
 
+    @public
     def __call__(self, *args: P.args, **keywords: P.kwargs) -> tuple[R, Any]:
         return self._found(args, keywords)
 
@@ -143,6 +148,7 @@ def _with_floats(state: State, names: tuple[str, ...] | None, args: tuple[Any, .
                  ) if odd else args
 
 
+@public
 def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wrt: Wrt = None
         ) -> dict[str, Any]:
     """The gradients, by argument name, of the outputs weighted by `seeds`, at the arguments' entry values.
@@ -175,6 +181,7 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     return entry.vjp(args, seeds)
 
 
+@public
 def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any], of: Wrt = None
         ) -> dict[str, Any]:
     """The tangents of f's outputs, by output name, for `tangents` of its arguments by name.

@@ -12,6 +12,7 @@ from s2sad.read.capture import capture
 from s2sad.unwrap import python_function
 from s2sad.registry import GIVEN, ROOM, Given, imported
 from s2sad.rules.rule import TABLE, Rule, divides, number
+from s2sad.tracebacks import public
 from s2sad.tree import Call, Name, expression, names
 
 __all__ = ["nondifferentiable", "rule"]
@@ -34,6 +35,7 @@ def nondifferentiable(function: str, *, result: str = "float") -> Callable[..., 
 def nondifferentiable(function: None = None, *, result: str = "float") -> Callable[[F], F]: ...
 
 
+@public
 def nondifferentiable(function: Any = None, *, result: str = "float") -> Any:
     """The function, from now on called as it is by derivatives, and held fixed: what it returns has derivative zero.
 
@@ -80,6 +82,7 @@ def rule(text: None = None, *, adjoint: Any = None, tangent: Any = None, forward
          kink: str = "", check: bool = True, **partials: str) -> Callable[[F], F]: ...
 
 
+@public
 def rule(text: Any = None, *, adjoint: Any = None, tangent: Any = None, forward: Any = None, reverse: Any = None,
          implicit: Any = None, solver: Any = None, writes: Any = None, returns: int | None = None,
          domain: Mapping[str, tuple[float, float]] | None = None,

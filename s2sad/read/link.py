@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.diagnostics import Report, S2sadError, Span
+from s2sad.diagnostics import Report, S2sadError, Source, Span
 from s2sad.program import Kernel, Program
 from s2sad.read import fence, shared_lists
 from s2sad.read.defined import defined
@@ -82,8 +82,10 @@ class Linker:
             kind, key = "array", (meaning.name, id(meaning.value))
         return self.outside.setdefault((kind, key), (f"{kind}.{len(self.outside)}", meaning))[0]
 
-    def visit(self, function: Function, callers: list[Function]) -> None:
-        captured = reshaped(picked_functions(imports(definition(function))))
+    def visit(self, function: Function, callers: list[Function], caller: Source | None = None, call: AST | None = None
+              ) -> None:
+        captured = _called_from(definition(function), caller, call)
+        captured = reshaped(picked_functions(imports(captured)))
         captured = lifted(replace(captured, tree=returned_lists(plain(defined(captured.tree)))), function.key)
         report = Report(captured.source)
         self.reports.append(report)
@@ -117,7 +119,7 @@ class Linker:
         elif self.identify(callee) not in self.found:
             before = len(self.reports)
             try:
-                self.visit(callee, callers)
+                self.visit(callee, callers, report.source, node)
                 self._of_library(callee, node, before, report)
             except S2sadError as error:
                 for d in error.diagnostics:  # the callee could not be had: the place to see it is the call
@@ -178,6 +180,14 @@ def _with_tuples(definition: AST, kernels: dict[str, Kernel]) -> AST:
     if not any(isinstance(d, tuple) for k in kernels.values() for d in k.defaults.values()):
         return definition
     return tree.rebuild(definition, change)
+
+
+def _called_from(captured: Captured, caller: Source | None, call: AST | None) -> Captured:
+    """A function of another file than the kernel's, with the place in that file that leads to it."""
+    if caller is None or caller.path == captured.source.path and not caller.call:
+        return captured
+    place = Span.of(caller, call)
+    return replace(captured, source=replace(captured.source, call=caller.call or f"{caller.path}:{place.line}"))
 
 
 def _position(diagnostic: Any) -> tuple[int, int]:

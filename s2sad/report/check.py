@@ -22,6 +22,7 @@ from s2sad.registry import ROOM
 from s2sad.unwrap import by_position, given_functions
 from s2sad.run.compiled import bounds_checked, chosen
 from s2sad.selection import Wrt, names_of, selected_of, selected_wrt
+from s2sad.tracebacks import public
 from s2sad.variants import Derivatives, State, derivatives_of
 
 
@@ -81,6 +82,7 @@ class Checked:
                 f"<th>allowed</th></tr>{''.join(rows)}</table>{''.join(f'<p>{escape(r)}</p>' for r in self.remarks())}")
 
 
+@public
 def check(f: Callable[..., Any], *args: Any, wrt: Wrt = None,
           of: str | Iterable[str] | None = None, engine: str | None = None, seed: int = 0) -> Checked:
     """Runs f and its derivatives at args, and compares them; args are not changed.

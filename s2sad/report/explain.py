@@ -20,6 +20,7 @@ from s2sad.report.page import page
 from s2sad.report.sizes import sizes_of
 from s2sad.run.compiled import chosen
 from s2sad.selection import Wrt, names_of, selected_of, selected_wrt
+from s2sad.tracebacks import public
 from s2sad.variants import derivatives_of
 
 
@@ -72,6 +73,7 @@ class Explanation:
                 'style="width: 100%; height: 720px; border: 1px solid #8886"></iframe>')
 
 
+@public
 def explain(f: Callable[..., Any], *args: Any, wrt: Wrt = None,
             of: str | Iterable[str] | None = None, engine: str | None = None) -> Explanation:
     """What the adjoint of f for arguments of these types does, records and leaves out, and why.
