@@ -12,15 +12,15 @@ or imported but the generated text itself, which the store vouches for.
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import json
 import linecache
+import os
 import platform
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
 from functools import cache, wraps
-from importlib import metadata
-from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any, TypeVar
 
@@ -296,24 +296,32 @@ def _of_code(code: CodeType) -> str:
 @cache
 def _package() -> str:
     """What this package is: the names, times and sizes of its files."""
-    root = Path(__file__).parent
-    files = sorted((str(p.relative_to(root)), (s := p.stat()).st_mtime_ns, s.st_size) for p in root.rglob("*.py"))
-    said = repr((str(root), files, platform.python_version(), np.__version__))
+    files, waiting = [], [os.path.dirname(__file__)]
+    while waiting:
+        with os.scandir(waiting.pop()) as entries:
+            for entry in entries:
+                if entry.is_dir() and entry.name != "__pycache__":
+                    waiting.append(entry.path)
+                elif entry.name.endswith(".py"):
+                    files.append((entry.path, entry.stat().st_mtime_ns, entry.stat().st_size))
+    said = repr((sorted(files), platform.python_version(), np.__version__))
     return hashlib.sha256(said.encode()).hexdigest()
 
 
 def _surroundings() -> str:
     """All that a text depends on beside what the function reads: versions, and functions that have a derivative of the
     user's own."""
-    return f"{_package()} {_version('numba')} {_version('scipy')} {sorted(GIVEN.by_path)}"
+    return f"{_package()} {_installed('numba')} {_installed('scipy')} {sorted(GIVEN.by_path)}"
 
 
 @cache
-def _version(package: str) -> str:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return ""
+def _installed(package: str) -> tuple[Any, ...]:
+    """Which installation of a package there is, which need not be imported."""
+    found = importlib.util.find_spec(package)
+    if found is None or found.origin is None:
+        return ()
+    status = os.stat(found.origin)
+    return found.origin, status.st_mtime_ns, status.st_size
 
 
 # -- literals ---------------------------------------------------------------------------------------------------------
