@@ -79,7 +79,9 @@ class AnnotatedCall:
                                      self.engine)
         lost = [(n, s) for n, s in variant.generated.facts.get("unshadowed", {}).items() if n in self.marks]
         if lost:
-            raise S2sadError(*(_lost(n, s, self.state.kernel.source, self.mode) for n, s in lost))
+            program = self.state.program
+            source = program.kernels[program.entry].source
+            raise S2sadError(*(_lost(n, s, source, self.mode) for n, s in lost))
         return variant
 
     def _refuse_returned(self, wrt: tuple[str, ...]) -> None:

@@ -38,6 +38,7 @@ from s2sad.unwrap import fingerprint
 T = TypeVar("T")
 ENABLED = True
 _KIND = "derived"
+_LONGEST = 4096         # items of a list: more are not written out
 _READINGS = 8           # of one function: for so many sets of constants
 _FOLLOWING = frozenset(("root", "function", "kernel", "given", "bound"))     # steps that follow from what was taken
 _WRITTEN: dict[str, type] = {c.__name__: c for c in (
@@ -263,6 +264,8 @@ def _description(value: Any) -> Any:
     if value is None or isinstance(value, (bool, int, float, complex, str)) or isinstance(value, np.number):
         return "value", type(value).__name__, repr(value)
     if type(value) is tuple:
+        if len(value) > _LONGEST:
+            raise Unkept
         return "tuple", *map(_description, value)
     if isinstance(value, CodeType):
         return "code", _of_code(value)

@@ -84,6 +84,12 @@ class Model:
 MODEL = Model()
 
 
+def through_work(x, work):
+    work[0] = x * x
+    return work[0] * G
+
+
+
 def through(x):
     return MODEL.energy(x)
 '''
@@ -219,6 +225,42 @@ def test_what_is_set_before_the_first_call_is_seen(processes):
     assert g(2.0) == 540.0 and processes.warm
     module.G = 8.0
     assert g(2.0) == 2160.0 and not processes.warm
+
+
+def test_refusals_are_those_of_the_first_process(processes):
+    for _ in range(3):
+        module = processes.fresh()
+        with pytest.raises(s2sad.S2sadError, match="S406") as caught:
+            s2sad.autodiff(s2sad.Reverse, s2sad.differentiate(module.through_work, engine="numpy"), s2sad.Active(2.0),
+                           s2sad.Const(np.zeros(1)))
+        assert "work[0] = x * x" in str(caught.value)
+        with pytest.raises(s2sad.S2sadError, match="S401"):
+            s2sad.gradient(s2sad.differentiate(module.summed, engine="numpy"), wrt="v")(np.ones(2))
+        with pytest.raises(s2sad.S2sadError, match="S405"):
+            s2sad.gradient(s2sad.differentiate(module.summed, engine="numpy"))(np.ones(2, complex).astype("c8"))
+
+
+def test_shadows_seeds_and_tangents_of_a_second_process(processes):
+    for _ in range(2):
+        module = processes.fresh()
+        f = s2sad.differentiate(module.through_work, engine="numpy")
+        work, bar = np.zeros(1), np.zeros(1)
+        assert f.adjoint(3.0, work, bar, 1.0) == (12.0,)
+        assert f.tangent(3.0, 1.0, np.zeros(1), np.zeros(1)) == (12.0,)
+        f = s2sad.differentiate(module.structured, engine="numpy")
+        p_bar = s2sad.make_zero(module.Params())
+        assert s2sad.autodiff(s2sad.Reverse, f, s2sad.Active(2.0), s2sad.Duplicated(module.Params(), p_bar)) == (36.0,)
+        assert p_bar.k == 12.0
+    assert processes.warm
+
+
+def test_the_compiler_reads_what_was_taken_and_nothing_else(processes):
+    slope(processes.fresh().f, 2.0)
+    module = processes.fresh()
+    f = s2sad.differentiate(module.f, engine="numpy")
+    assert slope(f, 2.0) == 540.0 and processes.warm
+    assert s2sad.vjp(f, (2.0, 1.5), {"return": 1.0}, wrt="c") == {"c": 720.0 / 2.0} and processes.read
+    assert slope(f, 2.0) == 540.0
 
 
 def test_other_types_and_other_questions_are_others(processes):
