@@ -123,7 +123,11 @@ def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
 
 
 def _cache(options: argparse.Namespace) -> int:
-    write_output(None, f"{store.location()}\n" if options.where else cleared() if options.clear else described())
+    try:
+        write_output(None, f"{store.location()}\n" if options.where else cleared() if options.clear else described())
+    except RuntimeError as error:
+        raise S2sadError(Diagnostic("S407", f"there is no cache: {error}",
+                                    help="set S2SAD_CACHE_DIR to a folder of your own")) from None
     return 0
 
 

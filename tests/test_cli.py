@@ -390,6 +390,19 @@ def test_a_cache_that_others_can_write_is_shown_as_such(ran, tmp_path, monkeypat
         "cache")[1]
 
 
+def test_a_user_without_a_home_has_no_cache(ran, monkeypatch):
+    def homeless(*_):
+        raise RuntimeError("Could not determine home directory.")
+    monkeypatch.delenv("S2SAD_CACHE_DIR", raising=False)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", homeless)
+    monkeypatch.setattr(sys, "platform", "linux")
+    for option in ((), ("--where",), ("--clear",)):
+        assert ran("cache", *option) == (1, "", "error[S407]: there is no cache: Could not determine home directory.\n"
+                                         "  help: set S2SAD_CACHE_DIR to a folder of your own\n")
+    assert store.put("key", b"content") and store.get("key") == b"content"      # in a folder of the process
+
+
 def test_what_was_read_is_not_written_over(ran, kernel, tmp_path):
     kernel("from helpers import double\nfrom constants import G\n\n\ndef f(x):\n    return double(x) * G\n")
     kernel("def double(x):\n    return 2.0 * x\n", "helpers.py")
@@ -406,6 +419,7 @@ def test_what_was_read_is_not_written_over(ran, kernel, tmp_path):
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="POSIX files")
 def test_only_plain_files_are_written_over(ran, kernel, tmp_path):
     kernel(SCALE)
     os.mkfifo("pipe")
@@ -422,6 +436,7 @@ def test_only_plain_files_are_written_over(ran, kernel, tmp_path):
     assert ran("adjoint", "k.py:scale", "-o", "-")[1] == (tmp_path / "there.py").read_text()
 
 
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="Linux's device")
 def test_letters_that_the_terminal_lacks_and_a_full_disk(tmp_path):
     (tmp_path / "k.py").write_bytes("# coding: latin-1\ndef f(x):\n    ä = x * x\n    return ä\n".encode("latin-1"))
     done = subprocess.run([sys.executable, "-m", "s2sad", "adjoint", "k.py:f"], capture_output=True, cwd=tmp_path,
