@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import html
 import json
+import re
 import subprocess
 from html.parser import HTMLParser
 
@@ -164,6 +165,28 @@ def test_lines_say_what_is_done_with_them():
     assert kinds["u[...] += dt * du"] == ("forward", "primal")
     assert kinds["du_bar[...] += dt * u_shadow"] == kinds["du_bar = np.zeros_like(du)"] == ("reverse", "adjoint")
     assert kinds["ip1 = limit(i + 1, n)"] == ("reverse", "recompute")
+
+
+def luminance(colour):
+    parts = [int(colour[k:k + 2], 16) / 255 for k in (1, 3, 5)]
+    linear = [v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for v in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+@pytest.mark.parametrize("theme", [0, 1], ids=["light", "dark"])
+def test_every_colour_can_be_read_on_what_is_behind_it(theme):
+    """WCAG 2 asks for a contrast of 4.5 between a text and its ground."""
+    found = re.findall(r"--([\w-]+): light-dark\((#\w{6}), (#\w{6})\)", squares_page())
+    palette = {name: colours[theme] for name, *colours in found}
+    lines = ("panel", "on", "over")
+    grounds = {**dict.fromkeys(("ink", "soft"), (*lines, "page", "raised", "skip-tint")), "active": (
+        *lines, "active-tint", "record-tint", "again-tint", "skip-tint"), "record": ("record-tint", "over"),
+        **dict.fromkeys(("word", "text", "number"), (*lines, "active-tint")),
+        **{name: (f"{name}-tint",) for name in ("again", "skip", "kink")}}
+    for text, behind in grounds.items():
+        for ground in behind:
+            low, high = sorted([luminance(palette[text]), luminance(palette[ground])])
+            assert (high + 0.05) / (low + 0.05) >= 4.5, (text, ground)
 
 
 def test_a_notebook_shows_the_page_in_a_frame_of_its_own():
