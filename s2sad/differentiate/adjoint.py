@@ -16,6 +16,7 @@ from s2sad.analyze.activity import Activity
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.plan import Plan
 from s2sad.analyze.structure import Structure
+from s2sad.analyze.unbounded import Unbounded
 from s2sad.analyze.uses import owns_result
 from s2sad.differentiate.arithmetic import Term
 from s2sad.differentiate.calls import Derive, is_kernel_call, pattern, with_shadows
@@ -27,6 +28,7 @@ from s2sad.differentiate.resize import empty_at_first
 from s2sad.differentiate.shadows import Shadows
 from s2sad.differentiate.sweeps import Sweeps
 from s2sad.differentiate.tape import Tape
+from s2sad.differentiate.vanishing import Vanishing
 from s2sad.infer.shapes import shapes_of
 from s2sad.infer.slices import scattered
 from s2sad.infer.types import Type
@@ -44,25 +46,25 @@ REVERSE = "reverse sweep"
 
 
 def adjoint(structure: Structure, active: Activity, plan: Plan, wanted: Wanted, free: Names, derive: Derive,
-            family: Mapping[str, str], title: str) -> Made:
+            family: Mapping[str, str], title: str, bounds: Unbounded) -> Made:
     """The adjoint of a function; `title` is its name, `family` tells which variable of the user's a name stands for."""
-    return _Adjoint(structure, active, plan, wanted, free, derive, family).made(title)
+    return _Adjoint(structure, active, plan, wanted, free, derive, family, bounds).made(title)
 
 
 class _Adjoint(Shadows):
     def __init__(self, structure: Structure, activity: Activity, plan: Plan, wanted: Wanted, free: Names,
-                 derive: Derive, family: Mapping[str, str]):
+                 derive: Derive, family: Mapping[str, str], bounds: Unbounded):
         self.structure, self.typing, self.plan = structure, structure.typing, plan
         self.active = activity.active
-        self.wanted, self.free, self.derive = wanted, free, derive
+        self.wanted, self.free, self.derive, self.bounds = wanted, free, derive, bounds
         self.shadows: dict[str, str] = {}
         self.scopes: dict[int, list[str]] = {}
         self.tape = Tape(structure, self.typing, free, plan.rerun, Counting(structure, plan, free))
         self.shapes = shapes_of(structure.function, self.typing)
-        self.halves = Halves(self.typing, self.active, free, derive)
+        self.halves = Halves(self.typing, self.active, free, derive, bounds)
         self.sweeps = Sweeps(structure, plan, self.tape, free, self.statement, self.zeros, self.shapes, family,
                              self.halves.first)
-        self.pullback = Pullback(self.typing, self.active, free, self.bind, self.shapes)
+        self.pullback = Pullback(self.typing, self.active, free, self.bind, self.shapes, Vanishing(bounds))
         self.parameters = [p.id for p in structure.function.args.args]
         self.written = {base_name(t) for s in walk(structure.function.body) if isinstance(s, (Assign, AugAssign))
                         for t in targets(s) if isinstance(t, Subscript)}
@@ -176,6 +178,7 @@ class _Adjoint(Shadows):
         if is_kernel_call(statement):
             return [at(s, statement) for s in self.call(statement)]
         if isinstance(statement, Return):
+            self.pullback.vanishing.enter("")
             return [s for number, seed in self.seeds.items()
                     for s in self.gained(self.results()[number], Term(name(seed)))]
         if is_allocation(statement):
@@ -185,6 +188,7 @@ class _Adjoint(Shadows):
         target = targets(statement)[0]
         if base_name(target) not in self.active or not self.typing.of(target).is_inexact:
             return []
+        self.pullback.vanishing.enter(base_name(target))
         if isinstance(target, Name):
             return self.number(target, statement)
         return self.store(target, statement)
@@ -235,7 +239,7 @@ class _Adjoint(Shadows):
         return target.value if whole else target
 
     def call(self, statement: AST) -> list[AST]:
-        wanted = pattern(statement, self.typing, self.active)
+        wanted = pattern(statement, self.typing, self.active, self.bounds.called_left)
         if not wanted.arguments and not wanted.results:
             return []
         callee = self.derive(wanted)

@@ -17,11 +17,13 @@ EMPTY, PUSH, POP = "builtins.list", "builtins.list.append", "builtins.list.pop"
 
 @dataclass(frozen=True)
 class Pattern:
-    """What a call asks of the callee's derivative: positions of active arguments and of active results."""
+    """What a call asks of the callee's derivative: positions of active arguments and of active results; `unbounded` if
+    it has to do with what can be infinite or nan (`analyze.unbounded`)."""
     kernel: str
     types: tuple[Type, ...]
     arguments: tuple[int, ...]
     results: tuple[int, ...]
+    unbounded: bool = False
 
 
 @dataclass(frozen=True)
@@ -53,18 +55,21 @@ def is_kernel_call(statement: AST) -> bool:
     return (call_name(getattr(statement, "value", None)) or "").startswith("user.")
 
 
-def pattern(statement: AST, typing: Typing, active: frozenset[str]) -> Pattern:
+def pattern(statement: AST, typing: Typing, active: frozenset[str],
+            unbounded: Callable[[AST], bool] = lambda statement: False) -> Pattern:
     """What the call of a statement asks for, given what is active around it."""
     called: Call = statement.value
     bound = [base_name(t) for t in targets(statement)]
     return Pattern((call_name(called) or "").partition(".")[2], tuple(map(typing.argument, called.args)),
                    tuple(k for k, a in enumerate(called.args) if is_active(a, typing, active)),
-                   tuple(k for k, b in enumerate(bound) if b in active and typing.table[b].is_inexact))
+                   tuple(k for k, b in enumerate(bound) if b in active and typing.table[b].is_inexact),
+                   unbounded(statement))
 
 
-def call_uses(statement: AST, typing: Typing, active: frozenset[str], derive: Derive, found: Uses) -> None:
+def call_uses(statement: AST, typing: Typing, active: frozenset[str], derive: Derive, found: Uses,
+              unbounded: Callable[[AST], bool]) -> None:
     """What the adjoint of a call reads: its numbers, and the arrays whose content the callee's adjoint reads."""
-    wanted = pattern(statement, typing, active)
+    wanted = pattern(statement, typing, active, unbounded)
     if not wanted.arguments and not wanted.results:
         return
     callee = derive(wanted)

@@ -9,10 +9,12 @@ from s2sad.tree import AST, FunctionDef
 
 @dataclass(frozen=True)
 class Wanted:
-    """Which parameters and results: `wrt` and `of` by name ("return 0", ... for results)."""
+    """Which parameters and results: `wrt` and `of` by name ("return 0", ... for results); `unbounded` if a call has to
+    do with what can be infinite or nan."""
     wrt: tuple[str, ...]
     of: tuple[str, ...]
     with_primal: bool = False
+    unbounded: bool = False
 
 
 @dataclass

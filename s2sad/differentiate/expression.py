@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 
 from s2sad import rules
 from s2sad.analyze.uses import is_active, operated
-from s2sad.differentiate.arithmetic import Term, guarded, is_plain, picked, scalar_choices, total, unsigned
+from s2sad.differentiate.arithmetic import Term, is_plain, picked, scalar_choices, total, unsigned
+from s2sad.differentiate.vanishing import Vanishing
 from s2sad.infer.infer import Typing
 from s2sad.infer.laws import ONE
 from s2sad.infer.shapes import Shapes, shape_expression
@@ -55,8 +56,9 @@ class Pullback:
     """
 
     def __init__(self, typing: Typing, active: frozenset[str], free: Names, bind: Callable[[str, AST], str],
-                 shapes: Shapes):
+                 shapes: Shapes, vanishing: Vanishing):
         self.typing, self.active, self.free, self.bind, self.shapes = typing, active, free, bind, shapes
+        self.vanishing = vanishing
 
     def gains(self, node: AST, seed: Term, result: AST | None = None, region: AST | None = None) -> Gains:
         """The gains of an expression's leaves; `result` is where the expression's value lies, `region` the array
@@ -79,18 +81,21 @@ class Pullback:
         assert operation is not None
         rule, operands = operation
         flowing = [p for p, o in operands.items() if p not in rule.zero and is_active(o, self.typing, self.active)]
-        if len(flowing) > 1 or any(rule.is_singular(p, operands) for p in flowing):
+        partials = {p: rule.partial(p, operands, copy(node) if result is None else result) for p in flowing}
+        asked = {p for p in flowing if self.vanishing.of_seed(rule, p, operands)}
+        if len(flowing) > 1 or asked:
             seed = self.shared(node, seed, found, len(flowing) > 1)
-        for parameter in flowing:
-            partial = rule.partial(parameter, operands, copy(node) if result is None else result)
+        for parameter, partial in partials.items():
             whole = self.typing.of(partial).is_array or self.typing.of(seed.tree).is_array
             term = self.term(rule, seed, partial if whole else scalar_choices(partial))
-            if rule.is_singular(parameter, operands):
-                term = guarded(seed.tree, term, whole)
+            term = self.vanishing.product(term, seed.tree, parameter in asked, whole)
             operand = operands[parameter]
             if self.leaves(operand) > 1:
                 term = self.shared(operand, term, found)
+            left = self.vanishing.left
+            self.vanishing.left = left or rule.chooses(parameter)
             self.pull(operand, term, None, region, found)
+            self.vanishing.left = left
 
     def term(self, rule: Rule, seed: Term, partial: AST) -> Term:
         """What an operand gains: the product of the seed with the conjugate of the partial."""
@@ -224,10 +229,13 @@ def size_of(region: AST, shapes: Shapes) -> AST:
 
 
 class Pushforward:
-    """Tangents of expressions of one function; `dot(leaf)` is the tangent of a name or element."""
+    """Tangents of expressions of one function; `dot(leaf)` is the tangent of a name or element, `held(partial)` a name
+    that the partial is bound to."""
 
-    def __init__(self, typing: Typing, active: frozenset[str], dot: Callable[[AST], AST], shapes: Shapes):
+    def __init__(self, typing: Typing, active: frozenset[str], dot: Callable[[AST], AST], shapes: Shapes,
+                 vanishing: Vanishing, held: Callable[[AST], AST]):
         self.typing, self.active, self.dot, self.shapes = typing, active, dot, shapes
+        self.vanishing, self.held = vanishing, held
 
     def tangent(self, node: AST, result: AST | None = None) -> Term | None:
         """The tangent of an expression, None if it is zero."""
@@ -247,10 +255,12 @@ class Pushforward:
                 continue
             partial = rule.partial(parameter, operands, copy(node) if result is None else result)
             whole = self.typing.of(node).is_array
-            term = self.term(rule, inner, partial if whole else scalar_choices(partial))
-            if rule.is_singular(parameter, operands):
-                term = guarded(inner.tree, term, whole)
-            terms.append(term)
+            partial = partial if whole else scalar_choices(partial)
+            asked = self.vanishing.of_partial(operand, inner, partial)
+            partial = self.held(partial) if asked else partial
+            term = self.vanishing.product(self.term(rule, inner, partial), inner.tree, rule.is_singular(
+                parameter, operands), whole)
+            terms.append(self.vanishing.product(term, partial, asked, whole))
         return total(terms) if terms else None
 
     def term(self, rule: Rule, inner: Term, partial: AST) -> Term:

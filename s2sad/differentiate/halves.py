@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from s2sad.analyze.liveness import targets
+from s2sad.analyze.unbounded import Unbounded
 from s2sad.differentiate.calls import EMPTY, POP, PUSH, Derive, is_kernel_call, pattern
 from s2sad.infer.infer import Typing
 from s2sad.infer.types import UNKNOWN
@@ -29,8 +30,8 @@ class Kept:
 class Halves:
     """The lists of one adjoint, by the calls that they belong to."""
 
-    def __init__(self, typing: Typing, active: frozenset[str], free: Names, derive: Derive):
-        self.typing, self.active, self.free, self.derive = typing, active, free, derive
+    def __init__(self, typing: Typing, active: frozenset[str], free: Names, derive: Derive, bounds: Unbounded):
+        self.typing, self.active, self.free, self.derive, self.bounds = typing, active, free, derive, bounds
         self.made: dict[int, Kept] = {}
         self.calls: dict[int, AST] = {}
 
@@ -46,7 +47,7 @@ class Halves:
         """The call of a first half, and the push of what it keeps; nothing for any other statement."""
         if not is_kernel_call(statement):
             return []
-        wanted = pattern(statement, self.typing, self.active)
+        wanted = pattern(statement, self.typing, self.active, self.bounds.called_left)
         callee = self.derive(wanted) if wanted.arguments or wanted.results else None
         if callee is None or not callee.forward:
             return []

@@ -8,10 +8,13 @@ from __future__ import annotations
 from s2sad.analyze.activity import Activity
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.structure import Structure
+from s2sad.analyze.unbounded import Unbounded
 from s2sad.analyze.uses import owns_result
+from s2sad.differentiate.arithmetic import Term, is_plain
 from s2sad.differentiate.derivative import Made, Wanted
 from s2sad.differentiate.calls import Derive, is_kernel_call, pattern, with_shadows
 from s2sad.differentiate.expression import Pushforward
+from s2sad.differentiate.vanishing import Vanishing
 from s2sad.infer.shapes import shapes_of
 from s2sad.naming import Names
 from s2sad.normalize.workspace import is_allocation
@@ -22,19 +25,21 @@ from s2sad.tree import (
 
 
 def tangent(structure: Structure, active: Activity, wanted: Wanted, free: Names, derive: Derive, title: str,
-            flat: bool = False) -> Made:
+            bounds: Unbounded, flat: bool = False) -> Made:
     """The tangent of a function; `flat` returns results and tangents side by side, as other tangents call it."""
-    return _Tangent(structure, active, wanted, free, derive, flat).made(title)
+    return _Tangent(structure, active, wanted, free, derive, bounds, flat).made(title)
 
 
 class _Tangent:
     def __init__(self, structure: Structure, activity: Activity, wanted: Wanted, free: Names, derive: Derive,
-                 flat: bool):
+                 bounds: Unbounded, flat: bool):
         self.structure, self.typing, self.active = structure, structure.typing, activity.active
         self.wanted, self.free, self.derive, self.flat = wanted, free, derive, flat
         self.shadows: dict[str, str] = {}
+        self.bounds = bounds
         self.shapes = shapes_of(structure.function, structure.typing)
-        self.pushforward = Pushforward(self.typing, self.active, self.value, self.shapes)
+        self.pushforward = Pushforward(self.typing, self.active, self.value, self.shapes, Vanishing(bounds), self.held)
+        self.before: list[AST] = []
         self.parameters = [p.id for p in structure.function.args.args]
 
     def made(self, title: str) -> Made:
@@ -67,6 +72,23 @@ class _Tangent:
         assert isinstance(leaf, Name)
         return name(self.shadow(leaf.id))
 
+    def held(self, partial: AST) -> AST:
+        """A name for a partial that is read twice, bound before the tangent."""
+        if is_plain(partial):
+            return partial
+        made = self.free.fresh("slope")
+        self.typing.table[made] = self.typing.of(partial)
+        self.shapes.arrays[made] = self.shapes.of(partial)
+        self.before.append(assign(made, partial))
+        return name(made)
+
+    def moved(self, node: AST, result: AST | None = None) -> tuple[list[AST], Term | None]:
+        """The tangent of an expression, and what is bound before it."""
+        outer, self.before = self.before, []
+        term = self.pushforward.tangent(node, result)
+        before, self.before = self.before, outer
+        return before, term
+
     def block(self, block: list[AST]) -> list[AST]:
         return [at(made, s) for s in block for made in self.statement(s)]
 
@@ -96,7 +118,7 @@ class _Tangent:
             return [copy(statement), assign(self.shadow(target.id), call("numpy.zeros_like", name(target.id)))]
         after = isinstance(target, Name) or owns_result(statement)
         held = after and isinstance(statement, Assign)     # the value itself, not a sum with it
-        term = self.pushforward.tangent(statement.value, self.primal(target) if held else None)
+        before, term = self.moved(statement.value, self.primal(target) if held else None)
         place = self.value(target)
         if isinstance(target, Subscript) and isinstance(place, Name):
             place = index(place, const(...))
@@ -105,6 +127,7 @@ class _Tangent:
             moved = [] if term is None else [augment(place, Sub() if term.negative != minus else Add(), term.tree)]
         else:
             moved = [assign(place, const(0.0) if term is None else term.expression())]
+        moved = [*before, *moved]
         return [copy(statement), *moved] if after else [*moved, copy(statement)]
 
     def primal(self, target: AST) -> AST:
@@ -117,18 +140,20 @@ class _Tangent:
             return [Return(tuple_of(const(None)))] if self.wanted.with_primal and not self.flat else []
         parts = list(statement.value.elts) if isinstance(statement.value, Tuple) else [statement.value]
         dots: list[AST] = []
+        first: list[AST] = []
         for result in (o for o in self.wanted.of if o.startswith("return ")):
             part = parts[int(result.split()[1])]
-            term = self.pushforward.tangent(part)
+            before, term = self.moved(part)
+            first += before
             zero = call("numpy.zeros_like", copy(part)) if self.typing.of(part).is_array else const(0.0)
             dots.append(zero if term is None else term.expression())
         if self.wanted.with_primal:
-            first = map(copy, parts) if self.flat else [copy(statement.value)]
-            return [Return(tuple_of(*first, *dots))]
-        return [Return(tuple_of(*dots))] if dots else []
+            primals = map(copy, parts) if self.flat else [copy(statement.value)]
+            return [*first, Return(tuple_of(*primals, *dots))]
+        return [*first, Return(tuple_of(*dots))] if dots else []
 
     def call(self, statement: AST) -> list[AST]:
-        wanted = pattern(statement, self.typing, self.active)
+        wanted = pattern(statement, self.typing, self.active, self.bounds.called_steep)
         if not wanted.arguments and not wanted.results:
             return [copy(statement)]
         callee = self.derive(wanted)

@@ -76,6 +76,11 @@ class Rule:
         bounded = _plain(partial) and RESULT not in tree.names(partial)
         return not (bounded and all(_nonzero(tree.substitute(d, arguments)) for d in denominators))
 
+    def chooses(self, parameter: str) -> bool:
+        """Whether the partial is one where the operand is taken, and zero where it is left."""
+        partial = self.partials[parameter]
+        return tree.call_name(partial) == "numpy.where" and all(number(side) is not None for side in partial.args[1:])
+
     def _template(self, parameter: str, arguments: Mapping[str, AST]) -> AST:
         if parameter not in self.partials:
             raise ValueError(f"{self.name} has no parameter '{parameter}', it has {', '.join(self.parameters)}")

@@ -11,6 +11,7 @@ from s2sad.analyze.plan import Plan, Question
 from s2sad.analyze.recorded import recorded
 from s2sad.analyze.resized import repeated
 from s2sad.analyze.structure import structure
+from s2sad.analyze.unbounded import Unbounded, unbounded
 from s2sad.analyze.uses import Uses, uses
 from s2sad.diagnostics import Report
 from s2sad.differentiate.adjoint import REVERSE, adjoint
@@ -31,7 +32,7 @@ from s2sad.simplify import Effect, Effects, simplify
 from s2sad.simplify.dead import dead
 from s2sad.simplify.quotients import quotients
 from s2sad.simplify.wide_sums import is_single, wide_numbers, wide_sums
-from s2sad.tree import AST, Assign, AugAssign, Expr, FunctionDef, Return, const, index, walk
+from s2sad.tree import AST, Assign, AugAssign, Call, Expr, FunctionDef, Return, const, index, walk
 from s2sad.units.array_forms import with_choices
 from s2sad.units.normal_forms import NormalForms
 from s2sad.units.unit import Unit
@@ -60,6 +61,7 @@ class Units(NormalForms):
     """Everything made for one program and one engine."""
     derived: dict[tuple, Derived] = field(default_factory=dict)
     forwards: dict[str, str] = field(default_factory=dict)
+    infinite: dict[str, Unbounded] = field(default_factory=dict)
 
     def again(self) -> Units:
         """The same units with nothing derived: no text depends on what was derived before it."""
@@ -97,9 +99,11 @@ class Units(NormalForms):
         table = structure(unit.function, typing)
         deriving = self.for_calls("adjoint")
 
+        bounds = unbounded(unit.function, typing, found, self.unbounded, wanted.unbounded)
+
         def reads_of(statement: AST) -> Uses:
-            return uses(statement, typing, found.active,
-                        lambda s, u: call_uses(s, typing, found.active, deriving, u) if is_kernel_call(s) else None)
+            return uses(statement, typing, found.active, lambda s, u: call_uses(
+                s, typing, found.active, deriving, u, bounds.called_left) if is_kernel_call(s) else None)
 
         def writes(statement: AST) -> list[AST]:
             if repeated(table, statement):
@@ -110,15 +114,27 @@ class Units(NormalForms):
                             self.seen_after, quick=self.engine == "numba")
         plan = recorded(question)
         plan.forwards = order_free(question, plan) if self.engine == "numba" else frozenset()
-        made = adjoint(table, found, plan, wanted, names, deriving, unit.family, title)
+        made = adjoint(table, found, plan, wanted, names, deriving, unit.family, title, bounds)
         return self._finished(unit, wanted, made, found, typing, names, plan)
 
     def _tangent(self, unit: Unit, wanted: Wanted, title: str, flat: bool) -> Derived:
         found = self.activity(unit, wanted)
         self._refuse(unit, found, "tangent")
         typing, names = self.fresh(unit)
-        made = tangent(structure(unit.function, typing), found, wanted, names, self.for_calls("tangent"), title, flat)
+        bounds = unbounded(unit.function, typing, found, self.unbounded, wanted.unbounded)
+        made = tangent(structure(unit.function, typing), found, wanted, names, self.for_calls("tangent"), title, bounds,
+                       flat)
         return self._finished(unit, wanted, made, found, typing, names, None)
+
+    def unbounded(self, called: Call) -> Unbounded | None:
+        """What can be infinite or nan in a kernel that is called, whatever is active there."""
+        unit = self.called(called)
+        if unit is None:
+            return None
+        if unit.title not in self.infinite:
+            every = Activity(frozenset(unit.typing.table), frozenset(unit.typing.table), ())
+            self.infinite[unit.title] = unbounded(unit.function, unit.typing, every, self.unbounded)
+        return self.infinite[unit.title]
 
     def _refuse(self, unit: Unit, found: Activity, mode: str) -> None:
         """Raises where a call asks for what a derivative of the user's own does not give."""
@@ -239,7 +255,7 @@ class Units(NormalForms):
         arguments = tuple(parameters[k] for k in pattern.arguments)
         written = {parameters[k] for k in unit.summary.written}
         of = tuple(p for p in arguments if p in written) + tuple(f"return {k}" for k in pattern.results)
-        return Wanted(arguments, of, mode == "tangent")
+        return Wanted(arguments, of, mode == "tangent", pattern.unbounded and unit.kernel.own is None)
 
 
 def is_active_statement(statement: AST, typing: Typing, found: Activity) -> bool:

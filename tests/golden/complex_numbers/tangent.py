@@ -16,10 +16,13 @@ def kernel_tangent(psi, psi_dot, v, v_dot, dt, dt_dot):
         "shapes differ: a length of 1 repeats only where it is "
         "written, as in x[:, None] or x[:1], or an argument's"
     )
+    slope = np.exp(-1j * dt * v)
     psi_dot[...] = (
-        np.exp(-1j * dt * v) * psi_dot - psi * np.where(
-            v * (1j * dt_dot) + 1j * dt * v_dot != 0.0,
-            np.exp(-1j * dt * v) * (v * (1j * dt_dot) + 1j * dt * v_dot), 0.0
+        np.where(slope != 0.0, slope * psi_dot, 0.0) - np.where(
+            psi != 0.0, psi * np.where(
+                v * (1j * dt_dot) + 1j * dt * v_dot != 0.0,
+                np.exp(-1j * dt * v) * (v * (1j * dt_dot) + 1j * dt * v_dot), 0.0
+            ), 0.0
         )
     )
     psi[...] = psi * np.exp(-1j * dt * v)
@@ -33,9 +36,11 @@ def kernel_tangent(psi, psi_dot, v, v_dot, dt, dt_dot):
     for i in range(psi.size):
         psi_here = psi[i]
         abs_value = abs(psi_here)
+        slope_2 = psi_here / (1.0 if abs_value == 0 else abs_value)
         total_dot += (
-            v[i] *
-            np.real(np.conj(psi_here) * psi_dot[i] / (1.0 if abs_value == 0 else abs_value)) +
-            abs_value * v_dot[i]
+            (
+                v[i] * (np.real(np.conj(slope_2) * psi_dot[i]) if slope_2 != 0.0 else 0.0)
+                if v[i] != 0.0 else 0.0
+            ) + abs_value * v_dot[i]
         )
     return (total_dot,)

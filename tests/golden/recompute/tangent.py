@@ -20,6 +20,11 @@ def kernel_tangent(y, y_dot, x, x_dot, scale, scale_dot):
     for i in range(n):
         last = n - 1 - i
         bent = np.sin(x[last]) * factor
-        bent_dot = factor * (np.cos(x[last]) * x_dot[last]) + np.sin(x[last]) * factor_dot
-        y_dot[i] = bent * bent_dot + bent * bent_dot
+        slope = np.sin(x[last])
+        bent_dot = (
+            factor * (np.cos(x[last]) * x_dot[last]) + (slope * factor_dot if slope != 0.0 else 0.0)
+        )
+        y_dot[i] = (
+            (bent * bent_dot if bent != 0.0 else 0.0) + (bent * bent_dot if bent != 0.0 else 0.0)
+        )
         y[i] = bent * bent

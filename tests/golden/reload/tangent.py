@@ -20,8 +20,9 @@ def kernel_tangent(a, a_dot):
             a_here = a[j, j]
             a_here_3_dot = a_dot[j, j]
             ratio = a[i, j] / a_here
+            slope = -ratio / a_here
             a_dot[i, j] = (
-                (a_here_2_dot / a_here if a_here_2_dot != 0.0 else 0.0) -
-                (ratio * a_here_3_dot / a_here if a_here_3_dot != 0.0 else 0.0)
+                (a_here_2_dot / a_here if a_here_2_dot != 0.0 else 0.0) +
+                ((slope * a_here_3_dot if a_here_3_dot != 0.0 else 0.0) if slope != 0.0 else 0.0)
             )
             a[i, j] = ratio

@@ -22,9 +22,12 @@ def polar_tangent(a, a_dot, b, b_dot):
 
 def kernel_tangent(x, x_dot):
     radius, angle, count, radius_dot, angle_dot = polar_tangent(x[0], x_dot[0], x[1], x_dot[1])
+    power = radius ** count
     return (
-        angle * (
-            (0.0 if count == 0 else count * radius ** (count - 1) * radius_dot) if radius_dot != 0.0
-            else 0.0
-        ) + radius ** count * angle_dot,
+        (
+            angle * (
+                (0.0 if count == 0 else count * radius ** (count - 1) * radius_dot)
+                if radius_dot != 0.0 else 0.0
+            ) if angle != 0.0 else 0.0
+        ) + (power * angle_dot if power != 0.0 else 0.0),
     )

@@ -15,5 +15,8 @@ def kernel_tangent(y, y_dot, x, x_dot):
         half = np.float32(0.5) * x[i]
         half_dot = np.float32(0.5) * x_dot[i]
         exp_value = np.exp(np.float64(half))
-        y_dot[i] = exp_value * half_dot + half * (exp_value * half_dot if half_dot != 0.0 else 0.0)
+        y_dot[i] = (
+            exp_value * half_dot +
+            (half * (exp_value * half_dot if half_dot != 0.0 else 0.0) if half != 0.0 else 0.0)
+        )
         y[i] = half * exp_value
