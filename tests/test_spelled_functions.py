@@ -134,3 +134,15 @@ def test_refused(kernel, function):
     with pytest.raises(s2sad.S2sadError) as caught:
         s2sad.gradient(kernel, wrt="a")(A, X, 2)
     assert caught.value.diagnostics[0].message == f"no derivative rule for numpy.{function}"
+
+
+def sizes_that_are_asked_for(a, x, n):
+    wave = np.empty((2, np.size(x, 1)))
+    wave[0, :] = x[0] * x[1] * np.size(x, axis=-1)
+    wave[1, :] = x[0] * np.size(x)
+    return np.sum(wave ** 2) * np.ndim(x) + np.sum(a) * np.size(a[0, 0, 0])
+
+
+@pytest.mark.parametrize("engine", ("numpy", "numba"))
+def test_sizes_that_are_asked_for(engine):
+    check_derivatives(sizes_that_are_asked_for, (A, X, 2), ("a", "x"), ("return",), engine)

@@ -10,6 +10,7 @@
     np.sum(a), np.std(a), np.linalg.norm(a)         a, a - a, abs(a), of a number
     np.prod(x, axis=(0, -1))                        np.prod(np.prod(x, axis=2), axis=0), where x has three axes
     np.zeros(x.shape[1:])                           np.zeros((x.shape[1], x.shape[2])), where x has three axes
+    np.size(x, 1), np.size(x), np.ndim(x)           x.shape[1], x.size, 2, where x has two axes
 
 Requires structured form and types; changes no type.
 """
@@ -55,6 +56,8 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
             return _sizes(node, typing)
         if call_name(node) == "numpy.reshape" and (made := _spread(node, typing)) is not None:
             return made
+        if call_name(node) in ("numpy.size", "numpy.ndim") and (made := _asked(node, typing)) is not None:
+            return rebuild(made, change)
         if isinstance(node, Call) and (rule := find_array(call_name(node))) is not None and (
                 len(node.args) == len(rule.operands) == 1) and (
                 reduced_number(rule.name, typing.of(node.args[0]), rule.arguments(node)) != UNKNOWN):
@@ -70,6 +73,23 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
     new = copy(function)
     new.body = [rebuild(statement, change) for statement in function.body]
     return new
+
+
+def _asked(node: Call, typing: Typing) -> AST | None:
+    """The size of an array, along an axis if one is given, or the number of its axes, which is 0 for a number."""
+    given = [*node.args, *(k.value for k in node.keywords if k.arg in ("a", "axis"))]
+    kind = typing.of(given[0]) if given else UNKNOWN
+    if len(given) != len(node.args) + len(node.keywords) or not (kind.is_array or kind.is_number):
+        return None
+    if call_name(node) == "numpy.ndim" and len(given) == 1:
+        return at(const(kind.rank), node)
+    if call_name(node) == "numpy.ndim" or kind.is_number or not isinstance(given[0], (Name, Subscript)):
+        return at(const(1), node) if kind.is_number and len(given) == 1 else None
+    axis = whole_number(given[1]) if len(given) == 2 else 0
+    if len(given) > 2 or axis is None or not -kind.rank <= axis < kind.rank:
+        return None
+    return at(attribute(given[0], "size") if len(given) == 1 else index(
+        attribute(given[0], "shape"), const(axis % kind.rank)), node)
 
 
 def _one_by_one(node: Call, typing: Typing) -> AST | None:
