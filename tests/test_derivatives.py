@@ -183,3 +183,13 @@ def test_differences_know_what_single_precision_within_does():
     subject = Subject(stairs, (np.array([0.7]),), ("u",), ("return",))
     found, error = differences(subject, np.array([1.0]))
     assert abs(found[0] - 1.4) < 10 * error[0] < 1e-2
+
+
+@pytest.mark.parametrize(("function", "slope"), [(lambda u: 1.4 * u[0], 1.4), (lambda u: u[0] + 1e3 * u[0] ** 3, 1.0),
+                                                 (lambda u: u[0] ** 3, 0.0)])
+def test_differences_hold_where_the_value_is_zero(function, slope):
+    """There is no rounding to measure."""
+    subject = Subject(function, (np.array([0.0]),), ("u",), ("return",))
+    found, error = differences(subject, np.array([0.97]))
+    assert abs(found[0] - 0.97 * slope) <= 10 * error[0] + 1e-14
+    assert error[0] < 1e-10

@@ -14,6 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 Line = Callable[[float], np.ndarray]
+_LEAST = 4 * np.finfo(float).eps        # what rounding does to a number at least, as a fraction of it
 _STEPS, _LEVELS = (1e-2, 2e-3, 3e-4, 4e-5), 5
 _APART, _EACH_SIDE, _ORDERS = 1e-7, 4, range(4, 7)     # where rounding is measured: so near that nothing else is seen
 
@@ -28,7 +29,7 @@ def differences(line: Line, wanted: float = 1e-9, noise: np.ndarray | None = Non
     True
     """
     centre, (down, up) = line(0.0), (line(-_APART), line(_APART))
-    noise = np.maximum(4 * np.finfo(float).eps * np.abs(centre), rounding(line) if noise is None else noise)
+    noise = np.maximum(_LEAST * np.abs(centre), rounding(line) if noise is None else noise)
     best, error = np.zeros(0), np.full(centre.shape, math.inf)
     for step in _STEPS:
         found, estimate = _tableau(line, centre, noise, step)
@@ -46,8 +47,8 @@ def _unless_narrower(best: np.ndarray, error: np.ndarray, noise: np.ndarray, dow
     if down.shape != best.shape or up.shape != best.shape:
         return np.full(best.shape, math.inf)
     with np.errstate(all="ignore"):
-        apart = np.abs(best - (up - down) / (2 * _APART))
-        return np.where(apart <= 10 * (error + noise / _APART), error, math.inf)
+        apart, scale = np.abs(best - (up - down) / (2 * _APART)), np.abs(best) + 1e-3 * np.abs(best).max(initial=0.0)
+        return np.where(apart <= 10 * (error + noise / _APART) + 1e-8 * scale + 1e-11, error, math.inf)
 
 
 def rounding(line: Line) -> np.ndarray:
@@ -83,7 +84,8 @@ def _tableau(line: Line, centre: np.ndarray, noise: np.ndarray, step: float) -> 
         for order in range(1, _LEVELS):
             new = [fine + (fine - coarse) / (4 ** order - 1) for coarse, fine in zip(rows, rows[1:])]
             for coarse, previous, fine, finest in zip(rows, rows[1:], new, steps[order:]):
-                found = np.maximum(np.abs(previous - fine), np.abs(coarse - fine)) + noise / finest
+                found = np.maximum(np.abs(previous - fine), np.abs(coarse - fine))
+                found += noise / finest + _LEAST * np.abs(fine)
                 best, error = np.where(found < error, fine, best), np.minimum(found, error)
             rows = new
         # at a kink the second difference over h stays; where the function is smooth it falls with h
