@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 import traceback
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import numpy as np
@@ -320,6 +321,20 @@ def _entry(path, data):
     finally:
         MachineCode._key = keep
     return found[0], data
+
+
+def test_a_numba_without_what_it_takes_keeps_nothing(location, monkeypatch):
+    pytest.importorskip("numba")
+    monkeypatch.delattr("numba.core.compiler.CompileResult._rebuild")
+    assert compiled_half()(3.0) == 1.5 and not files(location, "code")
+
+
+def test_one_entry_from_many_threads(location):
+    def turn(k):
+        return store.put("key", bytes([k]) * 5000) and store.get("key")
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(turn, range(64)))
+    assert all(len(f) == 5000 and len(set(f)) == 1 for f in found) and not files(location, "part")
 
 
 def test_functions_as_arguments_are_not_kept(location):
