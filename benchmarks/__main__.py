@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from benchmarks import (
-    accuracy, against_jax, arrays, arrays_against_jax, first_gradient, memory, overhead, ratios, returning,
+    accuracy, against_jax, arrays, arrays_against_jax, deriving, first_gradient, memory, overhead, ratios, returning,
 )
 from benchmarks.tables import Table, show
 
@@ -22,6 +22,7 @@ PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
     "overhead": (overhead.tables, "what a call costs over the bare compiled one"),
     "returning": (returning.tables, "functions that return arrays, called four times a step"),
     "first": (first_gradient.tables, "time to the first gradient, cold and warm cache"),
+    "deriving": (deriving.tables, "time to write an adjoint against the length of the kernel, with exponents"),
     "memory": (memory.tables, "peak memory against arrays, shadows and recorded values"),
     "accuracy": (accuracy.tables, "errors of gradients, and where rounding is hardest"),
 }

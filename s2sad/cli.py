@@ -16,6 +16,7 @@ from typing import Any
 
 from s2sad import __version__, pipeline, read
 from s2sad.binding import float_parameters
+from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, Report, S2sadError
 from s2sad.flattened.spelling import form_spelled, listed, named, spelled_out
 from s2sad.infer.assumed import Assumed, assumed
@@ -93,6 +94,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 1
 
 
+@deep_stack
 def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
     path, _, function = options.target.rpartition(":")
     if not path or not function.isidentifier():

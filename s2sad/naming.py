@@ -21,6 +21,7 @@ class Names:
         self.taken = set(taken)
         self.wanted: dict[str, str] = {}
         self.meant: dict[str, str] = {}
+        self._numbers: dict[str, int] = {}      # for each name that was wished for a number below which none is free
 
     def copy(self) -> Names:
         """The same names, for a function of which another version is made."""
@@ -30,20 +31,28 @@ class Names:
 
     def numbered(self, wanted: str) -> str:
         """A new name: the wanted one, else numbered from 2."""
-        candidate, number = wanted, 1
-        while candidate in self.taken:
+        return self.fresh(self._free(wanted))
+
+    def give_back(self, *names: str) -> None:
+        """Names that were made and are not used after all."""
+        self.taken -= {*names}
+        self._numbers.clear()
+
+    def _free(self, wanted: str) -> str:
+        """The wanted name, or the first of its numbered ones that is not taken."""
+        number = self._numbers.get(wanted, 1)
+        made = wanted if number == 1 else f"{wanted}_{number}"
+        while made in self.taken:
             number += 1
-            candidate = f"{wanted}_{number}"
-        return self.fresh(candidate)
+            made = f"{wanted}_{number}"
+        self._numbers[wanted] = number
+        return made
 
     def fresh(self, wanted: str) -> str:
         made = wanted
         while made in self.taken and made not in self.wanted or keyword.iskeyword(made) or hasattr(builtins, made):
             made += "_"
-        number, base = 1, made
-        while made in self.taken:
-            number += 1
-            made = f"{base}_{number}"
+        made = self._free(made)
         self.taken.add(made)
         self.wanted[made] = wanted
         return made

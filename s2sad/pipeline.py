@@ -15,6 +15,7 @@ from typing import Any
 
 from s2sad.analyze.liveness import base_name
 from s2sad.analyze.unshadowed import unshadowed
+from s2sad.deep_stack import deep_stack
 from s2sad.differentiate.derivative import Wanted
 from s2sad.simplify.taped import Taped, taped
 from s2sad.emit.asserted import asserted
@@ -50,6 +51,7 @@ Forms = dict[tuple[str, tuple[Type, ...]], tuple[Units, Unit]]
 """The normal forms of one program: its units and that of its entry, by engine and types."""
 
 
+@deep_stack
 def summary(program: Program, types: tuple[Type, ...], forms: Forms | None = None) -> Summary:
     """What the program's entry writes and returns for arguments of these types."""
     units, unit = entry(program, types, "numpy", forms=forms)
@@ -60,6 +62,7 @@ def summary(program: Program, types: tuple[Type, ...], forms: Forms | None = Non
                    tuple(parameters[k] for k in unit.contiguous))
 
 
+@deep_stack
 def derive(program: Program, request: Request, watch: Watch = unwatched, forms: Forms | None = None) -> Generated:
     """The generated module that a request asks for; raises S2sadError with everything that is refused.
 

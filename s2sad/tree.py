@@ -37,8 +37,8 @@ __all__ = [
     "arguments", "keyword", "add", "assign", "at", "attribute", "augment", "binary", "call", "call_name",
     "children", "comment", "compare", "const", "copy", "counted_for", "dump", "equal", "expr", "expression",
     "forget", "forgotten", "function", "index", "indices", "is_comment", "is_unset", "literal", "mult", "name",
-    "names", "negate", "parse", "rebuild", "rename", "statements", "stmt", "stored_names", "sub", "substitute",
-    "tuple_of", "unset", "walk", "written",
+    "names", "negate", "parse", "placed", "rebuild", "rename", "statements", "stmt", "stored_names", "sub",
+    "substitute", "tuple_of", "unset", "walk", "written",
 ]
 
 _LOAD, _STORE = Load(), Store()
@@ -193,14 +193,33 @@ def function(identifier: str, parameters: list[str], body: list[AST]) -> Functio
 
 
 _PLACE = ("lineno", "col_offset", "end_lineno", "end_col_offset")
+_BLOCKS = ("body", "orelse")
 
 
 def at(node: AST, origin: AST) -> AST:
-    """The node, with the place of the statement that it comes from (on itself and on what has none)."""
+    """The node, with the place of the statement that it comes from (on itself and on what has none); statements in a
+    block that have a place keep theirs, and what is in them."""
     place = {key: value for key in _PLACE if (value := origin.__dict__.get(key)) is not None}
-    for child in walk(node) if place else ():
-        if child.__dict__.get("lineno") is None and "lineno" in child._attributes:
-            child.__dict__.update(place)
+    stack = [node] if place else []
+    while stack:
+        current = stack.pop()
+        held = current.__dict__
+        if held.get("lineno") is None and "lineno" in current._attributes:
+            held.update(place)
+        for field in _below[type(current)]:
+            value = held.get(field)
+            if type(value) is list:
+                blocks = field in _BLOCKS
+                stack += [n for n in value if isinstance(n, AST) and not (
+                    blocks and n.__dict__.get("lineno") is not None)]
+            elif isinstance(value, AST):
+                stack.append(value)
+    return node
+
+
+def placed(node: AST, origin: AST) -> AST:
+    """The node, with the place of another; what is below it has its own."""
+    node.__dict__.update({key: value for key in _PLACE if (value := origin.__dict__.get(key)) is not None})
     return node
 
 

@@ -17,7 +17,7 @@ def trips(structure: Structure, loop: AST) -> AST | None:
     if not isinstance(loop, For) or any(type(n).__name__ == "Break" for n in walk(loop.body)):
         return None
     start, stop, step = range_parts(loop)
-    if step not in (1, -1) or loads_of(loop.iter, structure.typing):
+    if step not in (1, -1) or any(loads_of(loop.iter, structure.typing)):
         return None     # what an array holds may be other than when the loop around starts
     plain = isinstance(start, Constant) and start.value == 0 and step == 1
     return copy(stop) if plain and is_size(structure, stop) else call("builtins.len", copy(loop.iter))

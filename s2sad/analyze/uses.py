@@ -14,7 +14,8 @@ from s2sad.infer.infer import Typing
 from s2sad.rules.operation import operation
 from s2sad.rules.rule import RESULT, Rule
 from s2sad.tree import (
-    AST, Assign, AugAssign, BoolOp, Call, Compare, Constant, IfExp, Name, Subscript, call_name, indices, walk,
+    AST, Assign, Attribute, AugAssign, BoolOp, Call, Compare, Constant, IfExp, Name, Subscript, call_name, children,
+    indices, walk,
 )
 
 
@@ -41,22 +42,19 @@ class Uses:
                 self.value(subscript, typing)
 
 
-def loads_of(node: AST, typing: Typing) -> list[AST]:
+def loads_of(node: AST, typing: Typing) -> Iterator[AST]:
     """The array references that an expression reads: elements, rows and whole arrays, those in subscripts too."""
-    if isinstance(node, Subscript) and isinstance(node.value, Name) and typing.of(node.value).is_array:
-        inner = [part for s in indices(node) for part in loads_of(s, typing)]
-        return [node, *inner]
-    if isinstance(node, Name):
-        return [node] if typing.of(node).is_array else []
-    if type(node).__name__ == "Attribute" or call_name(node) == "builtins.len":
-        return []
-    found: list[AST] = []
-    for name in node._fields:
-        value = getattr(node, name, None)
-        for child in value if isinstance(value, list) else [value]:
-            if isinstance(child, AST):
-                found += loads_of(child, typing)
-    return found
+    stack = [node]
+    while stack:
+        part = stack.pop()
+        if isinstance(part, Subscript) and isinstance(part.value, Name) and typing.of(part.value).is_array:
+            yield part
+            stack += reversed(indices(part))
+        elif isinstance(part, Name):
+            if typing.of(part).is_array:
+                yield part
+        elif not isinstance(part, Attribute) and call_name(part) != "builtins.len":
+            stack += reversed(children(part))
 
 
 def sources(node: AST, typing: Typing) -> Iterator[str]:
@@ -85,22 +83,38 @@ def sources(node: AST, typing: Typing) -> Iterator[str]:
             yield from sources(argument, typing)
 
 
+class Flow:
+    """Through which expressions of a function a derivative flows; each is looked at once."""
+
+    def __init__(self, typing: Typing, active: frozenset[str] | set[str]):
+        self.typing, self.active = typing, active
+        self._known: dict[AST, bool] = {}       # by identity
+
+    def through(self, node: AST) -> bool:
+        if isinstance(node, Name):
+            return node.id in self.active and self.typing.of(node).is_inexact
+        if isinstance(node, Subscript):
+            return base_name(node) in self.active and self.typing.of(node).is_inexact
+        if node not in self._known:
+            self._known[node] = self._through(node)
+        return self._known[node]
+
+    def _through(self, node: AST) -> bool:
+        found = operated(node, self.typing)
+        if found:
+            rule, operands = found
+            return any(self.through(o) for p, o in operands.items() if p not in rule.zero)
+        rule = rules.find_array(call_name(node))
+        if rule is None:
+            lost = isinstance(node, (Call, IfExp, BoolOp)) and not self.active.isdisjoint(sources(node, self.typing))
+            assert not lost, f"no derivative was asked for of {call_name(node) or 'a choice'}"   # never a silent zero
+            return False
+        return any(self.through(o) for p, o in zip(rule.operands, node.args) if p in rule.adjoints)
+
+
 def is_active(node: AST, typing: Typing, active: frozenset[str] | set[str]) -> bool:
     """Whether a derivative flows through an expression."""
-    if isinstance(node, Name):
-        return node.id in active and typing.of(node).is_inexact
-    if isinstance(node, Subscript):
-        return base_name(node) in active and typing.of(node).is_inexact
-    found = operated(node, typing)
-    if found:
-        rule, operands = found
-        return any(is_active(o, typing, active) for p, o in operands.items() if p not in rule.zero)
-    rule = rules.find_array(call_name(node))
-    if rule is None:
-        lost = isinstance(node, (Call, IfExp, BoolOp)) and not active.isdisjoint(sources(node, typing))
-        assert not lost, f"no derivative was asked for of {call_name(node) or 'a choice'}"   # never a silent zero
-        return False
-    return any(is_active(o, typing, active) for p, o in zip(rule.operands, node.args) if p in rule.adjoints)
+    return Flow(typing, active).through(node)
 
 
 def operated(node: AST, typing: Typing) -> tuple[Rule, dict[str, AST]] | None:
@@ -129,41 +143,43 @@ def uses(statement: AST, typing: Typing, active: frozenset[str],
     if base_name(target) not in active or not typing.of(target).is_inexact:
         return found
     found.place(target, typing)
-    _pull(statement.value, target if isinstance(target, Name) or owns_result(statement) else None, typing, active,
-          found)
+    _pull(statement.value, target if isinstance(target, Name) or owns_result(statement) else None,
+          Flow(typing, active), found)
     return found
 
 
-def _pull(node: AST, result: AST | None, typing: Typing, active: frozenset[str], found: Uses) -> None:
-    if isinstance(node, (Name, Constant)) or not is_active(node, typing, active):
+def _pull(node: AST, result: AST | None, flow: Flow, found: Uses) -> None:
+    typing = flow.typing
+    if isinstance(node, (Name, Constant)) or not flow.through(node):
         return
     if isinstance(node, Subscript):
         found.place(node, typing)
         return
     if rules.find_array(call_name(node)) is not None:
-        _pull_function(node, result, typing, active, found)
+        _pull_function(node, result, flow, found)
         return
     found_rule = operated(node, typing)
     assert found_rule is not None
     rule, operands = found_rule
     for parameter, operand in operands.items():
-        if parameter in rule.zero or not is_active(operand, typing, active):
+        if parameter in rule.zero or not flow.through(operand):
             continue
         for free in sorted(rule.uses(parameter, operands)):
             if free != RESULT:
                 found.value(operands[free], typing)
             else:
                 found.value(node if result is None else result, typing)
-        _pull(operand, None, typing, active, found)
+        _pull(operand, None, flow, found)
 
 
-def _pull_function(node: AST, result: AST | None, typing: Typing, active: frozenset[str], found: Uses) -> None:
+def _pull_function(node: AST, result: AST | None, flow: Flow, found: Uses) -> None:
+    typing = flow.typing
     rule = rules.find_array(call_name(node))
     assert rule is not None and isinstance(node, Call)
     arguments, ranks = rule.arguments(node), tuple(typing.of(a).rank for a in node.args)
     for parameter in rule.adjoints:
         operand = arguments[parameter]
-        if is_active(operand, typing, active):
+        if flow.through(operand):
             for free in sorted(rule.uses(parameter, ranks)):
                 found.value((node if result is None else result) if free == RESULT else arguments[free], typing)
-            _pull(operand, None, typing, active, found)
+            _pull(operand, None, flow, found)

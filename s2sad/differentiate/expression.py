@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from s2sad import rules
-from s2sad.analyze.uses import is_active, operated
+from s2sad.analyze.uses import Flow, operated
 from s2sad.differentiate.arithmetic import Term, is_plain, picked, scalar_choices, total, unsigned
 from s2sad.differentiate.vanishing import Vanishing
 from s2sad.infer.infer import Typing
@@ -32,6 +32,7 @@ class Gains:
     """What the leaves of an expression gain: `before`, the bindings of shared seeds; then leaf and term, in order."""
     before: list[AST] = field(default_factory=list)
     terms: dict[str, tuple[AST, list[Term]]] = field(default_factory=dict)
+    held: dict[str, str] = field(default_factory=dict)      # the names of shared seeds, by what these are
 
     def add(self, leaf: AST, term: Term) -> None:
         self.terms.setdefault(dump(leaf), (leaf, []))[1].append(term)
@@ -57,8 +58,10 @@ class Pullback:
 
     def __init__(self, typing: Typing, active: frozenset[str], free: Names, bind: Callable[[str, AST], str],
                  shapes: Shapes, vanishing: Vanishing):
-        self.typing, self.active, self.free, self.bind, self.shapes = typing, active, free, bind, shapes
+        self.typing, self.free, self.bind, self.shapes = typing, free, bind, shapes
         self.vanishing = vanishing
+        self.flow = Flow(typing, active)
+        self._leaves: dict[AST, int] = {}       # by identity
 
     def gains(self, node: AST, seed: Term, result: AST | None = None, region: AST | None = None) -> Gains:
         """The gains of an expression's leaves; `result` is where the expression's value lies, `region` the array
@@ -68,7 +71,7 @@ class Pullback:
         return found
 
     def pull(self, node: AST, seed: Term, result: AST | None, region: AST | None, found: Gains) -> None:
-        if not is_active(node, self.typing, self.active):
+        if not self.flow.through(node):
             return
         seed = self.real(node, seed)
         if isinstance(node, (Name, Subscript)):
@@ -80,8 +83,8 @@ class Pullback:
         operation = operated(node, self.typing)
         assert operation is not None
         rule, operands = operation
-        flowing = [p for p, o in operands.items() if p not in rule.zero and is_active(o, self.typing, self.active)]
-        partials = {p: rule.partial(p, operands, copy(node) if result is None else result) for p in flowing}
+        flowing = [p for p, o in operands.items() if p not in rule.zero and self.flow.through(o)]
+        partials = {p: rule.partial(p, operands, node if result is None else result) for p in flowing}
         asked = {p for p in flowing if self.vanishing.of_seed(rule, p, operands)}
         if len(flowing) > 1 or asked:
             seed = self.shared(node, seed, found, len(flowing) > 1)
@@ -120,7 +123,7 @@ class Pullback:
             operand = node.args[0]
             self.pull(operand, self.shared(operand, seed, found), None, operand, found)
             return
-        flowing = [p for p in rule.adjoints if is_active(arguments[p], self.typing, self.active)]
+        flowing = [p for p in rule.adjoints if self.flow.through(arguments[p])]
         seed = self.shared(node, seed, found, len(flowing) > 1 or any(
             names(rule.adjoint(p, ranks)).count(SEED) != 1 for p in flowing))
         filled = {**arguments, RESULT: copy(node) if result is None else result}
@@ -131,6 +134,7 @@ class Pullback:
         for wanted in dict.fromkeys(s for p in flowing for s in rule.needs(p, ranks)):
             value = substitute(rule.shared[wanted], filled)
             held = self.bind(wanted, value)
+            found.held.setdefault(dump(value), held)
             found.before.append(assign(held, value))
             filled[wanted] = name(held)
         for parameter in flowing:
@@ -156,7 +160,12 @@ class Pullback:
 
     def leaves(self, node: AST) -> int:
         """How often a derivative leaves an expression, up to two."""
-        if not is_active(node, self.typing, self.active):
+        if node not in self._leaves:
+            self._leaves[node] = self._counted(node)
+        return self._leaves[node]
+
+    def _counted(self, node: AST) -> int:
+        if not self.flow.through(node):
             return 0
         operation = operated(node, self.typing)
         if operation is None or isinstance(node, (Name, Subscript)):
@@ -167,11 +176,11 @@ class Pullback:
         """The seed as something that can be written more than once."""
         if is_plain(seed.tree) or not several and isinstance(seed.tree, (Name, Subscript)):
             return seed
-        known = next((s for s in found.before if dump(s.value) == dump(seed.tree)), None)
-        if known is not None:
-            return Term(name(known.targets[0].id), seed.negative)
-        held = self.bind("seed", seed.tree)
-        found.before.append(assign(held, seed.tree))
+        spelled = dump(seed.tree)
+        held = found.held.get(spelled)
+        if held is None:
+            held = found.held[spelled] = self.bind("seed", seed.tree)
+            found.before.append(assign(held, seed.tree))
         return Term(name(held), seed.negative)
 
     def narrowed(self, leaf: AST, seed: Term, region: AST | None) -> Term:
@@ -234,12 +243,12 @@ class Pushforward:
 
     def __init__(self, typing: Typing, active: frozenset[str], dot: Callable[[AST], AST], shapes: Shapes,
                  vanishing: Vanishing, held: Callable[[AST], AST]):
-        self.typing, self.active, self.dot, self.shapes = typing, active, dot, shapes
+        self.typing, self.dot, self.shapes, self.flow = typing, dot, shapes, Flow(typing, active)
         self.vanishing, self.held = vanishing, held
 
     def tangent(self, node: AST, result: AST | None = None) -> Term | None:
         """The tangent of an expression, None if it is zero."""
-        if not is_active(node, self.typing, self.active):
+        if not self.flow.through(node):
             return None
         if isinstance(node, (Name, Subscript)):
             return Term(self.dot(node))
@@ -253,7 +262,7 @@ class Pushforward:
             inner = None if parameter in rule.zero else self.tangent(operand)
             if inner is None:
                 continue
-            partial = rule.partial(parameter, operands, copy(node) if result is None else result)
+            partial = rule.partial(parameter, operands, node if result is None else result)
             whole = self.typing.of(node).is_array
             partial = partial if whole else scalar_choices(partial)
             asked = self.vanishing.of_partial(operand, inner, partial)

@@ -20,7 +20,7 @@ from s2sad.emit.whose import CHOICES, CONVERT, FLOAT, INT, NARROW, OF_MATH, Whos
 from s2sad.infer.types import Type
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Expr, FunctionDef, IfExp, Name, Subscript,
-    UnaryOp, USub, assign, at, call, call_name, function, is_comment, name, rebuild, walk,
+    UnaryOp, USub, assign, at, call, call_name, function, is_comment, name, placed, rebuild, walk,
 )
 
 Types = Mapping[str, Mapping[str, Type]]
@@ -162,14 +162,14 @@ class _Unraised:
             left = call("builtins.int", left)
         if self.whose.raises(node) and self.whose.is_complex(node):
             made = call("numpy.divide" if isinstance(node.op, Div) else "numpy.power", left, right)
-            return at(made, node) if getattr(node, "lineno", None) else made
+            return placed(made, node)
         if self.whose.raises(node):
             if isinstance(node.op, Div):
                 right = call(CONVERT, right)
             else:
                 left = call(CONVERT, left)
         made = BinOp(left, node.op, right)
-        return at(made, node) if getattr(node, "lineno", None) else made
+        return placed(made, node)
 
     def was_bool(self, node: AST) -> bool:
         """Whether a conversion has made a bool NumPy's, whose arithmetic is another one."""

@@ -63,6 +63,7 @@ class Whose:
             self._bind(statement)
         self.converted: set[str] = set()
         self.kinds: dict[str, int] = {}
+        self._known: dict[AST, int] = {}        # the kinds of expressions, by identity
         self.find()
 
     def _bind(self, statement: AST) -> None:
@@ -93,6 +94,7 @@ class Whose:
 
     def find(self) -> None:
         """The kinds of the names, from the least."""
+        self._known = {}
         self.kinds = {p: self.of_parameter(p) for p in self.parameters}
         for loop in (s for s in walk(self.tree.body) if isinstance(s, For)):
             kind = INT if call_name(loop.iter) == "builtins.range" else FLOAT
@@ -104,7 +106,7 @@ class Whose:
                 for value in values:
                     kind = self.of_binding(key, value)
                     if kind > self.kinds.get(key, -1):
-                        self.kinds[key], changed = kind, True
+                        self.kinds[key], changed, self._known = kind, True, {}
 
     def of_parameter(self, parameter: str) -> int:
         kind = self.types.get(parameter)
@@ -134,6 +136,11 @@ class Whose:
                 FLOAT if isinstance(node.value, (float, complex)) else INT)
         if isinstance(node, Name):
             return self.of_name(node.id)
+        if node not in self._known:
+            self._known[node] = self._kind(node)
+        return self._known[node]
+
+    def _kind(self, node: AST) -> int:
         if isinstance(node, Subscript):
             if not isinstance(node.value, Name):
                 return INT  # x.shape[0]

@@ -30,29 +30,50 @@ def infer(function: FunctionDef, parameters: Mapping[str, Type], call_types: Cal
           wider: bool = False) -> dict[str, Type]:
     """The type of every name; what contradicts itself goes into the report, its name into `confused`. A name of arrays
     of several floats is of the `wider` one if that is asked for."""
-    table = dict(parameters)
-    typing = Typing(table, call_types, report, constants or {})
+    typing = Typing(parameters, call_types, report, constants or {})
     typing.wider = wider
     for _ in range(20):
-        before = dict(table)
+        before = dict(typing.table)
         _block(function.body, typing)
-        if table == before:
+        if typing.table == before:
             break
     typing.final = True
     _block(function.body, typing)
     if confused is not None:
         confused |= typing.confused
-    return table
+    return typing.table
+
+
+class Table(dict[str, Type]):
+    """The types of names; `changes` counts how often a name that had a type was given another one."""
+    changes = 0
+
+    def __setitem__(self, name: str, kind: Type) -> None:
+        self.changes += self.get(name, kind) != kind
+        super().__setitem__(name, kind)
+
+    def update(self, other: Mapping[str, Type]) -> None:
+        for name, kind in other.items():
+            self[name] = kind
+
+    def __reduce__(self) -> tuple[type[Table], tuple[dict[str, Type]]]:
+        return Table, (dict(self),)
 
 
 class Typing(TypesOfCalls):
-    """The types of expressions, given a table of the types of names."""
+    """The types of expressions, given a table of the types of names.
 
-    def __init__(self, table: dict[str, Type], call_types: CallTypes, report: Report,
+    The type of each expression is found once, and found again where a name is given another type. Expressions of
+    unknown types are not remembered: what is wrong with them is said whenever they are asked for.
+    """
+
+    def __init__(self, table: Mapping[str, Type], call_types: CallTypes, report: Report,
                  constants: Mapping[str, object]):
-        self.table, self.call_types, self.report, self.constants = table, call_types, report, constants
+        self.call_types, self.report, self.constants = call_types, report, constants
         self.ones = {n: t.ones for n, t in table.items() if t.ones}
-        self.table.update({n: t.plain for n, t in table.items() if t.ones})
+        self.table = Table({n: t.plain for n, t in table.items()})
+        self._known: dict[AST, Type] = {}       # by identity
+        self._changes, self._unknown = 0, 0     # those of the table that `_known` has seen, how many were unknown
         self.final = False
         self.runs_once: Callable[[Call], bool] = lambda call: False  # whether a kernel's call is not to be run again
         self.listed: set[str] = set()   # the arrays in place of lists
@@ -98,8 +119,17 @@ class Typing(TypesOfCalls):
         self.table[identifier] = joined
 
     def of(self, node: AST) -> Type:
+        if self._changes != self.table.changes:
+            self._known, self._changes = {}, self.table.changes
+        known = self._known.get(node)
+        if known is not None:
+            return known
         method = getattr(self, "_" + type(node).__name__, None)
-        return UNKNOWN if method is None else method(node)
+        unknown, found = self._unknown, UNKNOWN if method is None else method(node)
+        self._unknown += found is UNKNOWN or found == UNKNOWN
+        if unknown == self._unknown and not isinstance(node, (Name, Constant)):
+            self._known[node] = found
+        return found
 
     def _Name(self, node: Name) -> Type:
         room, _, rest = node.id.partition(".")

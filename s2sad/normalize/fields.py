@@ -15,6 +15,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
+from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Report, S2sadError
 from s2sad.infer.types import FLOAT, UNKNOWN, Type
 from s2sad.naming import Names
@@ -70,6 +71,7 @@ def has_sparse(program: Program) -> bool:
                for n in walk(k.tree.body))
 
 
+@deep_stack
 def fields(program: Program, forms: tuple[Form, ...]) -> Flat:
     """The flat program for arguments of these forms; raises S2sadError with what cannot be taken apart."""
     cells: frozenset[str] = frozenset()

@@ -60,7 +60,8 @@ def items_of(node: AST, kind: type, copied: bool = False) -> list[AST] | None:
     if isinstance(node, kind):
         return node.elts
     if isinstance(node, BinOp) and isinstance(node.op, Add):
-        left, right = items_of(node.left, kind, copied), items_of(node.right, kind, copied)
+        right = items_of(node.right, kind, copied)      # of a sum of numbers the short side
+        left = None if right is None else items_of(node.left, kind, copied)
         return None if left is None or right is None else [*left, *right]
     if isinstance(node, BinOp) and isinstance(node.op, Mult) and isinstance(node.right, Constant) and _count(
             node) <= _MOST:

@@ -313,13 +313,13 @@ def _scalar_call(node: Call) -> AST | None:
             return rebuild(at(reduce(_added, several.elts, first), node), _plain)
         total = _of_items(at(Call(node.func, [several], []), node))
         return at(_added(rebuild(first, _plain), total), node)
-    args = [rebuild(a, _plain) for a in node.args]
-    if function in _PAIRED and len(args) > 2:
-        return at(reduce(lambda a, b: call(function, a, b), args), node)
-    if function == "math.log" and len(args) == 2:
-        return at(BinOp(call(function, args[0]), Div(), call(function, args[1])), node)
-    if function == "math.prod" and len(args) == 1 and isinstance(args[0], (Tuple, List)):
-        items = args[0].elts
+    if function in _PAIRED and len(node.args) > 2:
+        return at(reduce(lambda a, b: call(function, a, b), [rebuild(a, _plain) for a in node.args]), node)
+    if function == "math.log" and len(node.args) == 2:
+        number, base = (call(function, rebuild(a, _plain)) for a in node.args)
+        return at(BinOp(number, Div(), base), node)
+    if function == "math.prod" and len(node.args) == 1 and isinstance(node.args[0], (Tuple, List)):
+        items = [rebuild(a, _plain) for a in node.args[0].elts]
         if not any(isinstance(item, Starred) for item in items):
             return at(reduce(mult, items if len(items) > 1 else [const(1), *items]), node)
     return None

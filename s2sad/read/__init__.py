@@ -18,6 +18,7 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
+from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.guards import Guards, Path, reached, recording
 from s2sad.program import Program
@@ -31,6 +32,7 @@ from s2sad.registry import GIVEN
 __all__ = ["functions", "load", "load_file", "python_function"]
 
 
+@deep_stack
 def load(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path] = ()) -> Program:
     """The program of a live function: a plain one, a differentiated one or a Numba dispatcher; `methods` are functions
     of classes that it calls through its arguments. Numbers from outside at the paths in `varying` are arguments.
@@ -54,6 +56,7 @@ def _live(function: Any) -> Function:
     return Function(name_of(function), ("live", id(function)), "", function)
 
 
+@deep_stack
 def load_file(path: str | os.PathLike[str], function: str) -> Program:
     """The program of a function in a file, which is read and not run.
 

@@ -19,6 +19,7 @@
     a, *_ = f(x)                    a = f(x)[0]
     g(x) if c else h(x)             if c: g(x) else: h(x)       a statement that only calls
     t @= r                          t[...] = t @ r                      (multiplied)
+    if k == 0: ... elif ...         branch = 0 ... if branch < 16: ...  (long_chains)
     a.shape = (n, n)                a = a.reshape((n, n))               where `a` is the only name (reshaped)
 
 The text of an error is none that a derivative computes: it shows what stands between the braces. What NumPy warns of
@@ -28,6 +29,7 @@ for the fence to refuse, as are strings in any other place.
 """
 from __future__ import annotations
 
+from s2sad.read.long_chains import long_chains
 from s2sad.read.multiplied import multiplied
 from s2sad.read.ranges import ranged, unnamed
 from s2sad.read.turns import turns
@@ -45,7 +47,7 @@ _LAZY = ("Lambda", "ListComp", "GeneratorExp", "SetComp", "DictComp")   # run la
 
 def plain(function: FunctionDef) -> FunctionDef:
     """The function with such spellings in their plain form."""
-    new = turns(unnamed(copy(function)))
+    new = turns(unnamed(long_chains(copy(function))))
     read = {n.id for n in walk(function.body) if isinstance(n, Name) and not isinstance(n.ctx, Store)}
 
     bound = {n.id for n in walk(function) if isinstance(n, Name) and not isinstance(n.ctx, Load)}

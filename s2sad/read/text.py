@@ -8,6 +8,7 @@ import tokenize
 import warnings
 
 from s2sad import tree
+from s2sad.deep_stack import on_deep_stack
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 
 _COOKIE = re.compile(rb"(?:[^\r\n]*\r?\n)??[^\r\n#]*#[^\r\n]*?coding[:=][ \t]*([-\w.]+)")
@@ -73,6 +74,10 @@ def parsed(source: Source, text: str) -> tree.Module:
         end = error.end_offset - 1 if error.end_offset and error.end_lineno == line else column + 1
         place = Span(source, line, column, line, max(end, column + 1))
         raise S2sadError(Diagnostic("S102", f"not Python: {error.msg}", place, help=_SYNTAX_HELP)) from None
-    except (ValueError, RecursionError, MemoryError):
+    except RecursionError:
+        if not on_deep_stack():
+            raise
+        raise S2sadError(Diagnostic("S102", f"{source.path}: nesting too deep", help=_SYNTAX_HELP)) from None
+    except (ValueError, MemoryError):
         raise S2sadError(Diagnostic("S102", f"{source.path}: not Python: a null byte, or nesting too deep",
                                     help=_SYNTAX_HELP)) from None

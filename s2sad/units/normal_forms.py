@@ -33,6 +33,7 @@ from s2sad.normalize.parts import parts
 from s2sad.normalize.rename import rename
 from s2sad.normalize.listed_rows import listed_rows
 from s2sad.normalize.lives import lives
+from s2sad.normalize.long_products import long_products
 from s2sad.normalize.one_name import one_name
 from s2sad.normalize.settled import unsettled
 from s2sad.normalize.sharing import shared, specialised
@@ -110,6 +111,7 @@ class NormalForms(Calls):
         self.watch("atoms", tree)
         known(tree, typing, report)
         report.finish()
+        typing = self.apart(typing)     # without what it remembers of trees that are gone
         typing.runs_once = self.runs_once
         once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
         return Unit(kernel, title, types, tree, typing, dict(renamed.family), names, lowered, structure(tree, typing),
@@ -131,14 +133,14 @@ class NormalForms(Calls):
         report.finish()
         tree, table = self._widened(tree, given, report, names)
         typing = Typing({**table, **given}, self.call_types, first := Report(source), values)
-        tree = told(tree, typing)
+        tree = long_products(told(tree, typing), typing, names)
         Operands(tree, typing, first).everywhere(tree.body)
         first.finish()
         complexes(tree, typing, first)      # these say more than that a type cannot be inferred
         of_its_own(kernel, types, first)
         first.finish()
         report.finish()
-        typing = Typing({**table, **given}, self.call_types, report, values)
+        typing = Typing({**typing.table, **given}, self.call_types, report, values)
         typing.final = True
         return kernel, tree, typing
 
