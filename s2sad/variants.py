@@ -194,7 +194,8 @@ class State:
     def serves(self, program: Program) -> bool:
         """Whether what was derived here holds for another reading of the same function."""
         if self._program is not None:
-            return self.unchanged() and compiler().same_program(self._program, program)
+            return (self.given == compiler().given_of(program) and self.unchanged()
+                    and compiler().same_program(self._program, program))
         if artifacts.address(program.guards, self.function, (), self.kernel) != self.reading.address:
             return False
         self._program = program
