@@ -49,7 +49,7 @@ PAGE = {
         x * y; z.put([0, 2], x[1]); z
         m * 1.0; z.flat[5] = x[1]; z
         x * y; np.putmask(z, x > 0.5, x[1]); z
-        x * y; np.place(z, x > 0.5, x[1]); z
+        x * y; np.place(z, x > 0.5, [x[1]]); z
         x * y; np.add.at(z, p, x); z
         x * y; np.subtract.at(z, p, x); z
         x * y; np.multiply.at(z, p, x); z
