@@ -8,6 +8,7 @@ import os
 import sys
 import warnings
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any
 
 HOME = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
@@ -154,6 +155,12 @@ def warn(message: object) -> None:
     while frame.f_back is not None and frame.f_code.co_filename.startswith(HOME):
         depth, frame = depth + 1, frame.f_back
     warnings.warn(str(message), S2sadWarning, stacklevel=depth)
+
+
+@cache
+def warn_once(message: str) -> None:
+    """Warns of what stays as it is, for the first time."""
+    warn(message)
 
 
 @dataclass

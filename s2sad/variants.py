@@ -23,9 +23,10 @@ from s2sad.guards import Guards, Path, current, recording
 from s2sad.infer.types import Type
 from s2sad.unwrap import by_position, python_function
 from s2sad.program import Program, Request
+from s2sad.progress import Working
 from s2sad.registry import GIVEN, Given
 from s2sad.results import Summary
-from s2sad.run.compiled import chosen, compiled, prepare, quiet
+from s2sad.run.compiled import chosen, compiled, interpreting, prepare, quiet
 from s2sad.run.failures import CAUGHT
 from s2sad.run.load import owned
 from s2sad.run.overlap import Check, Slot
@@ -205,7 +206,8 @@ class State:
         """What the pipeline says of the kernel's writes and results for these types."""
         found = self._summaries.get(types) or artifacts.summary_of(self.reading.address, types)
         if found is None:
-            found = compiler().summary(self.program, types, self._forms)
+            with Working(f"reading '{self.kernel.name}'"):
+                found = compiler().summary(self.program, types, self._forms)
             artifacts.keep_summary(self.reading.address, types, found)
         if types not in self._summaries:
             self._summaries[types] = found
@@ -227,6 +229,8 @@ class State:
 
     def variant(self, request: Request, engine: str) -> Variant:
         """The generated function for a request, made once; `engine` may be "auto"."""
+        if engine == "auto":
+            interpreting()
         engine = chosen(engine)
         key = (request, engine)
         if engine == "numba":
@@ -237,7 +241,8 @@ class State:
                                   request.with_primal)
                 generated = artifacts.generated_for(self.reading.address, request)
                 if generated is None:
-                    generated = compiler().derived(self.program, request, self._forms)
+                    with Working(f"deriving the {request.mode} of '{self.kernel.name}'"):
+                        generated = compiler().derived(self.program, request, self._forms)
                     artifacts.keep_generated(self.reading.address, request, generated)
                 self._variants[key] = Variant(generated, engine, self.summary(request.types), self.kernel.name,
                                                self.given)

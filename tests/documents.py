@@ -27,8 +27,8 @@ import s2sad
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCUMENTS = ("README.md", *(f"docs/{name}.md" for name in (
-    "use", "own-derivatives", "functions", "design", "how-it-works", "writing-a-pass", "writing-a-rule", "limits",
-    "changelog")))
+    "use", "processes", "own-derivatives", "functions", "design", "how-it-works", "writing-a-pass", "writing-a-rule",
+    "limits", "changelog")))
 BLOCK = re.compile(r"(?:^<!-- (?P<say>[^\n]*) -->\n)?^```(?P<language>\w*)\n(?P<text>.*?)^```$", re.M | re.S)
 
 
@@ -88,7 +88,7 @@ def environment() -> dict[str, str]:
     """The environment for a process of its own: it finds the s2sad that is tested here, and prints 100 columns wide."""
     home = str(Path(s2sad.__file__).resolve().parent.parent)
     return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [home, os.environ.get("PYTHONPATH")])),
-            "COLUMNS": "100", "PYTHONIOENCODING": "utf-8"}
+            "COLUMNS": "100", "PYTHONIOENCODING": "utf-8", "S2SAD_VERBOSE": "0"}
 
 
 @contextlib.contextmanager

@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.diagnostics import Report, S2sadError, Source, Span
+from s2sad.diagnostics import Diagnostic, Report, S2sadError, Source, Span, warn_once
 from s2sad.program import Kernel, Program
 from s2sad.read import fence, shared_lists
 from s2sad.read.defined import defined
 from s2sad.read.handed import by_default, definition, handed
+from s2sad.read.ignored import ignored
 from s2sad.read.imports import imports
 from s2sad.read.live import live_meaning
 from s2sad.read.meaning import AST, Array, Captured, Function, NotConstant, Number, Record
@@ -45,6 +46,7 @@ class Linker:
         self.outside: dict[Hashable, tuple[str, Function | Number | Array | Record]] = {}
         self.found: dict[str, _Found] = {}  # callees first
         self.reports: list[Report] = []
+        self.ignored: list[Diagnostic] = []
 
     def program(self, entry: Function, methods: tuple[Function, ...] = ()) -> Program:
         """The program, with kernels for the given methods."""
@@ -56,6 +58,8 @@ class Linker:
         wrong = [d for report in self.reports for d in sorted(report.found, key=_position)]
         if wrong:
             raise S2sadError(*wrong)
+        for diagnostic in self.ignored:
+            warn_once(str(diagnostic))
         names = self._names()
         kernels = {}
         for key, found in self.found.items():
@@ -100,6 +104,7 @@ class Linker:
             if fence.opaque(captured.tree) and not isinstance(captured.tree, tree.FunctionDef):
                 return
             resolved = resolve(captured, report, self.identify)
+        self.ignored += ignored(captured.tree, captured.source)
         defaults = _defaults(captured, report)
         callers = [*callers, function]
         for callee, node in resolved.calls:

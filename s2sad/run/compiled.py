@@ -12,6 +12,7 @@ import importlib
 import importlib.util
 import os
 import platform
+import threading
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
@@ -21,7 +22,8 @@ from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
 
-from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.diagnostics import Diagnostic, S2sadError, warn_once
+from s2sad.progress import Working
 from s2sad.run.interrupts import interruptible
 from s2sad.run.interpreter import DTYPES, interpreted
 from s2sad.run.load import load
@@ -118,12 +120,44 @@ def prepare(dispatcher: Any, args: Sequence[Any], what: str) -> None:
     numba_errors = importlib.import_module("numba.core.errors")
     signature = tuple(map(dispatcher.typeof_pyval, args))
     try:
-        with interruptible():
+        with _told(dispatcher, what), interruptible():
             dispatcher.compile(signature)
     except numba_errors.NumbaError as error:
         reason = str(error).strip()
         raise S2sadError(Diagnostic("S901", f"internal error: Numba cannot compile {what}", note=reason,
                                     help='engine="numpy" runs the same text without Numba')) from error
+
+
+@contextmanager
+def _told(dispatcher: Any, what: str) -> Iterator[None]:
+    """Tells of each function that is compiled on the way to one."""
+    event = importlib.import_module("numba.core.event")
+    functions = {f for f in dispatcher.py_func.__globals__.values() if hasattr(f, "typeof_pyval")}
+    with Working(f"compiling {what}", of=len(functions)) as work:
+        left, thread = set(functions), threading.get_ident()
+
+        class Each(event.Listener):
+            def on_start(self, event: Any) -> None:
+                begun = event.data["dispatcher"]
+                if begun in left and threading.get_ident() == thread:
+                    left.remove(begun)
+                    work.step(begun.py_func.__name__)
+
+            def on_end(self, event: Any) -> None:
+                pass
+
+        with event.install_listener("numba:compile", Each()):
+            yield
+
+
+_INTERPRETS = ('Numba is not installed, so engine="auto" runs derivatives in the interpreter, where loops over '
+               'elements are some hundred times slower: pip install "s2sad[jit]", or say engine="numpy"')
+
+
+def interpreting() -> None:
+    """Warns, once, where nothing can be compiled and nobody said so."""
+    if not available():
+        warn_once(_INTERPRETS)
 
 
 def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | set[str] = False,
