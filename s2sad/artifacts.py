@@ -26,6 +26,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from s2sad.diagnostics import warn_once
 from s2sad.guards import ABSENT, STEPS, Guards, Varying, layout, reached, recording, taken
 from s2sad.infer.types import Type
 from s2sad.program import Generated, Guard, Kernel, Parameter, Place, Request
@@ -54,13 +55,14 @@ class Unkept(Exception):
 class Reading:
     """What of a program that was read its derivatives need: the entry without its text, whether calls ask what
     arguments are made of, the arrays from outside and the classes of structures that it makes by name, what was taken,
-    and where what is derived is kept."""
+    where what is derived is kept, and what was warned of."""
     kernel: Kernel
     asks: bool
     arrays: dict[str, Any]
     records: dict[str, type]
     guards: Guards
     address: str | None
+    warned: tuple[str, ...] = ()
 
 
 def _miss_unless_whole(find: Callable[..., T]) -> Callable[..., T | None]:
@@ -79,13 +81,15 @@ def _miss_unless_whole(find: Callable[..., T]) -> Callable[..., T | None]:
 @_miss_unless_whole
 def find(function: FunctionType) -> Reading | None:
     """The reading of a function that holds now."""
-    for described, kernel, asks, *held in _readings(_place(function)):
+    for described, kernel, asks, warned, *held in _readings(_place(function)):
         guards = Guards()
         values = _taken(described, (function,), guards)
         if values is not None:
             arrays, records = ({n: values[k[0]][k[1]] if isinstance(k, tuple) else values[k] for n, k in part}
                                for part in held)
-            return Reading(_kernel(kernel), asks, arrays, records, guards, _address(described))
+            for message in warned:
+                warn_once(message)
+            return Reading(_kernel(kernel), asks, arrays, records, guards, _address(described), warned)
     return None
 
 
@@ -96,14 +100,14 @@ def keep(reading: Reading, function: FunctionType) -> None:
         return
     described, numbers = _described(reading.guards, (function,))
     held = (tuple((n, numbers[id(v)]) for n, v in part.items()) for part in (reading.arrays, reading.records))
-    entry = (described, _of_kernel(reading.kernel), reading.asks, *held)
+    entry = (described, _of_kernel(reading.kernel), reading.asks, reading.warned, *held)
     others = [e for e in _readings(place) if e[0] != described]
     _put((entry, *others[:_READINGS - 1]), place)
 
 
 def _readings(place: str | None) -> list[Any]:
     found = _get(place)
-    return [e for e in found if isinstance(e, tuple) and len(e) == 5] if isinstance(found, tuple) else []
+    return [e for e in found if isinstance(e, tuple) and len(e) == 6] if isinstance(found, tuple) else []
 
 
 def address(guards: Guards, function: FunctionType, held: Iterable[Any], kernel: Kernel) -> str | None:

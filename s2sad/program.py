@@ -46,7 +46,8 @@ class Program:
     `constants` holds the numbers that kernels read from their module or closure, by the name behind
     `const.`; `arrays` the arrays read likewise, which become hidden parameters of every kernel on the way; `records`
     the classes that kernels make structures with, by the name behind `record.`; `methods`
-    the names of the kernels that are functions of classes; `guards` what was taken from outside to read it; `tables` is
+    the names of the kernels that are functions of classes; `guards` what was taken from outside to read it, `warned`
+    the warnings; `tables` is
     what `once` remembers; `files` are the paths of the files that were read, where no live function was.
     """
     entry: str
@@ -57,6 +58,7 @@ class Program:
     methods: dict[Any, str] = field(default_factory=dict)
     files: tuple[str, ...] = ()
     guards: Guards = field(default_factory=Guards, compare=False, repr=False)
+    warned: tuple[str, ...] = ()
     tables: dict[Any, tuple[int, Any]] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def once(self, make: Callable[[Program], T]) -> T:

@@ -141,8 +141,8 @@ class State:
         kernel, given = compiler().entry_kernel(program), compiler().given_of(program)
         held = (*program.arrays.values(), *program.records.values())
         address = None if given else artifacts.address(program.guards, function, held, kernel)
-        made = cls(Reading(kernel, compiler().asks(program), program.arrays, program.records, program.guards, address),
-                   function)
+        made = cls(Reading(kernel, compiler().asks(program), program.arrays, program.records, program.guards, address,
+                           program.warned), function)
         return made.with_program(program)
 
     def with_program(self, program: Program) -> State:

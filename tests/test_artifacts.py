@@ -13,6 +13,7 @@ import pytest
 
 import s2sad
 from s2sad import artifacts, pipeline, read
+from s2sad.diagnostics import warn_once
 from s2sad.registry import GIVEN
 from s2sad.run import store
 from s2sad.rules.rule import TABLE
@@ -82,6 +83,11 @@ class Model:
 
 
 MODEL = Model()
+
+
+def talking(x):
+    print("here", x)
+    return x * x
 
 
 def through_work(x, work):
@@ -251,6 +257,14 @@ def test_shadows_seeds_and_tangents_of_a_second_process(processes):
         p_bar = s2sad.make_zero(module.Params())
         assert s2sad.autodiff(s2sad.Reverse, f, s2sad.Active(2.0), s2sad.Duplicated(module.Params(), p_bar)) == (36.0,)
         assert p_bar.k == 12.0
+    assert processes.warm
+
+
+def test_warnings_are_those_of_the_first_process(processes):
+    for _ in range(2):
+        warn_once.cache_clear()
+        with pytest.warns(s2sad.S2sadWarning, match="derivatives do not print this"):
+            assert slope(processes.fresh().talking, 2.0) == 4.0
     assert processes.warm
 
 

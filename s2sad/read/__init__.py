@@ -49,7 +49,9 @@ def load(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path]
     with recording(Guards(varying)) as guards:
         for number, root in enumerate((plain, *methods)):
             reached(None, "root", number, root)
-        return replace(Linker().program(_live(plain), tuple(map(_live, methods))), guards=guards)
+        linker = Linker()
+        program = linker.program(_live(plain), tuple(map(_live, methods)))
+        return replace(program, guards=guards, warned=tuple(map(str, linker.ignored)))
 
 
 def _live(function: Any) -> Function:
