@@ -146,3 +146,12 @@ def sizes_that_are_asked_for(a, x, n):
 @pytest.mark.parametrize("engine", ("numpy", "numba"))
 def test_sizes_that_are_asked_for(engine):
     check_derivatives(sizes_that_are_asked_for, (A, X, 2), ("a", "x"), ("return",), engine)
+
+
+def of_either_kind(x):
+    return abs(x[0, 0] - 1.0) + np.sum(abs(x - 0.7))
+
+
+@pytest.mark.parametrize("engine", ("numpy", "numba"))
+def test_abs_of_an_array_is_numpys(engine):
+    check_derivatives(of_either_kind, (X,), ("x",), ("return",), engine)

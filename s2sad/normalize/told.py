@@ -11,6 +11,7 @@
     np.prod(x, axis=(0, -1))                        np.prod(np.prod(x, axis=2), axis=0), where x has three axes
     np.zeros(x.shape[1:])                           np.zeros((x.shape[1], x.shape[2])), where x has three axes
     np.size(x, 1), np.size(x), np.ndim(x)           x.shape[1], x.size, 2, where x has two axes
+    abs(x)                                          np.abs(x), where x is an array: Numba has no abs of one
 
 Requires structured form and types; changes no type.
 """
@@ -54,6 +55,8 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
             return _item(node, typing.of(node.func.value), [rebuild(n, change) for n in [node.func.value, *node.args]])
         if isinstance(node, Subscript) and isinstance(node.slice, Slice) and isinstance(node.value, Attribute):
             return _sizes(node, typing)
+        if call_name(node) == "builtins.abs" and len(node.args) == 1 and typing.of(node.args[0]).is_array:
+            return at(call("numpy.abs", rebuild(node.args[0], change)), node)
         if call_name(node) == "numpy.reshape" and (made := _spread(node, typing)) is not None:
             return made
         if call_name(node) in ("numpy.size", "numpy.ndim") and (made := _asked(node, typing)) is not None:

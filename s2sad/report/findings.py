@@ -54,6 +54,8 @@ class Stacked:
     @property
     def size(self) -> str:
         """The bytes in words, and where they are known also the number."""
+        if self.dtype == "any":
+            return "bytes known only at run time"
         each = self.formula.replace(" per push", "")
         counted = "" if self.bytes is None or each == str(self.bytes) else f"{in_words(self.bytes)} = "
         return f"{counted}{each} bytes" + (" per push, the number of pushes is known only at run time"
