@@ -8,7 +8,7 @@ import os
 import sys
 import warnings
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 HOME = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
@@ -45,6 +45,11 @@ CODES = {
 APART = 10_000_000                      # more lines than a file has
 
 
+@lru_cache(maxsize=64)
+def _lines(text: str) -> list[str]:
+    return text.splitlines()
+
+
 @dataclass(frozen=True)
 class Source:
     """A text with its path as the user knows it; `first` is the number of its first line in the file.
@@ -67,7 +72,7 @@ class Source:
 
     def line(self, number: int) -> str:
         source, number = self.home(number)
-        lines = source.text.splitlines()
+        lines = _lines(source.text)
         row = number - source.first
         return lines[row] if 0 <= row < len(lines) else ""
 

@@ -36,9 +36,9 @@ __all__ = [
     "RShift", "Slice", "Starred", "Store", "Sub", "Subscript", "Tuple", "UAdd", "UnaryOp", "USub", "While",
     "arguments", "keyword", "add", "assign", "at", "attribute", "augment", "binary", "call", "call_name",
     "children", "comment", "compare", "const", "copy", "counted_for", "dump", "equal", "expr", "expression",
-    "forget", "forgotten", "function", "index", "indices", "is_comment", "is_unset", "literal", "mult", "name",
-    "names", "negate", "parse", "placed", "rebuild", "rename", "statements", "stmt", "stored_names", "sub",
-    "substitute", "tuple_of", "unset", "walk", "written",
+    "forget", "forgotten", "function", "head_copy", "index", "indices", "is_comment", "is_unset", "literal", "mult",
+    "name", "names", "negate", "parse", "placed", "rebuild", "rename", "statements", "stmt", "stored_names", "sub",
+    "substitute", "tuple_of", "unset", "walk", "with_body", "written",
 ]
 
 _LOAD, _STORE = Load(), Store()
@@ -362,6 +362,22 @@ def copy(node: Any) -> Any:
     if isinstance(node, list):
         return [copy(item) for item in node]
     return _replica(node, copy) if isinstance(node, AST) else node
+
+
+def head_copy(statement: AST) -> AST:
+    """A copy of a statement whose blocks are the given one's, for who is to replace them."""
+    kept = [getattr(statement, field, None) for field in _BLOCKS]
+
+    def below(value: Any) -> Any:
+        return value if any(value is block for block in kept) else copy(value)
+    return _replica(statement, below)
+
+
+def with_body(function: FunctionDef, body: list[AST]) -> FunctionDef:
+    """A copy of a function with other statements in place of its own, which are not copied."""
+    def below(value: Any) -> Any:
+        return body if value is function.body else copy(value)
+    return _replica(function, below)
 
 
 def substitute(node: Any, mapping: Mapping[str, AST]) -> Any:

@@ -6,6 +6,7 @@ a whole-array statement, an allocation).
 """
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from s2sad import rules
@@ -56,12 +57,12 @@ def structure(function: FunctionDef, typing: Typing) -> Structure:
     return table
 
 
-def segments(block: list[AST], typing: Typing) -> list[list[AST]]:
+def segments(block: list[AST], is_simple: Callable[[AST], bool]) -> list[list[AST]]:
     """The block cut into runs of simple statements and single compound ones."""
     cut: list[list[AST]] = []
     simple = False
     for statement in block:
-        now = is_simple(statement, typing)
+        now = is_simple(statement)
         if now and simple:
             cut[-1].append(statement)
         else:
@@ -70,10 +71,11 @@ def segments(block: list[AST], typing: Typing) -> list[list[AST]]:
     return cut
 
 
-def is_simple(statement: AST, typing: Typing) -> bool:
-    """Whether a statement deals with numbers and elements only, so that it can be run again cheaply."""
+def is_simple(statement: AST, typing: Typing, known: Callable[[AST], bool] | None = None) -> bool:
+    """Whether a statement deals with numbers and elements only, so that it can be run again cheaply; `known` says so of
+    the statements in a branch."""
     if isinstance(statement, If):
-        return all(is_simple(s, typing) for s in [*statement.body, *statement.orelse])
+        return all(known(s) if known else is_simple(s, typing) for s in [*statement.body, *statement.orelse])
     if isinstance(statement, (For, While, Expr)) or is_allocation(statement):
         return isinstance(statement, Expr) and not isinstance(statement.value, Call)
     if isinstance(statement, (Assign, AugAssign)):
@@ -114,6 +116,13 @@ class _Walk:
     def __init__(self, table: Structure):
         self.table = table
         self.order = 0
+        self.simple: dict[int, bool] = {}       # by `id(statement)`: a branch is asked for by all that are around it
+
+    def is_simple(self, statement: AST) -> bool:
+        found = self.simple.get(id(statement))
+        if found is None:
+            found = self.simple[id(statement)] = is_simple(statement, self.table.typing, self.is_simple)
+        return found
 
     def block(self, block: list[AST], around: Around, segment: tuple[int, int] | None) -> None:
         around = replace(around, blocks=(*around.blocks, id(block)))
@@ -121,7 +130,7 @@ class _Walk:
             for statement in block:
                 self.statement(statement, around, segment)
             return
-        cut = self.table.blocks[id(block)] = segments(block, self.table.typing)
+        cut = self.table.blocks[id(block)] = segments(block, self.is_simple)
         for number, run in enumerate(cut):
             for statement in run:
                 self.statement(statement, around, (id(block), number))
@@ -135,7 +144,7 @@ class _Walk:
                 self.table.bindings.setdefault(target.id, []).append(statement)
         inside = (*around.inside, statement)
         if isinstance(statement, If):
-            own = segment if is_simple(statement, self.table.typing) else None
+            own = segment if self.is_simple(statement) else None
             for chosen, block in ((True, statement.body), (False, statement.orelse)):
                 self.block(block, replace(around, branches=(*around.branches, (statement, chosen)), inside=inside),
                            own)

@@ -2,14 +2,12 @@
 from __future__ import annotations
 
 from s2sad.differentiate.calls import POP, PUSH
-from s2sad.tree import AST, BinOp, Call, FunctionDef, MatMult, attribute, call_name, copy, rebuild
+from s2sad.tree import AST, BinOp, Call, FunctionDef, MatMult, attribute, call_name, rebuild, with_body
 
 
 def idiomatic(function: FunctionDef) -> FunctionDef:
     """The function with operators and attributes where NumPy has them."""
-    new = copy(function)
-    new.body = [rebuild(statement, _spelled) for statement in function.body]
-    return new
+    return with_body(function, [rebuild(statement, _spelled) for statement in function.body])
 
 
 def _spelled(node: AST) -> AST | None:

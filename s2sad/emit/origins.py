@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import io
-from functools import partial
+from functools import lru_cache, partial
 from tokenize import COMMENT, DEDENT, ENDMARKER, INDENT, NEWLINE, NL, TokenError, generate_tokens
 
 from s2sad.diagnostics import Source, Span
@@ -91,9 +91,14 @@ def joined(lines: list[str]) -> str:
     >>> joined(["total = (a +  # the first", "         # and the rest", "         f('#  ', b))"])
     "total = (a + f('#  ', b))"
     """
+    return _joined("\n".join(line.strip() for line in lines) + "\n")
+
+
+@lru_cache(maxsize=256)     # many statements of an adjoint have one origin
+def _joined(lines: str) -> str:
     words, row, column = "", 1, 0
     try:
-        for token in generate_tokens(io.StringIO("\n".join(line.strip() for line in lines) + "\n").readline):
+        for token in generate_tokens(io.StringIO(lines).readline):
             if token.type in _NO_WORDS or not token.string:
                 continue
             apart = token.start != (row, column) and words[-1:] not in _OPENING and (

@@ -136,7 +136,7 @@ class Shapes(Asked):
 
     def forget(self, statement: AST) -> None:
         """Forgets what is equal to sizes of arrays that a statement, or one inside it, may allocate anew."""
-        for array in self.several & set(stored_names([statement])):
+        for array in self.several & set(stored_names([statement])) if self.several else ():
             symbols = {s for k in range(self.typing.table[array].rank) for s, _ in self.own(array, k).terms}
             self.equal = {s: f for s, f in self.equal.items() if symbols.isdisjoint({s, *(t for t, _ in f.terms)})}
 

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from functools import reduce
 
 from s2sad.tree import (
-    AST, Call, Constant, FunctionDef, Starred, at, call, call_name, const, copy, negate, rebuild, tuple_of,
+    AST, Call, Constant, FunctionDef, Starred, at, call, call_name, const, negate, rebuild, tuple_of, with_body,
 )
 
 SCIPY = "scipy.linalg."
@@ -37,9 +37,7 @@ def as_numpy(function: FunctionDef) -> FunctionDef:
             return None
         made = _spelled(node, called.removeprefix(SCIPY))
         return None if made is None else at(rebuild(made, lambda n: None if n is made else change(n)), node)
-    new = copy(function)
-    new.body = [rebuild(statement, change) for statement in function.body]
-    return new
+    return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
 def _spelled(node: Call, function: str) -> AST | None:

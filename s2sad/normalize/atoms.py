@@ -23,17 +23,15 @@ from s2sad.infer.types import BOOL
 from s2sad.naming import Names
 from s2sad.normalize.functions import is_function
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Expr, For, FunctionDef, If, Name,
-    Pow, Return, Subscript, Tuple, UnaryOp, USub, While, assign, at, augment, call, call_name, copy,
-    dump, index, indices, name, names, walk,
+    AST, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Expr, For, FunctionDef, If,
+    Name, Pow, Return, Subscript, Tuple, UnaryOp, USub, While, assign, at, augment, call, call_name, copy, dump,
+    index, indices, name, names, walk, with_body,
 )
 
 
 def atoms(function: FunctionDef, typing: Typing, free: Names, written: set[str]) -> FunctionDef:
     """The function with those names; `written` are the arrays that it writes."""
-    new = copy(function)
-    new.body = _Atoms(typing, free, written).block(function.body)
-    return new
+    return with_body(function, _Atoms(typing, free, written).block(function.body))
 
 
 def reads_result(node: AST, typing: Typing) -> bool:

@@ -72,7 +72,7 @@ class Branches(Places):
         self.seen = dict(before)
         second = self.arm(statement.orelse)
         one = self.allocated_on_both(before, first, second)
-        second.block = [rename(s, one) for s in second.block]
+        second.block = [rename(s, one) for s in second.block] if one else second.block
         second.seen = {n: (one.get(base, base), subscripts) for n, (base, subscripts) in second.seen.items()}
         self.tuples = {n: rename(t, one) for n, t in self.tuples.items()}
         self.aliases.renamed(one)

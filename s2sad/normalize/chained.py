@@ -12,14 +12,14 @@ alone stay chained: what two names mean is one thing (`unpack`).
 from __future__ import annotations
 
 from s2sad.normalize.scope import Scope, atomic
-from s2sad.tree import AST, Assign, FunctionDef, Name, Subscript, assign, at, copy, name, names, stored_names
+from s2sad.tree import (
+    AST, Assign, FunctionDef, Name, Subscript, assign, at, copy, head_copy, name, names, stored_names, with_body,
+)
 
 
 def chained(function: FunctionDef, scope: Scope) -> FunctionDef:
     """The function without such statements."""
-    new = copy(function)
-    new.body = _block(function.body, scope)
-    return new
+    return with_body(function, _block(function.body, scope))
 
 
 def _block(block: list[AST], scope: Scope) -> list[AST]:
@@ -29,7 +29,7 @@ def _block(block: list[AST], scope: Scope) -> list[AST]:
                 isinstance(t, Subscript) for t in statement.targets):
             made += [at(s, statement) for s in _one_by_one(statement, scope)]
             continue
-        new = copy(statement)
+        new = head_copy(statement)
         for field in ("body", "orelse"):
             if isinstance(inner := getattr(statement, field, None), list):
                 setattr(new, field, _block(inner, scope))

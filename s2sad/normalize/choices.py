@@ -21,16 +21,14 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.promotion import promote
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Assign, AugAssign, BoolOp, Expr, For, FunctionDef, If, Name, NotEq, Or, Return, While, assign, at, call_name,
-    compare, const, copy, name, rebuild, walk,
+    AST, Assign, AugAssign, BoolOp, Expr, For, FunctionDef, If, Name, NotEq, Or, Return, While, assign, at,
+    call_name, compare, const, copy, name, rebuild, walk, with_body,
 )
 
 
 def choices(function: FunctionDef, typing: Typing, names: Names) -> FunctionDef:
     """The function with such branches; the types of the names that it makes are added to the table."""
-    new = copy(function)
-    new.body = _Choices(typing, names, _held_twice(function)).block(function.body)
-    return new
+    return with_body(function, _Choices(typing, names, _held_twice(function)).block(function.body))
 
 
 def _held_twice(function: FunctionDef) -> set[str]:

@@ -35,9 +35,9 @@ from s2sad.normalize.scope import Scope, atomic
 from s2sad.normalize.sliced import one_by_one
 from s2sad.read.turns import pairs, written_items
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Expr, For, FunctionDef, GeneratorExp, If, IfExp,
-    List, ListComp, Name, Not, Starred, Subscript, Tuple, UnaryOp, While, assign, at, augment, call, call_name, const,
-    copy, name, rename, stored_names, substitute, walk,
+    AST, Add, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Expr, For, FunctionDef, GeneratorExp, If,
+    IfExp, List, ListComp, Name, Not, Starred, Subscript, Tuple, UnaryOp, While, assign, at, augment, call,
+    call_name, const, copy, head_copy, name, rename, stored_names, substitute, walk, with_body,
 )
 
 _STOPPING = {"builtins.any": True, "builtins.all": False}       # what an item is that answers the question
@@ -47,9 +47,7 @@ HELP = "allocate an array before and fill it in a for loop"
 
 def comprehensions(function: FunctionDef, scope: Scope) -> FunctionDef:
     """The function without comprehensions; those that cannot be loops are reported."""
-    new = copy(function)
-    new.body = _Comprehensions(function, scope).block(function.body)
-    return new
+    return with_body(function, _Comprehensions(function, scope).block(function.body))
 
 
 def marked(item: AST) -> AST:
@@ -90,7 +88,7 @@ class _Comprehensions:
         if isinstance(statement, AugAssign) and isinstance(statement.target, Subscript) and _moved(statement.value):
             made, self.before = self.augmented(statement), outer
             return made
-        new = copy(statement)
+        new = head_copy(statement)
         for field in statement._fields:
             inner = getattr(statement, field)
             if field in ("body", "orelse"):

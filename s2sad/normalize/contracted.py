@@ -24,6 +24,7 @@ from s2sad.infer.infer import Typing
 from s2sad.infer.laws import paired_axes
 from s2sad.tree import (
     AST, Call, Constant, FunctionDef, Slice, at, call, call_name, const, copy, index, mult, rebuild, tuple_of,
+    with_body,
 )
 
 _BATCH = "abcdefgh"
@@ -49,9 +50,7 @@ def contracted(function: FunctionDef) -> FunctionDef:
             inputs = [part[0] if t else part for part, t in zip(inputs, twice)]
         made = contraction(inputs, output, [rebuild(o, change) for o in operands])
         return None if made is None else at(made, node)
-    new = copy(function)
-    new.body = [rebuild(statement, change) for statement in function.body]
-    return new
+    return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
 def undotted(function: FunctionDef, typing: Typing) -> FunctionDef:
@@ -123,9 +122,7 @@ def batched(function: FunctionDef, typing: Typing) -> FunctionDef:
         output = outer + ("i" if ranks[0] > 1 else "") + ("k" if ranks[1] > 1 else "")
         made = contraction([left, right], output, [rebuild(a, change) for a in node.args])
         return None if made is None else at(made, node)
-    new = copy(function)
-    new.body = [rebuild(statement, change) for statement in function.body]
-    return new
+    return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
 def _raveled(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:

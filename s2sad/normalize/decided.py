@@ -19,7 +19,7 @@ from s2sad.diagnostics import Report
 from s2sad.infer.types import NONE, Type
 from s2sad.tree import (
     AST, And, Attribute, BoolOp, Call, Compare, Constant, Eq, For, FunctionDef, Gt, If, Name, Not, NotEq, Tuple,
-    UnaryOp, While, at, call_name, const, copy, rebuild, stored_names, walk,
+    UnaryOp, While, at, call_name, const, rebuild, stored_names, walk, with_body,
 )
 
 ASKING = "builtins.isinstance"
@@ -35,9 +35,7 @@ def decided(function: FunctionDef, types: Types) -> FunctionDef:
     if not any(call_name(n) in (*QUESTIONS, "numpy.ndim") or isinstance(n, Attribute) and n.attr == "ndim"
                for n in walk(function.body)):
         return function
-    new = copy(function)
-    new.body = _block(function.body, dict(types))
-    return new
+    return with_body(function, _block(function.body, dict(types)))
 
 
 def undecided(function: FunctionDef, report: Report) -> None:

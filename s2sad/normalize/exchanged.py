@@ -17,7 +17,7 @@ from s2sad.normalize.rotated import Swap, swaps_of
 from s2sad.normalize.views_in_lists import Held, Writes
 from s2sad.tree import (
     AST, Assert, Assign, Eq, For, FunctionDef, If, List, Name, Tuple, While, assign, at, attribute, call, compare,
-    const, copy, index, name, names, stored_names, walk,
+    const, copy, head_copy, index, name, names, stored_names, walk,
 )
 
 
@@ -45,7 +45,7 @@ class _Exchanged:
             if id(s) in gone:
                 made += self.stores(gone[id(s)]) if s is gone[id(s)].statements[0] else []
                 continue
-            new = copy(s)
+            new = head_copy(s)
             if isinstance(s, (If, For, While)):
                 new.body = self.block(s.body, isinstance(s, If))
                 new.orelse = self.block(s.orelse, isinstance(s, If))

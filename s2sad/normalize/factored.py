@@ -13,8 +13,8 @@ from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.normalize.workspace import workspace
 from s2sad.tree import (
-    AST, Assign, For, FunctionDef, If, Name, Subscript, While, add, assign, at, attribute, call, call_name, const, copy,
-    index, name, tuple_of,
+    AST, Assign, For, FunctionDef, If, Name, Subscript, While, add, assign, at, attribute, call, call_name, const,
+    copy, head_copy, index, name, tuple_of,
 )
 
 
@@ -31,7 +31,7 @@ def _block(block: list[AST], typing: Typing, free: Names) -> list[AST]:
 
 def _statement(statement: AST, typing: Typing, free: Names) -> list[AST]:
     if isinstance(statement, (For, While, If)):
-        new = copy(statement)
+        new = head_copy(statement)
         new.body = _block(statement.body, typing, free)
         new.orelse = _block(statement.orelse, typing, free)
         return [new]

@@ -30,7 +30,7 @@ from s2sad.normalize.elements import moves
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, List, Name, Return, Slice,
     Subscript, Tuple, UnaryOp, While, assign, at, attribute, augment, call, call_name, const, copy, dump, index,
-    indices, keyword, name, names, rebuild, walk,
+    indices, keyword, name, names, rebuild, walk, with_body,
 )
 
 _SUMMED = ("summed", "averaged")
@@ -46,9 +46,7 @@ def functions(function: FunctionDef, typing: Typing, free: Names, loops: bool = 
     """The function with those names; the table of `typing` gains them. Where loops take their place (`loops`), what
     grows side by side in a loop of the kernel grows in an array of its own: its steps are not recorded. With `added`,
     a function that only moves elements needs no name where its elements are added to those of another array."""
-    new = copy(function)
-    new.body = _Functions(typing, free, loops, added).block(function.body)
-    return new
+    return with_body(function, _Functions(typing, free, loops, added).block(function.body))
 
 
 def is_function(node: AST) -> bool:

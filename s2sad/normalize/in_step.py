@@ -35,7 +35,7 @@ from s2sad.normalize.turned_back import Turned, by_element, turned_back
 from s2sad.normalize.viewing import Writes, differing, sources
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, For, FunctionDef, If, Name, Store, Subscript, While, assign, at, call, call_name,
-    const, copy, index, name, names, rename, times_bound, walk,
+    const, copy, index, name, names, rename, times_bound, walk, with_body,
 )
 
 _WHOLE = {"numpy.asarray", "numpy.ascontiguousarray"}
@@ -191,9 +191,7 @@ def _lives(function: FunctionDef, typing: Typing, free: Names, lying: Contiguity
             if end < len(made):
                 made[end] = at(assign(target, rename(made[end].value, one)), made[end])
         return made
-    new = copy(function)
-    new.body = block(function.body)
-    return new
+    return with_body(function, block(function.body))
 
 
 def _bound(statement: AST) -> str:

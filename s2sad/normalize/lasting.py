@@ -17,7 +17,8 @@ from s2sad.normalize.calls import user_call
 from s2sad.normalize.memory import Memory
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
-    AST, Assign, Constant, For, FunctionDef, If, List, Name, While, assign, at, call_name, copy, name, walk,
+    AST, Assign, Constant, For, FunctionDef, If, List, Name, While, assign, at, call_name, copy, head_copy, name,
+    walk,
 )
 
 Appended = Callable[[AST], str | None]          # the name of the list that a statement appends to
@@ -38,7 +39,7 @@ def _block(block: list[AST], grown: set[str], scope: Scope, appended: Appended) 
         if _starts_empty(statement, grown):
             waiting.append(statement)
             continue
-        new = copy(statement)
+        new = head_copy(statement)
         for field in ("body", "orelse"):
             if hasattr(statement, field):
                 setattr(new, field, _block(getattr(statement, field), grown, scope, appended))

@@ -30,8 +30,8 @@ from s2sad.normalize.through_lists import through_lists
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If,
     List, ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, add, assign, at,
-    augment, call, call_name, const, copy, index, indices, name, names, rebuild, rename, stored_names, sub,
-    substitute, walk,
+    augment, call, call_name, const, copy, head_copy, index, indices, name, names, rebuild, rename, stored_names,
+    sub, substitute, walk,
 )
 
 _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
@@ -147,7 +147,7 @@ class _Lists:
         bound = next((n for n, s in self.made.items() if s is statement), None)
         if bound is not None:
             return self.start(bound, statement)
-        new = copy(statement)
+        new = head_copy(statement)
         for field in statement._fields:
             inner = getattr(statement, field)
             if field in ("body", "orelse"):

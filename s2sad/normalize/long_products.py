@@ -16,7 +16,7 @@ from s2sad.naming import Names
 from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Assign, AugAssign, BoolOp, Call, Compare, Constant, For, FunctionDef, If, IfExp, Name, Return, Subscript,
-    While, assign, at, call_name, children, copy, name, rebuild,
+    While, assign, at, call_name, children, copy, name, rebuild, with_body,
 )
 
 _MOST = 16
@@ -24,9 +24,7 @@ _MOST = 16
 
 def long_products(function: FunctionDef, typing: Typing, free: Names) -> FunctionDef:
     """The function with names for parts of such values."""
-    new = copy(function)
-    new.body = _Parts(typing, free).block(function.body)
-    return new
+    return with_body(function, _Parts(typing, free).block(function.body))
 
 
 class _Parts:

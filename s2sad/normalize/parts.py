@@ -20,7 +20,7 @@ from s2sad.infer.laws import whole_number
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Call, Constant, FunctionDef, Name, NotEq, Store, Subscript, assign, at, call,
-    call_name, compare, const, copy, keyword, name, rebuild, tuple_of, walk,
+    call_name, compare, const, copy, head_copy, keyword, name, rebuild, tuple_of, walk,
 )
 
 # the functions of the parts, with the names that NumPy gives the parts
@@ -124,7 +124,7 @@ class _Parts:
             return [at(assign(self.names[target.id][part], _call(value, part, made)), statement)
                     for part, made in self.held[target.id].items()]
         if hasattr(statement, "body"):
-            new = copy(statement)
+            new = head_copy(statement)
             for field in statement._fields:
                 inner = getattr(statement, field)
                 if field in ("body", "orelse"):

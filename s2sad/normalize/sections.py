@@ -13,7 +13,7 @@ from s2sad.infer.laws import whole_number
 from s2sad.normalize.asked import SECTIONS
 from s2sad.tree import (
     AST, Assert, Assign, BinOp, Eq, FloorDiv, FunctionDef, List, Mod, Name, Slice, Subscript, Tuple, assign, at,
-    attribute, call_name, compare, const, copy, index, mult,
+    attribute, call_name, compare, const, copy, index, mult, with_body,
 )
 
 _SPLIT = {"numpy.split": None, "numpy.vsplit": 0}
@@ -23,9 +23,7 @@ def sections(function: FunctionDef) -> FunctionDef:
     """The function with such slices."""
     def block(given: list[AST]) -> list[AST]:
         return [at(made, s) for s in given for made in _statement(with_blocks(s, block))]
-    new = copy(function)
-    new.body = block(function.body)
-    return new
+    return with_body(function, block(function.body))
 
 
 def _statement(statement: AST) -> list[AST]:

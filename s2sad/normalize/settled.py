@@ -29,7 +29,7 @@ from s2sad.read.meaning import library_value
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Call, Constant, For, FunctionDef, GeneratorExp, List, ListComp, Mult, Name,
     Sub, Tuple, USub, UnaryOp, at, call_name, const, copy, keyword, literal, names, rebuild, stored_names,
-    times_bound, tuple_of, walk,
+    times_bound, tuple_of, walk, with_body,
 )
 
 AXES = ("axis", "axis1", "axis2", "axes", "source", "destination")
@@ -55,9 +55,7 @@ def settled(function: FunctionDef, scope: Scope) -> FunctionDef:
         new.orelse = [rebuild(s, walked) for s in node.orelse]
         new.iter = _short(new, new.body, known)
         return new
-    new = copy(function)
-    new.body = [rebuild(in_options(statement, known), walked) for statement in function.body]
-    return new
+    return with_body(function, [rebuild(in_options(statement, known), walked) for statement in function.body])
 
 
 def _short(loop: AST, body: list[AST], known: Numbers) -> AST:

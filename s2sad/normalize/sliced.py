@@ -18,8 +18,8 @@ from collections.abc import Callable
 from s2sad.normalize.memory import STABLE
 from s2sad.normalize.scope import Scope
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Call, Constant, FunctionDef, Name, Slice, Store, Subscript, Tuple, UnaryOp, assign,
-    at, call_name, children, copy, expr, name, names, rebuild, stored_names, tuple_of, walk,
+    AST, Assign, Attribute, BinOp, Call, Constant, FunctionDef, Name, Slice, Store, Subscript, Tuple, UnaryOp,
+    assign, at, call_name, children, copy, expr, head_copy, name, names, rebuild, stored_names, tuple_of, walk,
 )
 
 _SLICE, _WRITTEN = "builtins.slice", "numpy.s_"
@@ -171,7 +171,7 @@ def _block(block: list[AST], known: dict[str, AST]) -> list[AST]:
         target = statement.targets[0] if isinstance(statement, Assign) else None
         if isinstance(target, Name) and target.id in known:
             continue
-        new = copy(statement)
+        new = head_copy(statement)
         for field in statement._fields:
             inner = getattr(statement, field)
             setattr(new, field, _block(inner, known) if field in ("body", "orelse") else rebuild(inner, change))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from s2sad import rules
 from s2sad.infer.infer import Typing
-from s2sad.tree import AST, Call, FunctionDef, at, call, call_name, copy, name, rebuild
+from s2sad.tree import AST, Call, FunctionDef, at, call, call_name, name, rebuild, with_body
 
 
 def sought(function: FunctionDef, typing: Typing, loops: bool) -> FunctionDef:
@@ -17,9 +17,7 @@ def sought(function: FunctionDef, typing: Typing, loops: bool) -> FunctionDef:
     def change(node: AST) -> AST | None:
         made = _each(node, typing, loops) if isinstance(node, Call) else None
         return None if made is None else at(rebuild(made, change), node)
-    new = copy(function)
-    new.body = [rebuild(statement, change) for statement in function.body]
-    return new
+    return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
 def _each(node: Call, typing: Typing, loops: bool) -> AST | None:

@@ -31,9 +31,9 @@ from s2sad.normalize.optioned import item, matrices_turned, optioned
 from s2sad.normalize.told import CONJUGATING, start
 from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Name, NotEq, Pow,
-    Slice, Starred, Store, Sub, Subscript, Tuple, at, attribute, call, call_name, compare, const, copy, index, indices,
-    keyword, mult, name, rebuild, tuple_of, walk,
+    AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Name, NotEq, Pow, Slice,
+    Starred, Store, Sub, Subscript, Tuple, at, attribute, call, call_name, compare, const, copy, index, indices,
+    keyword, mult, name, rebuild, tuple_of, walk, with_body,
 )
 
 _PAIRED = {"builtins.min", "builtins.max"}
@@ -52,9 +52,7 @@ _PARTS = {"real", "imag"}  # attributes
 
 def spelled(function: FunctionDef) -> FunctionDef:
     """The function with such calls in their plain spelling; the order of evaluation stays."""
-    new = copy(function)
-    new.body = [rebuild(statement, _plain) for statement in function.body]
-    return new
+    return with_body(function, [rebuild(statement, _plain) for statement in function.body])
 
 
 def _plain(node: AST) -> AST | None:

@@ -13,8 +13,8 @@ from collections.abc import Callable
 
 from s2sad.infer.infer import Typing
 from s2sad.tree import (
-    AST, Assign, Attribute, Call, FunctionDef, List, Name, Tuple, assign, at, call, call_name, const, copy, index,
-    keyword, name, rebuild,
+    AST, Assign, Attribute, Call, FunctionDef, List, Name, Tuple, assign, at, call, call_name, const, index,
+    keyword, name, rebuild, with_body,
 )
 
 _SPELLED = {"numpy.array", "numpy.asarray", "numpy.ascontiguousarray"}
@@ -35,9 +35,7 @@ def stacked(function: FunctionDef, typing: Typing) -> FunctionDef:
             return made if kind == typing.of(made).dtype else at(
                 Call(name("numpy.astype"), [made], [keyword("dtype", name(f"numpy.{kind}"))]), node)
         return None
-    new = copy(function)
-    new.body = [rebuild(statement, change) for statement in function.body]
-    return new
+    return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
 def _is_shape(node: AST, typing: Typing) -> bool:

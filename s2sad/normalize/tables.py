@@ -23,7 +23,7 @@ from s2sad.normalize.scope import Scope
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Call, For, FunctionDef, List, Load, Name, Pow, Slice, Starred, Store, Subscript,
     Tuple, assign, at, call, call_name, children, const, copy, dump, index, name, names, rebuild, stored_names,
-    tuple_of, walk,
+    tuple_of, walk, with_body,
 )
 
 _THROUGH = ("builtins.len", "builtins.enumerate", "builtins.zip", "builtins.reversed")
@@ -114,9 +114,8 @@ def _named(function: FunctionDef, scope: Scope) -> FunctionDef:
         by = name(made[dump(picked)][0])
         return rebuild(at(call("builtins.len", by) if isinstance(node, Call) else Subscript(
             by, node.slice, node.ctx), node), change)
-    new = copy(function)
-    new.body = [*(at(assign(n, copy(t)), t) for n, t in made.values()), *(rebuild(s, change) for s in function.body)]
-    return new
+    changed = [rebuild(s, change) for s in function.body]
+    return with_body(function, [*(at(assign(n, copy(t)), t) for n, t in made.values()), *changed])
 
 
 class _Table:

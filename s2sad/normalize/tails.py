@@ -19,8 +19,8 @@ from s2sad.infer.infer import Typing
 from s2sad.normalize.rename import breaks
 from s2sad.normalize.views_in_lists import Held, Writes
 from s2sad.tree import (
-    AST, Assert, Assign, AugAssign, Break, Call, Expr, For, FunctionDef, If, Name, Raise, Return, While, at, copy, dump,
-    names, stored_names, walk,
+    AST, Assert, Assign, AugAssign, Break, Call, Expr, For, FunctionDef, If, Name, Raise, Return, While, at, copy,
+    dump, head_copy, names, stored_names, walk,
 )
 
 _MOST = 120         # statements that are written once more, in one function
@@ -64,7 +64,7 @@ class _Tails:
         return made
 
     def statement(self, statement: AST) -> AST:
-        new = copy(statement)
+        new = head_copy(statement)
         for field in ("body", "orelse"):
             if isinstance(inner := getattr(statement, field, None), list):
                 setattr(new, field, self.block(inner))

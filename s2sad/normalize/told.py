@@ -25,8 +25,9 @@ from s2sad.infer.of_numbers import NORM, SPREAD, reduced_number
 from s2sad.infer.types import UNKNOWN, Type
 from s2sad.rules import find_array
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Compare, Constant, FloorDiv, FunctionDef, In, Is, IsNot, List, Mod, Mult, Name,
-    NotIn, Slice, Sub, Subscript, Tuple, at, attribute, call, call_name, const, copy, index, mult, rebuild, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Compare, Constant, FloorDiv, FunctionDef, In, Is, IsNot, List, Mod, Mult,
+    Name, NotIn, Slice, Sub, Subscript, Tuple, at, attribute, call, call_name, const, copy, index, mult, rebuild,
+    tuple_of, with_body,
 )
 
 CONJUGATING = ("conj", "conjugate")     # methods
@@ -73,9 +74,7 @@ def told(function: FunctionDef, typing: Typing) -> FunctionDef:
             if kind.is_array and kind.dtype == typing.of(inner).dtype == "float64":
                 return rebuild(at(Call(node.func, [inner.args[0], *node.args[1:]], node.keywords), node), change)
         return None
-    new = copy(function)
-    new.body = [rebuild(statement, change) for statement in function.body]
-    return new
+    return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
 def _asked(node: Call, typing: Typing) -> AST | None:

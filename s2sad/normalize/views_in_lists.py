@@ -28,6 +28,7 @@ from s2sad.normalize.viewing import shows
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Break, Call, Constant, Expr, For, FunctionDef, IfExp, Name, Slice, Store,
     Subscript, While, add, assign, at, call_name, const, copy, index, indices, name, names, stored_names, sub, walk,
+    with_body,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -57,9 +58,7 @@ def views_in_lists(function: FunctionDef, typing: Typing, memory: Memory, writes
     for listed, (message, place, help) in told.items():
         if any(other not in views for other in held.related(listed)):
             report.error("S201", message, place, help=help)
-    new = copy(function)
-    new.body = held.viewed(function.body, views)
-    return new
+    return with_body(function, held.viewed(function.body, views))
 
 
 class Held:

@@ -14,17 +14,17 @@ from s2sad.analyze.liveness import base_name, read_names
 from s2sad.normalize.form import ALLOCATIONS
 from s2sad.tree import (
     AST, Assign, BinOp, Constant, FloorDiv, For, FunctionDef, If, Mod, Name, Store, Sub, Subscript, Tuple, USub,
-    While, assign, at, call, call_name, const, copy, index, name, names, stored_names, tuple_of, walk,
+    While, assign, at, call, call_name, const, index, name, names, stored_names, tuple_of, walk, with_body,
 )
 
 
 def workspace(function: FunctionDef) -> FunctionDef:
     """The function with its allocations as far out as their shapes allow."""
-    new = copy(function)
     known = {p.id for p in function.args.args}
     allocated = [s.targets[0].id for s in walk(function.body) if is_allocation(s)]
-    new.body = _block(function.body, known, {n for n in allocated if allocated.count(n) > 1})
-    return new
+    if not allocated:
+        return with_body(function, function.body)
+    return with_body(function, _block(function.body, known, {n for n in allocated if allocated.count(n) > 1}))
 
 
 def _block(block: list[AST], known: set[str], several: set[str]) -> list[AST]:
@@ -36,7 +36,7 @@ def _block(block: list[AST], known: set[str], several: set[str]) -> list[AST]:
         freed: list[AST] = []
         kept = _compound(statement, bound, freed, several) if isinstance(statement, (For, While, If)) else statement
         new += [*freed, kept]
-        bound |= set(stored_names(new))
+        bound |= set(stored_names([*freed, kept]))
     return new
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from s2sad.tree import (
     AST, AnnAssign, Assign, Attribute, Constant, Dict, FunctionDef, IfExp, List, Load, Name, Return, Slice, Starred,
-    Subscript, Tuple, at, const, copy, index, rebuild, walk,
+    Subscript, Tuple, at, const, copy, index, rebuild, walk, with_body,
 )
 
 Nest = tuple[Any, ...]      # what is spelled out, a tuple or a list, and for each item its own nest, or None
@@ -36,9 +36,7 @@ def returned_lists(function: FunctionDef) -> FunctionDef:
         if isinstance(value, Name) and value.id not in lists and not any(known.get(value.id, ())[1:]):
             return None
         return at(Return(_spelled(value, known)), node)
-    new = copy(function)
-    new.body = [rebuild(s, change) for s in function.body]
-    return new
+    return with_body(function, [rebuild(s, change) for s in function.body])
 
 
 def _spelled(value: AST, known: dict[str, Nest]) -> AST:

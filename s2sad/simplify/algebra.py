@@ -17,6 +17,7 @@ from s2sad.simplify.whole import is_whole, with_counters
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Constant, Expr, For, FunctionDef, If, IfExp,
     Mult, Pow, Return, Slice, Sub, Tuple, USub, UnaryOp, While, at, augment, call_name, const, copy, equal, walk,
+    with_body,
 )
 
 # calls whose results are never bools
@@ -30,9 +31,7 @@ _SUMS = (BinOp, UnaryOp, Slice, Tuple)
 def algebra(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDef:
     """The function with simple arithmetic."""
     types = with_counters(types, function)
-    new = copy(function)
-    new.body = [_statement(s, types) for s in function.body]
-    return new
+    return with_body(function, [_statement(s, types) for s in function.body])
 
 
 def _statement(statement: AST, types: Mapping[str, Type]) -> AST:

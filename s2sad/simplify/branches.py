@@ -13,14 +13,12 @@ from __future__ import annotations
 
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.blocks import with_blocks
-from s2sad.tree import AST, FunctionDef, If, Subscript, at, call_name, copy, equal, names, walk
+from s2sad.tree import AST, FunctionDef, If, Subscript, at, call_name, equal, names, walk, with_body
 
 
 def branches(function: FunctionDef) -> FunctionDef:
     """The function with its neighbouring branches joined."""
-    new = copy(function)
-    new.body = _block(function.body)
-    return new
+    return with_body(function, _block(function.body))
 
 
 def _block(block: list[AST]) -> list[AST]:

@@ -17,7 +17,7 @@ from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, For, FunctionDef, Name, copy, is_comment, rename, stored_names, walk,
+    AST, Assign, AugAssign, Call, For, FunctionDef, Name, is_comment, rename, stored_names, walk, with_body,
 )
 
 
@@ -177,6 +177,4 @@ def split(function: FunctionDef, temporaries: set[str], names: Names, typing: Ty
     both = [n for n in stored_names(second) if n in temporaries - counted and n in set(stored_names(first))]
     mapping = {n: names.fresh(names.wanted.get(n, n)) for n in both}
     typing.table.update({made: typing.table[n] for n, made in mapping.items()})
-    new = copy(function)
-    new.body = first + rename(second, mapping)
-    return new
+    return with_body(function, first + rename(second, mapping))

@@ -18,7 +18,7 @@ from s2sad.infer.types import Type
 from s2sad.simplify.bounds import changed, counted, is_straight, shifted_by, stores
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Call, Constant, Div, For, FunctionDef, If, Name, Pow, Subscript, While, at, call,
-    call_name, children, const, copy, dump, indices, is_comment, names, rebuild, walk,
+    call_name, children, const, dump, indices, is_comment, names, rebuild, walk, with_body,
 )
 
 _FUNCTIONS = {f"{room}.{f}": f"runtime.{f}" for room in ("numpy", "math") for f in ("exp", "expm1", "sinh", "cosh",
@@ -47,9 +47,7 @@ def exponentials(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDe
         return at(call(chosen[called], *(rebuild(a, change) for a in node.args)), node)
     if not chosen:
         return function
-    new = copy(function)
-    new.body = rebuild(function.body, change)
-    return new
+    return with_body(function, rebuild(function.body, change))
 
 
 def slope_of_tanh(argument: AST) -> AST:

@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from s2sad.analyze.liveness import base_name
 from s2sad.infer.types import Type
 from s2sad.tree import (
-    AST, AugAssign, Compare, Constant, FunctionDef, Name, Subscript, at, augment, call, call_name, const, copy, dump,
-    index, name, rebuild,
+    AST, AugAssign, Compare, Constant, FunctionDef, Name, Subscript, at, augment, call, call_name, const, copy,
+    dump, index, name, rebuild, with_body,
 )
 
 
@@ -34,9 +34,7 @@ def extremes(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDef:
             return None
         place = index(name(array), call("runtime.extreme_place", copy(x), copy(y)))
         return at(augment(place, node.op, copy(gain.args[0])), node)
-    new = copy(function)
-    new.body = [rebuild(s, change) for s in function.body]
-    return new
+    return with_body(function, [rebuild(s, change) for s in function.body])
 
 
 def _of_all(called: AST) -> bool:

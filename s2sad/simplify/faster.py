@@ -24,8 +24,8 @@ from s2sad.simplify.rotate import rotated
 from s2sad.simplify.distribute import distributed
 from s2sad.simplify.totals import totals
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, For, FunctionDef, Name, Sub, Subscript, assign, at, call, copy, dump, indices, name,
-    names, negate, stored_names, walk,
+    AST, Add, Assign, AugAssign, For, FunctionDef, Name, Sub, Subscript, assign, at, call, copy, dump, indices,
+    name, names, negate, stored_names, walk, with_body,
 )
 
 _LONGEST = 60
@@ -37,9 +37,8 @@ def faster(function: FunctionDef, types: Mapping[str, Type], stacks: Set[str], s
     functions that write arrays."""
     free = Names({n.id for n in walk(function) if isinstance(n, Name)} | set(types))
     function = joined(function, sums, types, free, writing)
-    new = copy(function)
-    new.body = _Faster({s: types[s] for s in shadows}, free, stacks, sums, writing).block(function.body, {}, None)
-    return new
+    faster = _Faster({s: types[s] for s in shadows}, free, stacks, sums, writing)
+    return with_body(function, faster.block(function.body, {}, None))
 
 
 class _Faster:

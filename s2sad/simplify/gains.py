@@ -12,16 +12,14 @@ from __future__ import annotations
 from s2sad.analyze.liveness import base_name, touched
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, FunctionDef, IfExp, Sub, Subscript, at, augment, call_name, copy, dump,
-    is_comment, names, negate, walk,
+    AST, Add, Assign, AugAssign, BinOp, FunctionDef, IfExp, Sub, Subscript, at, augment, call_name, dump,
+    is_comment, names, negate, walk, with_body,
 )
 
 
 def gains(function: FunctionDef) -> FunctionDef:
     """The function with its gains joined."""
-    new = copy(function)
-    new.body = _block(function.body)
-    return new
+    return with_body(function, _block(function.body))
 
 
 def _block(block: list[AST]) -> list[AST]:

@@ -12,16 +12,13 @@ from s2sad.analyze.liveness import base_name, touched
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, Break, Constant, FunctionDef, If, Name, Return, Store, Sub, Subscript, assign, at,
-    call_name, copy, dump, names, negate,
-    walk,
+    call_name, dump, names, negate, walk, with_body,
 )
 
 
 def merge(function: FunctionDef) -> FunctionDef:
     """The function with zeros merged."""
-    new = copy(function)
-    new.body = _block(function.body)
-    return new
+    return with_body(function, _block(function.body))
 
 
 def _block(block: list[AST]) -> list[AST]:

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from s2sad.infer.types import Type
 from s2sad.tree import (
     AST, BinOp, Constant, FunctionDef, Mult, Name, Pow, Slice, Subscript, at, const, copy, indices, rebuild,
+    with_body,
 )
 
 _MOST = 8
@@ -24,9 +25,7 @@ def powers(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDef:
         if exponent is None or not isinstance(node, BinOp) or not _is_array(node.left, types):
             return None
         return at(_product(node.left, exponent), node)
-    new = copy(function)
-    new.body = [rebuild(s, change) for s in function.body]
-    return new
+    return with_body(function, [rebuild(s, change) for s in function.body])
 
 
 def _exponent(node: AST) -> int | None:

@@ -29,7 +29,7 @@ from s2sad.simplify.rank_one import Gain, added_row, rank_one
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Break, Call, For, FunctionDef, Name, Return, Slice, Store, Subscript,
     add, assign, at, attribute, augment, call, call_name, children, const, copy, counted_for, dump, index, indices,
-    name, names, rebuild, sub, tuple_of, walk,
+    name, names, rebuild, sub, tuple_of, walk, with_body,
 )
 
 _BLOCK = 64
@@ -47,9 +47,7 @@ def products(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDef:
             inner = with_blocks(statement, block)
             made += Blocks(inner, text).loops() if _multiplies(inner) else [inner]
         return made
-    new = copy(function)
-    new.body = block(function.body)
-    return new
+    return with_body(function, block(function.body))
 
 
 def _multiplies(loop: AST) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from s2sad.infer.infer import Typing, learn
 from s2sad.rules.rule import number
-from s2sad.tree import AST, BinOp, Div, FunctionDef, at, call, copy, rebuild
+from s2sad.tree import AST, BinOp, Div, FunctionDef, at, call, rebuild, with_body
 
 
 def quotients(function: FunctionDef, typing: Typing) -> FunctionDef:
@@ -23,6 +23,4 @@ def quotients(function: FunctionDef, typing: Typing) -> FunctionDef:
         return function
     typing = Typing(dict(typing.table), lambda kernel, types: (), typing.report, typing.constants)
     learn(function.body, typing)    # names that passes have made since
-    new = copy(function)
-    new.body = [rebuild(s, change) for s in function.body]
-    return new
+    return with_body(function, [rebuild(s, change) for s in function.body])

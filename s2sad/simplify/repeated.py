@@ -18,7 +18,7 @@ from s2sad.infer.infer import Typing
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Constant, Div, FunctionDef, Mult, Pow, Sub, UnaryOp,
-    assign, at, call_name, copy, dump, is_comment, name, names, rebuild, walk,
+    assign, at, call_name, copy, dump, is_comment, name, names, rebuild, walk, with_body,
 )
 
 _DEAR = {f"numpy.{f}" for f in ("exp", "expm1", "log", "log1p", "log2", "log10", "sin", "cos", "tan", "sinh", "cosh",
@@ -40,9 +40,7 @@ def repeated(function: FunctionDef, mark: str, typing: Typing, free: Names) -> F
     start = next((k for k, s in enumerate(function.body) if is_comment(s) and s.value.value == mark), None)
     if start is None:
         return function
-    new = copy(function)
-    new.body = function.body[:start] + _block(function.body[start:], typing, free)
-    return new
+    return with_body(function, function.body[:start] + _block(function.body[start:], typing, free))
 
 
 def _block(block: list[AST], typing: Typing, free: Names) -> list[AST]:

@@ -32,8 +32,8 @@ from s2sad.simplify.bounds import Counted, changed, counted, is_straight, shifte
 from s2sad.simplify.extents import Extents
 from s2sad.simplify.whole import is_whole, with_counters
 from s2sad.tree import (
-    AST, BinOp, BoolOp, Call, Compare, For, FunctionDef, Gt, If, IfExp, Lt, Mod, Name, Subscript, add, assign, at, call,
-    children, compare, const, copy, counted_for, dump, name, names, rebuild, sub, walk,
+    AST, BinOp, BoolOp, Call, Compare, For, FunctionDef, Gt, If, IfExp, Lt, Mod, Name, Subscript, add, assign, at,
+    call, children, compare, const, copy, counted_for, dump, name, names, rebuild, sub, walk, with_body,
 )
 
 _FURTHEST = 4
@@ -57,9 +57,7 @@ def turned(function: FunctionDef, types: Mapping[str, Type], free: Names | None 
             made += [_if_run(loop, [*before, *loops])] if before else loops
         extents.equal = known
         return made
-    new = copy(function)
-    new.body = block(function.body, [])
-    return new
+    return with_body(function, block(function.body, []))
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from collections import Counter
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, BinOp, Call, Compare, Constant, For, FunctionDef, Name, Subscript, UnaryOp,
-    assign, attribute, call, call_name, const, copy, dump, index, is_comment, name, names, rename, walk,
+    assign, attribute, call, call_name, const, dump, index, is_comment, name, names, rename, walk, with_body,
 )
 
 _FRESH = {"numpy.where", "numpy.sum", "numpy.outer", "numpy.copy", "numpy.matmul", "numpy.exp"}
@@ -31,9 +31,7 @@ def uncopied(function: FunctionDef) -> FunctionDef:
             shorter = _read_in_place(made, position, mentions)
             made, position = shorter or made, position + (shorter is None)
         return made
-    new = copy(function)
-    new.body = block(function.body)
-    return new
+    return with_body(function, block(function.body))
 
 
 def _read_in_place(block: list[AST], position: int, mentions: Counter[str]) -> list[AST] | None:

@@ -14,8 +14,8 @@ from collections.abc import Callable
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, Constant, Expr, FunctionDef, Name, Subscript, call_name, copy, dump, name, names,
-    stored_names, walk,
+    AST, Assign, AugAssign, Call, Constant, Expr, FunctionDef, Name, Subscript, call_name, dump, name, names,
+    stored_names, walk, with_body,
 )
 
 Writes = Callable[[Call], list[str]]
@@ -24,9 +24,7 @@ Pure = Callable[[Call], bool]
 
 def undone(function: FunctionDef, writes: Writes, pure: Pure) -> FunctionDef:
     """The function without such stores."""
-    new = copy(function)
-    new.body = _Undone(writes, pure).block(function.body)
-    return new
+    return with_body(function, _Undone(writes, pure).block(function.body))
 
 
 class _Undone:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from s2sad.infer.types import Type
 from s2sad.tree import (
     AST, BinOp, Compare, Div, FunctionDef, Gt, IfExp, Name, NotEq, at, call, call_name, compare, const, copy, dump,
-    rebuild,
+    rebuild, with_body,
 )
 
 
@@ -27,9 +27,7 @@ def unguarded(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDef:
             return None
         test = compare(call("builtins.abs", copy(divisor)), Gt(), const(0.0))
         return at(IfExp(test, copy(quotient), copy(node)), node)
-    new = copy(function)
-    new.body = [rebuild(s, change) for s in function.body]
-    return new
+    return with_body(function, [rebuild(s, change) for s in function.body])
 
 
 def _guarded(node: AST) -> BinOp | None:
