@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import gc
 import os
 import platform
 import sys
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from importlib import metadata
 from typing import Any
 
@@ -80,7 +81,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         parser.print_help()
         return 2
     try:
-        return _cache(options) if options.command == "cache" else _run(parser, options)
+        with _few_collections():
+            return _cache(options) if options.command == "cache" else _run(parser, options)
     except S2sadError as refusal:
         print(refusal, file=sys.stderr)
         return 1
@@ -92,6 +94,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     except Exception as error:
         print(internal(error), file=sys.stderr)
         return 1
+
+
+@contextmanager
+def _few_collections() -> Iterator[None]:
+    """Trees have no cycles: the collector, which would go through all of them again and again, finds nothing there."""
+    first, *others = gc.get_threshold()
+    gc.set_threshold(first and max(first, 200_000), *others)
+    try:
+        yield
+    finally:
+        gc.set_threshold(first, *others)
 
 
 @deep_stack
