@@ -39,26 +39,45 @@ class Network:
         self.residual.setdefault(a, {})[b] = self.residual.get(a, {}).get(b, 0) + capacity
         self.residual.setdefault(b, {}).setdefault(a, 0)
 
-    def _path(self) -> dict[str, str]:
-        came = {"<": "<"}
+    def _distances(self) -> dict[str, int]:
+        """How many arcs each node that can still be reached is away from the sources."""
+        found = {"<": 0}
         waiting = deque(["<"])
         while waiting:
             here = waiting.popleft()
             for there, capacity in self.residual[here].items():
-                if capacity > 0 and there not in came:
-                    came[there] = here
+                if capacity > 0 and there not in found:
+                    found[there] = found[here] + 1
                     waiting.append(there)
-        return came
+        return found
+
+    def _fill(self, distances: dict[str, int]) -> None:
+        """Sends what the shortest paths take; an arc that leads no further is not tried again."""
+        untried = {here: list(self.residual[here]) for here in distances}
+        path = ["<"]
+        while path:
+            here = path[-1]
+            if here == ">":
+                arcs = list(zip(path, path[1:]))
+                flow = min(self.residual[a][b] for a, b in arcs)
+                for a, b in arcs:
+                    self.residual[a][b] -= flow
+                    self.residual[b][a] += flow
+                full = next(k for k, (a, b) in enumerate(arcs) if not self.residual[a][b])
+                del path[full + 1:]
+            elif untried[here]:
+                there = untried[here][-1]
+                if self.residual[here][there] > 0 and distances.get(there) == distances[here] + 1:
+                    path.append(there)
+                else:
+                    untried[here].pop()
+            else:
+                path.pop()
+                if path:
+                    untried[path[-1]].pop()
 
     def least_cut(self) -> list[str]:
-        """The nodes of a least cut, in the order of their making (Edmonds, Karp, J. ACM 19, 1972)."""
-        while ">" in (came := self._path()):
-            path, here = [], ">"
-            while here != "<":
-                path.append((came[here], here))
-                here = came[here]
-            flow = min(self.residual[a][b] for a, b in path)
-            for a, b in path:
-                self.residual[a][b] -= flow
-                self.residual[b][a] += flow
-        return [n for n in self.weights if "in " + n in came and "out " + n not in came]
+        """The nodes of a least cut, in the order of their making (Dinic, Soviet Math. Doklady 11, 1970)."""
+        while ">" in (distances := self._distances()):
+            self._fill(distances)
+        return [n for n in self.weights if "in " + n in distances and "out " + n not in distances]

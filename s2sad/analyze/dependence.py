@@ -36,6 +36,24 @@ class Reference:
         return cls(node.value.id, tuple(kept), statement)
 
 
+class _Primed(dict[str, str]):
+    """Names for the later instance of everything that differs between iterations of loops not shared."""
+
+    def __init__(self, structure: Structure, shared: list[AST], later: Reference):
+        self.structure, self.shared = structure, {id(loop) for loop in shared}
+        self.around = {loop.target.id for loop in structure.place(later.statement).loops
+                       if isinstance(loop, For) and id(loop) not in self.shared}
+
+    def __missing__(self, number: str) -> str:
+        self[number] = number + "'" if number in self.around or self._differs(number) else number
+        return self[number]
+
+    def _differs(self, number: str) -> bool:
+        bound = self.structure.bindings.get(number)
+        return bound is not None and number not in self.structure.loop_of and any(
+            id(loop) not in self.shared for loop in self.structure.place(bound[0]).loops)
+
+
 class Dependence:
     """Answers about the references of one function."""
 
@@ -197,7 +215,7 @@ class Dependence:
 
     def _overlap(self, first: Reference, later: Reference, common: list[AST], level: int) -> bool:
         """The case in which the common loops are equal up to `level` and the next one is further on."""
-        primed = self._primed(common[:level], later)
+        primed = _Primed(self.structure, common[:level], later)
         cells: list[list[tuple[Affine, Affine, list[Affine]]]] = []
         for axis in range(min(len(first.subscripts), len(later.subscripts))):
             options = []
@@ -222,19 +240,6 @@ class Dependence:
         if not isinstance(step, int):
             return []
         return [at_most(here.shift(1), there) if step > 0 else at_most(there.shift(1), here)]
-
-    def _primed(self, shared: list[AST], later: Reference) -> dict[str, str]:
-        """Names for the later instance of everything that differs between iterations of loops not shared."""
-        def differs(loops: tuple[AST, ...]) -> bool:
-            return any(not any(loop is s for s in shared) for loop in loops)
-
-        around = self.structure.place(later.statement).loops
-        primed = {loop.target.id: loop.target.id + "'" for loop in around
-                  if isinstance(loop, For) and differs((loop,))}
-        for number, bound in self.structure.bindings.items():
-            if number not in self.structure.loop_of and differs(self.structure.place(bound[0]).loops):
-                primed[number] = number + "'"
-        return primed
 
     def covers(self, loop: For, store: AST, reference: Reference) -> bool:
         """Whether a nest of loops, with `loop` the outermost, stores into every cell of an array."""

@@ -5,6 +5,7 @@ say "perhaps" where there is none, never the reverse.
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import gcd
 
@@ -44,8 +45,8 @@ class Affine:
     def shift(self, number: int) -> Affine:
         return Affine(self.terms, self.constant + number)
 
-    def renamed(self, mapping: dict[str, str]) -> Affine:
-        return Affine.of({mapping.get(s, s): c for s, c in self.terms}, self.constant)
+    def renamed(self, mapping: Mapping[str, str]) -> Affine:
+        return Affine.of({mapping[s]: c for s, c in self.terms}, self.constant)
 
 
 def combined(op: AST, left: Affine | None, right: Affine | None) -> Affine | None:

@@ -16,6 +16,8 @@ negative and an exponent is a float: Python's integers have such powers, an arra
 """
 from __future__ import annotations
 
+from collections import Counter
+
 from s2sad.normalize.calls import user_call
 from s2sad.normalize.columns import column, column_kind, number, rows
 from s2sad.normalize.hoist import constant_index
@@ -31,15 +33,15 @@ _THROUGH = ("builtins.len", "builtins.enumerate", "builtins.zip", "builtins.reve
 
 def tables(function: FunctionDef, scope: Scope) -> FunctionDef:
     new = _named(_zipped(function, scope), scope)
-    bound = [n.id for n in walk(new) if isinstance(n, Name) and isinstance(n.ctx, Store)]
-    for word in dict.fromkeys(bound):
-        statement = next((s for s in walk(new.body) if _binds(s, word)), None)
-        width = len(_Table(word, statement, scope).columns) if statement is not None and bound.count(word) == 1 else 0
+    times = Counter(n.id for n in walk(new) if isinstance(n, Name) and isinstance(n.ctx, Store))
+    for word in [w for s in walk(new.body) if (w := _bound_by(s)) and times[w] == 1 and rows(s.value)]:
+        statement = _binding(new, word)
+        width = len(_Table(word, statement, scope).columns) if statement is not None else 0
         if not width:
             continue
         new = _spread(new, word, width, scope)
-        if _is_read_as_table(word, width, new):
-            statement = next(s for s in walk(new.body) if _binds(s, word))
+        statement = _binding(new, word)
+        if statement is not None and _is_read_as_table(word, width, new):
             new = _Table(word, statement, scope).made(new)
     return new
 
@@ -90,9 +92,14 @@ def _is_row(node: AST | None, word: str) -> bool:
         node.slice, (Slice, Tuple))
 
 
-def _binds(statement: AST, word: str) -> bool:
+def _bound_by(statement: AST) -> str | None:
+    """The name that an assignment to one name binds."""
     target = statement.targets[0] if isinstance(statement, Assign) and len(statement.targets) == 1 else None
-    return isinstance(target, Name) and target.id == word
+    return target.id if isinstance(target, Name) else None
+
+
+def _binding(function: FunctionDef, word: str) -> Assign | None:
+    return next((s for s in walk(function.body) if _bound_by(s) == word), None)
 
 
 def _named(function: FunctionDef, scope: Scope) -> FunctionDef:
@@ -105,6 +112,8 @@ def _named(function: FunctionDef, scope: Scope) -> FunctionDef:
     for node in walk(function.body):
         if isinstance(node, Subscript) and names(node.slice) and is_table(node.value) and dump(node.value) not in made:
             made[dump(node.value)] = scope.fresh("table"), node.value
+    if not made:
+        return function
 
     def change(node: AST) -> AST | None:
         picked = node.value if isinstance(node, Subscript) else node.args[0] if call_name(

@@ -10,6 +10,8 @@ several of its name.
 """
 from __future__ import annotations
 
+from collections import Counter
+
 from s2sad.analyze.liveness import base_name, read_names
 from s2sad.normalize.form import ALLOCATIONS
 from s2sad.tree import (
@@ -21,10 +23,10 @@ from s2sad.tree import (
 def workspace(function: FunctionDef) -> FunctionDef:
     """The function with its allocations as far out as their shapes allow."""
     known = {p.id for p in function.args.args}
-    allocated = [s.targets[0].id for s in walk(function.body) if is_allocation(s)]
+    allocated = Counter(s.targets[0].id for s in walk(function.body) if is_allocation(s))
     if not allocated:
         return with_body(function, function.body)
-    return with_body(function, _block(function.body, known, {n for n in allocated if allocated.count(n) > 1}))
+    return with_body(function, _block(function.body, known, {n for n, times in allocated.items() if times > 1}))
 
 
 def _block(block: list[AST], known: set[str], several: set[str]) -> list[AST]:

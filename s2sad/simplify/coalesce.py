@@ -174,7 +174,8 @@ def split(function: FunctionDef, temporaries: set[str], names: Names, typing: Ty
         return function
     first, second = function.body[:start], function.body[start:]
     counted = {s.target.id for s in walk(second) if isinstance(s, AugAssign) and isinstance(s.target, Name)}
-    both = [n for n in stored_names(second) if n in temporaries - counted and n in set(stored_names(first))]
+    apart = (temporaries - counted) & set(stored_names(first))
+    both = [n for n in stored_names(second) if n in apart]
     mapping = {n: names.fresh(names.wanted.get(n, n)) for n in both}
     typing.table.update({made: typing.table[n] for n, made in mapping.items()})
     return with_body(function, first + rename(second, mapping))

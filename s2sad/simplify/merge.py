@@ -23,20 +23,29 @@ def merge(function: FunctionDef) -> FunctionDef:
 
 def _block(block: list[AST]) -> list[AST]:
     block = [with_blocks(s, _block) for s in block]
+    mentioned = [_mentioned(s) for s in block]
     position = 0
     while position < len(block):
         statement = block[position]
         if _is_zero(statement):
-            user = next((k for k in range(position + 1, len(block)) if _mentions(block[k], statement.targets[0].id)),
-                        None)
+            user = _first(mentioned, position + 1, statement.targets[0].id)
             if user is not None and _adds(block[user], statement.targets[0].id):
                 block[user] = _bound(block[user])
-                del block[position]
+                del block[position], mentioned[position]
                 continue
         elif _is_cleared(statement):
-            block = _refilled(block, position)
+            _refill(block, mentioned, position)
         position += 1
     return _joined(block)
+
+
+def _mentioned(statement: AST) -> set[str]:
+    return {n.id for n in walk(statement) if isinstance(n, Name)}
+
+
+def _first(mentioned: list[set[str]], start: int, identifier: str) -> int | None:
+    """Where a name is mentioned first from a place of a block on."""
+    return next((k for k in range(start, len(mentioned)) if identifier in mentioned[k]), None)
 
 
 def _is_cleared(statement: AST) -> bool:
@@ -46,29 +55,31 @@ def _is_cleared(statement: AST) -> bool:
             and statement.value.value == 0.0)
 
 
-def _refilled(block: list[AST], position: int) -> list[AST]:
-    """The block in which a cleared element that gains again is bound to the gain: before all other gains of its array,
-    which may be to the same element."""
+def _refill(block: list[AST], mentioned: list[set[str]], position: int) -> None:
+    """Binds a cleared element of a block that gains again to the gain: before all other gains of its array, which may
+    be to the same element."""
     place = block[position].targets[0]
     array = base_name(place)
-    first = next((k for k in range(position + 1, len(block)) if _mentions(block[k], array)), None)
+    first = _first(mentioned, position + 1, array)
     if first is None or set(names(place)) & {n for s in block[position + 1:first] for n in touched(s)}:
-        return block
+        return
     bound: set[str] = set()
     for k in range(first, len(block)):
         item = block[k]
-        if _mentions(item, array):
+        if array in mentioned[k]:
             if not _gains(item, array):
-                return block
+                return
             if dump(item.target) == dump(place):
                 if bound & ({*names(item.value)} | {*names(place)}):
-                    return block
-                new = at(assign(place, item.value if isinstance(item.op, Add) else negate(item.value)), item)
-                return [*block[:position], *block[position + 1:first], new, *block[first:k], *block[k + 1:]]
+                    return
+                del block[k], block[position], mentioned[position]
+                block.insert(first - 1, at(assign(
+                    place, item.value if isinstance(item.op, Add) else negate(item.value)), item))
+                mentioned.insert(first - 1, mentioned.pop(k - 1))
+                return
         elif not isinstance(item, (Assign, AugAssign)):
-            return block
+            return
         bound |= touched(item) - {array}
-    return block
 
 
 def _gains(statement: AST, array: str) -> bool:
@@ -107,10 +118,6 @@ def _is_zero(statement: AST) -> bool:
     return (isinstance(statement, Assign) and isinstance(statement.targets[0], Name)
             and isinstance(statement.value, Constant) and type(statement.value.value) is float
             and statement.value.value == 0.0)
-
-
-def _mentions(statement: AST, identifier: str) -> bool:
-    return any(isinstance(n, Name) and n.id == identifier for n in walk(statement))
 
 
 def _adds(statement: AST, identifier: str) -> bool:
