@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import ast as _ast
 import math
+import threading
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
@@ -333,15 +334,35 @@ def equal(a: AST, b: AST) -> bool:
 
 # -- changing -------------------------------------------------------------------------------------------------------
 
-def _rebuild(node: Any, change: Callable[[AST], AST | None]) -> Any:
+Change = Callable[[AST], "AST | None"]
+_Made = dict[int, tuple[Any, Change, Any]]      # by `id`: a node, the change, and what it is with that change
+
+
+class _Nested(threading.local):
+    """What a change that runs now has itself rebuilt; None outside."""
+    made: _Made | None = None
+
+
+_nested = _Nested()
+
+
+def _rebuild(node: Any, change: Change, known: _Made) -> Any:
+    if known and (found := known.get(id(node))) is not None and found[1] == change:
+        return found[2]
     if isinstance(node, list):
-        return [_rebuild(item, change) for item in node]
+        return [_rebuild(item, change, known) for item in node]
     if not isinstance(node, AST):
         return node
-    changed = change(node)
+    own: _Made = {}
+    around, _nested.made = _nested.made, own
+    try:
+        changed = change(node)
+    finally:
+        _nested.made = around
     if changed is not None:
         return changed
-    return _replica(node, lambda item: _rebuild(item, change))
+    below = {**known, **own} if own else known
+    return _replica(node, lambda item: _rebuild(item, change, below))
 
 
 def _replica(node: AST, below: Callable[[Any], Any]) -> AST:
@@ -386,7 +407,7 @@ def substitute(node: Any, mapping: Mapping[str, AST]) -> Any:
         if isinstance(n, Name) and n.id in mapping and not isinstance(n.ctx, Store):
             return copy(mapping[n.id])
         return None
-    return _rebuild(node, change)
+    return _rebuild(node, change, {})
 
 
 def rename(node: Any, mapping: Mapping[str, str]) -> Any:
@@ -395,9 +416,16 @@ def rename(node: Any, mapping: Mapping[str, str]) -> Any:
         if isinstance(n, Name) and n.id in mapping:
             return gast.copy_location(Name(mapping[n.id], n.ctx, None, None), n)
         return None
-    return _rebuild(node, change)
+    return _rebuild(node, change, {})
 
 
-def rebuild(node: Any, change: Callable[[AST], AST | None]) -> Any:
-    """A copy in which every node for which `change` gives another is replaced by that, outermost first."""
-    return _rebuild(node, change)
+def rebuild(node: Any, change: Change) -> Any:
+    """A copy in which every node for which `change` gives another is replaced by that, outermost first.
+
+    What `change` has itself rebuilt below a node that it then leaves is not rebuilt once more: the time would double
+    with each such node in another.
+    """
+    made = _rebuild(node, change, {})
+    if _nested.made is not None:
+        _nested.made[id(node)] = node, change, made
+    return made
