@@ -7,7 +7,7 @@ the loops' bounds, the order of execution, and negative subscripts counted from 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
 
 from s2sad.analyze.resized import escapes, own_loops, within as within_loops
 from s2sad.analyze.structure import Structure
@@ -36,6 +36,15 @@ class Reference:
         return cls(node.value.id, tuple(kept), statement)
 
 
+@dataclass(frozen=True)
+class _Kind:
+    """The number of all references of which the same holds under other names of their `counters`; `free` are the other
+    names in it."""
+    number: int
+    counters: frozenset[str]
+    free: frozenset[str]
+
+
 class _Primed(dict[str, str]):
     """Names for the later instance of everything that differs between iterations of loops not shared."""
 
@@ -60,7 +69,10 @@ class Dependence:
     def __init__(self, structure: Structure):
         self.structure = structure
         self.extents: dict[str, list[Affine | None]] = {}
-        self._known: dict[tuple[str, ...], bool] = {}
+        self._known: dict[tuple[Reference, Reference, int, bool], bool] = {}
+        self._kinds: dict[Reference, _Kind] = {}
+        self._numbers: dict[tuple[tuple[Affine | None, ...], ...], int] = {}
+        self._apart: dict[tuple[int, int], bool] = {}
         self._escapes: dict[str, bool] = {}
 
     # -- affine forms ------------------------------------------------------------------------------------------------
@@ -173,8 +185,7 @@ class Dependence:
         """
         if first.array != later.array:
             return False
-        key = (dump(list(first.subscripts)), dump(list(later.subscripts)), str(id(first.statement)),
-               str(id(later.statement)), str(id(within)), str(same))
+        key = first, later, id(within), same
         if key not in self._known:
             self._known[key] = self._may(first, later, within, same)
         return self._known[key]
@@ -213,8 +224,31 @@ class Dependence:
             self._escapes[array] = escapes(self.structure, array)
         return self._escapes[array]
 
+    def _kind(self, reference: Reference) -> _Kind:
+        if reference not in self._kinds:
+            axes = [self.subscript_cases(reference, axis) for axis in range(len(reference.subscripts))]
+            forms = [tuple(self.bounds(reference))]
+            for cases in axes:
+                forms += [(None,), *((form, *held) for form, held in cases)]    # None begins an axis
+            counters = [loop.target.id for loop in self.structure.place(reference.statement).loops
+                        if isinstance(loop, For)]
+            used = {s for form in chain(*forms) if form is not None for s, _ in form.terms}
+            names = {s: s for s in used} | {c: f"{k}" for k, c in enumerate(counters)}
+            said = tuple(tuple(form and form.renamed(names) for form in held) for held in forms)
+            self._kinds[reference] = _Kind(self._numbers.setdefault(said, len(self._numbers)), frozenset(counters),
+                                           frozenset(used - {*counters}))
+        return self._kinds[reference]
+
     def _overlap(self, first: Reference, later: Reference, common: list[AST], level: int) -> bool:
         """The case in which the common loops are equal up to `level` and the next one is further on."""
+        a, b = self._kind(first), self._kind(later)
+        if common or not a.counters.isdisjoint(b.free):
+            return self._meet(first, later, common, level)
+        if (a.number, b.number) not in self._apart:     # loops in turn ask the same for many statements
+            self._apart[a.number, b.number] = self._meet(first, later, common, level)
+        return self._apart[a.number, b.number]
+
+    def _meet(self, first: Reference, later: Reference, common: list[AST], level: int) -> bool:
         primed = _Primed(self.structure, common[:level], later)
         cells: list[list[tuple[Affine, Affine, list[Affine]]]] = []
         for axis in range(min(len(first.subscripts), len(later.subscripts))):

@@ -24,6 +24,7 @@ class Needs:
                        for t in question.writes(p.statement)]
         self.network = Network()
         self.loads: dict[str, list[Store]] = {}
+        self.mandatory: dict[str, list[tuple[AST, AST]]] = {}
         self.placement: dict[str, str] = {}
         self.first: set[str] = set()
 

@@ -53,8 +53,7 @@ class Planner(Placement):
         self.place_values()
         self.build(wanted, mandatory)
         self.choose(mandatory)
-        self.result.readers = {key: self.readers_of(key, mandatory)
-                               for key in (*self.result.recorded, *self.result.stores)}
+        self.result.readers = {key: self.readers_of(key) for key in (*self.result.recorded, *self.result.stores)}
         return self.result
 
     def build(self, wanted: list[tuple[str, AST]], mandatory: list[tuple[AST, AST]]) -> None:
@@ -92,7 +91,9 @@ class Planner(Placement):
             stored = self.result.reloaded.get(value.key)
             loads = self.value_loads(value) if stored is None else [
                 (targets(stored)[0], stored), *((x, stored) for x in loads_of(subscripts(stored), self.typing))]
-            self.loads[value.key] = [s for s in self.stores if any(self.conflict(s, x, y) for x, y in loads)]
+            by_array = _by_array(loads)
+            self.loads[value.key] = [s for s in self.stores if any(
+                self.conflict(s, x, y) for x, y in by_array.get(base_name(s.place), ()))]
         return self.loads[value.key]
 
     def conflict(self, store: Store, load: AST, statement: AST, itself: bool = False, again: bool = False) -> bool:
@@ -131,7 +132,9 @@ class Planner(Placement):
 
     def choose(self, mandatory: list[tuple[AST, AST]]) -> None:
         """The cut, and what of the rest is computed again and where."""
-        forced = {s.key for s in self.stores for load, statement in mandatory if self.destroys(s, load, statement)}
+        self.mandatory = _by_array(mandatory)
+        forced = {s.key for s in self.stores for load, statement in self.mandatory.get(base_name(s.place), ())
+                  if self.destroys(s, load, statement)}
         forced |= {s.key for s in self.stores for place, _ in self.rerun_places()
                    for load in reads(place.statement, self.typing)
                    if self.conflict(s, load, place.statement, again=True)}
@@ -153,13 +156,13 @@ class Planner(Placement):
                 self.result.early.setdefault(place.block, []).append(key)
         self.result.reloaded = {k: s for k, s in self.result.reloaded.items() if k in self.kept(cut)}
 
-    def readers_of(self, key: str, mandatory: list[tuple[AST, AST]]) -> list[AST]:
+    def readers_of(self, key: str) -> list[AST]:
         """The statements whose reversal needs what is recorded under a key, in the order of the text."""
         found: list[AST] = []
         waiting, seen = [key], {key}
         store = self.result.stores.get(key)
         if store is not None:
-            found += [s for load, s in mandatory if self.destroys(store, load, s)]
+            found += [s for load, s in self.mandatory.get(base_name(store.place), ()) if self.destroys(store, load, s)]
             found += [p.statement for p, _ in self.rerun_places() for load in reads(p.statement, self.typing)
                       if self.conflict(store, load, p.statement, again=True)]
             waiting = [k for k, v in self.result.values.items() if self.placement[k] != "lost"
@@ -207,6 +210,14 @@ class Planner(Placement):
     def spoils(self, statement: AST) -> bool:
         """Whether a statement's own store can destroy what its adjoint reads."""
         return isinstance(statement, (Assign, AugAssign, Expr)) and not self.q.after(statement)
+
+
+def _by_array(loads: list[tuple[AST, AST]]) -> dict[str, list[tuple[AST, AST]]]:
+    """Loads with their statements, by the array."""
+    found: dict[str, list[tuple[AST, AST]]] = {}
+    for load, statement in loads:
+        found.setdefault(base_name(load), []).append((load, statement))
+    return found
 
 
 def weight_of(snapshot: Snapshot, structure: Structure) -> int:
