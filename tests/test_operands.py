@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import s2sad
+from tests.engines import said
 
 INTEGER = "make it an integer: int(...), or // in place of /"
 INDEX = "make it an integer: x[int(k)]; what lies in one list with floats is a float"
@@ -307,3 +308,25 @@ def element_of_rows(u, v):
 def test_an_array_is_no_element():
     with pytest.raises(s2sad.S2sadError, match=r"S203.*: float64\[:\] is stored in an element"):
         s2sad.gradient(element_of_rows, "u")(np.ones((2, 1)), np.zeros(2))
+
+
+def element(u, k):
+    return u[k] ** 2
+
+
+def stored(u, k):
+    v = np.zeros(3)
+    v[k > 1] = u[0]
+    return np.sum(v)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_an_array_is_not_indexed_with_a_bool(engine):
+    """NumPy makes another axis of it, Numba has no such index."""
+    u = np.array([0.5, -1.5, 2.0])
+    for kernel, k, expected in (
+            (element, True, "the argument 'k' is a bool, and an index is an integer: give an int, or write int(k)"),
+            (stored, 2, f"a bool, where an index is an integer: {INDEX}")):
+        with pytest.raises(s2sad.S2sadError) as error:
+            s2sad.gradient(s2sad.differentiate(kernel, engine=engine), wrt="u")(u, k)
+        assert said(error.value) == expected

@@ -66,8 +66,24 @@ def in_a_local_array(x, b):
     return s
 
 
+def rows(x, b):
+    c = np.outer(b, b)
+    s = 0.0
+    for i in range(x.shape[0]):
+        s += np.sum(x[i] * c[0])
+    return s
+
+
+def rows_that_are_picked(x, b):
+    chosen = np.array([1, 0])
+    s = 0.0
+    for i in range(x.shape[0]):
+        s += np.sum(x[i] * b[chosen])
+    return s
+
+
 ARRAYS = (broadcast, broadcast_column, elements, one_element_each, with_number, scattered, picked, in_steps,
-          in_a_local_array)
+          in_a_local_array, rows, rows_that_are_picked)
 
 
 def of_arrays(x, a):
@@ -105,6 +121,21 @@ def test_long_sums(kernel, engine):
 def test_derivatives(kernel, engine):
     x, b = given(3)
     check_derivatives(kernel, (x.astype("f4"), b.astype("f4")), ("x", "b"), ("return",), engine)
+
+
+def element_that_may_not_be(x, b, k):
+    s = x[0, 0]
+    for i in range(x.shape[0]):
+        if k < b.size:
+            s += x[i, 0] * b[k]
+    return s
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_a_place_that_no_turn_reads_is_not_read_behind_the_loop(engine):
+    x, b = given(3)
+    for k in (1, 7):
+        check_derivatives(element_that_may_not_be, (x.astype("f4"), b.astype("f4"), k), ("x", "b"), ("return",), engine)
 
 
 def test_elements_that_gain_once_have_no_sum():

@@ -56,7 +56,8 @@ class Operands:
                 return
         for what, operand in _operands(node):
             kind = self.typing.of(operand)
-            if _is_wrong(kind, what):
+            if _is_wrong(kind, what) or what == PLACE and kind.dtype == "bool" and kind.is_number and (
+                    self.typing.of(node.value).is_array):
                 self._refuse(operand if getattr(operand, "lineno", None) else node, operand, kind, what)
 
     def _refuse(self, place: AST, operand: AST, kind: Type, what: str) -> None:
@@ -141,5 +142,7 @@ def _listed(node: AST) -> list[AST]:
 def _described(kind: Type) -> str:
     if kind.is_array:
         return f"an array of {kind.dtype}"
+    if kind.dtype == "bool":
+        return "a bool"
     said = {"none": "None", "text": "a str", "tuple": "a list or tuple"}
     return said.get(kind.kind) or ("a complex number" if kind.is_complex else "a float")

@@ -9,7 +9,8 @@
     for i in range(n):                          sum = 0.0
         p_bar[0] += x[i] * seed                 for i in range(n):
                                                     sum += x[i] * seed
-                                                p_bar[0] += sum
+                                                if sum != 0.0:
+                                                    p_bar[0] += sum
 
     b_bar[...] += np.sum(seed, axis=0)          b_bar[...] += np.sum(seed, axis=0, dtype=np.float64)
 
@@ -32,10 +33,10 @@ from s2sad.infer.laws import whole_number
 from s2sad.infer.types import FLOAT
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, Call, Constant, FloorDiv, For, FunctionDef, If, Mod, Name, Slice, Store, Sub,
-    Subscript, While,
-    assign, at, attribute, augment, call, call_name, const, copy, dump, index, indices, keyword, name, names, rebuild,
-    rename, stored_names, walk,
+    AST, Add, Assign, AugAssign, BinOp, Call, Constant, FloorDiv, For, FunctionDef, If, Mod, Name, NotEq, Slice, Store,
+    Sub, Subscript, While,
+    assign, at, attribute, augment, call, call_name, compare, const, copy, dump, index, indices, keyword, name, names,
+    rebuild, rename, stored_names, walk,
 )
 
 _FEW = 64       # so many gains, one after the other, lose no more than some units in the last place
@@ -93,12 +94,13 @@ def _loop(loop: AST, single: set[str], typing: Typing, free: Names) -> list[AST]
                 nest.repeats(s.target, around) for s, around in gains):
             continue
         places = {dump(s.target): s.target for s, _ in gains}
-        if all(nest.stays(p) for p in places.values()):
+        if all(nest.stays(p) and typing.of(p).is_number for p in places.values()):
             for key, place in places.items():
                 total = free.fresh(f"{array}_sum")
                 typing.table[total] = FLOAT
                 before.append(at(assign(total, const(0.0)), loop))
-                after.append(at(augment(copy(place), Add(), name(total)), loop))
+                gained = at(augment(copy(place), Add(), name(total)), loop)     # a loop without turns has no place
+                after.append(at(If(compare(name(total), NotEq(), const(0.0)), [gained], []), loop))
                 loop = _with_total(loop, key, total)
         elif not any(nest.is_part(p) for p in places.values()):
             total = free.fresh(f"{array}_sum")
