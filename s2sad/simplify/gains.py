@@ -9,6 +9,8 @@ Compilers cannot do it: for all they know a store to a shadow changes what the o
 """
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 from s2sad.analyze.liveness import base_name, touched
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
@@ -40,16 +42,36 @@ def _is_plain(statement: AST) -> bool:
     return is_comment(statement) or isinstance(statement, (Assign, AugAssign)) and not calls
 
 
+@dataclass
+class _Found:
+    """A statement of a run: whether it is a gain, of which element and array, the names that it reads and writes."""
+    statement: AST
+    is_gain: bool
+    element: str
+    array: str
+    reads: set[str]
+    stored: set[str]
+
+
+def _found(statement: AST) -> _Found:
+    gain = _is_gain(statement)
+    element, array = (dump(statement.target), base_name(statement.target)) if gain else ("", "")
+    return _Found(statement, gain, element, array, set(names(statement)), touched(statement))
+
+
 def _joined(run: list[AST]) -> list[AST]:
-    position = 0
-    while position < len(run):
-        later = _partner(run, position) if _is_gain(run[position]) else None
+    found, position = [_found(s) for s in run], 0
+    while position < len(found):
+        first = found[position]
+        later = _partner(found, position) if first.is_gain else None
         if later is None:
             position += 1
             continue
-        first, second = run[position], run[later]
-        run = [*run[:position], *run[position + 1:later], at(_sum(first, second), second), *run[later + 1:]]
-    return run
+        second = found[later]
+        made = at(_sum(first.statement, second.statement), second.statement)
+        found[later] = replace(second, statement=made, reads=first.reads | second.reads)
+        del found[position]
+    return [f.statement for f in found]
 
 
 def _is_gain(statement: AST) -> bool:
@@ -58,19 +80,17 @@ def _is_gain(statement: AST) -> bool:
             and not isinstance(statement.value, IfExp))
 
 
-def _partner(run: list[AST], position: int) -> int | None:
+def _partner(run: list[_Found], position: int) -> int | None:
     """The next gain of the same element that a gain may join."""
     gain = run[position]
-    array, reads = base_name(gain.target), {*names(gain.value), *names(gain.target)}
     for later in range(position + 1, len(run)):
-        statement = run[later]
-        if _is_gain(statement) and dump(statement.target) == dump(gain.target):
+        other = run[later]
+        if other.is_gain and other.element == gain.element:
             return later
-        stored = touched(statement)
-        touches = array in names(statement) or array in stored
-        if touches and not (_is_gain(statement) and base_name(statement.target) == array):
+        touches = gain.array in other.reads or gain.array in other.stored
+        if touches and not (other.is_gain and other.array == gain.array):
             return None
-        if (stored - {array}) & reads:
+        if (other.stored - {gain.array}) & gain.reads:
             return None
     return None
 

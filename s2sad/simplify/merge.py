@@ -23,6 +23,8 @@ def merge(function: FunctionDef) -> FunctionDef:
 
 def _block(block: list[AST]) -> list[AST]:
     block = [with_blocks(s, _block) for s in block]
+    if not any(_is_zero(s) or _is_cleared(s) for s in block):
+        return _joined(block)
     mentioned = [_mentioned(s) for s in block]
     position = 0
     while position < len(block):

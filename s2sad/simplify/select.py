@@ -36,13 +36,14 @@ class _Select:
 
     def __init__(self, bound: set[str]):
         self.bound = bound
+        self.binding: dict[int, tuple[AST, set[str]]] = {}      # branches with what they bind, asked for by all around
 
     def block(self, block: list[AST]) -> list[AST]:
         made: list[AST] = []
         for statement in block:
             chosen = self.chosen(statement) if isinstance(statement, If) else None
             made += [self.inside(statement)] if chosen is None else chosen
-            self.bound |= _binds(chosen or [statement])
+            self.bound |= self.binds(chosen or [statement])
         return made
 
     def inside(self, statement: AST) -> AST:
@@ -80,16 +81,17 @@ class _Select:
         value = statement.value
         return isinstance(value, IfExp) or all("." in n or n in self.bound for n in names(value))
 
-
-def _binds(block: list[AST]) -> set[str]:
-    """The names that statements bind on every way through them."""
-    found: set[str] = set()
-    for statement in block:
-        if isinstance(statement, If):
-            found |= _binds(statement.body) & _binds(statement.orelse)
-        elif isinstance(statement, (Assign, AugAssign)):
-            found |= set(stored_names(statement))
-    return found
+    def binds(self, block: list[AST]) -> set[str]:
+        """The names that statements bind on every way through them."""
+        found: set[str] = set()
+        for statement in block:
+            if isinstance(statement, If):
+                if id(statement) not in self.binding:
+                    self.binding[id(statement)] = statement, self.binds(statement.body) & self.binds(statement.orelse)
+                found |= self.binding[id(statement)][1]
+            elif isinstance(statement, (Assign, AugAssign)):
+                found |= set(stored_names(statement))
+        return found
 
 
 def _values(block: list[AST]) -> dict[str, AST] | None:
