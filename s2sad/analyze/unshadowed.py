@@ -30,18 +30,19 @@ def unshadowed(structure: Structure, found: Activity, shadowed: set[str], call_e
         (place.statement, activity(function("_", [], [place.statement]), typing, set(), set(), call_edges).edges)
         for place in structure.places.values() if not isinstance(place.statement, (For, While, If))]
     stores: dict[str, AST] = {}
+    dependence = Dependence(structure)
     for array in lost:
         reads = [r for statement, edges in simple if any(a == array and b != array and b in found.useful
                                                          for a, b in edges) for r in _reads(array, statement)]
         for statement, edges in simple:
             if any(b == array and a != array and a in found.varied for a, b in edges) and any(
-                    _reaches(w, r, structure) for w in _writes(array, statement) for r in reads):
+                    _reaches(w, r, dependence) for w in _writes(array, statement) for r in reads):
                 stores.setdefault(array, statement)
     return stores
 
 
-def _reaches(write: Reference, read: Reference, structure: Structure) -> bool:
-    return Dependence(structure).may_overwrite(write, read, same=isinstance(_value(write.statement), Call))
+def _reaches(write: Reference, read: Reference, dependence: Dependence) -> bool:
+    return dependence.may_overwrite(write, read, same=isinstance(_value(write.statement), Call))
 
 
 def _value(statement: AST) -> AST | None:

@@ -86,8 +86,9 @@ class NormalForms(Calls):
             unit = self._prepared(specialised(source, pairs) if pairs else source, types, title)
             unit.pairs = pairs
             self.made[key] = self.titled[title] = unit
+            first = unit.read_first()
             self.effects.table[title] = Effect(
-                frozenset(k for k, p in enumerate(unit.function.args.args) if unit.first_use(p.id)),
+                frozenset(k for k, p in enumerate(unit.function.args.args) if p.id in first),
                 frozenset(unit.summary.written), unit.summary.pure,
                 frozenset(k for k, t in enumerate(types) if t.is_array))
         return self.made[key]

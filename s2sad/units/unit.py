@@ -51,7 +51,7 @@ class Unit:
         return Owner(self.title, self.kernel.own, dict(zip(parameters, self.types)), self.summary.results,
                      frozenset(parameters[k] for k in self.summary.written))
 
-    def first_use(self, parameter: str) -> bool:
-        """Whether the kernel may read what an array held at its start."""
+    def read_first(self) -> set[str]:
+        """The parameters whose content at its start the kernel may read."""
         live = Liveness(self.function, set(), lambda call: [], lambda call: False, strong=False)
-        return parameter in live.start
+        return live.start & {p.id for p in self.function.args.args}
