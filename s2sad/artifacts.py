@@ -265,8 +265,8 @@ def _description(value: Any) -> Any:
     """What tells a value from others in another process; raises Unkept where nothing does."""
     if value is ABSENT:
         return ("absent",)
-    if value is None or isinstance(value, (bool, int, float, complex, str)) or isinstance(value, np.number):
-        return "value", type(value).__name__, repr(value)
+    if value is None or isinstance(value, (int, float, complex, str, np.generic)):
+        return "value", type(value).__module__, type(value).__qualname__, _content(value)
     if type(value) is tuple:
         if len(value) > _LONGEST:
             raise Unkept
@@ -289,6 +289,14 @@ def _description(value: Any) -> Any:
     kind = type(value)
     names = [n if isinstance(n := getattr(value, a, None), str) else "" for a in ("__module__", "__name__")]
     return "object", kind.__module__, kind.__qualname__, *(names if callable(value) else ())
+
+
+def _content(value: Any) -> str:
+    """A number or string written out, whatever a class of the user's makes of `repr`."""
+    if isinstance(value, np.generic):
+        return f"{value.dtype.str} {value.tobytes().hex()}"
+    plain = next((c for c in (bool, int, float, complex, str) if isinstance(value, c)), type(None))
+    return plain.__repr__(value)
 
 
 def _of_code(code: CodeType) -> str:

@@ -28,7 +28,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 
 T = TypeVar("T")
 ABSENT: Any = type("Absent", (), {"__repr__": lambda self: "ABSENT"})()
-NUMBERS = (int, float)                  # Python's own: what may become an argument when it changes
+_WIDE = 2 ** 15                         # a product of four smaller numbers fits 64 bits
 Getter = Callable[[Any, Any], Any]      # (key, default), as a mapping's `get`
 
 
@@ -98,10 +98,20 @@ class Varying:
     def now(self) -> int | float:
         """The number now; raises S2sadError if it has become another kind of thing since the guards held."""
         found = self.get(self.key, ABSENT)
-        if type(found) is not type(self.value) or type(found) is int and not -2 ** 63 <= found < 2 ** 63:
+        if kind(found) is not type(self.value):
             raise S2sadError(Diagnostic("S405", f"'{self.key}', which the function reads from outside, became "
                                         f"{found!r} while its derivative was called", help="set it before the call"))
         return found
+
+
+def kind(value: Any) -> type | None:
+    """The type of a number that may become an argument when it changes, one of Python's own; None of all else. An
+    integer that is negative or wide stays a constant: as such it is a step backwards, and is computed with exactly.
+
+    >>> kind(0.5), kind(3), kind(-1), kind(2 ** 40), kind(True)
+    (<class 'float'>, <class 'int'>, None, None, None)
+    """
+    return type(value) if type(value) is float or type(value) is int and 0 <= value < _WIDE else None
 
 
 def current(value: Any) -> Any:
@@ -126,8 +136,8 @@ class Guards:
         if known is None:
             get = STEPS[step](holder)
             value, path = get(key, ABSENT), (self._paths.get(id(holder), (id(holder),)), step, key)
-            if type(value) in NUMBERS and path in self.varying:
-                self._compared.append((lambda key, default: type(get(key, default)), key, type(value)))
+            if kind(value) is not None and path in self.varying:
+                self._compared.append((lambda key, default: kind(get(key, default)), key, type(value)))
                 value = Varying(get, key, value)
             else:
                 self._compared.append((get, key, value))
@@ -148,9 +158,9 @@ class Guards:
 
     def changed(self, before: Guards) -> list[Path]:
         """The paths at which both took numbers of one type that are not the same."""
-        numbers = {g.path: g.value for g in before.places.values() if type(g.value) in NUMBERS}
+        numbers = {g.path: g.value for g in before.places.values() if kind(g.value)}
         return [g.path for g in self.places.values() if g.path in numbers
-                and type(g.value) is type(numbers[g.path]) and not same(g.value, numbers[g.path])]
+                and kind(g.value) is kind(numbers[g.path]) and not same(g.value, numbers[g.path])]
 
     def hold(self) -> bool:
         for get, key, value in self._compared:

@@ -347,6 +347,14 @@ def scaled_by_the_module(x, i):
 POWER = 2
 
 
+def of_a_square(x):
+    return x * (POWER * POWER)
+
+
+def of_an_integer(x):
+    return x * POWER
+
+
 def of_options(x):
     return np.sum(np.ones((AXES, 3)) * x, axis=AXES - 2)[0]
 
@@ -395,6 +403,25 @@ def test_integers_that_change(monkeypatch):
         monkeypatch.setattr(THIS, "POWER", power)
         total = RATE * 1.5 * (1.0 + 0.5 + 1.0 / 3.0)
         assert g(1.5, 3) == pytest.approx(power * total ** power / 1.5)
+
+
+@pytest.mark.skipif(not available(), reason="needs Numba")
+def test_integers_that_change_are_computed_with_exactly(monkeypatch):
+    g = s2sad.gradient(s2sad.differentiate(of_a_square, engine="numba"))
+    for power in (1, 2, 3, 4, 5, 2 ** 40, 6):
+        monkeypatch.setattr(THIS, "POWER", power)
+        if power < 2 ** 32:
+            assert g(1.0) == power ** 2
+        else:
+            with pytest.raises(s2sad.S2sadError, match="an integer that does not fit 64 bits"):
+                g(1.0)
+
+
+def test_integers_that_become_wide_are_constants_again(monkeypatch):
+    g = s2sad.gradient(s2sad.differentiate(of_an_integer, engine="numpy"))
+    for power in (1, 2, 3, 4, 5, 2 ** 62, 2 ** 63, 6, -1):
+        monkeypatch.setattr(THIS, "POWER", power)
+        assert g(1.0) == float(power)
 
 
 def test_the_dead_free_what_they_took():

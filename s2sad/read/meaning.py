@@ -224,11 +224,16 @@ def dotted(meaning: Meaning | None) -> str | None:
     return meaning.name if isinstance(meaning, Space) and not isinstance(meaning, Holder) else None
 
 
+_BINARY = ("add", "sub", "mul", "truediv", "floordiv", "mod", "divmod", "pow")
+_ARITHMETIC = [f"__{f}__" for f in (*_BINARY, *(f"r{f}" for f in _BINARY), "neg", "pos", "abs", "bool", "eq", "ne", "lt",
+                                    "le", "gt", "ge", "float", "int", "round", "trunc", "floor", "ceil")]
+
+
 def is_number(value: Any) -> bool:
     """Whether a value is computed with as Python's and NumPy's numbers of 64 bits are; a float32 counts as one."""
     kind = type(value)
     own = isinstance(value, (int, float)) and any(
-        getattr(kind, f) not in (getattr(int, f), getattr(float, f)) for f in ("__add__", "__mul__", "__rmul__"))
+        getattr(kind, f) not in (getattr(int, f), getattr(float, f)) for f in _ARITHMETIC)
     return kind in _SCALARS or isinstance(value, (int, float)) and not own or isinstance(
         value, complex) and bool(numpy.isfinite(value))
 
@@ -273,7 +278,7 @@ def value_meaning(name: str, value: Any, items: Any = None) -> Meaning:
     if isinstance(value, numpy.ndarray) and value.dtype.kind in "biufc" and value.dtype != numpy.complex64:
         return Array(name, value)
     if isinstance(value, str):
-        return Text(value)
+        return Text(str.__str__(value))     # of one of a class of the user's
     if isinstance(value, (complex, numpy.complexfloating)):
         return Unusable("a complex number that is not finite, or of 64 bits", "make it in the kernel")
     if isinstance(value, numpy.ndarray):
