@@ -166,9 +166,9 @@ class Differentiated(Decorated, Generic[P, R]):
         """The bare function for arguments of these types, compiled: no checks, no conversions, no overhead.
 
         Args: mode, "adjoint", "tangent" (args as for these) or "primal" (f's own arguments). Arrays that f reads from
-        its module are its last parameters.
+        its module are its last parameters; numbers from there are those of now.
         """
-        state = self._derivatives.state()
+        state = self._derivatives.with_constants()
         if any(map(is_structure, args)):
             raise S2sadError(Diagnostic("S405", f"'{self.__wrapped_kernel__.__name__}.compiled' was given a structure",
                                         help="the bare function takes arrays and numbers: call adjoint or tangent"))
@@ -201,7 +201,7 @@ class Differentiated(Decorated, Generic[P, R]):
     def _source(self, mode: str, args: tuple[Any, ...], keywords: dict[str, Any], level: str) -> str:
         given, args, keywords = given_functions(self, args, keywords)
         derivatives = self._derivatives if given is self else derivatives_of(given)
-        state, values, (wrt, of, _) = taken_apart(derivatives.state(), self, args, keywords)
+        state, values, (wrt, of, _) = taken_apart(derivatives.with_constants(), self, args, keywords)
         types = state.types([admitted(n, v, n in state.floats) for n, v in zip(state.parameters, values)])
         name, parameters = state.kernel.name, state.parameters
         wrt = selected_wrt(name, parameters, types, wrt)

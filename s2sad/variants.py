@@ -19,7 +19,7 @@ from s2sad.compiler_lock import COMPILER_LOCK
 from s2sad.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.generated import HIDDEN, Variant
-from s2sad.guards import Guards, Path, current, recording
+from s2sad.guards import Guards, Path, Varying, current, recording
 from s2sad.infer.types import Type
 from s2sad.unwrap import by_position, python_function
 from s2sad.program import Program, Request
@@ -68,6 +68,13 @@ class Derivatives:
             self._states = [*(s for s in self._states[-_KEPT:] if s is not found), found]
             self._current = found
             return found
+
+    def with_constants(self) -> State:
+        """The state in which each number from outside is a constant, however often it has changed: for texts and
+        bare functions."""
+        state = self.state()
+        varies = any(isinstance(a, Varying) for a in state.arrays)
+        return State.of(compiler().program(self.function), self.function) if varies else state
 
     def _kept(self) -> State | None:
         """The state for what another process has read, if the function reads the same here."""

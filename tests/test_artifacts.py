@@ -224,9 +224,8 @@ value = {0}({1!r})
 
 @pytest.mark.parametrize("kind, values", [("float", (2.0, 3.0)), ("int", (2, 3)), ("str", ("a", "b"))])
 def test_numbers_and_strings_are_not_told_by_what_they_say_of_themselves(kind, values, processes):
-    kernel = ("import helpers_of_artifacts as helpers\ndef f(x):\n    if helpers.value == 'a':\n        return x * 2.0\n"
-              "    return x * 3.0\n" if kind == "str" else
-              "import helpers_of_artifacts as helpers\ndef f(x):\n    return helpers.value * x\n")
+    said = "(2.0 if helpers.value == 'a' else 3.0)" if kind == "str" else "helpers.value"
+    kernel = f"import helpers_of_artifacts as helpers\ndef f(x):\n    return x * {said}\n"
     for value, right in zip(values * 2, (2.0, 3.0) * 2):
         processes.write(kernel, LIKE_ITSELF.format(kind, value))
         assert slope(processes.fresh().f, 1.0) == right

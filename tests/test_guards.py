@@ -417,6 +417,16 @@ def test_integers_that_change_are_computed_with_exactly(monkeypatch):
                 g(1.0)
 
 
+def test_texts_and_bare_functions_have_no_argument_more(monkeypatch):
+    f = s2sad.differentiate(of_an_integer, engine="numpy")
+    text = None
+    for power in (1, 2, 3, 4, 5, 6, 1):
+        monkeypatch.setattr(THIS, "POWER", power)
+        assert s2sad.gradient(f)(1.0) == power == f.compiled("adjoint", 1.0, 1.0)(1.0, 1.0)[0]
+        text = text or f.adjoint_source(1.0)
+    assert f.adjoint_source(1.0) == text
+
+
 def test_integers_that_become_wide_are_constants_again(monkeypatch):
     g = s2sad.gradient(s2sad.differentiate(of_an_integer, engine="numpy"))
     for power in (1, 2, 3, 4, 5, 2 ** 62, 2 ** 63, 6, -1):
