@@ -225,8 +225,8 @@ def dotted(meaning: Meaning | None) -> str | None:
 
 
 _BINARY = ("add", "sub", "mul", "truediv", "floordiv", "mod", "divmod", "pow")
-_ARITHMETIC = [f"__{f}__" for f in (*_BINARY, *(f"r{f}" for f in _BINARY), "neg", "pos", "abs", "bool", "eq", "ne", "lt",
-                                    "le", "gt", "ge", "float", "int", "round", "trunc", "floor", "ceil")]
+_UNARY = ("neg", "pos", "abs", "bool", "float", "int", "round", "trunc", "floor", "ceil")
+_ARITHMETIC = [f"__{f}__" for f in (*_BINARY, *(f"r{f}" for f in _BINARY), *_UNARY, "eq", "ne", "lt", "le", "gt", "ge")]
 
 
 def is_number(value: Any) -> bool:
