@@ -148,8 +148,12 @@ def test_stacks_of_different_sizes():
         return np.sum(np.linalg.solve(a, b))
     for engine in ("numpy", "numba"):
         gradient = s2sad.gradient(s2sad.differentiate(kernel, engine=engine))
-        with pytest.raises(Exception, match="stacks of different sizes: repeat the matrices of the shorter one"):
+        with pytest.raises(s2sad.S2sadError) as raised:
             gradient(np.ones((1, 3, 3)) + np.eye(3), np.ones((2, 3, 3)))
+        found = raised.value.diagnostics[0]
+        assert (found.code, found.message, found.note) == (
+            "S501", "stacks of different sizes", "a.shape[0] is 1, b.shape[0] is 2")
+        assert found.help == "repeat the matrices of the shorter one, np.repeat(a, n, axis=0)"
 
 
 # -- SciPy's options, of each matrix ---------------------------------------------------------------------------------

@@ -48,7 +48,7 @@ def contracted(function: FunctionDef) -> FunctionDef:
         if len(inputs) == len(operands):    # the diagonals of matrices
             operands = [call("numpy.diagonal", o) if t else o for o, t in zip(operands, twice)]
             inputs = [part[0] if t else part for part, t in zip(inputs, twice)]
-        made = contraction(inputs, output, [rebuild(o, change) for o in operands])
+        made = contraction(inputs, output, [rebuild(o, change) for o in operands], REPEATING)
         return None if made is None else at(made, node)
     return with_body(function, [rebuild(statement, change) for statement in function.body])
 
@@ -157,17 +157,19 @@ def _letters(subscripts: str) -> tuple[list[str], str]:
     return inputs, output if arrow else "".join(sorted(c for c in set(given) - {","} if given.count(c) == 1))
 
 
-def contraction(inputs: list[str], output: str, operands: list[AST]) -> AST | None:
-    """The product of the operands, summed over the letters that the output lacks; None if it has no such form."""
+def contraction(inputs: list[str], output: str, operands: list[AST], matmul: str = "numpy.matmul") -> AST | None:
+    """The product of the operands, summed over the letters that the output lacks; None if it has no such form.
+    `matmul` is the function for matrices: that of `np.einsum` alone repeats axes of length 1."""
     letters = "".join(dict.fromkeys("".join(inputs)))
     plain = all(len(set(part)) == len(part) and part.isalpha() for part in inputs) and len(set(output)) == len(output)
     if not plain or not set(output) <= set(letters) or len(inputs) != len(operands) or len(letters) > 6:
         return None
     if len(operands) == 2:
-        made = _matrix_product(inputs, output, operands) or _matrix_product(inputs[::-1], output, operands[::-1])
+        made = _matrix_product(inputs, output, operands, matmul) or _matrix_product(
+            inputs[::-1], output, operands[::-1], matmul)
         if made is not None:
             return made
-    if len(operands) > 2 and (made := _pairwise(inputs, output, operands)) is not None:
+    if len(operands) > 2 and (made := _pairwise(inputs, output, operands, matmul)) is not None:
         return made
     order = _order(inputs, output, letters)
     if order is None:       # the axes of some operand are put in an order that all have
@@ -183,15 +185,15 @@ def contraction(inputs: list[str], output: str, operands: list[AST]) -> AST | No
         "numpy.sum", product, axis=axes[0] if len(axes) == 1 else tuple_of(*axes))
 
 
-def _pairwise(inputs: list[str], output: str, operands: list[AST]) -> AST | None:
+def _pairwise(inputs: list[str], output: str, operands: list[AST], matmul: str) -> AST | None:
     """The first two operands first: no larger array is made than the two have."""
     later = {*"".join(inputs[2:]), *output}
     middle = "".join(c for c in dict.fromkeys(inputs[0] + inputs[1]) if c in later)
-    first = contraction(inputs[:2], middle, operands[:2])
-    return None if first is None else contraction([middle, *inputs[2:]], output, [first, *operands[2:]])
+    first = contraction(inputs[:2], middle, operands[:2], matmul)
+    return None if first is None else contraction([middle, *inputs[2:]], output, [first, *operands[2:]], matmul)
 
 
-def _matrix_product(inputs: list[str], output: str, operands: list[AST]) -> AST | None:
+def _matrix_product(inputs: list[str], output: str, operands: list[AST], matmul: str) -> AST | None:
     """The product of two matrices or vectors over the one letter that both have."""
     both = set(inputs[0]) & set(inputs[1])
     left, right = (part.replace(c, "") for part in inputs for c in both) if len(both) == 1 else ("", "")
@@ -200,7 +202,7 @@ def _matrix_product(inputs: list[str], output: str, operands: list[AST]) -> AST 
     a, b = operands
     a = call("numpy.transpose", a) if len(inputs[0]) == 2 and inputs[0][0] in both else a
     b = call("numpy.transpose", b) if len(inputs[1]) == 2 and inputs[1][1] in both else b
-    return call(REPEATING, a, b)
+    return call(matmul, a, b)
 
 
 def _repeated(node: Call, typing: Typing) -> AST:
