@@ -329,7 +329,7 @@ def dump(node: AST | list[AST]) -> str:
 
 
 def equal(a: AST, b: AST) -> bool:
-    return dump(a) == dump(b)
+    return type(a) is type(b) and dump(a) == dump(b)
 
 
 # -- changing -------------------------------------------------------------------------------------------------------

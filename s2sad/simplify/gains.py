@@ -38,8 +38,8 @@ def _block(block: list[AST]) -> list[AST]:
 
 
 def _is_plain(statement: AST) -> bool:
-    calls = any((call_name(n) or "").startswith("user.") for n in walk(statement))
-    return is_comment(statement) or isinstance(statement, (Assign, AugAssign)) and not calls
+    return is_comment(statement) or isinstance(statement, (Assign, AugAssign)) and not any(
+        (call_name(n) or "").startswith("user.") for n in walk(statement))
 
 
 @dataclass
