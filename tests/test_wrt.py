@@ -33,6 +33,20 @@ def chosen_deeper(x, scheme):
     return chosen(x, scheme)
 
 
+def chosen_by_both(x, first, second):
+    both = first and second
+    return np.sum(x * x) if both else np.sum(x)
+
+
+def or_else(x, scale):
+    factor = scale or 1.0
+    return factor * np.sum(x)
+
+
+def and_then(x, scale):
+    return (scale and 3.0) * np.sum(x)
+
+
 def power(x, order=2):
     return np.sum(x ** order)
 
@@ -76,6 +90,9 @@ def of_model(model, x, c):
     (chosen, (X, 2), [2.0, 4.0, 6.0]),
     (chosen, (X, 2.5, True), [1.0, 1.0, 1.0]),
     (chosen_deeper, (X, 2), [2.0, 4.0, 6.0]),
+    (chosen_by_both, (X, True, 1), [2.0, 4.0, 6.0]),
+    (or_else, (X, 2.0), {"x": [2.0, 2.0, 2.0], "scale": 6.0}),
+    (and_then, (X, 2.0), {"x": [3.0, 3.0, 3.0], "scale": 0.0}),
     (power, (X,), [2.0, 4.0, 6.0]),
     (power, (X, 2.0), [2.0, 4.0, 6.0]),
     (annotated, (X, 2, 3), {"x": [6.0, 6.0, 6.0], "c": 12.0}),

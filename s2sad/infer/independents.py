@@ -7,6 +7,8 @@ these or only chooses.
     def f(u, n, c, scheme, order=3, t: float = 0):          u, c, t
         for i in range(n):
             u[i] *= c ** order if scheme == 2 else 1.0
+
+The value of `c or 1.0` is c: it chooses only where nothing but its own truth is asked.
 """
 from __future__ import annotations
 
@@ -18,8 +20,8 @@ import numpy as np
 
 from s2sad.infer.assumed import spelled, uses_of
 from s2sad.tree import (
-    AST, BoolOp, Call, Compare, Constant, FunctionDef, If, IfExp, Load, Lt, LtE, Gt, GtE, Name, Not, UnaryOp, While,
-    call_name, walk,
+    AST, Assert, Assign, BoolOp, Call, Compare, Constant, FunctionDef, If, IfExp, Load, Lt, LtE, Gt, GtE, Name, Not,
+    UnaryOp, While, call_name, walk,
 )
 
 _NO_FLOATS = ("str", "bool")
@@ -51,21 +53,37 @@ def _is_float(by_use: bool, annotation: str, default: Any) -> bool:
 
 
 def _only_choosing(tree: FunctionDef, others: Mapping[str, set[str]], trees: Mapping[str, FunctionDef]) -> set[str]:
-    """The parameters of a function that are read, and only to be compared with what is no float, or for their truth."""
-    parameters = {a.id for a in tree.args.args}
+    """The names of a function that are read, and only to be compared with what is no float, or for their truth."""
     read = Counter(n.id for n in walk(tree.body) if isinstance(n, Name) and isinstance(n.ctx, Load))
-    chosen = Counter(n.id for node in walk(tree.body) for n in _choices(node, others, trees) if isinstance(n, Name))
-    return {p for p in parameters if read[p] and read[p] == chosen[p]}
+    choosing: set[str] = set()
+    while True:     # what is given to a name that only chooses does
+        chosen = Counter(n.id for node in walk(tree.body) for n in _choices(node, others, trees, choosing) if isinstance(
+            n, Name))
+        more = {n for n in read if read[n] == chosen[n]} - choosing
+        if not more:
+            return choosing
+        choosing |= more
 
 
-def _choices(node: AST, others: Mapping[str, set[str]], trees: Mapping[str, FunctionDef]) -> Iterator[AST]:
+def _truth(node: AST) -> Iterator[AST]:
+    """The operands of which an expression's truth is made; the value of `a or b` itself is one of them."""
+    if isinstance(node, BoolOp):
+        for operand in node.values:
+            yield from _truth(operand)
+    else:
+        yield node
+
+
+def _choices(node: AST, others: Mapping[str, set[str]], trees: Mapping[str, FunctionDef], choosing: set[str]
+             ) -> Iterator[AST]:
     """The operands of a node that only choose."""
-    if isinstance(node, (If, IfExp, While)):
-        yield node.test
-    elif isinstance(node, BoolOp):
-        yield from node.values
+    if isinstance(node, (If, IfExp, While, Assert)):
+        yield from _truth(node.test)
     elif isinstance(node, UnaryOp) and isinstance(node.op, Not):
-        yield node.operand
+        yield from _truth(node.operand)
+    elif isinstance(node, Assign):
+        if all(isinstance(t, Name) and t.id in choosing for t in node.targets):
+            yield from _truth(node.value)
     elif isinstance(node, Compare):
         operands = [node.left, *node.comparators]
         if not any(isinstance(op, _ORDERS) for op in node.ops) and any(
@@ -76,4 +94,4 @@ def _choices(node: AST, others: Mapping[str, set[str]], trees: Mapping[str, Func
         if helper in others:
             given = [*zip((a.id for a in trees[helper].args.args), node.args),
                      *((k.arg, k.value) for k in node.keywords)]
-            yield from (argument for parameter, argument in given if parameter in others[helper])
+            yield from (n for parameter, argument in given if parameter in others[helper] for n in _truth(argument))
