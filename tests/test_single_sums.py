@@ -123,6 +123,20 @@ def test_derivatives(kernel, engine):
     check_derivatives(kernel, (x.astype("f4"), b.astype("f4")), ("x", "b"), ("return",), engine)
 
 
+def complex_number(x, a):
+    z, s = 0j, 0.0
+    for i in range(x.shape[0]):
+        z += x[i, 0] * a * np.exp(1j * a)
+        s += abs(z) * a
+    return s + z.imag
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_a_complex_number_that_gains_beside_float32_arrays(engine):
+    x, _ = given(3)
+    check_derivatives(complex_number, (x.astype("f4"), 1.5), ("x", "a"), ("return",), engine)
+
+
 def element_that_may_not_be(x, b, k):
     s = x[0, 0]
     for i in range(x.shape[0]):

@@ -57,8 +57,8 @@ def _only_choosing(tree: FunctionDef, others: Mapping[str, set[str]], trees: Map
     read = Counter(n.id for n in walk(tree.body) if isinstance(n, Name) and isinstance(n.ctx, Load))
     choosing: set[str] = set()
     while True:     # what is given to a name that only chooses does
-        chosen = Counter(n.id for node in walk(tree.body) for n in _choices(node, others, trees, choosing) if isinstance(
-            n, Name))
+        chosen = Counter(c.id for node in walk(tree.body) for c in _choices(node, others, trees, choosing)
+                         if isinstance(c, Name))
         more = {n for n in read if read[n] == chosen[n]} - choosing
         if not more:
             return choosing

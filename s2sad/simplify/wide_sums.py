@@ -47,6 +47,11 @@ def is_single(typing: Typing) -> bool:
     return any(t.dtype == "float32" for t in typing.table.values())
 
 
+def is_real(typing: Typing) -> bool:
+    """Whether no number of a function is complex: a finished name does not say which ones are."""
+    return not any(t.is_complex for t in typing.table.values())
+
+
 def wide_sums(function: FunctionDef, shadows: Iterable[str], typing: Typing, free: Names
               ) -> tuple[FunctionDef, set[str]]:
     """The derivative with sums of what shadows of float32 gain, and the arrays that hold them."""
@@ -191,7 +196,7 @@ def _is_short(loop: For) -> bool:
 
 def wide_numbers(function: FunctionDef, own: set[str], reverse: str) -> FunctionDef:
     """The finished derivative with numbers of 64 bits for what loops of the reverse sweep add to numbers that are not
-    the kernel's own."""
+    the kernel's own; all of them are real."""
     start = next((k for k, s in enumerate(function.body) if isinstance(getattr(s, "value", None), Constant)
                   and s.value.value == reverse), len(function.body))
     added = {n for s in function.body[start:] for loop in walk(s) if isinstance(loop, (For, While))
@@ -217,4 +222,4 @@ def _added(loop: AST) -> set[str]:
                      if isinstance(t, Name) and isinstance(t.ctx, Store)}
 
 
-__all__ = ["is_single", "wide_numbers", "wide_sums"]
+__all__ = ["is_real", "is_single", "wide_numbers", "wide_sums"]

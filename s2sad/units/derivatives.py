@@ -31,7 +31,7 @@ from s2sad.normalize.workspace import is_allocation
 from s2sad.simplify import Effect, Effects, simplify
 from s2sad.simplify.dead import dead
 from s2sad.simplify.quotients import quotients
-from s2sad.simplify.wide_sums import is_single, wide_numbers, wide_sums
+from s2sad.simplify.wide_sums import is_real, is_single, wide_numbers, wide_sums
 from s2sad.tree import AST, Assign, AugAssign, Call, Expr, FunctionDef, Return, const, index, walk
 from s2sad.units.array_forms import with_choices
 from s2sad.units.normal_forms import NormalForms
@@ -222,7 +222,7 @@ class Units(NormalForms):
         function = simplify(function, typing, family, arrays, self.effects, names, kept, shadows, self.watch,
                             self.engine == "numba")
         function = quotients(function, typing) if self.engine == "numba" else function
-        if single and self.engine == "numpy":
+        if single and self.engine == "numpy" and is_real(typing):
             function = wide_numbers(function, {*unit.family, *unit.family.values()}, REVERSE)
         self.effects.add(verify(function, "derivative", "simplify"), typing)
         parameters = made.parameters
