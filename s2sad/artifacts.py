@@ -295,7 +295,7 @@ def _content(value: Any) -> str:
     """A number or string written out, whatever a class of the user's makes of `repr`."""
     if isinstance(value, np.generic):
         return f"{value.dtype.str} {value.tobytes().hex()}"
-    plain = next((c for c in (bool, int, float, complex, str) if isinstance(value, c)), type(None))
+    plain: Any = next((c for c in (bool, int, float, complex, str) if isinstance(value, c)), type(None))
     return plain.__repr__(value)
 
 
