@@ -166,4 +166,7 @@ def with_plain_names(definition: FunctionDef, renamed: Mapping[str, str], others
         if plain not in taken:
             back[identifier] = plain
             taken.add(plain)
-    return tree.rename(definition, back)
+    new = tree.rename(definition, back)
+    for inner in (n for n in tree.walk(new.body) if isinstance(n, FunctionDef)):
+        inner.name = back.get(inner.name, inner.name)
+    return new
