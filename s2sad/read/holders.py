@@ -31,6 +31,8 @@ def is_holder(value: Any) -> bool:
         return type(value).__getitem__ is dict.__getitem__ and all(isinstance(k, str) for k in value)
     if isinstance(value, tuple):
         return hasattr(type(value), "_fields")
+    if isinstance(value, (int, float, complex, str)):
+        return False    # of a class of the user's, too: since Python 3.12 they look names up as objects do
     made = value if isinstance(value, type) else taken(value, "class")
     if made.__module__.partition(".")[0] in _LIBRARIES or isinstance(
             value, (types.FunctionType, types.MethodType, types.ModuleType)):
