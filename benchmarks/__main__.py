@@ -3,7 +3,6 @@ not, for a figure that missed its target is a result, too."""
 from __future__ import annotations
 
 import argparse
-import os
 import platform
 import sys
 from collections.abc import Callable
@@ -13,6 +12,7 @@ from benchmarks import (
     accuracy, against_jax, arrays, arrays_against_jax, deriving, first_gradient, memory, overhead, ratios, returning,
 )
 from benchmarks.tables import Table, show
+from s2sad.report.timing import on_one_core
 
 PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
     "ratios": (ratios.tables, "adjoint over the Numba primal, each kernel at its large size"),
@@ -41,22 +41,14 @@ def main() -> int:
         parser.error(f"unknown: {', '.join(unknown)}; parts are {', '.join(PARTS)}; "
                      f"kernels are {', '.join(ratios.TARGETS)}")
     chosen = [n for n in PARTS if n in options.names or (n == "ratios" and kernels)] if options.names else list(PARTS)
-    pinned = _on_one_core()
-    print(f"{_processor()}, Python {platform.python_version()}, one thread{pinned}, medians of interleaved rounds\n")
-    for name in chosen:
-        for table in PARTS[name][0](options.quick, kernels):
-            show(table)
-            sys.stdout.flush()
+    with on_one_core() as pinned:
+        print(f"{_processor()}, Python {platform.python_version()}, one thread{pinned}, medians of interleaved "
+              "rounds\n")
+        for name in chosen:
+            for table in PARTS[name][0](options.quick, kernels):
+                show(table)
+                sys.stdout.flush()
     return 0
-
-
-def _on_one_core() -> str:
-    """Keeps the process on one core where the system can: no library's hidden threads help or disturb."""
-    if not hasattr(os, "sched_setaffinity"):
-        return ""
-    core = max(os.sched_getaffinity(0))
-    os.sched_setaffinity(0, {core})
-    return f" (core {core})"
 
 
 def _processor() -> str:

@@ -22,8 +22,8 @@ import numpy as np
 
 from benchmarks.calls import adjoint_arguments, differentiated, fresh
 from benchmarks.kernels.cases import CASES
-from benchmarks.measure import interleaved
 from benchmarks.tables import Table, seconds, verdict
+from s2sad.report.timing import interleaved
 
 TARGET = 8.0
 KEPT = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_THRESHOLD_": "1000000000", "MALLOC_TRIM_THRESHOLD_": "2000000000",

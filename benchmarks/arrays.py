@@ -11,8 +11,8 @@ from numba.core.errors import NumbaError
 
 from benchmarks.calls import adjoint_arguments, differentiated, fresh, plain_numba
 from benchmarks.kernels.cases import ARRAYS, Case
-from benchmarks.measure import interleaved
 from benchmarks.tables import Table, seconds, verdict
+from s2sad.report.timing import interleaved
 
 TARGETS = {"gray_scott": 4.0, "glacier": 4.0, "neural_diffusion": 3.0, "implicit_heat": 2.5, "attention": 3.0,
            "masked_flow": 4.0, "lattice": 4.0}

@@ -26,8 +26,8 @@ from benchmarks.against_jax import KEPT
 from benchmarks.calls import adjoint_arguments, differentiated, fresh
 from benchmarks.jax_kernels import rewritten
 from benchmarks.kernels.cases import ARRAYS, Case
-from benchmarks.measure import interleaved
 from benchmarks.tables import Table, seconds, verdict
+from s2sad.report.timing import interleaved
 
 SLOWEST, MEAN, AGREE = 1.0, 3.0, 1e-8
 ONE_THREAD = {"XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1", "OMP_NUM_THREADS": "1",

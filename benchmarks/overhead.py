@@ -6,8 +6,8 @@ import numpy as np
 import s2sad
 from benchmarks.calls import adjoint_arguments, differentiated
 from benchmarks.kernels.cases import CASES
-from benchmarks.measure import interleaved, repeated
 from benchmarks.tables import Table, verdict
+from s2sad.report.timing import interleaved, repeated
 
 TARGETS = {"f.adjoint": 10.0, "vjp": 30.0}
 TIMES = 200

@@ -5,8 +5,8 @@ from functools import partial
 
 from benchmarks.calls import adjoint_arguments, differentiated, fresh, plain_numba
 from benchmarks.kernels.cases import CASES, Case
-from benchmarks.measure import Prepare, interleaved
 from benchmarks.tables import Table, seconds, verdict
+from s2sad.report.timing import Prepare, interleaved
 
 TARGETS = {"brusselator": 2.5, "integrate": 4.0, "jacobi": 6.0, "seidel": 2.0, "advect": 13.0, "thomas": 4.0,
            "nbody": 4.0, "spmv": 4.0, "mixture": 4.0}

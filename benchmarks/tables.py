@@ -4,6 +4,10 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass, field
 
+from s2sad.report.timing import seconds
+
+__all__ = ["Table", "seconds", "show", "verdict"]
+
 
 @dataclass
 class Table:
@@ -33,18 +37,6 @@ def verdict(value: float, target: float, least: bool = False) -> str:
     ('met', 'missed', 'met')
     """
     return "met" if (value >= target if least else value <= target) else "missed"
-
-
-def seconds(value: float) -> str:
-    """A time with a unit that suits it.
-
-    >>> seconds(2.5e-6), seconds(0.0031), seconds(12.0)
-    ('2.50 us', '3.10 ms', '12.00 s')
-    """
-    for unit, scale in (("us", 1e-6), ("ms", 1e-3)):
-        if value < 1000.0 * scale:
-            return f"{value / scale:.2f} {unit}"
-    return f"{value:.2f} s"
 
 
 def _line(row: tuple[str, ...], widths: list[int]) -> str:
