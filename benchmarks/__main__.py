@@ -1,16 +1,17 @@
 """`python -m benchmarks [names...] [--quick]` prints one table for each part; exit status 0 whether targets are met or
-not, for a figure that missed its target is a result, too."""
+not, for a figure that missed its target is a result, too. `python -m benchmarks peers` writes `docs/performance.md`."""
 from __future__ import annotations
 
 import argparse
 import platform
 import sys
 from collections.abc import Callable
-from pathlib import Path
 
 from benchmarks import (
     accuracy, against_jax, arrays, arrays_against_jax, deriving, first_gradient, memory, overhead, ratios, returning,
 )
+from benchmarks.peers.__main__ import main as peers
+from benchmarks.peers.machine import processor
 from benchmarks.tables import Table, show
 from s2sad.report.timing import on_one_core
 
@@ -30,6 +31,8 @@ PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
 
 def main() -> int:
     """Runs the parts that are named, all without a name; a kernel's name means its line of `ratios`."""
+    if sys.argv[1:2] == ["peers"]:
+        return peers(sys.argv[2:])
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__, epilog="parts: " + "; ".join(
         f"{name}: {text}" for name, (_, text) in PARTS.items()))
     parser.add_argument("names", nargs="*", help="parts, or kernels of the part 'ratios' (default: every part)")
@@ -42,20 +45,13 @@ def main() -> int:
                      f"kernels are {', '.join(ratios.TARGETS)}")
     chosen = [n for n in PARTS if n in options.names or (n == "ratios" and kernels)] if options.names else list(PARTS)
     with on_one_core() as pinned:
-        print(f"{_processor()}, Python {platform.python_version()}, one thread{pinned}, medians of interleaved "
-              "rounds\n")
+        print(f"{processor()}, Python {platform.python_version()}, one thread{pinned}, "
+              "medians of interleaved rounds\n")
         for name in chosen:
             for table in PARTS[name][0](options.quick, kernels):
                 show(table)
                 sys.stdout.flush()
     return 0
-
-
-def _processor() -> str:
-    information = Path("/proc/cpuinfo")
-    lines = information.read_text().splitlines() if information.exists() else []
-    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")),
-                platform.processor() or platform.machine())
 
 
 if __name__ == "__main__":

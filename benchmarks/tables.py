@@ -1,12 +1,14 @@
-"""Tables on the terminal: with rich where it is installed, else aligned columns."""
+"""Tables on the terminal, with rich where it is installed, else aligned columns; and in Markdown."""
 from __future__ import annotations
 
 import sys
 from dataclasses import dataclass, field
 
-from s2sad.report.timing import seconds
+from s2sad.report.timing import Times, seconds
 
-__all__ = ["Table", "seconds", "show", "verdict"]
+__all__ = ["NOISE", "Table", "markdown", "noise", "seconds", "show", "shown", "verdict"]
+
+NOISE = 0.3     # quartiles further apart than this, relative to the median: the time is not shown
 
 
 @dataclass
@@ -28,6 +30,38 @@ def show(table: Table) -> None:
     for row in table.rows:
         print(_line(row, widths))
     print(rule, *(f"  {note}" for note in table.notes), "", sep="\n")
+
+
+def markdown(table: Table) -> str:
+    """The table in Markdown: title, rows, remarks.
+
+    >>> print(markdown(Table("Times", ("kernel", "s"), [("heat", "1.0")], ["One run."])))
+    **Times**
+    <BLANKLINE>
+    | kernel | s |
+    |---|---:|
+    | heat | 1.0 |
+    <BLANKLINE>
+    One run.
+    """
+    rule = "|" + "|".join(["---", *["---:"] * (len(table.columns) - 1)]) + "|"
+    rows = ["| " + " | ".join(text.replace("|", "\\|") for text in row) + " |" for row in (table.columns, *table.rows)]
+    lines = [f"**{table.title}**", "", rows[0], rule, *rows[1:]]
+    return "\n".join([*lines, "", *table.notes] if table.notes else lines)
+
+
+def noise(times: Times) -> float:
+    """The distance of the quartiles over the median."""
+    return (times.upper - times.lower) / times.median
+
+
+def shown(times: Times) -> str:
+    """The median and half the distance of the quartiles, or that it does not repeat.
+
+    >>> shown(Times(2e-3, 1.9e-3, 2.1e-3, 9)), shown(Times(2e-3, 1e-3, 3e-3, 9))
+    ('2.00 ms ± 5 %', 'does not repeat')
+    """
+    return f"{seconds(times.median)} ± {50.0 * noise(times):.0f} %" if noise(times) <= NOISE else "does not repeat"
 
 
 def verdict(value: float, target: float, least: bool = False) -> str:
