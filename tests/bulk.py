@@ -18,7 +18,7 @@ import traceback
 import warnings
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,8 +27,10 @@ import numpy as np
 import s2sad
 from tests.derivatives import UnreliableDifferences, check_derivatives, check_value
 from tests.garbage import seldom
+from tests.poison import poisoned
 from tests.programs import Program, random_kernel
 
+_MODE = ExitStack()
 SKIPPED = ("invalid", "unreliable")
 
 
@@ -193,11 +195,18 @@ def _work(task: tuple[int, str, frozenset[str]]) -> Outcome:
     return outcome(random_kernel(seed, without), engine, seed)
 
 
-def _outcomes(tasks: list[tuple[int, str, frozenset[str]]], jobs: int) -> Iterator[Outcome]:
+def _begin(poison: bool) -> None:
+    seldom()
+    if poison:
+        _MODE.enter_context(poisoned())
+
+
+def _outcomes(tasks: list[tuple[int, str, frozenset[str]]], jobs: int, poison: bool) -> Iterator[Outcome]:
     if jobs == 1:
+        _begin(poison)
         yield from map(_work, tasks)
         return
-    with multiprocessing.get_context("spawn").Pool(jobs, seldom, maxtasksperchild=2000) as pool:
+    with multiprocessing.get_context("spawn").Pool(jobs, _begin, (poison,), maxtasksperchild=2000) as pool:
         yield from pool.imap_unordered(_work, tasks, chunksize=8)
 
 
@@ -217,7 +226,7 @@ def run(arguments: argparse.Namespace) -> int:
     kinds: Counter[str] = Counter()
     places: Counter[tuple[str, str]] = Counter()
     began = time.monotonic()
-    for done, found in enumerate(_outcomes(tasks, arguments.jobs), 1):
+    for done, found in enumerate(_outcomes(tasks, arguments.jobs, arguments.poison), 1):
         kinds[found.kind] += 1
         if found.failed:
             places[found.kind, found.where] += 1
@@ -241,6 +250,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--start", type=int, default=0, help="the first program's number")
     parser.add_argument("--engine", choices=("numpy", "numba", "loops"), default="numpy")
+    parser.add_argument("--poison", action="store_true", help="nan in whatever is allocated and not yet written")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--each", type=int, default=1, help="how many failures of one kind and place to print")
     parser.add_argument("--shrink", type=float, default=30.0, help="seconds to shrink each (0: as it is)")

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import os
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ collect_ignore_glob = ["golden/*"]  # texts to compare and run, no tests
 def pytest_addoption(parser):
     parser.addoption("--update-golden", action="store_true", help="write the files of tests/golden anew")
     parser.addoption("--seed", type=int, default=0, help="other random inputs: of arrays, weights and programs")
+    parser.addoption("--poison", action="store_true", help="nan in whatever is allocated and not yet written")
     parser.addoption("--compiled", action="store_true", help="let Numba compile what Python runs otherwise: hours")
 
 
@@ -42,6 +44,11 @@ def pytest_configure(config):
     if config.getoption("compiled"):
         from tests.engines import compiling
         compiling.append(True)
+    if config.getoption("poison"):
+        from tests.poison import poisoned
+        mode = ExitStack()
+        mode.enter_context(poisoned())
+        config.add_cleanup(mode.close)
     if config.getoption("update_golden") and os.environ.get("CI"):
         raise pytest.UsageError("--update-golden is refused where CI is set: goldens are read before they are written")
 
