@@ -1,5 +1,5 @@
-"""Nothing unwritten is read: work arrays, tapes, their fresh capacity and the run time's scratch hold nan until they are
-written, and derivatives are what they are. `pytest --poison` runs every test so; this is a sample for every run."""
+"""Nothing unwritten is read: work arrays, tapes, their fresh capacity and the run time's scratch hold nan until
+they are written, and derivatives are what they are. `pytest --poison` runs every test so; a sample runs always."""
 from __future__ import annotations
 
 import math
@@ -29,7 +29,7 @@ def until_large(x):
 
 def waves(u, steps):
     work = np.empty_like(u)
-    for s in range(steps):
+    for _ in range(steps):
         for i in range(1, u.size - 1):
             work[i] = u[i] + 0.1 * u[i] * (u[i + 1] - u[i - 1])
         work[0], work[-1] = u[-1], u[0]
@@ -103,7 +103,7 @@ def test_stacks_that_are_kept_hold_nothing_of_the_call_before():
 
 
 def stepped(u, steps):
-    for s in range(steps):
+    for _ in range(steps):
         for i in range(u.size):
             u[i] = u[i] * u[i]
 
