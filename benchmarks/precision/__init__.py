@@ -1,0 +1,8 @@
+"""How exact values and derivatives are: errors in units in the last place, against references of 113 bits.
+
+    reference     the derivative that s2sad writes, run on quadruple precision
+    text          the text of a function so that each of its numbers has 113 bits
+    quad          numbers of 113 bits
+    modules       what stands there for `numpy`, `math` and `scipy`
+    linalg        what stands there for `numpy.linalg`
+"""
