@@ -226,46 +226,34 @@ def placed(node: AST, origin: AST) -> AST:
 
 # -- reading --------------------------------------------------------------------------------------------------------
 
-class _Below(dict[type[AST], tuple[str, ...]]):
-    """The fields of a kind of node that can hold nodes: not its context (Load, Store), texts and numbers."""
+_BARE = {"ctx", "op", "ops", "id", "attr", "name", "arg", "kind", "type_comment"}
 
-    def __missing__(self, kind: type[AST]) -> tuple[str, ...]:
-        bare = {"ctx", "id", "attr", "name", "arg", "kind", "type_comment"}
-        fields = () if kind in (Name, Constant) else tuple(f for f in kind._fields if f not in bare)
-        self[kind] = fields
-        return fields
-
-
-class _Backwards(dict[type[AST], tuple[str, ...]]):
-    """The same fields from the last to the first, as a stack takes them."""
-
-    def __missing__(self, kind: type[AST]) -> tuple[str, ...]:
-        self[kind] = _below[kind][::-1]
-        return self[kind]
-
-
-_below = _Below()
-_backwards = _Backwards()
+# the fields of each kind of node that can hold nodes: not its context (Load, Store), operators, texts and numbers
+_below: dict[type, tuple[str, ...]] = {
+    kind: () if kind in (Name, Constant) else tuple(f for f in kind._fields if f not in _BARE)
+    for kind in vars(gast).values() if isinstance(kind, type) and issubclass(kind, AST)}
+_backwards = {kind: fields[::-1] for kind, fields in _below.items()}     # as a stack takes them
 
 
 def walk(node: AST | list[AST]) -> Iterator[AST]:
-    """Every node below, the given one first, in the order of the text."""
+    """Every node below, the given one first, in the order of the text; operators belong to their expressions."""
     # most of the compiler's time goes by here, hence neither a call for each node nor a list of its children
     stack = node[::-1] if isinstance(node, list) else [node]
-    pop, push = stack.pop, stack.append
+    pop, push, fields_of = stack.pop, stack.append, _backwards.get
     while stack:
         current = pop()
+        fields = fields_of(type(current))
+        if fields is None:      # a name of `global x`, the key that `{**options}` has not
+            assert not isinstance(current, AST), type(current)
+            continue
         yield current
-        fields = _backwards[type(current)]
         if fields:
             held = current.__dict__
             for field in fields:
                 value = held.get(field)
                 if type(value) is list:
-                    for item in reversed(value):
-                        if isinstance(item, AST):
-                            push(item)
-                elif isinstance(value, AST):
+                    stack += value[::-1]
+                elif value is not None:
                     push(value)
 
 
@@ -346,43 +334,58 @@ class _Nested(threading.local):
 _nested = _Nested()
 
 
-def _rebuild(node: Any, change: Change, known: _Made) -> Any:
+def _rebuild(node: Any, change: Change, known: _Made | None, inside: _Nested) -> Any:
     if known and (found := known.get(id(node))) is not None and found[1] == change:
         return found[2]
-    if isinstance(node, list):
-        return [_rebuild(item, change, known) for item in node]
+    kind = type(node)
+    if kind is list:
+        return [_rebuild(item, change, known, inside) for item in node]
     if not isinstance(node, AST):
         return node
-    own: _Made = {}
-    around, _nested.made = _nested.made, own
+    around, inside.made = inside.made, {}
     try:
         changed = change(node)
     finally:
-        _nested.made = around
+        own, inside.made = inside.made, around
     if changed is not None:
         return changed
-    below = {**known, **own} if own else known
-    return _replica(node, lambda item: _rebuild(item, change, below))
+    if own:
+        known = {**known, **own} if known else own
+    new, held = AST.__new__(kind), node.__dict__.copy()
+    for field in _below[kind]:
+        value = held.get(field)
+        if value is not None:
+            held[field] = _rebuild(value, change, known, inside)
+    new.__dict__ = held
+    return new
 
 
 def _replica(node: AST, below: Callable[[Any], Any]) -> AST:
     """A node of the same kind and place with other nodes below; what has no fields, as a context, is shared."""
     kind = type(node)
-    new = kind.__new__(kind)
-    held = new.__dict__
-    held.update(node.__dict__)
+    new, held = AST.__new__(kind), node.__dict__.copy()
     for field in _below[kind]:
         value = held.get(field)
-        if isinstance(value, list) or isinstance(value, AST) and value._fields:
+        if value is not None:
             held[field] = below(value)
+    new.__dict__ = held
     return new
 
 
 def copy(node: Any) -> Any:
     """A deep copy, places included."""
-    if isinstance(node, list):
+    kind = type(node)
+    if kind is list:
         return [copy(item) for item in node]
-    return _replica(node, copy) if isinstance(node, AST) else node
+    if not isinstance(node, AST):
+        return node
+    new, held = AST.__new__(kind), node.__dict__.copy()
+    for field in _below[kind]:
+        value = held.get(field)
+        if value is not None:
+            held[field] = copy(value)
+    new.__dict__ = held
+    return new
 
 
 def head_copy(statement: AST) -> AST:
@@ -407,7 +410,7 @@ def substitute(node: Any, mapping: Mapping[str, AST]) -> Any:
         if isinstance(n, Name) and n.id in mapping and not isinstance(n.ctx, Store):
             return copy(mapping[n.id])
         return None
-    return _rebuild(node, change, {})
+    return _rebuild(node, change, None, _nested)
 
 
 def rename(node: Any, mapping: Mapping[str, str]) -> Any:
@@ -416,7 +419,7 @@ def rename(node: Any, mapping: Mapping[str, str]) -> Any:
         if isinstance(n, Name) and n.id in mapping:
             return gast.copy_location(Name(mapping[n.id], n.ctx, None, None), n)
         return None
-    return _rebuild(node, change, {})
+    return _rebuild(node, change, None, _nested)
 
 
 def rebuild(node: Any, change: Change) -> Any:
@@ -425,7 +428,7 @@ def rebuild(node: Any, change: Change) -> Any:
     What `change` has itself rebuilt below a node that it then leaves is not rebuilt once more: the time would double
     with each such node in another.
     """
-    made = _rebuild(node, change, {})
+    made = _rebuild(node, change, None, _nested)
     if _nested.made is not None:
         _nested.made[id(node)] = node, change, made
     return made

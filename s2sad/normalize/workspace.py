@@ -15,8 +15,8 @@ from collections import Counter
 from s2sad.analyze.liveness import base_name, read_names
 from s2sad.normalize.form import ALLOCATIONS
 from s2sad.tree import (
-    AST, Assign, BinOp, Constant, FloorDiv, For, FunctionDef, If, Mod, Name, Store, Sub, Subscript, Tuple, USub,
-    While, assign, at, call, call_name, const, index, name, names, stored_names, tuple_of, walk, with_body,
+    AST, Assign, BinOp, Constant, FloorDiv, For, FunctionDef, If, Mod, Name, Store, Sub, Subscript, Tuple, UnaryOp,
+    USub, While, assign, at, call, call_name, const, index, name, names, stored_names, tuple_of, walk, with_body,
 )
 
 
@@ -98,7 +98,7 @@ def _possible(item: Assign) -> Assign:
     if "like" in allocation:
         return item
     sizes = [call("builtins.max", s, const(0)) if call_name(s) != "builtins.max" and any(
-                 isinstance(n, (Sub, USub)) for n in walk(s)) else s
+                 isinstance(n, (BinOp, UnaryOp)) and isinstance(n.op, (Sub, USub)) for n in walk(s)) else s
              for s in (shape.elts if isinstance(shape, Tuple) else [shape])]
     new = tuple_of(*sizes) if isinstance(shape, Tuple) else sizes[0]
     return assign(item.targets[0], call(allocation, new, *item.value.args[1:]))
