@@ -23,6 +23,7 @@ from s2sad.read.plain import plain
 from s2sad.read.resolve import Resolved, resolve
 from s2sad.read.reshaped import reshaped
 from s2sad.read.returned_lists import returned_lists
+from s2sad.read.tuples_of_one import tuples_of_one
 from s2sad.registry import GIVEN, Own
 
 
@@ -65,13 +66,13 @@ class Linker:
         for key, found in self.found.items():
             kernels[names[key].partition(".")[2]] = _kernel(names[key].partition(".")[2], found, names, self.identify)
         kernels = {n: replace(k, tree=_with_tuples(k.tree, kernels)) for n, k in kernels.items()}
-        kernels = nothing_returned(kernels)
+        named = {m: names[self.identify(m)].partition(".")[2] for m in (entry, *methods)}
+        kernels = tuples_of_one(nothing_returned(kernels), named.values())
         values = {names[key].partition(".")[2]: m for key, m in self.outside.values() if not isinstance(m, Function)}
         constants = {n: m.value for n, m in values.items() if isinstance(m, Number)}
         arrays = {n: m.value for n, m in values.items() if isinstance(m, Array)}
         records = {n: m.value for n, m in values.items() if isinstance(m, Record)}
-        program = Program(names[self.identify(entry)].partition(".")[2], kernels, constants, arrays, records,
-                          {m.handle: names[self.identify(m)].partition(".")[2] for m in methods})
+        program = Program(named[entry], kernels, constants, arrays, records, {m.handle: named[m] for m in methods})
         return called_once(program)
 
     def identify(self, meaning: Function | Number | Array | Record) -> str:

@@ -5,7 +5,8 @@
     return us, x[2]                 return [us[0], us[1]], x[2]
 
 A name is one of such a list if every binding spells out as many items in the same nesting, and nothing makes it longer.
-A returned list is a tuple from there on (`structured`), except where the caller picks with it (`fields`).
+A returned list is a tuple from there on (`structured`), except where the caller picks with it (`fields`). The same
+is done for a name of a tuple of one, as `tuples_of_one` reads the returns.
 """
 from __future__ import annotations
 
@@ -33,7 +34,8 @@ def returned_lists(function: FunctionDef) -> FunctionDef:
         if not isinstance(node, Return) or node.value is None:
             return None
         value = node.value
-        if isinstance(value, Name) and value.id not in lists and not any(known.get(value.id, ())[1:]):
+        nest = known.get(value.id, ()) if isinstance(value, Name) else ()
+        if isinstance(value, Name) and value.id not in lists and not any(nest[1:]) and len(nest) != 2:
             return None
         return at(Return(_spelled(value, known)), node)
     return with_body(function, [rebuild(s, change) for s in function.body])
