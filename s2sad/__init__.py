@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         gradient as gradient, jvp as jvp, make_zero as make_zero, value_and_gradient as value_and_gradient, vjp as vjp,
     )
     from s2sad.given import nondifferentiable as nondifferentiable, rule as rule
+    from s2sad.report.bench import Bench as Bench, bench as bench
     from s2sad.report.check import Checked as Checked, check as check
     from s2sad.report.explain import Explanation as Explanation, explain as explain
 
@@ -32,16 +33,17 @@ _HOMES = {
     "api": ("Differentiated", "autodiff", "differentiate"),
     "diagnostics": ("S2sadError", "S2sadWarning"),
     "given": ("nondifferentiable", "rule"),
+    "report.bench": ("Bench", "bench"),
     "report.check": ("Checked", "check"),
     "report.explain": ("Explanation", "explain"),
     "drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
-    "Active", "BatchDuplicated", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed", "Explanation",
-    "Forward", "ForwardWithPrimal", "Reverse", "ReverseWithPrimal", "S2sadError", "S2sadWarning", "autodiff", "check",
-    "differentiate", "explain", "gradient", "jvp", "make_zero", "nondifferentiable", "rule", "value_and_gradient",
-    "vjp",
+    "Active", "BatchDuplicated", "Bench", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed",
+    "Explanation", "Forward", "ForwardWithPrimal", "Reverse", "ReverseWithPrimal", "S2sadError", "S2sadWarning",
+    "autodiff", "bench", "check", "differentiate", "explain", "gradient", "jvp", "make_zero", "nondifferentiable",
+    "rule", "value_and_gradient", "vjp",
 ]
 
 

@@ -8,63 +8,33 @@ import argparse
 import difflib
 import gc
 import os
-import platform
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
-from importlib import metadata
+from contextlib import contextmanager
 from typing import Any
 
-from s2sad import __version__, pipeline, read
+from s2sad import pipeline, read
 from s2sad.binding import float_parameters
+from s2sad.cli_parser import COMMANDS, RUNNING, command_parser
 from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, Report, S2sadError
 from s2sad.flattened.spelling import form_spelled, listed, named, spelled_out
 from s2sad.infer.assumed import Assumed, assumed
 from s2sad.program import Program, Request
 from s2sad.report.argument_literals import evaluated, flat_values, form_of_literal
+from s2sad.report.bench import bench
 from s2sad.report.cache import cleared, described
+from s2sad.report.check import check
 from s2sad.report.explain import explained
-from s2sad.report.made_up import checked_file
+from s2sad.report.made_up import run_on_file
 from s2sad.report.output import check_output, write_output
+from s2sad.report.picture import kind_of
 from s2sad.report.stages import ROOMS, STAGES, stages
 from s2sad.run import store
 from s2sad.run.compiled import chosen
 from s2sad.structure import Form
 from s2sad.tracebacks import internal
 from s2sad.selection import selected_of, selected_wrt
-
-_ABOUT = """\
-Reads a NumPy function that loops and writes its arrays in place, and writes the Python source of its derivative.
-The file is read, not run (only `s2sad check` runs it)."""
-_EXAMPLES = """\
-examples:
-  s2sad adjoint kernel.py:step                       print the adjoint of step
-  s2sad adjoint kernel.py:step --wrt u,p --of du -o step_adjoint.py --standalone
-                                                     write it as a file that needs NumPy alone
-  s2sad tangent kernel.py:step --types "u: float64[:, :], steps: int64"
-  s2sad explain kernel.py:step --arguments "u=np.ones((512, 512)), steps=100"
-                                                     what is recorded (how many MB), dropped, computed again, and why
-  s2sad explain kernel.py:step --html -o step.html   the same as a page, the adjoint beside the function
-  s2sad stages kernel.py:step --after normalize      the function after one pass of the compiler
-  s2sad check kernel.py:step                         run it: tangent, adjoint and differences compared
-  s2sad cache --clear                                remove what is kept on disk
-
-types come from --types, else from the signature's annotations ("float64[:, :]", float, int), else from use: a
-subscript of rank k or unpacking means a float64 array; use as a bound, an index or a shift int64; anything else
-float64. The written file's header says what was assumed."""
-_COMMANDS = {
-    "adjoint": "write the adjoint (reverse mode): gradients of outputs with respect to inputs",
-    "tangent": "write the tangent (forward mode): a directional derivative",
-    "explain": "say what the adjoint records, leaves out and computes again, and where f is not differentiable",
-    "stages": "print the function after the passes of the compiler",
-    "check": "RUN the function and compare adjoint, tangent and differences",
-    "cache": "say what is kept on disk for later processes, and where; or remove it",
-}
-_SHADOWS = """
-a shadow (u_bar, u_dot) follows each float array; a tangent also follows each float number, whose adjoint is returned.
-On entry u_bar holds the adjoint of what u is at the end, on exit of what it was at the start; for arrays that are only
-read it is added to."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -73,8 +43,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     >>> main(["adjoint", "nowhere.py:f"])
     1
     """
-    parser, given = _parser(), sys.argv[1:] if argv is None else list(argv)
-    if given and not given[0].startswith("-") and given[0] not in _COMMANDS:
+    parser, given = command_parser(), sys.argv[1:] if argv is None else list(argv)
+    if given and not given[0].startswith("-") and given[0] not in COMMANDS:
         parser.error(_no_command(given[0]))
     options = parser.parse_args(given)
     if options.command is None:
@@ -115,13 +85,12 @@ def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
     given = _given(parser, options.types or "")
     program = read.load_file(path, function)
     check_output(options.output, program.files)
+    check_output(getattr(options, "picture", None), program.files, "--picture")
     values = _values(program, options)
     program, request, found, paths = _request(parser, program, options, {
         **{name: form_of_literal(v) for name, v in values.items()}, **given})
-    if options.command == "check":
-        report = checked_file(path, function, options.arguments, found, request, paths)
-        write_output(options.output, f"{report}\n")
-        return 0 if report else 1
+    if options.command in RUNNING:
+        return _ran(path, function, options, found, request, paths)
     if options.command == "explain":
         explanation = explained(program, request, flat_values(values, paths, program.kernels[program.entry]))
         text = explanation.json() + "\n" if options.json else explanation.html() if options.html else f"{explanation}\n"
@@ -134,6 +103,22 @@ def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
                              "zero", severity="warning"), file=sys.stderr)
         text = made.text
     write_output(options.output, text)
+    return 0
+
+
+def _ran(path: str, function: str, options: argparse.Namespace, found: dict[str, Assumed], request: Request,
+         paths: dict[str, str]) -> int:
+    """What runs the file: `check` and `bench`."""
+    if options.command == "check":
+        report = run_on_file(check, path, function, options.arguments, found, request, paths)
+        write_output(options.output, f"{report}\n")
+        return 0 if report else 1
+    if options.picture is not None:
+        kind_of(options.picture)
+    measured = run_on_file(bench, path, function, options.arguments, found, request, paths, budget=options.budget)
+    write_output(options.output, f"{measured}\n")
+    if options.picture is not None:
+        measured.picture(options.picture)
     return 0
 
 
@@ -150,9 +135,9 @@ def _no_command(word: str) -> str:
     """What is said of a first word that is no command."""
     if ":" in word or word.endswith(".py"):
         return f"a command is missing: s2sad adjoint {word}"
-    close = difflib.get_close_matches(word, _COMMANDS, 1)
+    close = difflib.get_close_matches(word, COMMANDS, 1)
     return f"there is no command '{word}'" + (f"; did you mean '{close[0]}'?" if close else
-                                              f": the commands are {', '.join(_COMMANDS)}")
+                                              f": the commands are {', '.join(COMMANDS)}")
 
 
 def _no_target(options: argparse.Namespace) -> str:
@@ -235,65 +220,6 @@ def _stages(parser: argparse.ArgumentParser, program: Program, request: Request,
         shown.append(f"# ---- after {name} ----" + ("\n# (as before)\n" if body == last else f"\n{text}"))
         last = body
     return "\n".join(shown)
-
-
-# -- arguments ------------------------------------------------------------------------------------------------------
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser("s2sad", description=_ABOUT, epilog=_EXAMPLES,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--version", action="version", version=_version())
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for command, about in _COMMANDS.items():
-        lines = [line for line in _EXAMPLES.splitlines() if f"s2sad {command} " in line]
-        epilog = "\n".join(["examples:", *lines]) + (_SHADOWS if command in ("adjoint", "tangent") else "")
-        made = commands.add_parser(command, help=about, description=about[0].upper() + about[1:] + ".", epilog=epilog,
-                                   formatter_class=argparse.RawDescriptionHelpFormatter)
-        if command == "cache":
-            what = made.add_mutually_exclusive_group()
-            what.add_argument("--where", action="store_true", help="print its folder only")
-            what.add_argument("--clear", action="store_true", help="remove what it holds")
-        else:
-            _add_options(made, command)
-    return parser
-
-
-def _version() -> str:
-    found = [f"Python {platform.python_version()}"]
-    for name in ("NumPy", "Numba"):
-        with suppress(metadata.PackageNotFoundError):
-            found.append(f"{name} {metadata.version(name.lower())}")
-    return f"s2sad {__version__} ({', '.join(found)})"
-
-
-def _add_options(parser: argparse.ArgumentParser, command: str) -> None:
-    parser.add_argument("target", metavar="FILE:FUNCTION", help="a Python file and a function at its module level")
-    parser.add_argument("--wrt", metavar="U,P", help="inputs to differentiate with respect to (default: all floats)")
-    parser.add_argument("--of", metavar="DU", help='outputs: written arrays, "return" (default: all of them)')
-    parser.add_argument("--types", metavar="TYPES", help='types of parameters, as "u: float64[:, :], steps: int64"')
-    parser.add_argument("-o", "--output", metavar="OUT", help="the file to write (default: standard output)")
-    parser.add_argument("--engine", choices=("numpy", "numba", "auto"),
-                        default="auto" if command == "check" else "numpy",
-                        help="what the text is written for: whole-array statements stay (numpy) or become loops "
-                        "(numba); each text runs under both (default: %(default)s)")
-    parser.add_argument("--level", choices=("plain", "fast"), default="plain",
-                        help="statement by statement, or what runs (default: plain)")
-    parser.set_defaults(standalone=False)
-    if command in ("adjoint", "tangent", "stages"):
-        parser.add_argument("--standalone", action="store_true", help="write a file that needs NumPy alone")
-    if command == "explain":
-        form = parser.add_mutually_exclusive_group()
-        form.add_argument("--json", action="store_true", help="the facts as JSON")
-        form.add_argument("--html", action="store_true", help="a page: the function and its adjoint side by side")
-        parser.add_argument("--arguments", metavar="VALUES", help="sizes, for the bytes recorded, which are read "
-                            'and not run: "u=np.ones((512, 512)), steps=100" or "u: float64[512, 512], steps: 100"')
-    if command == "stages":
-        parser.add_argument("--after", metavar="PASS", help=f"one of {', '.join(STAGES)}; or a room: "
-                            f"{', '.join(ROOMS)} (default: all, one after the other)")
-        parser.add_argument("--mode", choices=("adjoint", "tangent"), default="adjoint")
-    if command == "check":
-        parser.add_argument("--arguments", metavar="EXPR", help="the function's arguments as Python, with numpy as np: "
-                            '"np.ones((4, 4)), 3" (default: made up from the types)')
 
 
 if __name__ == "__main__":

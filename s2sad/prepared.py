@@ -105,6 +105,12 @@ class ReverseCall(PreparedCall):
         self.in_vain = tuple(n for n in self.wrt if chosen is not None and n in independent)
 
     def run(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[Any, ...]]:
+        values, shadows, given = self.arranged(args, seeds)
+        return shadows, self.called(self.rv, values, shadows, given)
+
+    def arranged(self, args: Sequence[Any], seeds: Mapping[str, Any]
+                 ) -> tuple[dict[str, Any], dict[str, Any], list[Any]]:
+        """The values and the shadows by name, and the seeds of results."""
         values = dict(zip(self.names, self.private(args)))
         by_place = self._result_seeds(seeds.get(RETURN)) if RETURN in seeds else {}
         shadows = {}
@@ -115,8 +121,7 @@ class ReverseCall(PreparedCall):
         for place, name in self.results.aliases.items():
             if place in by_place:
                 shadows[name] += array_seed(RETURN, by_place.pop(place), values[name])
-        given = [by_place.get(k, 0.0) for k in self.seed_places]
-        return shadows, self.called(self.rv, values, shadows, given)
+        return values, shadows, [by_place.get(k, 0.0) for k in self.seed_places]
 
     def gradients(self, shadows: dict[str, Any], returned: tuple[Any, ...]) -> dict[str, Any]:
         scalars = dict(zip(self.rv.generated.returns, returned))
@@ -154,7 +159,8 @@ class ForwardCall(PreparedCall):
                                                 *((RETURN,) if self.results.floats else ()))
         self.fv = self.variant("tangent", self.wrt, self.of)
 
-    def jvp(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> dict[str, Any]:
+    def arranged(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The values and the tangents by name."""
         values = dict(zip(self.names, self.private(args)))
         shadows = {}
         for name in self.fv.shadows:
@@ -163,6 +169,10 @@ class ForwardCall(PreparedCall):
                 shadows[name] = np.zeros(value.shape, value.dtype) if given is None else array_seed(name, given, value)
             else:
                 shadows[name] = number_seed(given, name, isinstance(value, complex))
+        return values, shadows
+
+    def jvp(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> dict[str, Any]:
+        values, shadows = self.arranged(args, tangents)
         returned = self.called(self.fv, values, shadows)
         found: dict[int, Any] = dict(zip(places(self.fv.generated.returns), returned))
         for place, name in self.results.aliases.items():

@@ -173,7 +173,7 @@ def test_the_other_commands_do_not_run_the_file(ran, kernel):
 def test_help_teaches(ran):
     status, out, _ = ran("--help")
     assert status == 0 and "s2sad adjoint kernel.py:step --wrt u,p" in out and "not run" in out
-    for command in ("adjoint", "tangent", "explain", "stages", "check"):
+    for command in ("adjoint", "tangent", "explain", "stages", "check", "bench"):
         status, out, _ = ran(command, "--help")
         assert status == 0 and f"s2sad {command} kernel.py:step" in out
     assert ran()[0] == 2
@@ -334,7 +334,7 @@ def test_wrong_usage(ran, kernel, options, message):
     kernel(SCALE)
     status, out, err = ran("adjoint", *options)
     assert (status, out) == (2, "") and message in err.replace("\n", " ")
-    assert ran("stages", "k.py:scale", "--after", "lunch")[0] == 2
+    assert ran("stages", "k.py:scale", "--after", "supper")[0] == 2
 
 
 def test_a_word_that_is_no_command(ran, kernel):
@@ -342,8 +342,8 @@ def test_a_word_that_is_no_command(ran, kernel):
     for words, message in ((("adjont", "k.py:scale"), "there is no command 'adjont'; did you mean 'adjoint'?"),
                            (("k.py:scale", "--wrt", "u"), "a command is missing: s2sad adjoint k.py:scale"),
                            (("k.py",), "a command is missing: s2sad adjoint k.py"),
-                           (("lunch",), "there is no command 'lunch': the commands are adjoint, tangent, explain, "
-                            "stages, check, cache")):
+                           (("supper",), "there is no command 'supper': the commands are adjoint, tangent, explain, "
+                            "stages, check, bench, cache")):
         status, out, err = ran(*words)
         assert (status, out) == (2, "") and err.endswith(f"s2sad: error: {message}\n")
 

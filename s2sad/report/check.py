@@ -9,21 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.binding import admitted, bind
-from s2sad.diagnostics import S2sadError
-from s2sad.flattened import Carrier, flattened, taken_apart
-from s2sad.prepared import ForwardCall, ReverseCall
 from s2sad.program import Request
 from s2sad.report.differences import differences
 from s2sad.report.parting import wrong_adjoint, wrong_tangent
+from s2sad.report.question import Question
 from s2sad.report.subject import Subject, flat, split, vector_of
 from s2sad.rules import constant_result
 from s2sad.registry import ROOM
-from s2sad.unwrap import by_position, given_functions
-from s2sad.run.compiled import bounds_checked, chosen
-from s2sad.selection import Wrt, names_of, selected_of, selected_wrt
+from s2sad.run.compiled import bounds_checked
+from s2sad.selection import Wrt
 from s2sad.tracebacks import public
-from s2sad.variants import Derivatives, State, derivatives_of
 
 
 _VERDICTS = {True: "&#10003; agrees", False: "&#10007; parts"}
@@ -100,30 +95,16 @@ def check(f: Callable[..., Any], *args: Any, wrt: Wrt = None,
     >>> bool(check(cube, 2.0, engine="numpy"))
     True
     """
-    function, args, _ = given_functions(f, args, {})
-    given = Derivatives(derivatives_of(function).function).state()
-    apart = flattened(given, args)
-    asked = Carrier.overridden(f, names_of(wrt, f), names_of(of, f, "of"), engine)
-    state, flat, carried = taken_apart(given, asked, args)
-    values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, flat)]
-    types, name = state.types(values), state.kernel.name
-    single = any(getattr(v, "dtype", None) == np.float32 for v in values)
-    original = by_position(state.function if single else getattr(function, "_original", function))
-    if apart is not None:
-        original = apart.calling(original, bind(given.kernel, args))
-    inputs = selected_wrt(name, state.parameters, types, carried[0])
-    outputs = selected_of(name, state.parameters, types, state.summary(types), carried[1])
-    return _Measurement(original, state, dict(zip(state.parameters, values)), inputs, outputs, chosen(carried[2]),
-                        single, seed).made()
+    return _Measurement(Question.asked(f, args, wrt, of, engine), seed).made()
 
 
 class _Measurement:
-    def __init__(self, original: Callable[..., Any], state: State, values: dict[str, Any], wrt: tuple[str, ...],
-                 of: tuple[str, ...], engine: str, single: bool, seed: int):
-        self.state, self.values, self.wrt, self.of, self.engine = state, values, wrt, of, engine
-        self.subject = Subject(original, values, wrt, of)
+    def __init__(self, question: Question, seed: int):
+        values, wrt, of = question.values, question.wrt, question.of
+        self.question, self.state, self.values, self.wrt, self.of = question, question.state, values, wrt, of
+        self.subject = Subject(question.original, values, wrt, of)
         self.outputs = self.subject.narrowed(values)
-        self.dot_tolerance, self.tolerance = (1e-4, 2e-3) if single else (1e-12, 1e-6)
+        self.dot_tolerance, self.tolerance = (1e-4, 2e-3) if question.single else (1e-12, 1e-6)
         rng = np.random.default_rng(seed)
         wished = rng.standard_normal(self.subject.x.size) * self.subject.scales()
         self.x_dot = split(values, wrt, wished)
@@ -131,7 +112,7 @@ class _Measurement:
         self.seeds = split(self.outputs, of, rng.standard_normal(vector_of(self.outputs, of).size))
 
     def made(self) -> Checked:
-        if not self.has_tangent():
+        if not self.question.has_tangent():
             return self.made_without_tangent()
         tangents, gradients = self.derivatives()
         y_dot, x_bar = vector_of(tangents, self.of), vector_of(gradients, self.wrt)
@@ -147,19 +128,6 @@ class _Measurement:
                         self.tolerance, int((~known).sum()), known.size)
         return found if found else Checked(**{**vars(found), "where": self.where(found, _sum(y_bar * y_dot))})
 
-    def has_tangent(self) -> bool:
-        """Whether the kernel has a tangent: every function with an adjoint of its own that it needs has one too."""
-        owns = [k.own for k in self.state.program.kernels.values() if k.own is not None]
-        if all("tangent" in o.functions or o.residual is not None for o in owns):
-            return True
-        try:
-            self.forward()
-        except S2sadError as error:
-            if any(d.code != "S301" for d in error.diagnostics):
-                raise
-            return False
-        return True
-
     def made_without_tangent(self) -> Checked:
         """The adjoint against differences, where these are sure."""
         expected, error = differences(self.subject.along(self.direction))
@@ -167,7 +135,7 @@ class _Measurement:
         weights = np.where(known, vector_of(self.seeds, self.of), 0.0)
         self.seeds = split(self.outputs, self.of, weights)
         with bounds_checked():
-            x_bar = vector_of(self.reverse().vjp(tuple(self.values.values()), self.seeds), self.wrt)
+            x_bar = vector_of(self.question.reverse().vjp(self.question.arguments, self.seeds), self.wrt)
         terms, slopes = x_bar * self.direction, np.where(known, weights * np.where(known, expected, 0.0), 0.0)
         beyond = max(abs(_sum(terms) - _sum(slopes)) - 10 * _sum(np.abs(weights[known]) * error[known]), 0.0)
         magnitude = float(np.abs(terms).sum() + np.abs(slopes).sum())
@@ -179,24 +147,12 @@ class _Measurement:
                        "" if apart <= self.tolerance else f"adjoints of the user's own, without tangents: {own}", True)
 
     def title(self) -> str:
-        checked = ", with bounds checks" if self.engine == "numba" else ""
-        return (f"Check of {self.state.kernel.name}: d({', '.join(self.of)}) / d({', '.join(self.wrt)}), engine "
-                f"{self.engine}{checked}")
+        return f"Check of {self.question.title}{', with bounds checks' if self.question.engine == 'numba' else ''}"
 
     def derivatives(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        args = tuple(self.values.values())
+        args = self.question.arguments
         with bounds_checked():
-            return self.forward().jvp(args, self.x_dot), self.reverse().vjp(args, self.seeds)
-
-    def forward(self) -> ForwardCall:
-        carrier = Carrier((self.wrt, self.of, self.engine))
-        return ForwardCall(self.state, carrier, tuple(self.values.values()), self.wrt, self.of)
-
-    def reverse(self) -> ReverseCall:
-        carrier = Carrier((self.wrt, self.of, self.engine))
-        made = ReverseCall(self.state, carrier, tuple(self.values.values()), self.of, None)
-        made.in_vain = ()
-        return made
+            return self.question.forward().jvp(args, self.x_dot), self.question.reverse().vjp(args, self.seeds)
 
     def by_output(self, y_dot: np.ndarray, expected: np.ndarray, error: np.ndarray, known: np.ndarray
                   ) -> dict[str, float]:
@@ -215,8 +171,8 @@ class _Measurement:
     def where(self, found: Checked, total: float) -> str:
         """The first statement where they part, in words."""
         def request(mode: str) -> Request:
-            return Request(mode, self.state.types(list(self.values.values())), self.wrt, self.of)
-        given = {**self.values, **self.state.outside(self.state.types(list(self.values.values())))}
+            return Request(mode, self.question.types, self.wrt, self.of)
+        given = {**self.values, **self.state.outside(self.question.types)}
         if not found.tangent_holds:
             fixed = ", ".join(g.path for g in self.state.given if constant_result(ROOM + g.path))
             if fixed:

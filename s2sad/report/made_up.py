@@ -1,28 +1,33 @@
-"""Checking a function of a file: the file is run, and where no arguments are given some are made up."""
+"""`check` and `bench` of a function of a file: it is run, and where no arguments are given some are made up."""
 from __future__ import annotations
 
 import importlib.util
 import os
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.assumed import Assumed
 from s2sad.program import Request
-from s2sad.report.check import Checked, check
 
 _SIZE = 6
 
 
-def checked_file(path: str, function: str, arguments: str | None, found: Mapping[str, Assumed],
-                 request: Request, paths: Mapping[str, str]) -> Checked:
-    """Runs the file, then `check` of one of its functions; raises S2sadError where either cannot be done."""
+Answer = TypeVar("Answer")
+
+
+def run_on_file(verb: Callable[..., Answer], path: str, function: str, arguments: str | None,
+                found: Mapping[str, Assumed], request: Request, paths: Mapping[str, str],
+                **options: Any) -> Answer:
+    """Runs the file, then a verb, as `check`, with its options on one of its functions; raises S2sadError where either
+    cannot be done."""
     if arguments is None and any(name != path for name, path in paths.items()):
         raise S2sadError(Diagnostic("S405", f"'{function}' takes structures, and none can be made up",
-                                    help="give its arguments as Python, in --arguments, or call s2sad.check"))
+                                    help="give its arguments as Python, in --arguments, or call "
+                                    f"s2sad.{verb.__name__}"))
     kernel = _imported(path, function)
     wrt, of = ([paths.get(n, n) for n in names] for names in (request.wrt, request.of))
     if arguments is None:
@@ -32,7 +37,7 @@ def checked_file(path: str, function: str, arguments: str | None, found: Mapping
         print(f"running {path} and {function}", file=sys.stderr)
         values = _evaluated(arguments)
     try:
-        return check(kernel, *values, wrt=wrt, of=of, engine=request.engine)
+        return verb(kernel, *values, wrt=wrt, of=of, engine=request.engine, **options)
     except S2sadError:
         raise
     except Exception as error:

@@ -1,0 +1,108 @@
+"""A function at given arguments and what is asked of it: where `check` and `bench` begin."""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from s2sad.binding import admitted, bind
+from s2sad.diagnostics import S2sadError
+from s2sad.flattened import Carrier, flattened, taken_apart
+from s2sad.infer.types import Type
+from s2sad.prepared import ForwardCall, ReverseCall
+from s2sad.program import Request
+from s2sad.run.compiled import chosen
+from s2sad.selection import Results, Wrt, names_of, selected_of, selected_wrt
+from s2sad.unwrap import by_position, given_functions
+from s2sad.variants import Derivatives, State, derivatives_of
+
+
+@dataclass(frozen=True)
+class Question:
+    """A function's `values` by parameter, flat where they were structures, and `original`, which takes them by
+    position; the inputs and outputs asked for. `single`: among the values are arrays of float32; `structured`: the
+    values were structures."""
+    original: Callable[..., Any]
+    state: State
+    values: dict[str, Any]
+    types: tuple[Type, ...]
+    wrt: tuple[str, ...]
+    of: tuple[str, ...]
+    engine: str
+    single: bool
+    structured: bool
+
+    @classmethod
+    def asked(cls, f: Callable[..., Any], args: tuple[Any, ...], wrt: Wrt, of: str | Iterable[str] | None,
+              engine: str | None) -> Question:
+        """What is asked of f at args, of a state of its own; raises S2sadError."""
+        function, args, _ = given_functions(f, args, {})
+        given = Derivatives(derivatives_of(function).function).state()
+        apart = flattened(given, args)
+        asked = Carrier.overridden(f, names_of(wrt, f), names_of(of, f, "of"), engine)
+        state, flat, carried = taken_apart(given, asked, args)
+        values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, flat)]
+        types, name = state.types(values), state.kernel.name
+        single = any(getattr(v, "dtype", None) == np.float32 for v in values)
+        original = by_position(state.function if single else getattr(function, "_original", function))
+        if apart is not None:
+            original = apart.calling(original, bind(given.kernel, args))
+        inputs = selected_wrt(name, state.parameters, types, carried[0])
+        outputs = selected_of(name, state.parameters, types, state.summary(types), carried[1])
+        return cls(original, state, dict(zip(state.parameters, values)), types, inputs, outputs, chosen(carried[2]),
+                   single, apart is not None)
+
+    @property
+    def arguments(self) -> tuple[Any, ...]:
+        return tuple(self.values.values())
+
+    @property
+    def title(self) -> str:
+        return f"{self.state.kernel.name}: d({', '.join(self.of)}) / d({', '.join(self.wrt)}), engine {self.engine}"
+
+    def forward(self) -> ForwardCall:
+        """The tangent, prepared."""
+        return ForwardCall(self.state, self._carrier, self.arguments, self.wrt, self.of)
+
+    def reverse(self) -> ReverseCall:
+        """The adjoint, prepared; it says nothing of inputs on which no output depends."""
+        made = ReverseCall(self.state, self._carrier, self.arguments, self.of, None)
+        made.in_vain = ()
+        return made
+
+    def has_tangent(self) -> bool:
+        """Whether the kernel has a tangent: every function with an adjoint of its own that it needs has one too."""
+        owns = [k.own for k in self.state.program.kernels.values() if k.own is not None]
+        if all("tangent" in o.functions or o.residual is not None for o in owns):
+            return True
+        try:
+            self.forward()
+        except S2sadError as error:
+            if any(d.code != "S301" for d in error.diagnostics):
+                raise
+            return False
+        return True
+
+    @property
+    def _carrier(self) -> Carrier:
+        return Carrier((self.wrt, self.of, self.engine))
+
+    def primal(self, values: Mapping[str, Any]) -> Callable[..., Any]:
+        """The function of values like these, by position: as it is under NumPy, compiled for their types under Numba.
+        Arrays that it writes are written."""
+        if self.engine == "numpy":
+            return self.original
+        types = self.state.types(list(values.values()))
+        function, results = self.state.primal(types, self.engine), Results.of(self.state.summary(types))
+        return lambda *given: results.with_aliases(function(*given), dict(zip(self.values, given)))
+
+    def bare(self, values: Mapping[str, Any]) -> Callable[[], Any]:
+        """One run of the function on values, which are written, with nothing around it."""
+        if self.engine == "numpy":
+            return partial(self.original, *values.values())
+        types = self.state.types(list(values.values()))
+        variant = self.state.variant(Request("primal", types, (), ()), self.engine)
+        return partial(variant.function, *variant.assemble(values, {}, (), self.state.outside(types)))
