@@ -1,6 +1,7 @@
 """What all tests share: this folder's parent on the path, quiet floating point, Hypothesis profiles, seeds, options."""
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from contextlib import ExitStack
@@ -67,3 +68,11 @@ def quiet_floating_point():
     """Edges are tested on purpose: infinities and nans are compared, not warned about."""
     with np.errstate(all="ignore"):
         yield
+
+
+@pytest.fixture
+def own_garbage():
+    """The test looks through what it makes itself, not through the millions of objects that others have left."""
+    gc.freeze()
+    yield
+    gc.unfreeze()

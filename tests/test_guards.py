@@ -367,6 +367,7 @@ def modules():
     return {name for name in sys.modules if name.startswith("s2sad_")}
 
 
+@pytest.mark.usefixtures("own_garbage")
 @pytest.mark.parametrize("engine", ["numpy", pytest.param("numba", marks=pytest.mark.skipif(
     not available(), reason="needs Numba"))])
 def test_numbers_that_change_in_each_call_become_arguments(monkeypatch, engine):
@@ -434,6 +435,7 @@ def test_integers_that_become_wide_are_constants_again(monkeypatch):
         assert g(1.0) == float(power)
 
 
+@pytest.mark.usefixtures("own_garbage")
 def test_the_dead_free_what_they_took():
     before = modules()
     for k in range(3):

@@ -227,6 +227,7 @@ def test_memory_maps_as_shadows(f, tmp_path):
         assert shadow.tolist() == [8.0] * 3
 
 
+@pytest.mark.usefixtures("own_garbage")
 def test_refused_calls_leave_nothing():
     f = s2sad.differentiate(scaled, engine="numpy")
     g = s2sad.gradient(f, "u")

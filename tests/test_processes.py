@@ -134,6 +134,7 @@ def test_what_was_derived_of_a_function_is_not_its_copy_s():
     assert s2sad.gradient(triple)(1.0) == 3.0
 
 
+@pytest.mark.usefixtures("own_garbage")
 def test_a_dead_function_frees_what_was_derived_of_it():
     def power(x, n):
         return 1.0 if n == 0 else x * x
