@@ -5,6 +5,8 @@ Behind each kernel the derivative by each element: of what is taken alone, as on
 # ruff: noqa: PLR0124
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -261,7 +263,62 @@ def nan_stays(x):
     return np.sum(np.sqrt(x)*2.0)
 
 
+def through_infinity(x):
+    return np.sum(np.exp(-1.0 / x)) + np.tanh(2.0 / x[0]) + 1.0 / (1.0 + 1.0 / x[0])
+
+
+def root_of_a_sum(x):
+    return np.sqrt(np.sum(x * x)) + (x[0] ** 2 + x[1] ** 2) ** 0.5
+
+
+def root_of_a_product(x):
+    return np.sqrt(x @ x) + np.sqrt(np.dot(x, x) / 2.0)
+
+
+def root_in_turns(x):
+    s, t = 0.0, 1.0
+    for i in range(x.size):
+        s += 0.5 * x[i] ** 2 + abs(x[i]) * x[i] ** 4
+        t += x[i] * x[i]
+    return math.sqrt(s) + math.sqrt(s / t) - math.sqrt(t)
+
+
+def length(d):
+    return np.sqrt(np.sum(d * d))
+
+
+def root_of_helper(x):
+    return length(x - x[0]) + length(2.0 * x)
+
+
+def deviation(x):
+    return np.sqrt(np.mean((x - np.mean(x)) ** 2)) + np.std(x) + np.linalg.norm(x)
+
+
+def distances(x):
+    d = x[:, None] - x[None, :]
+    lengths = np.sqrt(np.sum(d[:, :, None] ** 2, axis=2))
+    return np.sum(lengths) + np.sum(np.where(lengths > 0.0, lengths, 0.0))
+
+
+def stored_squares(x):
+    squares = np.zeros(x.size)
+    for i in range(x.size):
+        for j in range(x.size):
+            squares[i] += (x[i] - x[j]) ** 2
+    return np.sum(np.sqrt(squares))
+
+
+def roots_of_nothing(x):
+    return np.sum(np.sqrt(np.sqrt(x * x) + np.hypot(x, x)) ** 2 + np.abs(x) ** 0.5 + np.maximum(x * x, x ** 4) ** 0.5)
+
+
+ZEROS = (np.zeros(3), [0.0, 0.0, 0.0])
+
 CASES = [
+    *((f, *ZEROS) for f in (root_of_a_sum, root_of_a_product, root_in_turns, root_of_helper, deviation, distances,
+      stored_squares, roots_of_nothing)),
+    (through_infinity, FROM_ZERO, [0.0, np.exp(-1.0), np.exp(-0.5) / 4.0]),
     *((f, FROM_ZERO, [0.0, 1.0, 1.0 + LOG]) for f in (entropy_by_statements, entropy_in_a_loop, branch_behind,
       mask_behind, part_behind, mask_overwrites, mask_copies, sum_where, nested_choices, inlined_helper, helper,
       copyto, select, clipped)),
@@ -292,6 +349,30 @@ def test_both_modes(kernel, x, slopes, engine):
         tangents = [s2sad.jvp(f, (x,), {"x": e})["return"] for e in np.eye(3)]
     np.testing.assert_allclose(found, slopes, rtol=1e-12)
     np.testing.assert_allclose(tangents, slopes, rtol=1e-12)
+
+
+def weighted(x, w):
+    return np.sqrt(np.sum(w * x * x))
+
+
+def root(x):
+    return np.sqrt(x[0]) + np.sqrt(x[1] * x[2])
+
+
+def shifted_root(x):
+    return np.sum(np.sqrt(1.0 + x * x))
+
+
+def test_a_root_of_what_may_have_a_slope_is_infinite_there():
+    """Weights may have any sign: what they sum to may be 0 where its slope is not."""
+    np.testing.assert_array_equal(s2sad.gradient(root)(np.array([0.0, 0.0, 2.0])), [np.inf, np.inf, np.nan])
+    found = s2sad.gradient(weighted, wrt="x")(np.array([1.0, 1.0]), np.array([1.0, -1.0]))
+    np.testing.assert_array_equal(found, [np.inf, -np.inf])
+
+
+def test_a_root_that_is_never_zero_is_not_asked():
+    for engine in ("numpy", "numba"):
+        assert "!= 0.0" not in s2sad.differentiate(shifted_root, engine=engine).adjoint_source(np.ones(3))
 
 
 def test_nothing_is_asked_where_all_is_finite():

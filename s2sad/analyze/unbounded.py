@@ -19,8 +19,10 @@ from dataclasses import dataclass, field
 from s2sad import rules
 from s2sad.analyze.activity import Activity, reach
 from s2sad.analyze.liveness import base_name, targets
+from s2sad.analyze.squares import Squares, squares
 from s2sad.analyze.uses import is_active, operated, sources
 from s2sad.infer.infer import Typing
+from s2sad.rules.power import POWERS
 from s2sad.rules.rule import Rule, number
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Compare, Constant, Div, Expr, FunctionDef, If, Load, Mult,
@@ -41,9 +43,10 @@ _QUOTIENTS = ("a / b", "a % b", "numpy.divide", "numpy.true_divide", "numpy.reci
 class Unbounded:
     """Names: those whose `values` can be infinite or nan, those that a choice may leave (`left`), those whose
     `tangents` can be infinite, what comparisons read; `called` gives this of a kernel that is called;
-    `definitions` are the values of names that are bound once."""
+    `definitions` are the values of names that are bound once, `squares` what has no slope where it is 0."""
     typing: Typing
     active: frozenset[str]
+    squares: Squares
     values: frozenset[str] = frozenset()
     left: frozenset[str] = frozenset()
     tangents: frozenset[str] = frozenset()
@@ -61,7 +64,7 @@ class Unbounded:
 
     def has_poles(self, node: AST) -> bool:
         return any((is_active(o, self.typing, self.active) or not self.compared.isdisjoint(names(o)))
-                   and not (_is_root(rule, node) and self.is_positive(o)) for rule, o in self._singular(node))
+                   and not (_is_root(rule, node) and self.is_positive(o)) for rule, o, _ in self._singular(node))
 
     def is_positive(self, node: AST) -> bool:
         """Whether an expression is no negative number, by its text and by that of the names in it."""
@@ -80,9 +83,17 @@ class Unbounded:
         return call_name(node) in _POSITIVE
 
     def is_steep(self, node: AST) -> bool:
-        """Whether an operation's slope can be infinite where what is computed further is not: no quotient's."""
+        """Whether an operation's slope can be infinite where what is computed further is not: no quotient's, and no
+        root's of a sum of squares."""
         return any(is_active(o, self.typing, self.active) and not _divides(rule, node)
-                   for rule, o in self._singular(node))
+                   for rule, o, operands in self._singular(node) if not self.flat_root(rule, operands))
+
+    def flat_root(self, rule: Rule, operands: Mapping[str, AST]) -> bool:
+        """Whether an operation is the root of what has no slope where it is 0."""
+        root = rule.name.rpartition(".")[2] in ("sqrt", "cbrt")
+        exponent = number(operands["b"]) if {*operands} == {"a", "b"} and rule.name in POWERS else None
+        root = root or exponent is not None and 0.5 <= exponent < 1
+        return root and self.squares.flat(next(iter(operands.values())))
 
     def called_left(self, statement: AST) -> bool:
         """Whether a call computes with what can be infinite or nan, and a choice may leave what it gives."""
@@ -96,12 +107,12 @@ class Unbounded:
         """Whether a call is given tangents that can be infinite."""
         return any(map(self.tangent, statement.value.args))
 
-    def _singular(self, node: AST) -> Iterator[tuple[Rule, AST]]:
-        """The operands of an operation on which a partial depends that can be infinite, with the rule."""
+    def _singular(self, node: AST) -> Iterator[tuple[Rule, AST, dict[str, AST]]]:
+        """The operands on which a partial depends that can be infinite, each with the rule and all operands."""
         found = operated(node, self.typing)
         if found is not None and found[0].singular:
             rule, operands = found
-            yield from ((rule, o) for p, o in operands.items() if p not in rule.linear and rule.is_singular(
+            yield from ((rule, o, operands) for p, o in operands.items() if p not in rule.linear and rule.is_singular(
                 p, operands))
 
 
@@ -130,7 +141,8 @@ def unbounded(function: FunctionDef, typing: Typing, activity: Activity,
     assigned = [s for s in walk(function.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
     times = Counter(s.targets[0].id for s in assigned)
     definitions = {s.targets[0].id: s.value for s in assigned if times[s.targets[0].id] == 1}
-    first = Unbounded(typing, activity.active, compared=compared, definitions=definitions)
+    flat = squares(function, typing, activity.active)
+    first = Unbounded(typing, activity.active, flat, compared=compared, definitions=definitions)
     parameters = {p.id for p in function.args.args} if given else set[str]()
     poles, steep = set(parameters), set(parameters)
     for s in walk(function.body):
@@ -147,7 +159,7 @@ def unbounded(function: FunctionDef, typing: Typing, activity: Activity,
             steep |= bound if any(map(first.is_steep, walk(s.value))) else set()
     asked = reach(backwards, set(_asked_for_nan(function, typing)))
     left = reach(backwards, set(_left(function, typing))) if poles | asked else set[str]()
-    return Unbounded(typing, activity.active, frozenset(reach(forwards, poles | asked)),
+    return Unbounded(typing, activity.active, flat, frozenset(reach(forwards, poles | asked)),
                      activity.active if given else frozenset(left), frozenset(reach(forwards, steep)), compared,
                      called, definitions)
 

@@ -91,8 +91,10 @@ class Pullback:
         for parameter, partial in partials.items():
             whole = self.typing.of(partial).is_array or self.typing.of(seed.tree).is_array
             term = self.term(rule, seed, partial if whole else scalar_choices(partial))
-            term = self.vanishing.product(term, seed.tree, parameter in asked, whole)
             operand = operands[parameter]
+            root = self.vanishing.of_operand(rule, parameter, operands, result)
+            term = self.vanishing.product(term, [*([seed.tree] if parameter in asked else []), *(
+                [] if root is None else [root])], whole)
             if self.leaves(operand) > 1:
                 term = self.shared(operand, term, found)
             left = self.vanishing.left
@@ -265,11 +267,13 @@ class Pushforward:
             partial = rule.partial(parameter, operands, node if result is None else result)
             whole = self.typing.of(node).is_array
             partial = partial if whole else scalar_choices(partial)
-            asked = self.vanishing.of_partial(operand, inner, partial)
+            asked = self.vanishing.of_partial(rule, operand, inner, partial)
             partial = self.held(partial) if asked else partial
-            term = self.vanishing.product(self.term(rule, inner, partial), inner.tree, rule.is_singular(
-                parameter, operands), whole)
-            terms.append(self.vanishing.product(term, partial, asked, whole))
+            root = self.vanishing.of_operand(rule, parameter, operands, result)
+            factors = [] if root is None else [root]
+            factors += [inner.tree] if rule.is_singular(parameter, operands) else []
+            factors += [partial] if asked else []
+            terms.append(self.vanishing.product(self.term(rule, inner, partial), factors, whole))
         return total(terms) if terms else None
 
     def term(self, rule: Rule, inner: Term, partial: AST) -> Term:

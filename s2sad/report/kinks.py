@@ -8,11 +8,10 @@ from s2sad.analyze.activity import Activity
 from s2sad.analyze.uses import sources
 from s2sad.infer.infer import Typing
 from s2sad.rules.operation import operation
+from s2sad.rules.power import POWERS
 from s2sad.rules.rule import number
 from s2sad.tree import AST, BinOp, Call, Compare, FloorDiv, For, If, While, call_name, children, walk
 from s2sad.units import Unit
-
-_POWERS = ("a ** b", "numpy.power", "numpy.pow", "numpy.float_power", "math.pow", "builtins.pow")
 
 
 def kinks(unit: Unit, activity: Activity) -> list[tuple[AST, str]]:
@@ -56,7 +55,7 @@ def _of_node(node: AST, typing: Typing, activity: Activity) -> str:
     if found:
         rule, operands = found
         active = {p for p, operand in operands.items() if is_active(operand)}
-        if rule.name in _POWERS and active:
+        if rule.name in POWERS and active:
             return _power(operands, active)
         return rule.kink if rule.kink and active else ""
     stairs = isinstance(node, BinOp) and isinstance(node.op, FloorDiv)

@@ -21,6 +21,7 @@ from s2sad.tree import AST
 _BASE = "numpy.where(b == 0, 0.0, b * a ** (b - 1))"
 _EXPONENT = "y * numpy.log(numpy.where(a == 0, 1.0, a))"
 _NAMES = ("numpy.power", "numpy.pow", "numpy.float_power", "math.pow", "builtins.pow")
+POWERS = frozenset(["a ** b", *_NAMES])
 
 
 def _base_partial(exponent: float | None) -> str | None:
