@@ -313,9 +313,14 @@ def roots_of_nothing(x):
     return np.sum(np.sqrt(np.sqrt(x * x) + np.hypot(x, x)) ** 2 + np.abs(x) ** 0.5 + np.maximum(x * x, x ** 4) ** 0.5)
 
 
+def unused(x):
+    return np.sum(0.0 * np.sqrt(x) + x)
+
+
 ZEROS = (np.zeros(3), [0.0, 0.0, 0.0])
 
 CASES = [
+    (unused, FROM_ZERO, [1.0, 1.0, 1.0]),
     *((f, *ZEROS) for f in (root_of_a_sum, root_of_a_product, root_in_turns, root_of_helper, deviation, distances,
       stored_squares, roots_of_nothing)),
     (through_infinity, FROM_ZERO, [0.0, np.exp(-1.0), np.exp(-0.5) / 4.0]),

@@ -20,7 +20,7 @@ from s2sad.infer.shapes import Shapes, shape_expression
 from s2sad.naming import Names
 from s2sad.rules.array import RESULT, SEED
 from s2sad.rules.complexes import HOLOMORPHIC
-from s2sad.rules.rule import Rule
+from s2sad.rules.rule import Rule, number
 from s2sad.tree import (
     AST, Attribute, BinOp, Call, Constant, Div, Mult, Name, Subscript, UnaryOp, USub, assign, attribute, call,
     call_name, const, copy, dump, name, names, rebuild, substitute, tuple_of, walk,
@@ -267,6 +267,8 @@ class Pushforward:
             partial = rule.partial(parameter, operands, node if result is None else result)
             whole = self.typing.of(node).is_array
             partial = partial if whole else scalar_choices(partial)
+            if number(partial) == 0:        # whatever the tangent is
+                continue
             asked = self.vanishing.of_partial(rule, operand, inner, partial)
             partial = self.held(partial) if asked else partial
             root = self.vanishing.of_operand(rule, parameter, operands, result)
