@@ -7,9 +7,7 @@ import platform
 import sys
 from collections.abc import Callable
 
-from benchmarks import (
-    accuracy, against_jax, arrays, arrays_against_jax, deriving, first_gradient, memory, overhead, ratios, returning,
-)
+from benchmarks import accuracy, arrays, deriving, first_gradient, memory, overhead, ratios, returning
 from benchmarks.peers.__main__ import main as peers
 from benchmarks.peers.machine import processor
 from benchmarks.tables import Table, show
@@ -18,8 +16,6 @@ from s2sad.report.timing import on_one_core
 PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
     "ratios": (ratios.tables, "adjoint over the Numba primal, each kernel at its large size"),
     "arrays": (arrays.tables, "the same for kernels of whole arrays, under each engine"),
-    "jax": (against_jax.tables, "the Brusselator's vjp against JAX's"),
-    "jax-arrays": (arrays_against_jax.tables, "gradients of the kernels of whole arrays against JAX's"),
     "overhead": (overhead.tables, "what a call costs over the bare compiled one"),
     "returning": (returning.tables, "functions that return arrays, called four times a step"),
     "first": (first_gradient.tables, "time to the first gradient, cold and warm cache"),

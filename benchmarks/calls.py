@@ -47,4 +47,4 @@ def adjoint_arguments(case: Case, arguments: Sequence[Any]) -> list[Any]:
 
 def seed_like(value: np.ndarray) -> np.ndarray:
     """A seed between 0.5 and 1.5 for each element, always the same; a uniform one would cancel in conserved sums."""
-    return 0.5 + np.random.default_rng(11).random(value.shape)
+    return (0.5 + np.random.default_rng(11).random(value.shape)).astype(value.dtype)

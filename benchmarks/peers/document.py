@@ -13,8 +13,7 @@ from typing import Any
 from benchmarks.peers.sections import MODULES, Chapter, Part, Picture, Section, section
 from benchmarks.tables import NOISE, Table, markdown
 
-INTRODUCTION = """Written by `python -m benchmarks peers`, pictures included; it writes the same on another
-machine.
+INTRODUCTION = """Written by `python -m benchmarks peers`, pictures included; on another machine, too.
 
 Measured on {date}{quick}, one thread on one core: {machine}. Versions: {versions}.
 

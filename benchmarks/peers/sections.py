@@ -66,10 +66,11 @@ class Section:
 
 def section(name: str) -> Section | None:
     """The section of that name, or None where this tree has none."""
-    package = MODULES[name].rpartition(".")[0]
-    if importlib.util.find_spec(package) is None or importlib.util.find_spec(MODULES[name]) is None:
+    try:
+        found = importlib.util.find_spec(MODULES[name])
+    except ModuleNotFoundError:     # not even its package
         return None
-    return importlib.import_module(MODULES[name]).SECTION
+    return importlib.import_module(MODULES[name]).SECTION if found is not None else None
 
 
 __all__ = ["MODULES", "Chapter", "Part", "Picture", "Section", "section"]

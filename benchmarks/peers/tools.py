@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Tool:
-    """A tool: its name in tables, the file that has its kernels, the module by which it is found, its distribution."""
+    """A tool: its name, the adapter that has its kernels, its variants, and how it is found and installed."""
     name: str
     adapter: str
-    module: str
-    distribution: str
+    variants: tuple[str, ...]
+    module: str = "numba"
+    distribution: str = ""
 
     @property
     def installed(self) -> bool:
@@ -20,16 +21,23 @@ class Tool:
         return importlib.util.find_spec(self.module) is not None
 
 
-TOOLS = {tool.adapter: tool for tool in (
-    Tool("JAX", "jax", "jax", "jax"),
-    Tool("PyTorch", "pytorch", "torch", "torch"),
-    Tool("HIPS autograd", "autograd", "autograd", "autograd"),
-    Tool("CasADi", "casadi", "casadi", "casadi"),
-    Tool("tangent", "tangent", "tangent", "tangent-ad"),
-    Tool("MyGrad", "mygrad", "mygrad", "mygrad"),
-    Tool("numba-enzyme", "enzyme", "numba_enzyme", "numba-enzyme"),
-)}
-DISTRIBUTIONS = ("s2sad", "numpy", "numba", "scipy", "numpy-quaddtype", *(tool.distribution for tool in TOOLS.values()))
+OURS = ("s2sad, Numba", "s2sad, Numba, plain", "s2sad, NumPy", "s2sad, NumPy, plain", "s2sad, Numba, float32")
+PRIMALS = ("primal, Numba", "primal, NumPy")
+DIFFERENCES = ("forward differences", "central differences", "complex step")
+TOOLS = (
+    Tool("s2sad", "ours", PRIMALS + OURS),
+    Tool("by hand", "by_hand", ("by hand",)),
+    Tool("JAX", "with_jax", ("JAX", "JAX, checkpoint"), "jax", "jax"),
+    Tool("PyTorch", "with_pytorch", ("PyTorch",), "torch", "torch"),
+    Tool("HIPS autograd", "with_autograd", ("HIPS autograd",), "autograd", "autograd"),
+    Tool("CasADi", "with_casadi", ("CasADi, MX", "CasADi, SX"), "casadi", "casadi"),
+    Tool("tangent", "with_tangent", ("tangent",), "tangent", "tangent-ad"),
+    Tool("MyGrad", "with_mygrad", ("MyGrad",), "mygrad", "mygrad"),
+    Tool("numba-enzyme", "with_enzyme", ("numba-enzyme",), "numba_enzyme", "numba-enzyme"),
+    Tool("differences", "differences", DIFFERENCES),
+)
+DISTRIBUTIONS = ("s2sad", "numpy", "numba", "scipy", "numpy-quaddtype",
+                 *(tool.distribution for tool in TOOLS if tool.distribution))
 
 
 def said(names: Sequence[str]) -> str:
@@ -46,4 +54,4 @@ def said(names: Sequence[str]) -> str:
 
 def missing() -> str:
     """What is said of the tools that are not installed; empty where all are."""
-    return said([tool.name for tool in TOOLS.values() if not tool.installed])
+    return said([tool.name for tool in TOOLS if not tool.installed])

@@ -1,0 +1,218 @@
+"""The kernels as one writes them for JAX: no stores, a scan over the steps, `jit` of `vjp`."""
+from __future__ import annotations
+
+from contextvars import ContextVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from benchmarks.peers.problems import Problem, Run, Unsupported
+
+_CHECKPOINT = ContextVar("_CHECKPOINT", default=False)
+jax.config.update("jax_enable_x64", True)
+
+
+def prepare(variant, kernel, problem: Problem) -> Run:
+    """The compiled pullback of the seeds, on arrays that JAX holds; with the steps of scans run again, or kept."""
+    if kernel not in KERNELS:
+        raise Unsupported("no version of it is written")
+    if variant != "JAX" and kernel not in STEPPED:
+        raise Unsupported("no steps to run again")
+    function = KERNELS[kernel]
+    given = problem.taken(function)
+    inputs = [jax.device_put(given.pop(name)) for name in problem.case.wrt]
+    seeds = [jax.device_put(np.float64(s) if np.ndim(s) == 0 else s) for s in problem.seeds]
+
+    def outputs(*inputs):
+        found = function(**given, **dict(zip(problem.case.wrt, inputs)))
+        return found if isinstance(found, tuple) else (found,)
+
+    pulled = jax.jit(lambda inputs, seeds: jax.vjp(outputs, *inputs)[1](tuple(seeds)))
+    token = _CHECKPOINT.set(variant != "JAX")
+    try:
+        jax.block_until_ready(pulled(inputs, seeds))
+    finally:
+        _CHECKPOINT.reset(token)
+    return Run(lambda: jax.block_until_ready(pulled(inputs, seeds)), lambda found: [np.asarray(g) for g in found])
+
+
+def repeated(step, state, steps):
+    body = jax.checkpoint(step) if _CHECKPOINT.get() else step
+    return jax.lax.scan(lambda state, _: (body(state), None), state, None, length=steps)[0]
+
+
+def brusselator(u, p, t):
+    a, b, alpha, dx = p
+    n = u.shape[0]
+    x = jnp.arange(n) * dx
+    inside = (x[:, None] - 0.3) ** 2 + (x[None, :] - 0.6) ** 2 <= 0.01
+    forcing = jnp.where(inside & (t >= 1.1), 5.0, 0.0)
+    neighbours = jnp.roll(u, 1, 0) + jnp.roll(u, -1, 0) + jnp.roll(u, 1, 1) + jnp.roll(u, -1, 1)
+    diffusion = alpha / dx ** 2 * (neighbours - 4.0 * u)
+    first, second = u[:, :, 0], u[:, :, 1]
+    reaction = first ** 2 * second
+    return diffusion + jnp.stack([b + reaction - (a + 1.0) * first + forcing, a * first - reaction], axis=2)
+
+
+def integrate(u, p, dt, steps):
+    def step(state):
+        u, s = state
+        return u + dt * brusselator(u, p, s * dt), s + 1
+
+    u, _ = repeated(step, (u, 0), steps)
+    return 0.5 * jnp.sum(u ** 2)
+
+
+def averaged(a):
+    return 0.2 * (a[1:-1, 1:-1] + a[1:-1, :-2] + a[1:-1, 2:] + a[2:, 1:-1] + a[:-2, 1:-1])
+
+
+def jacobi(a, b, steps):
+    def step(state):
+        a, b = state
+        b = b.at[1:-1, 1:-1].set(averaged(a))
+        return a.at[1:-1, 1:-1].set(averaged(b)), b
+
+    return repeated(step, (a, b), steps)[0]
+
+
+def seidel(a, steps):
+    def row(above, rows):
+        here, below = rows
+        old = (above[:-2] + above[1:-1] + above[2:] + here[1:-1] + here[2:] + below[:-2] + below[1:-1] + below[2:])
+        _, new = jax.lax.scan(lambda left, c: 2 * ((left + c) / 9.0,), here[0], old)
+        here = here.at[1:-1].set(new)
+        return here, here
+
+    def sweep(a):
+        _, rows = jax.lax.scan(row, a[0], (a[1:-1], a[2:]))
+        return a.at[1:-1].set(rows)
+
+    return 0.5 * jnp.sum(repeated(sweep, a, steps) ** 2)
+
+
+def minmod(a, b):
+    return jnp.where(a * b <= 0.0, 0.0, jnp.where(jnp.abs(a) < jnp.abs(b), a, b))
+
+
+def advect(u, c, steps):
+    def step(u):
+        flux = c * (u + 0.5 * (1.0 - c) * minmod(u - jnp.roll(u, 1), jnp.roll(u, -1) - u))
+        return u - (flux - jnp.roll(flux, 1))
+
+    return repeated(step, u, steps)
+
+
+def mixture(alphas, means, scales, x):
+    z = jnp.exp(scales) * (x[:, None, :] - means)
+    term = alphas + jnp.sum(scales, axis=1) - 0.5 * jnp.sum(z ** 2, axis=2)
+    return jnp.sum(jax.nn.logsumexp(term, axis=1)) - x.shape[0] * jax.nn.logsumexp(alphas)
+
+
+def nbody(position, velocity, mass, dt, steps, softening):
+    def step(state):
+        position, velocity = state
+        apart = position[None, :, :] - position[:, None, :]
+        inverse = (jnp.sum(apart ** 2, axis=2) + softening * softening) ** -1.5
+        velocity = velocity + dt * jnp.sum((mass * inverse)[:, :, None] * apart, axis=1)
+        return position + dt * velocity, velocity
+
+    position, velocity = repeated(step, (position, velocity), steps)
+    return jnp.sum(0.5 * mass * jnp.sum(velocity ** 2, axis=1)), position
+
+
+def gray_scott(u, v, feed, kill, steps, du, dv):
+    # the steps turn the inner field; the halo is what the last step begins with
+    def laplacian(w):
+        return jnp.roll(w, 1, 0) + jnp.roll(w, 1, 1) - 4.0 * w + jnp.roll(w, -1, 1) + jnp.roll(w, -1, 0)
+
+    def step(state):
+        u, v = state
+        reaction = u * v ** 2
+        return (u + du * laplacian(u) - reaction + feed * (1.0 - u),
+                v + dv * laplacian(v) + reaction - (feed + kill) * v)
+
+    before = repeated(step, (u[1:-1, 1:-1], v[1:-1, 1:-1]), steps - 1)
+    return tuple(jnp.pad(old, 1, mode="wrap").at[1:-1, 1:-1].set(new) for old, new in zip(before, step(before)))
+
+
+def glacier(thickness, bed, rate, balance, dx, dt, steps):
+    factor = 2.0 * rate * (917.0 * 9.81) ** 3 / 5.0
+
+    def step(thickness):
+        surface = bed + thickness
+        slope_x = (surface[1:, :] - surface[:-1, :]) / dx
+        slope_y = (surface[:, 1:] - surface[:, :-1]) / dx
+        steep = jnp.sqrt((0.5 * (slope_x[:, 1:] + slope_x[:, :-1])) ** 2
+                         + (0.5 * (slope_y[1:, :] + slope_y[:-1, :])) ** 2)
+        mean = 0.25 * (thickness[:-1, :-1] + thickness[1:, :-1] + thickness[:-1, 1:] + thickness[1:, 1:])
+        diffusivity = factor * mean ** 5 * steep ** 2
+        flux_x = -0.5 * (diffusivity[:, 1:] + diffusivity[:, :-1]) * slope_x[:, 1:-1]
+        flux_y = -0.5 * (diffusivity[1:, :] + diffusivity[:-1, :]) * slope_y[1:-1, :]
+        change = (flux_x[1:, :] - flux_x[:-1, :]) / dx + (flux_y[:, 1:] - flux_y[:, :-1]) / dx
+        return thickness.at[1:-1, 1:-1].set(jnp.maximum(thickness[1:-1, 1:-1] + dt * (balance - change), 0.0))
+
+    return repeated(step, thickness, steps)
+
+
+def neural_diffusion(u, w1, b1, w2, b2, dt, steps):
+    def step(u):
+        hidden = jnp.tanh(w1 @ u[None, :] + b1[:, None])
+        diffusivity = jnp.exp(w2 @ hidden + b2)[0]
+        flux = jnp.pad(0.5 * (diffusivity[1:] + diffusivity[:-1]) * (u[1:] - u[:-1]), 1)
+        return u + dt * (flux[1:] - flux[:-1])
+
+    return jnp.sum(repeated(step, u, steps) ** 2)
+
+
+def implicit_heat(u, conductivity, dt, steps):
+    def step(u):
+        left = conductivity[:-1] * (1.0 + u ** 2)
+        right = conductivity[1:] * (1.0 + u ** 2)
+        matrix = jnp.diag(1.0 + dt * (left + right)) - jnp.diag(dt * left[1:], -1) - jnp.diag(dt * right[:-1], 1)
+        return jnp.linalg.solve(matrix, u)
+
+    return repeated(step, u, steps)
+
+
+def attention(q, k, v):
+    return jax.nn.softmax((q @ k.T) * (1.0 / np.sqrt(q.shape[1])), axis=1) @ v
+
+
+def masked_flow(head, depth, conductance, steps):
+    def step(state):
+        head, depth = state
+        dry = depth < 0.05
+        speed = jnp.where(dry, 0.0, jnp.sqrt(jnp.where(dry, 1.0, depth)))     # no root of 0 is differentiated
+        speed = jnp.where(dry, 0.5 * speed, speed)
+        head = head + conductance * (jnp.mean(speed, axis=1, keepdims=True) - speed)
+        lost = 0.1 * jnp.clip(head[1:, :] - head[:-1, :], -1.0, 1.0) * depth[1:, :]
+        return head, depth.at[1:, :].add(-lost)
+
+    head, depth = repeated(step, (head, depth), steps)
+    return jnp.sum(head * depth)
+
+
+def lattice(f, omega, steps):
+    cx, cy = (0, 1, 0, -1, 0, 1, -1, -1, 1), (0, 0, 1, 0, -1, 1, 1, -1, -1)
+    weight = [4 / 9] + [1 / 9] * 4 + [1 / 36] * 4
+
+    def step(f):
+        f = [jnp.roll(g, (x, y), (0, 1)) for g, x, y in zip(f, cx, cy)]
+        rho = sum(f)
+        ux, uy = (sum(c * g for c, g in zip(along, f) if c) / rho for along in (cx, cy))
+
+        def relaxed(g, w, x, y):
+            cu = 3.0 * (x * ux + y * uy)
+            return g + omega * (rho * w * (1.0 + cu + 0.5 * cu ** 2 - 1.5 * (ux ** 2 + uy ** 2)) - g)
+
+        return tuple(map(relaxed, f, weight, cx, cy))
+
+    return jnp.stack(repeated(step, tuple(f[q] for q in range(9)), steps))
+
+
+KERNELS = {f.__name__: f for f in (
+    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention, gray_scott,
+    neural_diffusion, implicit_heat, masked_flow)}
+STEPPED = {*KERNELS} - {"brusselator", "mixture", "attention"}
