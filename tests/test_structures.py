@@ -818,3 +818,21 @@ def test_a_refusal_in_full():
 ])
 def test_refused_calls(call, text):
     refused(text, call, differentiate(loss, engine="numpy"), (state_of(), params(), 0.1, {"scale": 0.7}))
+
+
+def weighted(a, state, sequence):
+    """Asks what an argument is; two arrays with as many axes stand one behind the other."""
+    rows, columns = sequence.shape
+    total = 0.0 if state is None else np.sum(state[0] * a)
+    for t in range(rows):
+        total += np.sum(sequence[t] * a * a)
+    return total / columns
+
+
+def test_an_array_behind_another_that_could_be_its_shadow():
+    f = differentiate(weighted, wrt="a", of="return", engine="numpy")
+    a_bar = np.zeros(3)
+    f.adjoint(np.ones(3), a_bar, np.ones((2, 3)), np.full((4, 3), 2.0), 1.0)
+    assert a_bar == pytest.approx(np.full(3, 17.0 / 3.0))
+    with pytest.raises(S2sadError, match="a float64 cannot be indexed"):
+        f.adjoint(np.ones(3), np.zeros(3), np.ones((2, 3)), 1.0, 1.0)

@@ -149,18 +149,20 @@ def shadowed(state: State, mode: str, args: Sequence[Any], f: Any) -> tuple[Any]
     if not state.asks and not any(map(is_structure, args)):
         return None
     unmeant = not state.asks and _only_lists_as_shadows(args)
+    wrong: S2sadError | None = None
     for layout in islice(_layouts(state, mode, args, 0, 0), _READINGS):
         try:
             found = _reading(state, mode, layout, args, f)
-        except S2sadError:
-            if not unmeant:
-                raise
+        except S2sadError as error:     # of a shadow that is read as an argument, perhaps
+            wrong = wrong or error
             continue
         if found is not None:
             with found[0].told():
                 return (_called(*found),)
     if unmeant:
         return None     # the list is refused as any shadow that is no array
+    if wrong is not None:
+        raise wrong
     raise S2sadError(Diagnostic("S405", f"'{state.kernel.name}.{mode}' was given {len(args)} arguments that do not fit "
                                 "its signature", help=f"call {state.kernel.name}.{mode}({', '.join(state.parameters)}, "
                                 "with a shadow after each that holds float arrays)"))

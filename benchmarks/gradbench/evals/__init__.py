@@ -1,0 +1,1 @@
+"""GradBench's evals, one file each: `FUNCTIONS` has what an eval asks for by name."""
