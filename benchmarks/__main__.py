@@ -10,6 +10,7 @@ from collections.abc import Callable
 from benchmarks import accuracy, arrays, deriving, first_gradient, memory, overhead, ratios, returning
 from benchmarks.peers.__main__ import main as peers
 from benchmarks.peers.machine import processor
+from benchmarks.published import section as published
 from benchmarks.tables import Table, show
 from s2sad.report.timing import on_one_core
 
@@ -21,6 +22,7 @@ PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
     "first": (first_gradient.tables, "time to the first gradient, cold and warm cache"),
     "deriving": (deriving.tables, "time to write an adjoint against the length of the kernel, with exponents"),
     "memory": (memory.tables, "peak memory against arrays, shadows and recorded values"),
+    "published": (published.tables, "fifty published kernels: gradients over primals, and against JAX's"),
     "accuracy": (accuracy.tables, "errors of gradients, and where rounding is hardest"),
 }
 

@@ -15,8 +15,6 @@ from s2sad.tree import (
     with_body,
 )
 
-CHANGES_ROUNDING = True
-
 _MOST = 8
 
 

@@ -22,8 +22,6 @@ from s2sad.tree import (
     name, names, walk,
 )
 
-CHANGES_ROUNDING = True
-
 
 @dataclass
 class Totals:

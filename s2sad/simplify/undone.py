@@ -18,8 +18,6 @@ from s2sad.tree import (
     stored_names, walk, with_body,
 )
 
-CHANGES_ROUNDING = False
-
 Writes = Callable[[Call], list[str]]
 Pure = Callable[[Call], bool]
 
