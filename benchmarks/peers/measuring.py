@@ -1,7 +1,9 @@
 """What is measured of a kernel: gradients checked, times in turns, memory, growth, first gradients, lines changed."""
 from __future__ import annotations
 
+import os
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
 from time import perf_counter
@@ -17,7 +19,8 @@ from s2sad.report.timing import Times
 PREPARE, CALL = 30.0, 4.0       # seconds in which a tool has to compile and give the first gradient; of one gradient
 WRONG = {"s2sad, Numba, float32": 1e-2}
 ALLOWED = 1e-7                  # the error with which a tool's version of a kernel still counts as the same kernel
-FIRST = ("brusselator", "advect", "attention")
+FIRST = ("brusselator", "attention")
+CORES = min(2, os.cpu_count() or 1)
 Found = dict[str, Any]
 
 
@@ -39,21 +42,19 @@ class Comparison:
                 found["curves"] = self.curves(expected)
             found["sizes"][str(size)] = at
             for variant, line in at["variants"].items():
-                why = line.get("left")
-                if self._too_slow(line, at["inputs"], name, size, sizes[place + 1:]):
-                    why = line["later"] = f"a gradient at n = {sizes[place + 1]} would take over {CALL:g} s"
-                if why:
+                expected_time = _expected(line, at["inputs"], name, size, sizes[place + 1:])
+                if expected_time > 4.0 * CALL:
+                    line["later"] = f"a gradient at n = {sizes[place + 1]} would take about {expected_time:.0f} s"
+                if "left" in line or "later" in line:
                     over.add(variant)
-                    self.processes[variant].stop()
         return found
 
     def size(self, name: str, size: int, over: set[str], expected: list[Any] | None) -> Found:
         """Gradients, errors, times and memory of all variants that are not over yet."""
         problem = Problem.of(name, size)
-        lines: dict[str, Found] = {}
-        for variant, process in self.processes.items():
-            if variant not in over:
-                lines[variant] = self._prepared(process, variant, name, size)
+        trying = [variant for variant in self.processes if variant not in over]
+        with ThreadPoolExecutor(CORES) as several:      # what is not timed may run side by side
+            lines = dict(zip(trying, several.map(lambda v: self._prepared(v, name, size), trying)))
         self._checked(lines, expected)
         ready = [v for v, line in lines.items() if "left" not in line]
         self._timed(ready, lines)
@@ -77,9 +78,9 @@ class Comparison:
         for process in self.processes.values():
             process.stop()
 
-    def _prepared(self, process: Process, variant: str, name: str, size: int) -> Found:
+    def _prepared(self, variant: str, name: str, size: int) -> Found:
         request = {"do": "prepare", "variant": variant, "kernel": name, "size": size, "file": self._file(variant)}
-        answer = process.ask(request, PREPARE)
+        answer = self.processes[variant].ask(request, PREPARE, every_core=True)
         left = answer.get("unsupported") or answer.get("failed")
         return {"left": left} if left else {"seconds": answer["seconds"], "lines": answer["lines"]}
 
@@ -115,15 +116,15 @@ class Comparison:
             if "left" not in lines[variant]:
                 lines[variant]["times"] = asdict(Times.of(samples[variant]))
 
-    def _too_slow(self, line: Found, inputs: int, name: str, size: int, later: tuple[int, ...]) -> bool:
-        """Whether the next size would be over the limit: time grows at least as the size and the number of inputs."""
-        if not later or "times" not in line:
-            return False
-        growth = max(later[0] / size, Problem.of(name, later[0]).inputs / inputs)
-        return line["times"]["median"] * growth > CALL
-
     def _file(self, variant: str) -> str:
         return str(self.folder / f"{variant}.npz")
+
+
+def _expected(line: Found, inputs: int, name: str, size: int, later: tuple[int, ...]) -> float:
+    """The seconds of a gradient at the next size if time grows as the size and as the number of inputs."""
+    if not later or "times" not in line:
+        return 0.0
+    return line["times"]["median"] * max(later[0] / size, Problem.of(name, later[0]).inputs / inputs)
 
 
 def first_gradients(tools: list[Tool], kernels: tuple[str, ...]) -> Found:

@@ -3,8 +3,10 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
+from types import FunctionType
 from typing import Any
 
+import numba
 import numpy as np
 
 from benchmarks.calls import adjoint_arguments, differentiated, fresh, plain_numba
@@ -26,18 +28,24 @@ def prepare(variant: str, kernel: str, problem: Problem) -> Run:
     shadowed = adjoint_arguments(problem.case, arguments)
     made = differentiated(problem.case, engine)
     if variant.endswith("plain"):
-        adjoint = written(made.adjoint_source(*fresh(arguments), level="plain"), problem.case.function.__name__)
-        adjoint = plain_numba(adjoint) if engine == "numba" else adjoint
+        text = made.adjoint_source(*fresh(arguments), level="plain")
+        adjoint = written(text, problem.case.function.__name__, engine == "numba")
     else:
         adjoint = made.compiled("adjoint", *shadowed)
     return restoring(adjoint, shadowed, problem.case)
 
 
-def written(text: str, name: str) -> Callable[..., Any]:
-    """The adjoint of a generated module, as one has it who keeps the file."""
+def written(text: str, name: str, compiles: bool) -> Callable[..., Any]:
+    """The adjoint of a generated module, as one has it who keeps the file, compiles it or not."""
     space: dict[str, Any] = {"__name__": "written"}
     exec(compile(text, "<written>", "exec"), space)
-    return space[next(n for n in reversed(list(space)) if n.startswith(f"{name}_adjoint"))]
+    adjoint = space[next(n for n in reversed(list(space)) if n.startswith(f"{name}_adjoint"))]
+    if not compiles:
+        return adjoint
+    for called, value in space.items():     # what the module imports of s2sad.runtime
+        if isinstance(value, FunctionType) and value.__module__ != "written":
+            space[called] = numba.njit(error_model="numpy")(value)
+    return plain_numba(adjoint)
 
 
 def restoring(adjoint: Callable[..., Any], shadowed: Sequence[Any], case: Case) -> Run:

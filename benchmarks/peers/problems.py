@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.calls import fresh, seed_like
-from benchmarks.kernels.cases import ARRAYS, CASES, Case
+from benchmarks.gradbench import inputs
+from benchmarks.gradbench.kernels import gmm, lstm
+from benchmarks.kernels.cases import ARRAYS, CASES, Case, Size
 
 
 class Unsupported(Exception):
@@ -34,11 +36,26 @@ SIZES = {
     "brusselator": (8, 32, 128, 1024), "integrate": (8, 16, 64, 256), "jacobi": (16, 32, 128, 1024),
     "seidel": (16, 32, 128, 512), "advect": (64, 256, 4096, 100_000), "mixture": (32, 128, 2048, 50_000),
     "nbody": (8, 16, 64, 256), "glacier": (8, 24, 96, 384), "lattice": (8, 16, 64, 256),
-    "attention": (16, 64, 256, 1024), "gray_scott": (16, 32, 128, 512), "neural_diffusion": (16, 64, 256, 2048),
+    "attention": (16, 64, 256, 1024), "gmm": (16, 128, 1024, 20_000), "lstm": (8, 32, 256, 4096),
+    "gray_scott": (16, 32, 128, 512), "neural_diffusion": (16, 64, 256, 2048),
     "implicit_heat": (8, 32, 96, 256), "masked_flow": (16, 32, 128, 512),
 }
 EXACT = 1
-_ALL: dict[str, Case] = {**CASES, **{case.name: case for case in ARRAYS}}
+
+
+def _gmm(size: Size) -> tuple[Any, ...]:
+    made = inputs.gmm(5, 6, int(size))
+    return (*(np.array(made[name]) for name in ("alpha", "mu", "q", "l", "x")), 1.0, 0, 1.0)
+
+
+def _lstm(size: Size) -> tuple[Any, ...]:
+    made = inputs.lstm(2, int(size))
+    return tuple(np.array(made[name]) for name in ("main_params", "extra_params", "state", "sequence"))
+
+
+_ADBENCH = (Case("gmm", gmm.objective, _gmm, ("alpha", "mu", "q", "l"), ("return",)),
+            Case("lstm", lstm.objective, _lstm, ("main_params", "extra_params"), ("return",)))
+_ALL: dict[str, Case] = {**CASES, **{case.name: case for case in (*ARRAYS, *_ADBENCH)}}
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,12 @@
 """The kernels as one writes them for HIPS autograd: its NumPy, whole arrays without stores, loops over the steps."""
 from __future__ import annotations
 
+import math
+
 import autograd
 import autograd.numpy as np
 
+from benchmarks.gradbench.kernels.gmm import log_multigamma
 from benchmarks.peers.problems import Problem, Run, Unsupported
 from benchmarks.peers.recurrence import ninths
 
@@ -140,5 +143,49 @@ def attention(q, k, v):
     return np.dot(weight / np.sum(weight, axis=1, keepdims=True), v)
 
 
+def gmm(alpha, mu, q, l, x, gamma, m, sign):  # noqa: E741
+    n, d = x.shape
+    columns, rows = np.triu_indices(d, 1)
+    basis = np.zeros((rows.size, d, d))
+    basis[np.arange(rows.size), rows, columns] = 1.0
+    factor = np.exp(q)[:, :, None] * np.eye(d) + np.tensordot(l, basis, 1)
+    y = np.einsum("kij,nkj->nki", factor, x[:, None, :] - mu)
+    terms = alpha + np.sum(q, axis=1) - 0.5 * np.sum(y ** 2, axis=2)
+    likelihood = np.sum(log_sum_exp(terms)) - n * (0.5 * d * math.log(2.0 * math.pi) + log_sum_exp(alpha))
+    freedom = d + m + 1
+    constant = freedom * d * (math.log(gamma) - 0.5 * math.log(2.0)) - log_multigamma(0.5 * freedom, d)
+    squares = np.sum(factor ** 2)
+    prior = alpha.shape[0] * constant - 0.5 * gamma * gamma * squares + m * np.sum(q)
+    return likelihood + sign * prior
+
+
+def sigmoid(x):
+    return 1.0 / (1.0 + np.exp(-x))
+
+
+def layer(weight, bias, hidden, cell, x):
+    b = x.shape[0]
+    forget = sigmoid(x * weight[:b] + bias[:b])
+    ingate = sigmoid(hidden * weight[b:2 * b] + bias[b:2 * b])
+    outgate = sigmoid(x * weight[2 * b:3 * b] + bias[2 * b:3 * b])
+    cell = cell * forget + ingate * np.tanh(hidden * weight[3 * b:] + bias[3 * b:])
+    return outgate * np.tanh(cell), cell
+
+
+def lstm(main_params, extra_params, state, sequence):
+    c, b = sequence.shape
+    state = [state[k] for k in range(state.shape[0])]
+    total = 0.0
+    for t in range(c - 1):
+        x = sequence[t] * extra_params[0]
+        for k in range(0, len(state), 2):
+            state[k], state[k + 1] = layer(main_params[k], main_params[k + 1], state[k], state[k + 1], x)
+            x = state[k]
+        x = x * extra_params[1] + extra_params[2]
+        total = total + np.sum(sequence[t + 1] * (x - np.log(2.0 + np.sum(np.exp(x)))))
+    return -total / (b * (c - 1))
+
+
 KERNELS = {f.__name__: f for f in (
-    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention)}
+    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention, gmm,
+    lstm)}

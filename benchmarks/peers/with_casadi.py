@@ -4,11 +4,13 @@ CasADi has matrices only: fields on one grid, an array with three axes, are a li
 """
 from __future__ import annotations
 
+import math
 from itertools import product
 
 import casadi as ca
 import numpy as np
 
+from benchmarks.gradbench.kernels.gmm import log_multigamma
 from benchmarks.peers.problems import Problem, Run, Unsupported
 
 
@@ -220,5 +222,52 @@ def attention(q, k, v):
     return weight @ v / ca.repmat(ca.sum2(weight), 1, v.shape[1])
 
 
+def gmm(alpha, mu, q, l, x, gamma, m, sign):  # noqa: E741
+    n, d = x.shape
+    columns, rows = np.triu_indices(d, 1)
+    basis = np.zeros((d * d, rows.size))
+    basis[columns * d + rows, np.arange(rows.size)] = 1.0
+    terms, squares = [], 0.0
+    for k in range(alpha.shape[0]):
+        factor = ca.diag(ca.exp(q[k, :])) + ca.reshape(ca.DM(basis) @ l[k, :].T, d, d)
+        y = (ca.DM(x) - ca.repmat(mu[k, :], n, 1)) @ factor.T
+        terms.append(alpha[k] + ca.sum2(q[k, :]) - 0.5 * ca.sum2(y ** 2))
+        squares += ca.sumsqr(factor)
+    likelihood = (ca.sum1(log_sum_exp(ca.horzcat(*terms)))
+                  - n * (0.5 * d * math.log(2.0 * math.pi) + log_sum_exp(alpha.T)))
+    freedom = d + m + 1
+    constant = freedom * d * (math.log(gamma) - 0.5 * math.log(2.0)) - log_multigamma(0.5 * freedom, d)
+    prior = alpha.shape[0] * constant - 0.5 * gamma * gamma * squares + m * ca.sum1(ca.sum2(q))
+    return likelihood + sign * prior
+
+
+def sigmoid(x):
+    return 1.0 / (1.0 + ca.exp(-x))
+
+
+def layer(weight, bias, hidden, cell, x):
+    b = x.shape[1]
+    forget = sigmoid(x * weight[:, :b] + bias[:, :b])
+    ingate = sigmoid(hidden * weight[:, b:2 * b] + bias[:, b:2 * b])
+    outgate = sigmoid(x * weight[:, 2 * b:3 * b] + bias[:, 2 * b:3 * b])
+    cell = cell * forget + ingate * ca.tanh(hidden * weight[:, 3 * b:] + bias[:, 3 * b:])
+    return outgate * ca.tanh(cell), cell
+
+
+def lstm(main_params, extra_params, state, sequence):
+    c, b = sequence.shape
+    state = [ca.DM(state[k, :]).T if state[k, :].ndim == 1 else state[k, :] for k in range(state.shape[0])]
+    total = 0.0
+    for t in range(c - 1):
+        x = ca.DM(sequence[t, :]).T * extra_params[0, :]
+        for k in range(0, len(state), 2):
+            state[k], state[k + 1] = layer(main_params[k, :], main_params[k + 1, :], state[k], state[k + 1], x)
+            x = state[k]
+        x = x * extra_params[1, :] + extra_params[2, :]
+        total += ca.dot(ca.DM(sequence[t + 1, :]).T, x - ca.log(2.0 + ca.sum2(ca.exp(x))))
+    return -total / (b * (c - 1))
+
+
 KERNELS = {f.__name__: f for f in (
-    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention)}
+    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention, gmm,
+    lstm)}

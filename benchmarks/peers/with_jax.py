@@ -1,12 +1,14 @@
 """The kernels as one writes them for JAX: no stores, a scan over the steps, `jit` of `vjp`."""
 from __future__ import annotations
 
+import math
 from contextvars import ContextVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from benchmarks.gradbench.kernels.gmm import log_multigamma
 from benchmarks.peers.problems import Problem, Run, Unsupported
 
 _CHECKPOINT = ContextVar("_CHECKPOINT", default=False)
@@ -38,8 +40,12 @@ def prepare(variant, kernel, problem: Problem) -> Run:
 
 
 def repeated(step, state, steps):
-    body = jax.checkpoint(step) if _CHECKPOINT.get() else step
+    body = remembered(step)
     return jax.lax.scan(lambda state, _: (body(state), None), state, None, length=steps)[0]
+
+
+def remembered(step):
+    return jax.checkpoint(step) if _CHECKPOINT.get() else step
 
 
 def brusselator(u, p, t):
@@ -212,7 +218,51 @@ def lattice(f, omega, steps):
     return jnp.stack(repeated(step, tuple(f[q] for q in range(9)), steps))
 
 
+def gmm(alpha, mu, q, l, x, gamma, m, sign):  # noqa: E741
+    n, d = x.shape
+    columns, rows = np.triu_indices(d, 1)
+    factor = (jnp.exp(q)[:, :, None] * jnp.eye(d)).at[:, rows, columns].set(l)
+    y = jnp.einsum("kij,nkj->nki", factor, x[:, None, :] - mu)
+    terms = alpha + jnp.sum(q, axis=1) - 0.5 * jnp.sum(y ** 2, axis=2)
+    likelihood = (jnp.sum(jax.nn.logsumexp(terms, axis=1))
+                  - n * (0.5 * d * math.log(2.0 * math.pi) + jax.nn.logsumexp(alpha)))
+    freedom = d + m + 1
+    constant = freedom * d * (math.log(gamma) - 0.5 * math.log(2.0)) - log_multigamma(0.5 * freedom, d)
+    squares = jnp.sum(factor ** 2)
+    prior = alpha.shape[0] * constant - 0.5 * gamma * gamma * squares + m * jnp.sum(q)
+    return likelihood + sign * prior
+
+
+def sigmoid(x):
+    return 1.0 / (1.0 + jnp.exp(-x))
+
+
+def layer(weight, bias, hidden, cell, x):
+    b = x.shape[0]
+    forget = sigmoid(x * weight[:b] + bias[:b])
+    ingate = sigmoid(hidden * weight[b:2 * b] + bias[b:2 * b])
+    outgate = sigmoid(x * weight[2 * b:3 * b] + bias[2 * b:3 * b])
+    cell = cell * forget + ingate * jnp.tanh(hidden * weight[3 * b:] + bias[3 * b:])
+    return outgate * jnp.tanh(cell), cell
+
+
+def lstm(main_params, extra_params, state, sequence):
+    c, b = sequence.shape
+
+    def step(state, rows):
+        row, following = rows
+        x = row * extra_params[0]
+        for k in range(0, len(state), 2):
+            hidden, cell = layer(main_params[k], main_params[k + 1], state[k], state[k + 1], x)
+            state, x = (*state[:k], hidden, cell, *state[k + 2:]), hidden
+        x = x * extra_params[1] + extra_params[2]
+        return state, jnp.sum(following * (x - jnp.log(2.0 + jnp.sum(jnp.exp(x)))))
+
+    _, totals = jax.lax.scan(remembered(step), tuple(state), (sequence[:-1], sequence[1:]))
+    return -jnp.sum(totals) / (b * (c - 1))
+
+
 KERNELS = {f.__name__: f for f in (
     brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention, gray_scott,
-    neural_diffusion, implicit_heat, masked_flow)}
-STEPPED = {*KERNELS} - {"brusselator", "mixture", "attention"}
+    neural_diffusion, implicit_heat, masked_flow, gmm, lstm)}
+STEPPED = {*KERNELS} - {"brusselator", "mixture", "attention", "gmm"}

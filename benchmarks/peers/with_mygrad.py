@@ -1,9 +1,12 @@
 """The kernels as one writes them for MyGrad: tensors, stores in place, `backward`."""
 from __future__ import annotations
 
+import math
+
 import mygrad as mg
 import numpy as np
 
+from benchmarks.gradbench.kernels.gmm import log_multigamma
 from benchmarks.peers.problems import Problem, Run, Unsupported
 from benchmarks.peers.recurrence import ninths
 
@@ -138,5 +141,48 @@ def attention(q, k, v):
     return mg.matmul(weight / mg.sum(weight, axis=1, keepdims=True), v)
 
 
+def gmm(alpha, mu, q, l, x, gamma, m, sign):  # noqa: E741
+    n, d = x.shape
+    columns, rows = np.triu_indices(d, 1)
+    factor = mg.exp(q)[:, :, None] * np.eye(d)
+    factor[:, rows, columns] = l
+    y = mg.einsum("kij,nkj->nki", factor, x[:, None, :] - mu)
+    terms = alpha + mg.sum(q, axis=1) - 0.5 * mg.sum(y ** 2, axis=2)
+    likelihood = mg.sum(log_sum_exp(terms)) - n * (0.5 * d * math.log(2.0 * math.pi) + log_sum_exp(alpha))
+    freedom = d + m + 1
+    constant = freedom * d * (math.log(gamma) - 0.5 * math.log(2.0)) - log_multigamma(0.5 * freedom, d)
+    squares = mg.sum(factor ** 2)
+    prior = alpha.shape[0] * constant - 0.5 * gamma * gamma * squares + m * mg.sum(q)
+    return likelihood + sign * prior
+
+
+def sigmoid(x):
+    return 1.0 / (1.0 + mg.exp(-x))
+
+
+def layer(weight, bias, hidden, cell, x):
+    b = x.shape[0]
+    forget = sigmoid(x * weight[:b] + bias[:b])
+    ingate = sigmoid(hidden * weight[b:2 * b] + bias[b:2 * b])
+    outgate = sigmoid(x * weight[2 * b:3 * b] + bias[2 * b:3 * b])
+    cell = cell * forget + ingate * mg.tanh(hidden * weight[3 * b:] + bias[3 * b:])
+    return outgate * mg.tanh(cell), cell
+
+
+def lstm(main_params, extra_params, state, sequence):
+    c, b = sequence.shape
+    state = list(state)
+    total = 0.0
+    for t in range(c - 1):
+        x = sequence[t] * extra_params[0]
+        for k in range(0, len(state), 2):
+            state[k], state[k + 1] = layer(main_params[k], main_params[k + 1], state[k], state[k + 1], x)
+            x = state[k]
+        x = x * extra_params[1] + extra_params[2]
+        total = total + mg.sum(sequence[t + 1] * (x - mg.log(2.0 + mg.sum(mg.exp(x)))))
+    return -total / (b * (c - 1))
+
+
 KERNELS = {f.__name__: f for f in (
-    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention)}
+    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention, gmm,
+    lstm)}

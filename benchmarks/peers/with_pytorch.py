@@ -1,9 +1,12 @@
 """The kernels as one writes them for PyTorch: tensors, stores into clones, loops over the steps."""
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import torch
 
+from benchmarks.gradbench.kernels.gmm import log_multigamma
 from benchmarks.peers.problems import Problem, Run, Unsupported
 from benchmarks.peers.recurrence import ninths
 
@@ -131,5 +134,49 @@ def attention(q, k, v):
     return torch.nn.functional.scaled_dot_product_attention(q, k, v)
 
 
+def gmm(alpha, mu, q, l, x, gamma, m, sign):  # noqa: E741
+    n, d = x.shape
+    columns, rows = np.triu_indices(d, 1)
+    factor = torch.diag_embed(torch.exp(q))
+    factor[:, rows, columns] = l
+    y = torch.einsum("kij,nkj->nki", factor, x[:, None, :] - mu)
+    terms = alpha + torch.sum(q, dim=1) - 0.5 * torch.sum(y ** 2, dim=2)
+    likelihood = (torch.sum(torch.logsumexp(terms, dim=1))
+                  - n * (0.5 * d * math.log(2.0 * math.pi) + torch.logsumexp(alpha, dim=0)))
+    freedom = d + m + 1
+    constant = freedom * d * (math.log(gamma) - 0.5 * math.log(2.0)) - log_multigamma(0.5 * freedom, d)
+    squares = torch.sum(factor ** 2)
+    prior = alpha.shape[0] * constant - 0.5 * gamma * gamma * squares + m * torch.sum(q)
+    return likelihood + sign * prior
+
+
+def sigmoid(x):
+    return 1.0 / (1.0 + torch.exp(-x))
+
+
+def layer(weight, bias, hidden, cell, x):
+    b = x.shape[0]
+    forget = sigmoid(x * weight[:b] + bias[:b])
+    ingate = sigmoid(hidden * weight[b:2 * b] + bias[b:2 * b])
+    outgate = sigmoid(x * weight[2 * b:3 * b] + bias[2 * b:3 * b])
+    cell = cell * forget + ingate * torch.tanh(hidden * weight[3 * b:] + bias[3 * b:])
+    return outgate * torch.tanh(cell), cell
+
+
+def lstm(main_params, extra_params, state, sequence):
+    c, b = sequence.shape
+    state = list(state)
+    total = 0.0
+    for t in range(c - 1):
+        x = sequence[t] * extra_params[0]
+        for k in range(0, len(state), 2):
+            state[k], state[k + 1] = layer(main_params[k], main_params[k + 1], state[k], state[k + 1], x)
+            x = state[k]
+        x = x * extra_params[1] + extra_params[2]
+        total = total + torch.sum(sequence[t + 1] * (x - torch.log(2.0 + torch.sum(torch.exp(x)))))
+    return -total / (b * (c - 1))
+
+
 KERNELS = {f.__name__: f for f in (
-    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention)}
+    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention, gmm,
+    lstm)}
