@@ -20,6 +20,8 @@ from s2sad.tree import (
     with_body,
 )
 
+CHANGES_ROUNDING = True
+
 # calls whose results are never bools
 _NUMBERS = frozenset([f"builtins.{name}" for name in ("int", "float", "len", "complex")] + [
     f"math.{name}" for name in ("ceil", "cos", "exp", "fabs", "floor", "hypot", "log", "pow", "sin", "sqrt", "tan",

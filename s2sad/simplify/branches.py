@@ -15,6 +15,8 @@ from s2sad.analyze.liveness import base_name, targets
 from s2sad.blocks import with_blocks
 from s2sad.tree import AST, FunctionDef, If, Subscript, at, call_name, equal, names, walk, with_body
 
+CHANGES_ROUNDING = False
+
 
 def branches(function: FunctionDef) -> FunctionDef:
     """The function with its neighbouring branches joined."""

@@ -20,6 +20,8 @@ from s2sad.tree import (
     AST, Assign, AugAssign, Call, For, FunctionDef, Name, is_comment, rename, stored_names, walk, with_body,
 )
 
+CHANGES_ROUNDING = False
+
 
 def coalesce(function: FunctionDef, family: Mapping[str, str], live_out: set[str],
              writes: Callable[[Call], list[str]], fixed: set[str], names: Names, shadows: Mapping[str, str]

@@ -27,6 +27,8 @@ from s2sad.tree import (
     const, copy, counted_for, dump, index, indices, name, names, walk,
 )
 
+CHANGES_ROUNDING = True
+
 
 @dataclass
 class Distributed:

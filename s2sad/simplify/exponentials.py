@@ -21,6 +21,8 @@ from s2sad.tree import (
     call_name, children, const, dump, indices, is_comment, names, rebuild, walk, with_body,
 )
 
+CHANGES_ROUNDING = True
+
 _FUNCTIONS = {f"{room}.{f}": f"runtime.{f}" for room in ("numpy", "math") for f in ("exp", "expm1", "sinh", "cosh",
                                                                                     "tanh")}
 _IN_VECTORS = {"runtime.added", "numpy.sqrt", "math.sqrt", "numpy.abs", "numpy.fabs", "math.fabs", "builtins.abs",

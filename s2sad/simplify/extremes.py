@@ -16,6 +16,8 @@ from s2sad.tree import (
     dump, index, name, rebuild, with_body,
 )
 
+CHANGES_ROUNDING = False
+
 
 def extremes(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDef:
     """The function with such gains."""

@@ -28,6 +28,8 @@ from s2sad.tree import (
     name, names, negate, stored_names, walk, with_body,
 )
 
+CHANGES_ROUNDING = True
+
 _LONGEST = 60
 
 

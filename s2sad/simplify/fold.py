@@ -17,6 +17,8 @@ from s2sad.tree import (
     copy, names, substitute, walk,
 )
 
+CHANGES_ROUNDING = False
+
 Writes = Callable[[Call], list[str]]
 
 

@@ -18,6 +18,8 @@ from s2sad.tree import (
     is_comment, names, negate, walk, with_body,
 )
 
+CHANGES_ROUNDING = True
+
 
 def gains(function: FunctionDef) -> FunctionDef:
     """The function with its gains joined."""

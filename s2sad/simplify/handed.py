@@ -20,6 +20,8 @@ from s2sad.simplify.joined import Joining
 from s2sad.simplify.passed import Passed
 from s2sad.tree import FunctionDef, copy
 
+CHANGES_ROUNDING = True     # a derivative adds what a number gains in another order than what elements gain
+
 
 def handed(function: FunctionDef, types: Mapping[str, Type], free: Names,
            writing: Set[str]) -> tuple[FunctionDef, dict[str, str]]:

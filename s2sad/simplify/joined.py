@@ -28,6 +28,8 @@ from s2sad.tree import (
     indices, is_comment, name, names, rebuild, walk,
 )
 
+CHANGES_ROUNDING = False
+
 _LONGEST, _MOST_PAIRS = 48, 60
 
 

@@ -35,6 +35,8 @@ from s2sad.tree import (
     walk,
 )
 
+CHANGES_ROUNDING = False
+
 _COSTLY = {f"{room}.{f}" for room in ("numpy", "math") for f in (
     "exp", "expm1", "exp2", "log", "log1p", "log2", "log10", "sinh", "cosh", "tanh", "sin", "cos", "tan")}
 

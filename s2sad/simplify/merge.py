@@ -15,6 +15,8 @@ from s2sad.tree import (
     call_name, dump, names, negate, walk, with_body,
 )
 
+CHANGES_ROUNDING = False
+
 
 def merge(function: FunctionDef) -> FunctionDef:
     """The function with zeros merged."""

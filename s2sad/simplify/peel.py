@@ -16,6 +16,8 @@ from s2sad.tree import (
     const, copy, counted_for, dump, names, rebuild, walk,
 )
 
+CHANGES_ROUNDING = False
+
 _SIDES = ((0, 0), (1, 0), (0, 1), (1, 1))
 
 

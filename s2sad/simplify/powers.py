@@ -15,6 +15,8 @@ from s2sad.tree import (
     with_body,
 )
 
+CHANGES_ROUNDING = True
+
 _MOST = 8
 
 

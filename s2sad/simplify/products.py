@@ -32,6 +32,8 @@ from s2sad.tree import (
     name, names, rebuild, sub, tuple_of, walk, with_body,
 )
 
+CHANGES_ROUNDING = True
+
 _BLOCK = 64
 
 

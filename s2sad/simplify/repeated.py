@@ -21,6 +21,8 @@ from s2sad.tree import (
     assign, at, call_name, copy, dump, is_comment, name, names, rebuild, walk, with_body,
 )
 
+CHANGES_ROUNDING = False
+
 _DEAR = {f"numpy.{f}" for f in ("exp", "expm1", "log", "log1p", "log2", "log10", "sin", "cos", "tan", "sinh", "cosh",
                                 "tanh", "arcsin", "arccos", "arctan", "arctan2", "hypot", "sqrt", "cbrt", "power",
                                 "where")}

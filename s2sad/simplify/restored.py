@@ -20,6 +20,8 @@ from s2sad.tree import (
     rebuild, walk,
 )
 
+CHANGES_ROUNDING = False
+
 
 def restored(loop: For, stacks: Set[str]) -> tuple[list[AST], For]:
     """The loops that restore, and the loop that reads; `stacks` are the tape's arrays."""

@@ -35,6 +35,8 @@ from s2sad.tree import (
 )
 from s2sad.simplify.algebra import shifted, simple
 
+CHANGES_ROUNDING = False
+
 _WIDEST = 4
 
 

@@ -17,6 +17,8 @@ from s2sad.tree import (
     walk,
 )
 
+CHANGES_ROUNDING = False
+
 _LONGEST = 4
 _CHEAP = {"builtins.abs", "numpy.abs", "numpy.sign", "math.fabs"}
 

@@ -22,6 +22,8 @@ from s2sad.tree import (
     name, names, walk,
 )
 
+CHANGES_ROUNDING = True
+
 
 @dataclass
 class Totals:

@@ -36,6 +36,8 @@ from s2sad.tree import (
     call, children, compare, const, copy, counted_for, dump, name, names, rebuild, sub, walk, with_body,
 )
 
+CHANGES_ROUNDING = False
+
 _FURTHEST = 4
 
 

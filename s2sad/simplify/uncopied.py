@@ -17,6 +17,8 @@ from s2sad.tree import (
     assign, attribute, call, call_name, const, dump, index, is_comment, name, names, rename, walk, with_body,
 )
 
+CHANGES_ROUNDING = False
+
 _FRESH = {"numpy.where", "numpy.sum", "numpy.outer", "numpy.copy", "numpy.matmul", "numpy.exp"}
 
 

@@ -18,6 +18,8 @@ from s2sad.tree import (
     stored_names, walk, with_body,
 )
 
+CHANGES_ROUNDING = False
+
 Writes = Callable[[Call], list[str]]
 Pure = Callable[[Call], bool]
 

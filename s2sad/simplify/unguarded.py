@@ -15,6 +15,8 @@ from s2sad.tree import (
     rebuild, with_body,
 )
 
+CHANGES_ROUNDING = False
+
 
 def unguarded(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDef:
     """The function with such quotients."""

@@ -1,0 +1,64 @@
+"""Derivatives are the same bit for bit without the passes that may not change rounding, and within what rounding does
+without the others: those say so (`CHANGES_ROUNDING`)."""
+from __future__ import annotations
+
+from types import FunctionType
+
+import numpy as np
+import pytest
+
+from benchmarks.kernels.cases import ARRAYS, CASES
+from tests.documents import ROOT
+from tests.passes import PASSES, SAME, Task, apart, changes_rounding, derivatives, of_program
+from tests.programs import random_kernel
+from tests.seeds import seeded
+
+KERNELS = [("seidel", "loops"), ("advect", "loops"), ("mixture", "loops"), ("brusselator", "loops"),
+           ("masked_flow", "numpy"), ("glacier", "numpy"), ("lattice", "loops")]
+BOUND = 1e-12
+
+
+def task_of(name: str) -> Task:
+    case = {**CASES, **{c.name: c for c in ARRAYS}}[name]
+    function = case.function
+    return Task(lambda: FunctionType(function.__code__, function.__globals__, function.__name__),
+                lambda: case.arguments("small"), case.wrt, case.of)
+
+
+def compared(task: Task, engine: str) -> None:
+    rounding = {name for name in PASSES if name not in SAME}
+    whole, _ = derivatives(task, engine, ())
+    same, one = derivatives(task, engine, rounding)
+    bare, other = derivatives(task, engine, [*PASSES])
+    assert one != other
+    for name in same:
+        np.testing.assert_array_equal(same[name], bare[name])
+    assert apart(whole, same) <= BOUND
+
+
+@pytest.mark.parametrize(("name", "engine"), KERNELS)
+def test_kernels(name, engine):
+    compared(task_of(name), engine)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("number", range(3))
+def test_generated_programs(number, engine):
+    task = of_program(random_kernel(seeded(500 + number)))
+    if task.of:
+        compared(task, engine)
+
+
+def test_a_pass_that_changes_a_digit_is_found(monkeypatch):
+    """The comparison sees one unit in the last place."""
+    task = of_program(random_kernel(500))
+    one, _ = derivatives(task, "numpy", ())
+    other = {n: np.nextafter(v, np.inf) for n, v in one.items()}
+    assert 0.0 < apart(one, other) < 1e-15
+
+
+def test_the_document_says_which_passes_may_change_rounding():
+    text = (ROOT / "docs" / "writing-a-pass.md").read_text()
+    for kind, names in (("may change rounding", [n for n in PASSES if changes_rounding(n)]),
+                        ("may not", [n for n in PASSES if not changes_rounding(n)])):
+        assert f"| {kind} | {', '.join(f'`{n}`' for n in names)} |" in text
