@@ -107,8 +107,8 @@ class Liveness:
         return not isinstance(statement, Pass) and not forgotten(statement)
 
     def statement(self, statement: AST, live: set[str]) -> set[str]:
-        if forgotten(statement):
-            return {n for n in live if n not in forgotten(statement)}
+        if forgotten(statement):        # what the arrays hold is not read, but they are written
+            return {"=" + n if n in forgotten(statement) else n for n in live}
         if isinstance(statement, If):
             body, orelse = self.block(statement.body, set(live)), self.block(statement.orelse, set(live))
             if self.strong and body == live == orelse and not _does(statement, self, live):

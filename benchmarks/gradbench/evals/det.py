@@ -6,9 +6,9 @@ from benchmarks.gradbench.kernels import det
 
 
 def argument(given):
-    """The matrix; one of fewer than three rows in the corner of the identity, which has the same determinant."""
+    """The matrix; one of fewer than four rows in the corner of the identity, which has the same determinant."""
     ell = given["ell"]
-    a = np.eye(max(ell, 3))
+    a = np.eye(max(ell, 4))
     a[:ell, :ell] = array(given["A"], ell, ell)
     return (a,)
 

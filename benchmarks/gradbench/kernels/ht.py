@@ -2,65 +2,85 @@
 import numpy as np
 
 
-def euler(x, z):
-    """The rotation about the axis x, then z, as a 4 x 4 matrix."""
+def multiply(a, b, out):
+    """Writes the product of two 4 x 4 matrices."""
+    for i in range(4):
+        for j in range(4):
+            out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j] + a[i, 3] * b[3, j]
+
+
+def euler(x, z, out):
+    """Writes the rotation about the axis x, then z, into an identity of 4 x 4."""
     cx, sx, cz, sz = np.cos(x), np.sin(x), np.cos(z), np.sin(z)
-    return np.array([[cz, -sz * cx, sz * sx, 0.0], [sz, cz * cx, -cz * sx, 0.0], [0.0, sx, cx, 0.0],
-                     [0.0, 0.0, 0.0, 1.0]])
+    out[0, 0], out[0, 1], out[0, 2] = cz, -sz * cx, sz * sx
+    out[1, 0], out[1, 1], out[1, 2] = sz, cz * cx, -cz * sx
+    out[2, 1], out[2, 2] = sx, cx
 
 
-def angle_axis(w):
-    """The rotation about w by an angle of |w|."""
+def angle_axis(w, out):
+    """Writes the rotation about w by an angle of |w|."""
     angle = np.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
     if angle < 0.0001:
-        return np.eye(3)
-    x, y, z = w[0] / angle, w[1] / angle, w[2] / angle
-    s, c = np.sin(angle), np.cos(angle)
-    return np.array([[x * x + (1.0 - x * x) * c, x * y * (1.0 - c) - z * s, x * z * (1.0 - c) + y * s],
-                     [x * y * (1.0 - c) + z * s, y * y + (1.0 - y * y) * c, y * z * (1.0 - c) - x * s],
-                     [x * z * (1.0 - c) - y * s, z * y * (1.0 - c) + x * s, z * z + (1.0 - z * z) * c]])
+        out[:] = np.eye(3)
+    else:
+        x, y, z = w[0] / angle, w[1] / angle, w[2] / angle
+        s, c = np.sin(angle), np.cos(angle)
+        t = 1.0 - c
+        out[0, 0], out[0, 1], out[0, 2] = x * x + (1.0 - x * x) * c, x * y * t - z * s, x * z * t + y * s
+        out[1, 0], out[1, 1], out[1, 2] = x * y * t + z * s, y * y + (1.0 - y * y) * c, y * z * t - x * s
+        out[2, 0], out[2, 1], out[2, 2] = x * z * t - y * s, z * y * t + x * s, z * z + (1.0 - z * z) * c
 
 
-def angles(theta, bone):
-    """The angles about x and z of a bone: four bones a finger, the first of which is fixed."""
+def bend(theta, bone, out):
+    """Writes the rotation of a bone: of the four bones of a finger the first is fixed, the second has two angles."""
     finger, joint = (bone - 1) // 4, (bone - 1) % 4
-    if bone == 0 or finger > 4 or joint == 0:
-        return 0.0, 0.0
-    start = 6 + 4 * finger
-    if joint == 1:
-        return theta[start], theta[start + 1]
-    return theta[start + joint], 0.0
+    if bone > 0 and finger < 5 and joint == 1:
+        euler(theta[6 + 4 * finger], theta[7 + 4 * finger], out)
+    elif bone > 0 and finger < 5 and joint > 1:
+        euler(theta[6 + 4 * finger + joint], 0.0, out)
 
 
-def vertices(theta, parents, relatives, inverses, positions, weights, mirrored):
-    """The vertices (v, 3) of the posed hand: positions (v, 4) and weights (v, bones)."""
-    bones = parents.size
-    absolute = np.zeros((bones, 4, 4))
-    posed = np.zeros((positions.shape[0], 3))
-    for k in range(bones):
-        x, z = angles(theta, k)
-        turned = relatives[k] @ euler(x, z)
-        absolute[k] = turned if parents[k] == -1 else absolute[parents[k]] @ turned
-        moved = positions @ (absolute[k] @ inverses[k]).T
-        posed += weights[:, k:k + 1] * moved[:, :3]
-    if mirrored:
-        posed[:, 0] *= -1.0
-    return posed @ angle_axis(theta[:3]).T + theta[3:6]
+def vertices(theta, parents, relatives, inverses, positions, weights, mirrored, out):
+    """Writes the vertices (v, 3) of the posed hand: positions (v, 4) and weights (v, bones)."""
+    absolute = np.zeros((parents.size, 4, 4))
+    turn, relative, moved, rotation = np.empty((4, 4)), np.empty((4, 4)), np.empty((4, 4)), np.empty((3, 3))
+    posed = np.zeros(out.shape)
+    for k in range(parents.size):
+        turn[:] = np.eye(4)
+        bend(theta, k, turn)
+        multiply(relatives[k], turn, relative)
+        if parents[k] == -1:
+            absolute[k] = relative
+        else:
+            multiply(absolute[parents[k]].copy(), relative, absolute[k])
+        multiply(absolute[k], inverses[k], moved)
+        for v in range(out.shape[0]):
+            for i in range(3):
+                posed[v, i] += weights[v, k] * (moved[i, 0] * positions[v, 0] + moved[i, 1] * positions[v, 1]
+                                                + moved[i, 2] * positions[v, 2] + moved[i, 3] * positions[v, 3])
+    angle_axis(theta[:3], rotation)
+    sign = -1.0 if mirrored else 1.0
+    for v in range(out.shape[0]):
+        for i in range(3):
+            out[v, i] = theta[3 + i] + (rotation[i, 0] * sign * posed[v, 0] + rotation[i, 1] * posed[v, 1]
+                                        + rotation[i, 2] * posed[v, 2])
 
 
 def simple(theta, parents, relatives, inverses, positions, weights, mirrored, correspondences, points):
     """The residuals (n, 3) where each point corresponds to a vertex."""
-    posed = vertices(theta, parents, relatives, inverses, positions, weights, mirrored)
+    posed = np.empty((positions.shape[0], 3))
+    vertices(theta, parents, relatives, inverses, positions, weights, mirrored, posed)
     return points - posed[correspondences]
 
 
 def complicated(theta, us, parents, relatives, inverses, positions, weights, triangles, mirrored, correspondences,
                 points):
     """The residuals (n, 3) where each point corresponds to a place us (n, 2) in a triangle."""
-    posed = vertices(theta, parents, relatives, inverses, positions, weights, mirrored)
-    found = np.empty(points.shape)
+    posed, found = np.empty((positions.shape[0], 3)), np.empty(points.shape)
+    vertices(theta, parents, relatives, inverses, positions, weights, mirrored, posed)
     for i in range(correspondences.size):
         a, b, c = triangles[correspondences[i]]
         u, v = us[i]
-        found[i] = u * posed[a] + v * posed[b] + (1.0 - u - v) * posed[c]
-    return points - found
+        for m in range(3):
+            found[i, m] = points[i, m] - (u * posed[a, m] + v * posed[b, m] + (1.0 - u - v) * posed[c, m])
+    return found
