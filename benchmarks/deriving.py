@@ -100,6 +100,24 @@ def loops_in_turn(n: int) -> str:
         f"    for i in range(1, len(x)):\n        y[i] = y[i - 1] * x[i] + {k}.0\n" for k in range(n))
 
 
+def mixed(n: int) -> str:
+    """n lines as simulations have them: whole arrays, a helper, numbers, loops and branches."""
+    block = """    w = np.exp(-0.5 * u) * v + {k}.0
+    u = u + 0.01 * (w - decay(u, 0.{k}))
+    total = np.sum(w * v)
+    for i in range(1, n - 1):
+        slope = u[i + 1] - u[i - 1]
+        if slope > 0.{k}:
+            v[i] += 0.1 * slope * total
+        else:
+            v[i] = v[i] - slope * w[i]
+    v[0], v[n - 1] = v[1], v[n - 2]
+"""
+    head = "import numpy as np\n\n\ndef decay(x, c):\n    return x * np.tanh(c * x)\n\n\n"
+    return (f"{head}def f(u, v):\n    n = len(u)\n" + "".join(block.format(k=k) for k in range(n // 10))
+            + "    return np.sum(u * v)\n")
+
+
 FAMILIES: dict[str, tuple[Callable[[int], str], tuple[int, ...]]] = {
     "statements in a loop": (statements, (10, 20, 40, 80, 160, 320, 640, 1280)),
     "statements": (straight, (10, 20, 40, 80, 160, 320, 640, 1280)),
@@ -115,6 +133,7 @@ FAMILIES: dict[str, tuple[Callable[[int], str], tuple[int, ...]]] = {
     "parameters": (parameters, (10, 20, 40, 80, 160)),
     "nested loops": (loops, (2, 4, 8, 16)),
     "loops": (loops_in_turn, (5, 10, 20, 40, 80, 160)),
+    "lines of a simulation": (mixed, (60, 120, 250, 500, 1000, 2000)),
 }
 
 

@@ -77,7 +77,6 @@ def _few_collections() -> Iterator[None]:
         gc.set_threshold(first, *others)
 
 
-@deep_stack
 def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
     path, _, function = options.target.rpartition(":")
     if not path or not function.isidentifier():
@@ -86,6 +85,14 @@ def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
     program = read.load_file(path, function)
     check_output(options.output, program.files)
     check_output(getattr(options, "picture", None), program.files, "--picture")
+    return _answered(program, parser, options, given)
+
+
+@deep_stack
+def _answered(program: Program, parser: argparse.ArgumentParser, options: argparse.Namespace,
+              given: dict[str, Form]) -> int:
+    """Writes what is asked of a program that has been read."""
+    path, _, function = options.target.rpartition(":")
     values = _values(program, options)
     program, request, found, paths = _request(parser, program, options, {
         **{name: form_of_literal(v) for name, v in values.items()}, **given})

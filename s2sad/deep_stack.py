@@ -1,7 +1,8 @@
 """Recursion as deep as a kernel's text: a sum of a thousand terms is a tree a thousand levels deep.
 
 The passes follow the tree by recursion. Where Python's limit is met, the work begins anew in a thread with a large
-stack and a higher limit; kernels of the usual kind never see that thread. One such thread runs at a time.
+stack and a higher limit; long programs begin there, since what meets the limit last is done twice. Kernels of the usual
+kind never see that thread. One such thread runs at a time.
 """
 from __future__ import annotations
 
@@ -23,7 +24,8 @@ _here = threading.local()
 
 
 def deep_stack(function: Callable[P, R]) -> Callable[P, R]:
-    """The function, called anew on a larger stack where its recursion is too deep for the one at hand.
+    """The function, called anew on a larger stack where its recursion is too deep for the one at hand, and called there
+    at once where an argument `is_long`, as a program may be.
 
     Of such functions that call each other it is the outermost; it must not have changed anything where it raises
     RecursionError.
@@ -38,13 +40,14 @@ def deep_stack(function: Callable[P, R]) -> Callable[P, R]:
     def called(*args: P.args, **keywords: P.kwargs) -> R:
         if getattr(_here, "inside", False):
             return function(*args, **keywords)
-        _here.inside = True
-        try:
-            return function(*args, **keywords)
-        except RecursionError:
-            pass
-        finally:
-            _here.inside = False
+        if not any(getattr(a, "is_long", False) for a in args):
+            _here.inside = True
+            try:
+                return function(*args, **keywords)
+            except RecursionError:
+                pass
+            finally:
+                _here.inside = False
         with _LOCK:
             return _in_thread(functools.partial(function, *args, **keywords))
     return called

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from s2sad.tree import FunctionDef
 
 T = TypeVar("T")
+_LONG = 200             # lines
 MISFIT = " does not have the shape of the result"      # what a generated file says of a seed, after its name
 
 
@@ -67,6 +68,17 @@ class Program:
         if found is None or found[0] != len(self.kernels):
             found = self.tables[make] = len(self.kernels), make(self)
         return found[1]
+
+    @property
+    def is_long(self) -> bool:
+        """Whether its derivative may be nested deeper than Python's stack, which `deep_stack` asks."""
+        return sum(map(_lines, self.kernels.values())) > _LONG
+
+
+def _lines(kernel: Kernel) -> int:
+    """How many lines of its source a kernel takes."""
+    first, last = kernel.tree.lineno, kernel.tree.end_lineno
+    return 0 if first is None or last is None else last - first + 1
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from s2sad.tree import AST, Assign, AugAssign, Call, For, While, call_name, dump
 def rerun_arrays(loop: For, question: Question) -> list[str] | None:
     """The arrays that must be as they were for an iteration of a loop to run again; None if none can."""
     structure, typing = question.structure, question.structure.typing
-    inner = [p for p in structure.places.values() if any(x is loop for x in p.loops)]
+    inner = structure.inner[id(loop)]
     if not any(isinstance(p.statement, (For, While)) or not is_simple(p.statement, typing) for p in inner):
         return None
     if any(type(p.statement).__name__ == "Break" and p.loops[-1] is loop for p in inner):
@@ -44,8 +44,7 @@ def rerun_arrays(loop: For, question: Question) -> list[str] | None:
 def is_dear(loop: For, structure: Structure) -> bool:
     """Whether a loop has products and solves in it, which take longer than to record what they give."""
     return any(rules.find_array(call_name(n)) is not None and not is_allocation(p.statement)
-               for p in structure.places.values() if any(x is loop for x in p.loops)
-               for head in heads(p.statement) for n in walk(head))
+               for p in structure.inner[id(loop)] for head in heads(p.statement) for n in walk(head))
 
 
 def carries(loop: For, structure: Structure) -> bool:

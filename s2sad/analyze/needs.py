@@ -1,13 +1,15 @@
 """needs: the values that the reverse sweep reads and that are lost by then, back to those that never are."""
 from __future__ import annotations
 
+from collections import deque
+
 from s2sad.analyze.cut import Network
-from s2sad.analyze.liveness import targets
-from s2sad.analyze.plan import Plan, Question, Shift, Snapshot, Store
+from s2sad.analyze.liveness import base_name, targets
+from s2sad.analyze.plan import Plan, Question, Shift, Snapshot, Store, by_key
 from s2sad.analyze.structure import Place, heads, is_simple
 from s2sad.analyze.uses import Uses
 from s2sad.analyze.values import Value, Values
-from s2sad.tree import AST, For, If, names
+from s2sad.tree import AST, Assign, For, If, Name, names
 
 
 class Needs:
@@ -22,9 +24,15 @@ class Needs:
         self.users: dict[str, list[AST | str]] = {}
         self.stores = [Store(p.statement, t, self._is_whole(t)) for p in question.structure.places.values()
                        for t in question.writes(p.statement)]
+        self.stores_to = by_key(self.stores, lambda s: base_name(s.place))
+        self.stores_by = by_key(self.stores, lambda s: id(s.statement))
+        self.stored = by_key((s for s in self.stores if isinstance(s.statement, Assign) and isinstance(
+            s.statement.value, Name)), lambda s: s.statement.value.id)
         self.network = Network()
         self.loads: dict[str, list[Store]] = {}
         self.mandatory: dict[str, list[tuple[AST, AST]]] = {}
+        self.again: dict[str, list[tuple[AST, AST]]] = {}
+        self.restored_for: dict[str, list[tuple[str, str]]] = {}
         self.placement: dict[str, str] = {}
         self.first: set[str] = set()
 
@@ -69,7 +77,7 @@ class Needs:
 
     def collect(self, wanted: list[tuple[str, AST]]) -> None:
         """The values that must be had again, with who reads them, back to those that are never lost."""
-        waiting: list[tuple[str, AST | str, AST]] = [(n, s, s) for n, s in wanted]
+        waiting: deque[tuple[str, AST | str, AST]] = deque((n, s, s) for n, s in wanted)
         for place, loop in self.rerun_places():
             for name in names(heads(place.statement)):
                 value = self.all_values.at(name, place.statement)
@@ -77,7 +85,7 @@ class Needs:
                     waiting.append((name, place.statement, place.statement))
         seen: set[tuple[str, int]] = set()
         while waiting:
-            name, user, statement = waiting.pop(0)
+            name, user, statement = waiting.popleft()
             value = self.all_values.at(name, statement)
             if value is None or not self.all_values.transient(value, self.rerun):
                 continue

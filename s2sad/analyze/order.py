@@ -6,12 +6,12 @@ Forwards is the order that compilers vectorise and memory prefetches.
 """
 from __future__ import annotations
 
-from s2sad.analyze.dependence import Dependence, Reference
+from s2sad.analyze.dependence import Reference
 from s2sad.analyze.liveness import base_name
-from s2sad.analyze.plan import Plan, Question, reads
+from s2sad.analyze.plan import Plan, Question, by_key, reads
 from s2sad.analyze.structure import Place
 from s2sad.analyze.values import Values
-from s2sad.tree import AST, AugAssign, Break, For
+from s2sad.tree import AugAssign, Break, For
 
 
 def order_free(question: Question, plan: Plan) -> frozenset[int]:
@@ -22,8 +22,7 @@ def order_free(question: Question, plan: Plan) -> frozenset[int]:
     for place in structure.places.values():
         loop = place.statement
         if isinstance(loop, For) and not _carries(loop, values) and not _breaks(loop, question):
-            inner = [p for p in structure.places.values() if any(x is loop for x in p.loops)]
-            if _independent(loop, inner, question, recorded):
+            if _independent(loop, question, recorded):
                 found.add(id(loop))
     return frozenset(found)
 
@@ -34,12 +33,11 @@ def _carries(loop: For, values: Values) -> bool:
 
 
 def _breaks(loop: For, question: Question) -> bool:
-    return any(isinstance(p.statement, Break) and p.loops and p.loops[-1] is loop
-               for p in question.structure.places.values())
+    return any(isinstance(p.statement, Break) and p.loops[-1] is loop for p in question.structure.inner[id(loop)])
 
 
-def _independent(loop: For, inner: list[Place], question: Question, recorded: set[int]) -> bool:
-    typing, dependence = question.structure.typing, question.dependence
+def _independent(loop: For, question: Question, recorded: set[int]) -> bool:
+    typing, dependence, inner = question.structure.typing, question.dependence, question.structure.inner[id(loop)]
 
     def is_sum(place: Place) -> bool:
         return isinstance(place.statement, AugAssign) and id(place.statement) not in recorded
@@ -47,9 +45,7 @@ def _independent(loop: For, inner: list[Place], question: Question, recorded: se
     sums = [Reference.to(t, p.statement) for p in inner if is_sum(p) for t in question.writes(p.statement)]
     stores = [Reference.to(t, p.statement) for p in inner if not is_sum(p) for t in question.writes(p.statement)]
     loads = [Reference.to(x, p.statement) for p in inner for x in reads(p.statement, typing) if base_name(x)]
-    pairs = [(s, x) for s in stores for x in [*stores, *loads, *sums]] + [(s, x) for s in sums for x in loads]
-    return not any(_meet(a, b, loop, dependence) for a, b in pairs)
-
-
-def _meet(a: Reference, b: Reference, loop: AST, dependence: Dependence) -> bool:
-    return a.array == b.array and (dependence.carried(a, b, loop) or dependence.carried(b, a, loop))
+    stored, loaded, summed = (by_key(found, lambda r: r.array) for found in (stores, loads, sums))
+    pairs = [(s, x) for s in stores for them in (stored, loaded, summed) for x in them.get(s.array, ())]
+    pairs += [(s, x) for s in sums for x in loaded.get(s.array, ())]
+    return not any(dependence.carried(a, b, loop) or dependence.carried(b, a, loop) for a, b in pairs)

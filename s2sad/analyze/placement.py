@@ -11,7 +11,7 @@ from s2sad.analyze.needs import Needs
 from s2sad.analyze.plan import Store, subscripts
 from s2sad.analyze.uses import loads_of
 from s2sad.analyze.values import Value
-from s2sad.tree import AST, Assign, If, Name, dump, names
+from s2sad.tree import AST, If, dump, names
 
 
 class Placement(Needs):
@@ -68,7 +68,7 @@ class Placement(Needs):
     def valid(self, value: Value, when: str) -> bool:
         """Whether every element that a value reads is in the state in which it is had again as it was."""
         return all(not self.disturbs(store, load, statement, when)
-                   for load, statement in self.value_loads(value) for store in self.stores)
+                   for load, statement in self.value_loads(value) for store in self.stores_to.get(base_name(load), ()))
 
     def disturbs(self, store: Store, load: AST, statement: AST, when: str) -> bool:
         """Whether a store of the same iteration spoils the state: earlier in the segment, or later in the block."""
@@ -92,18 +92,16 @@ class Placement(Needs):
         place = targets(stored)[0]
         chain = self.chain(value, set())
         made_from = any(base_name(load) == base_name(place) and dump(load) == dump(place) for load, _ in chain)
-        later = any(self.disturbs(other, place, stored, "early") for other in self.stores)
+        later = any(self.disturbs(other, place, stored, "early") for other in self.stores_to[base_name(place)])
         if made_from and not later:
             self.result.reloaded[value.key] = stored
         return made_from and not later
 
     def stored_at(self, value: Value) -> AST | None:
         home = self.structure.place(value.home)
-        for store in self.stores:
+        for store in self.stored.get(value.name, ()):
             statement, place = store.statement, self.structure.place(store.statement)
-            if (isinstance(statement, Assign) and isinstance(statement.value, Name) and not store.whole
-                    and statement.value.id == value.name and place.block == home.block
-                    and place.branches == home.branches):
+            if not store.whole and place.block == home.block and place.branches == home.branches:
                 typing = self.structure.typing      # an array of another dtype holds another number
                 return statement if typing.of(statement.targets[0]).dtype == typing.of(statement.value).dtype else None
         return None

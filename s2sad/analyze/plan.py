@@ -1,8 +1,10 @@
 """The nouns of planning: what is asked, and the table of what is recorded, computed again and run again."""
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TypeVar
 
 from s2sad.analyze.dependence import Dependence
 from s2sad.analyze.liveness import targets
@@ -12,6 +14,9 @@ from s2sad.analyze.values import Value
 from s2sad.infer.infer import Typing
 from s2sad.tree import AST, Assign, AugAssign, Call, Expr, Subscript, dump
 
+T = TypeVar("T")
+K = TypeVar("K", bound=Hashable)
+
 
 @dataclass(frozen=True)
 class Store:
@@ -20,7 +25,7 @@ class Store:
     place: AST
     whole: bool
 
-    @property
+    @cached_property
     def key(self) -> str:
         return f"store {id(self.statement)} {dump(self.place)}"
 
@@ -79,6 +84,18 @@ class Question:
     writes: Callable[[AST], list[AST]]
     after: Callable[[AST], bool] = owns_result
     quick: bool = False
+
+
+def by_key(items: Iterable[T], key: Callable[[T], K]) -> dict[K, list[T]]:
+    """The items by what `key` says of them, in their order.
+
+    >>> by_key([1, 2, 3], lambda n: n % 2)
+    {1: [1, 3], 0: [2]}
+    """
+    found: dict[K, list[T]] = {}
+    for item in items:
+        found.setdefault(key(item), []).append(item)
+    return found
 
 
 def subscripts(statement: AST) -> AST:

@@ -4,10 +4,13 @@
 """
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Collection, Iterable
+
 from s2sad.analyze.dependence import Reference
 from s2sad.analyze.liveness import base_name, targets
 from s2sad.analyze.placement import Placement
-from s2sad.analyze.plan import Plan, Question, Shift, Snapshot, Store, reads, subscripts
+from s2sad.analyze.plan import Plan, Question, Shift, Snapshot, Store, by_key, reads, subscripts
 from s2sad.analyze.resized import to_reverse
 from s2sad.analyze.structure import Structure
 from s2sad.analyze.uses import loads_of
@@ -92,8 +95,10 @@ class Planner(Placement):
             loads = self.value_loads(value) if stored is None else [
                 (targets(stored)[0], stored), *((x, stored) for x in loads_of(subscripts(stored), self.typing))]
             by_array = _by_array(loads)
-            self.loads[value.key] = [s for s in self.stores if any(
-                self.conflict(s, x, y) for x, y in by_array.get(base_name(s.place), ()))]
+            found = [s for array, those in by_array.items() for s in self.stores_to.get(array, ())
+                     if any(self.conflict(s, x, y) for x, y in those)]
+            self.loads[value.key] = found if len(by_array) < 2 else sorted(
+                found, key=lambda s: self.structure.place(s.statement).order)
         return self.loads[value.key]
 
     def conflict(self, store: Store, load: AST, statement: AST, itself: bool = False, again: bool = False) -> bool:
@@ -113,8 +118,8 @@ class Planner(Placement):
             return self.q.dependence.may_overwrite(first, later, same=itself)
         if any(x is loop for x in there.loops):
             return not again and self.q.dependence.may_overwrite(first, later, loop, same=itself)
-        private = any(base_name(s.place) == base_name(load) for s in self.stores
-                      if any(x is loop for x in self.structure.place(s.statement).loops))
+        private = any(x is loop for s in self.stores_to.get(base_name(load), ())
+                      for x in self.structure.place(s.statement).loops)
         return not private and self.q.dependence.may_overwrite(first, later, same=itself)
 
     def depth(self, loops: tuple[AST, ...]) -> int:
@@ -133,19 +138,21 @@ class Planner(Placement):
     def choose(self, mandatory: list[tuple[AST, AST]]) -> None:
         """The cut, and what of the rest is computed again and where."""
         self.mandatory = _by_array(mandatory)
-        forced = {s.key for s in self.stores for load, statement in self.mandatory.get(base_name(s.place), ())
-                  if self.destroys(s, load, statement)}
-        forced |= {s.key for s in self.stores for place, _ in self.rerun_places()
-                   for load in reads(place.statement, self.typing)
-                   if self.conflict(s, load, place.statement, again=True)}
-        for key in forced:
-            self.network.sink(key)
-        cut = self.network.least_cut()
+        self.again = _by_array([(load, place.statement) for place, _ in self.rerun_places()
+                                for load in reads(place.statement, self.typing)])
+        for array, stores in self.stores_to.items():
+            needed, again = self.mandatory.get(array, ()), self.again.get(array, ())
+            for store in stores:
+                if any(self.destroys(store, load, s) for load, s in needed) or any(
+                        self.conflict(store, load, s, again=True) for load, s in again):
+                    self.network.sink(store.key)
+        cut = dict.fromkeys(self.network.least_cut())
         self.result.weight = sum(self.network.weights[k] for k in cut) + sum(
             weight_of(s, self.structure) for s in self.result.snapshots)
         self.result.stores = {s.key: s for s in self.stores if s.key in cut}
         self.result.recorded = {k: v for k, v in self.result.values.items() if k in cut}
-        for key in self.kept(cut):
+        kept = self.kept(cut)
+        for key in kept:
             value = self.result.values[key]
             place = self.structure.place(value.home)
             if self.placement[key] == "shifted":
@@ -154,7 +161,10 @@ class Planner(Placement):
                 self.result.late.setdefault((place.block, place.segment), []).append(key)
             else:
                 self.result.early.setdefault(place.block, []).append(key)
-        self.result.reloaded = {k: s for k, s in self.result.reloaded.items() if k in self.kept(cut)}
+        self.result.reloaded = {k: s for k, s in self.result.reloaded.items() if k in kept}
+        again = ((k, v) for k, v in self.result.values.items() if self.placement[k] != "lost" and k not in cut)
+        self.restored_for = by_key(((s.key, k) for k, v in again for s in self.conflicts_of(v) if s.key in cut),
+                                   lambda pair: pair[0])
 
     def readers_of(self, key: str) -> list[AST]:
         """The statements whose reversal needs what is recorded under a key, in the order of the text."""
@@ -163,10 +173,9 @@ class Planner(Placement):
         store = self.result.stores.get(key)
         if store is not None:
             found += [s for load, s in self.mandatory.get(base_name(store.place), ()) if self.destroys(store, load, s)]
-            found += [p.statement for p, _ in self.rerun_places() for load in reads(p.statement, self.typing)
-                      if self.conflict(store, load, p.statement, again=True)]
-            waiting = [k for k, v in self.result.values.items() if self.placement[k] != "lost"
-                       and k not in self.result.recorded and any(s is store for s in self.conflicts_of(v))]
+            found += [s for load, s in self.again.get(base_name(store.place), ())
+                      if self.conflict(store, load, s, again=True)]
+            waiting = [k for _, k in self.restored_for.get(key, ())]
         while waiting:
             for user in self.users.get(waiting.pop(), []):
                 if not isinstance(user, str):
@@ -176,12 +185,12 @@ class Planner(Placement):
                     waiting.append(user)
         return sorted({id(s): s for s in found}.values(), key=lambda s: self.structure.place(s).order)
 
-    def kept(self, cut: list[str]) -> list[str]:
+    def kept(self, cut: Collection[str]) -> dict[str, None]:
         """The values computed again: those that are read and not recorded, back to what is recorded."""
-        waiting = [k for k, users in self.users.items() if any(not isinstance(u, str) for u in users)]
+        waiting = deque(k for k, users in self.users.items() if any(not isinstance(u, str) for u in users))
         seen: dict[str, None] = {}
         while waiting:
-            key = waiting.pop(0)
+            key = waiting.popleft()
             if key in seen or key in cut:
                 continue
             seen[key] = None
@@ -195,7 +204,7 @@ class Planner(Placement):
                 inner = self.all_values.at(name, statement)
                 if inner is not None and inner.key in self.result.values:
                     waiting.append(inner.key)
-        return list(seen)
+        return seen
 
     def destroys(self, store: Store, load: AST, statement: AST) -> bool:
         """Whether a store must be undone for a load of a statement's adjoint: what the statement itself overwrites is
@@ -204,7 +213,7 @@ class Planner(Placement):
             return False
         if self.q.after(statement):
             return True
-        own = next((s for s in self.stores if s.statement is statement and dump(s.place) == dump(load)), None)
+        own = next((s for s in self.stores_by.get(id(statement), ()) if dump(s.place) == dump(load)), None)
         return own is None or own is store or not self.conflict(own, load, statement, self.spoils(statement))
 
     def spoils(self, statement: AST) -> bool:
@@ -212,12 +221,9 @@ class Planner(Placement):
         return isinstance(statement, (Assign, AugAssign, Expr)) and not self.q.after(statement)
 
 
-def _by_array(loads: list[tuple[AST, AST]]) -> dict[str, list[tuple[AST, AST]]]:
+def _by_array(loads: Iterable[tuple[AST, AST]]) -> dict[str, list[tuple[AST, AST]]]:
     """Loads with their statements, by the array."""
-    found: dict[str, list[tuple[AST, AST]]] = {}
-    for load, statement in loads:
-        found.setdefault(base_name(load), []).append((load, statement))
-    return found
+    return by_key(loads, lambda pair: base_name(pair[0]))
 
 
 def weight_of(snapshot: Snapshot, structure: Structure) -> int:

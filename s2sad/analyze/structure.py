@@ -35,13 +35,15 @@ class Place:
 
 @dataclass
 class Structure:
-    """The table: places by `id(statement)`, bindings of numbers by name, blocks with their segments."""
+    """The table: places by `id(statement)`, bindings of numbers by name, blocks with their segments; what stands in a
+    loop by `id(loop)`."""
     function: FunctionDef
     typing: Typing
     places: dict[int, Place] = field(default_factory=dict)
     bindings: dict[str, list[AST]] = field(default_factory=dict)
     loop_of: dict[str, AST] = field(default_factory=dict)
     blocks: dict[int, list[list[AST]]] = field(default_factory=dict)
+    inner: dict[int, list[Place]] = field(default_factory=dict)
 
     def place(self, statement: AST) -> Place:
         return self.places[id(statement)]
@@ -137,8 +139,10 @@ class _Walk:
 
     def statement(self, statement: AST, around: Around, segment: tuple[int, int]) -> None:
         self.order += 1
-        self.table.places[id(statement)] = Place(statement, self.order, around.loops, around.branches, *segment,
-                                                 around.inside, around.blocks)
+        place = self.table.places[id(statement)] = Place(
+            statement, self.order, around.loops, around.branches, *segment, around.inside, around.blocks)
+        for loop in around.loops:
+            self.table.inner[id(loop)].append(place)
         for target in targets(statement):
             if isinstance(target, Name):
                 self.table.bindings.setdefault(target.id, []).append(statement)
@@ -149,6 +153,7 @@ class _Walk:
                 self.block(block, replace(around, branches=(*around.branches, (statement, chosen)), inside=inside),
                            own)
         elif isinstance(statement, (For, While)):
+            self.table.inner[id(statement)] = []
             if isinstance(statement, For):
                 self.table.loop_of.setdefault(statement.target.id, statement)
             self.block(statement.body, replace(around, loops=(*around.loops, statement), inside=inside), None)

@@ -99,7 +99,7 @@ def _recorded(derived: Derived, key: str, stack: Stack) -> Recorded:
     elif key in (saved := {s.key: s for s in plan.snapshots}):
         statement, variable = saved[key].loop, saved[key].array
         what = f"{variable} where an iteration of `{text_of(statement, source, _LONGEST)}` begins"
-        readers = tuple(x.statement for x in places.values() if any(loop is statement for loop in x.loops))
+        readers = tuple(x.statement for x in derived.unit.structure.inner[id(statement)])
     elif key.startswith("size "):
         statement = places[int(key.split()[1])].statement
         variable = base_name(statement.targets[0])

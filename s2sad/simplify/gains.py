@@ -15,7 +15,7 @@ from s2sad.analyze.liveness import base_name, touched
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, FunctionDef, IfExp, Sub, Subscript, at, augment, call_name, dump,
-    is_comment, names, negate, walk, with_body,
+    is_comment, names, placed, walk, with_body,
 )
 
 CHANGES_ROUNDING = True
@@ -46,13 +46,15 @@ def _is_plain(statement: AST) -> bool:
 
 @dataclass
 class _Found:
-    """A statement of a run: whether it is a gain, of which element and array, the names that it reads and writes."""
+    """A statement of a run: whether it is a gain, of which element and array, the names that it reads and writes, and
+    whether it is a sum of gains, whose parts are not gone through again."""
     statement: AST
     is_gain: bool
     element: str
     array: str
     reads: set[str]
     stored: set[str]
+    is_sum: bool = False
 
 
 def _found(statement: AST) -> _Found:
@@ -69,9 +71,7 @@ def _joined(run: list[AST]) -> list[AST]:
         if later is None:
             position += 1
             continue
-        second = found[later]
-        made = at(_sum(first.statement, second.statement), second.statement)
-        found[later] = replace(second, statement=made, reads=first.reads | second.reads)
+        found[later] = _both(first, found[later])
         del found[position]
     return [f.statement for f in found]
 
@@ -97,12 +97,25 @@ def _partner(run: list[_Found], position: int) -> int | None:
     return None
 
 
+def _both(first: _Found, second: _Found) -> _Found:
+    """One gain for two, at the place of the second."""
+    for gain in (first, second):
+        if not gain.is_sum:
+            at(gain.statement, second.statement)
+    few, reads = sorted((first.reads, second.reads), key=len)
+    reads |= few
+    return replace(second, statement=_sum(first.statement, second.statement), reads=reads, is_sum=True)
+
+
 def _sum(first: AugAssign, second: AugAssign) -> AST:
-    """One gain for two; with the sign of the second."""
-    left = first.value if isinstance(first.op, Add) else negate(first.value)
-    if isinstance(second.op, Add):
-        return augment(second.target, Add(), BinOp(second.value, Add() if isinstance(first.op, Add) else Sub(),
-                                                   first.value))
-    if isinstance(first.op, Sub):
-        return augment(second.target, Sub(), BinOp(second.value, Add(), first.value))
-    return augment(second.target, Add(), BinOp(left, Sub(), second.value))
+    """The statement, with the sign of the second."""
+    op, left, right = second.op, second.value, first.value
+    if isinstance(first.op, Sub) and isinstance(op, Add):
+        sign: AST = Sub()
+    elif isinstance(first.op, Add) and isinstance(op, Sub):
+        op, left, right, sign = Add(), first.value, second.value, Sub()
+    else:
+        sign = Add()
+    made = augment(second.target, op, placed(BinOp(left, sign, right), second))
+    placed(made.target, second)
+    return placed(made, second)

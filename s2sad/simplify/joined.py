@@ -22,7 +22,7 @@ from s2sad.simplify.algebra import shifted, simple
 from s2sad.simplify.bounds import changed, counted, shifted_by, stores
 from s2sad.simplify.extents import Extents
 from s2sad.simplify.nests import Nest, nest_of
-from s2sad.simplify.passed import Passed, is_only_places
+from s2sad.simplify.passed import Mentions, Passed
 from s2sad.tree import (
     AST, Add, Assert, Assign, Attribute, AugAssign, Break, FunctionDef, If, Name, Return, Sub, Subscript, copy, dump,
     indices, is_comment, name, names, rebuild, walk,
@@ -127,13 +127,13 @@ class Joining:
         if not any(base_name(t) == array for t in stores([*first.body, *body])):
             return True
         if not all(places):
-            return is_only_places(array, [*first.body, *body])
+            return Mentions([*first.body, *body]).only_places(array)
         texts = {dump(indices(p)) for found in places for p in found}
         subscripts = indices(places[0][0])
         counters = [next((c for c in first.counters if shifted_by(s, c) is not None), None) for s in subscripts]
         bound = changed(first.body) | changed(body)
         return (len(texts) == 1 and set(first.counters) <= set(counters) and not bound & set(names(subscripts))
-                and is_only_places(array, [*first.body, *body]))
+                and Mentions([*first.body, *body]).only_places(array))
 
 
 def _is_passed(statement: AST, nest: AST | Nest) -> bool:

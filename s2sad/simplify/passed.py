@@ -47,14 +47,18 @@ class Passed:
                      and isinstance(n.targets[0], Name) and call_name(n.value) in _MADE}
         places = Counter(base_name(n) for n in walk(function.body) if isinstance(n, Subscript)
                          and isinstance(n.value, Name))
+        mentions = Mentions(function.body)
         self.places = {a: places[a] for a in self.made if a in extents.fixed and a not in parameters and a in types
-                       and types[a].dtype == "float64" and is_only_places(a, function.body, bound=1)}
+                       and types[a].dtype == "float64" and mentions.only_places(a, bound=1)}
 
     def shorten(self, nests: list[Nest], extents: Extents) -> None:
         """Changes the bodies of the nests of one block."""
+        using: dict[str, list[Nest]] = {}
+        for nest in nests:
+            for array in {base_name(n) for n in walk(nest.body) if isinstance(n, Subscript)}:
+                using.setdefault(array, []).append(nest)
         for array, total in self.places.items():
-            found = [(nest, _places(array, nest.body)) for nest in nests]
-            users = [(nest, places) for nest, places in found if places]
+            users = [(nest, _places(array, nest.body)) for nest in using.get(array, ())]
             if sum(len(places) for _, places in users) != total or any(
                     len({dump(p.slice) for p in places}) > 1 for _, places in users):
                 continue
@@ -146,12 +150,23 @@ def _bound(statement: AST) -> AST:
     return statement
 
 
-def is_only_places(array: str, body: list[AST], bound: int = 0) -> bool:
-    """Whether an array is mentioned by its elements and its shape only, but for so many times where it is bound."""
-    holders = [n.value if isinstance(n, (Subscript, Attribute)) else n.args[0] for n in walk(body)
-               if isinstance(n, (Subscript, Attribute)) or isinstance(n, Call) and call_name(n) in _LIKE]
-    inside = sum(isinstance(h, Name) and h.id == array for h in holders)
-    return inside + bound == sum(isinstance(n, Name) and n.id == array for n in walk(body))
+class Mentions:
+    """How often each name is mentioned in a body, and how often as an array of which an element or the shape is
+    meant."""
+
+    def __init__(self, body: list[AST]):
+        self.names: Counter[str] = Counter()
+        self.places: Counter[str] = Counter()
+        for node in walk(body):
+            if isinstance(node, Name):
+                self.names[node.id] += 1
+            elif isinstance(node, (Subscript, Attribute)) or isinstance(node, Call) and call_name(node) in _LIKE:
+                holder = node.args[0] if isinstance(node, Call) else node.value
+                self.places[holder.id if isinstance(holder, Name) else ""] += 1
+
+    def only_places(self, array: str, bound: int = 0) -> bool:
+        """Whether an array is mentioned by its elements and its shape only, but for so many times where it is bound."""
+        return self.places[array] + bound == self.names[array]
 
 
-__all__ = ["Passed", "is_only_places"]
+__all__ = ["Mentions", "Passed"]

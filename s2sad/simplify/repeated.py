@@ -9,8 +9,7 @@ stays as the kernel has it; only arrays that take two operations or more, or one
 """
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from s2sad.analyze.liveness import touched
 from s2sad.blocks import with_blocks
@@ -29,11 +28,20 @@ _DEAR = {f"numpy.{f}" for f in ("exp", "expm1", "log", "log1p", "log2", "log10",
 _WISHES = {Add: "total", Sub: "difference", Mult: "product", Div: "quotient", Pow: "power"}
 
 
+@dataclass(frozen=True)
+class _Computed:
+    """An expression of a statement that is worth a name: its text, the names in it, and how much it computes."""
+    node: AST
+    text: str
+    names: tuple[str, ...]
+    operations: int
+
+
 @dataclass
 class _Found:
     """An expression: the statement before which it can be computed, and those that hold it."""
     first: int
-    node: AST
+    what: _Computed
     users: list[int]
 
 
@@ -46,45 +54,67 @@ def repeated(function: FunctionDef, mark: str, typing: Typing, free: Names) -> F
 
 
 def _block(block: list[AST], typing: Typing, free: Names) -> list[AST]:
+    """The block; what is computed on one side of a loop or a branch is not known on the other."""
     block = [with_blocks(s, lambda inner: _block(inner, typing, free)) for s in block]
-    while (found := _most(block, typing)) is not None:
-        text, wish = dump(found.node), _wish(found.node)
-        held = free.fresh(wish)
-        typing.table[held] = typing.of(found.node)
+    runs: list[_Run] = [_Run([], typing, free)]
+    for statement in block:
+        runs[-1].statements.append(statement)
+        if not isinstance(statement, (Assign, AugAssign)) and not is_comment(statement):
+            runs.append(_Run([], typing, free))
+    found = {k: most for k, run in enumerate(runs) if (most := run.most()) is not None}
+    while found:
+        longest = max(found, key=lambda k: (found[k].what.operations, -k))
+        runs[longest].bind(found.pop(longest))
+        if (most := runs[longest].most()) is not None:
+            found[longest] = most
+    return [s for run in runs for s in run.statements]
 
-        def change(node: AST, text: str = text, held: str = held) -> AST | None:
+
+@dataclass
+class _Run:
+    """Statements up to a loop or a branch; `facts` remembers, by `id`, what each computes and what it may write."""
+    statements: list[AST]
+    typing: Typing
+    free: Names
+    facts: dict[int, tuple[AST, list[_Computed], set[str]]] = field(default_factory=dict)
+
+    def most(self) -> _Found | None:
+        """The longest expression that is computed more than once."""
+        known: dict[str, _Found] = {}
+        reading: dict[str, dict[str, None]] = {}
+        done: list[_Found] = []
+        for position, statement in enumerate(self.statements):
+            if not isinstance(statement, (Assign, AugAssign)):
+                continue
+            computed, stored = self.fact(statement)
+            for what in computed:
+                known.setdefault(what.text, _Found(position, what, [])).users.append(position)
+                for n in what.names:
+                    reading.setdefault(n, {})[what.text] = None
+            gone = {t for n in stored for t in reading.pop(n, ()) if t in known}
+            done += [known.pop(t) for t in list(known) if t in gone] if gone else []
+        several = [f for f in (*done, *known.values()) if len(f.users) > 1]
+        return max(several, key=lambda f: (f.what.operations, -f.first), default=None)
+
+    def fact(self, statement: AST) -> tuple[list[_Computed], set[str]]:
+        found = self.facts.get(id(statement))
+        if found is None or found[0] is not statement:
+            computed = [_Computed(n, dump(n), tuple(names(n)), _operations(n)) for n in walk(statement.value)
+                        if _is_computed(n) and self.typing.of(n).is_array and _is_worth(n)]
+            found = self.facts[id(statement)] = statement, computed, touched(statement)
+        return found[1], found[2]
+
+    def bind(self, found: _Found) -> None:
+        """Names an expression before the first statement that computes it."""
+        text, made = found.what.text, self.statements
+        held = self.free.fresh(_wish(found.what.node))
+        self.typing.table[held] = self.typing.of(found.what.node)
+
+        def change(node: AST) -> AST | None:
             return name(held) if _is_computed(node) and dump(node) == text else None
-        block = [rebuild(s, change) if k in found.users else s for k, s in enumerate(block)]
-        block.insert(found.first, at(assign(held, copy(found.node)), block[found.first]))
-    return block
-
-
-def _most(block: list[AST], typing: Typing) -> _Found | None:
-    """The longest expression that is computed more than once."""
-    known: dict[str, _Found] = {}
-    done: list[_Found] = []
-    for position, statement in enumerate(block):
-        if isinstance(statement, (Assign, AugAssign)):
-            _visit(statement.value, lambda n, k=position: _note(known, n, k), typing)
-            stored = touched(statement)
-        elif is_comment(statement):
-            continue
-        else:
-            stored = None
-        gone = [t for t, f in known.items() if stored is None or stored & set(names(f.node))]
-        done += [known.pop(t) for t in gone]
-    several = [f for f in (*done, *known.values()) if len(f.users) > 1]
-    return max(several, key=lambda f: (_operations(f.node), -f.first), default=None)
-
-
-def _note(known: dict[str, _Found], node: AST, position: int) -> None:
-    known.setdefault(dump(node), _Found(position, node, [])).users.append(position)
-
-
-def _visit(node: AST, note: Callable[[AST], None], typing: Typing) -> None:
-    for part in walk(node):
-        if _is_computed(part) and typing.of(part).is_array and _is_worth(part):
-            note(part)
+        for k in dict.fromkeys(found.users):
+            made[k] = rebuild(made[k], change)
+        made.insert(found.first, at(assign(held, copy(found.what.node)), made[found.first]))
 
 
 def _is_computed(node: AST) -> bool:

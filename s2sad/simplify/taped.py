@@ -19,7 +19,7 @@ from s2sad.infer.types import Type
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Add, Assign, BinOp, Expr, FunctionDef, Name, Return, Tuple, assign, at, attribute, call, call_name,
-    const, copy, function, index, name, tuple_of,
+    const, copy, function, index, name, tuple_of, walk,
 )
 
 
@@ -33,7 +33,8 @@ class Taped:
 
 def taped(made: FunctionDef, stacks: list[Stack], types: dict[str, Type], title: str) -> Taped | None:
     """The pair for a finished adjoint, None if it keeps nothing in arrays; `title` is the name of the first."""
-    kept = {s.array: s for s in stacks if s.loops and s.array in _allocated(made.body)}
+    allocated = _allocated(made.body)
+    kept = {s.array: s for s in stacks if s.loops and s.array in allocated}
     if not kept:
         return None
     parameters = [p.id for p in made.args.args]
@@ -55,17 +56,8 @@ def taped(made: FunctionDef, stacks: list[Stack], types: dict[str, Type], title:
 
 
 def _allocated(block: list[AST]) -> set[str]:
-    found: set[str] = set()
-
-    def visit(inner: list[AST]) -> list[AST]:
-        for statement in inner:
-            if isinstance(statement, Assign) and isinstance(statement.targets[0], Name) and \
-                    call_name(statement.value) == "numpy.empty":
-                found.add(statement.targets[0].id)
-            with_blocks(statement, visit)
-        return inner
-    visit(block)
-    return found
+    return {s.targets[0].id for s in walk(block) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
+            and call_name(s.value) == "numpy.empty"}
 
 
 def _block(block: list[AST], kept: dict[str, Stack]) -> list[AST]:

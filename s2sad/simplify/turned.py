@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
+from typing import TypeGuard
 
 from s2sad.analyze.liveness import base_name
 from s2sad.blocks import with_blocks
@@ -93,20 +94,25 @@ def _first(loop: AST, free: Names, types: Mapping[str, Type], signs: Signs) -> t
     if not isinstance(loop, For) or bounds is None or not is_straight(loop.body, signs.extents.writing):
         return loop, []
     bound = {bounds.counter, *changed(loop.body), *(base_name(t) for t in stores(loop.body))}
-    always = {dump(n) for s in loop.body if not isinstance(s, If) for n in _always(s)}
+    always = {dump(n) for s in loop.body if not isinstance(s, If) for n in _always(s) if _goes_around(n)}
     found = {text: n for s in walk(loop.body) if isinstance(s, Subscript) for n in walk(s.slice)
-             if isinstance(n, BinOp) and isinstance(n.op, Mod) and is_whole(n, types) and not bound & set(names(n))
+             if _goes_around(n) and is_whole(n, types) and not bound & set(names(n))
              and not any(isinstance(m, Call) for m in walk(n))
              and ((text := dump(n)) in always or integer(n.right) not in (None, 0))}
     held = {text: free.fresh("around") for text in found}
 
     def change(node: AST) -> AST | None:
-        return name(held[text]) if isinstance(node, BinOp) and (text := dump(node)) in held else None
+        return name(held[text]) if _goes_around(node) and (text := dump(node)) in held else None
 
     def value(around: BinOp) -> AST:
         return call("builtins.max", copy(around), const(0)) if signs.never_negative(around.right) else copy(around)
     before = [at(assign(held[text], value(n)), loop) for text, n in found.items()]
     return at(For(loop.target, loop.iter, rebuild(loop.body, change), [], None), loop) if held else loop, before
+
+
+def _goes_around(node: AST) -> TypeGuard[BinOp]:
+    """Whether a node is a remainder."""
+    return isinstance(node, BinOp) and isinstance(node.op, Mod)
 
 
 def _always(node: AST) -> Iterator[AST]:
@@ -132,8 +138,7 @@ def _split(loop: AST, extents: Extents, free: Names, types: Mapping[str, Type]) 
     if not isinstance(loop, For) or bounds is None or bounds.step < 0 or integer(bounds.start) != 0 or not is_straight(
             loop.body, extents.writing):
         return None
-    around = {dump(n): n for n in walk(loop.body) if isinstance(n, BinOp) and isinstance(n.op, Mod)
-              and bounds.counter in names(n.left)}
+    around = {dump(n): n for n in walk(loop.body) if _goes_around(n) and bounds.counter in names(n.left)}
     stop = extents.form(bounds.stop)
     if not around or stop is None or not all(
             extents.form(n.right) == stop and is_whole(n, types) for n in around.values()):
@@ -152,8 +157,8 @@ def _peeled(loop: For, bounds: Counted, shifts: list[int]) -> list[AST]:
     stop, last = bounds.stop, simple(shifted(copy(bounds.stop), -high), integers=True)
 
     def straight(node: AST) -> AST | None:
-        around = isinstance(node, BinOp) and isinstance(node.op, Mod) and bounds.counter in names(node.left)
-        return simple(copy(node.left), integers=True) if around else None
+        return simple(copy(node.left), integers=True) if _goes_around(node) and bounds.counter in names(
+            node.left) else None
     made: list[AST] = []
     if low:
         made.append(counted_for(bounds.counter, [call("builtins.min", const(low), copy(stop))], copy(loop.body)))
@@ -187,10 +192,10 @@ def _two(loop: For, bounds: Counted, around: BinOp, free: Names) -> list[AST]:
     assert moved is not None
 
     def before(node: AST) -> AST | None:
-        return add(name(bounds.counter), name(turn)) if isinstance(node, BinOp) and dump(node) == text else None
+        return add(name(bounds.counter), name(turn)) if _goes_around(node) and dump(node) == text else None
 
     def behind(node: AST) -> AST | None:
-        if isinstance(node, BinOp) and dump(node) == text:
+        if _goes_around(node) and dump(node) == text:
             return name(bounds.counter)
         is_counter = isinstance(node, Name) and node.id == bounds.counter
         return add(name(bounds.counter), name(rest)) if is_counter else None
