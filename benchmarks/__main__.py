@@ -1,5 +1,6 @@
 """`python -m benchmarks [names...] [--quick]` prints one table for each part; exit status 0 whether targets are met or
-not, for a figure that missed its target is a result, too. `python -m benchmarks peers` writes `docs/performance.md`."""
+not, for a figure that missed its target is a result, too. `python -m benchmarks peers` writes `docs/performance.md`,
+`python -m benchmarks robustness` the second half of `docs/accuracy.md`."""
 from __future__ import annotations
 
 import argparse
@@ -11,6 +12,7 @@ from benchmarks import accuracy, arrays, deriving, first_gradient, memory, overh
 from benchmarks.peers.__main__ import main as peers
 from benchmarks.peers.machine import processor
 from benchmarks.published import section as published
+from benchmarks.robustness.__main__ import main as robustness
 from benchmarks.tables import Table, show
 from s2sad.report.timing import on_one_core
 
@@ -23,7 +25,7 @@ PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
     "deriving": (deriving.tables, "time to write an adjoint against the length of the kernel, with exponents"),
     "memory": (memory.tables, "peak memory against arrays, shadows and recorded values"),
     "published": (published.tables, "fifty published kernels: gradients over primals, and against JAX's"),
-    "accuracy": (accuracy.tables, "errors of gradients, and where rounding is hardest"),
+    "accuracy": (accuracy.tables, "errors of gradients"),
 }
 
 
@@ -31,6 +33,8 @@ def main() -> int:
     """Runs the parts that are named, all without a name; a kernel's name means its line of `ratios`."""
     if sys.argv[1:2] == ["peers"]:
         return peers(sys.argv[2:])
+    if sys.argv[1:2] == ["robustness"]:
+        return robustness(sys.argv[2:])
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__, epilog="parts: " + "; ".join(
         f"{name}: {text}" for name, (_, text) in PARTS.items()))
     parser.add_argument("names", nargs="*", help="parts, or kernels of the part 'ratios' (default: every part)")

@@ -1,4 +1,4 @@
-"""How exact the gradients are: against differences in extended precision, and where rounding is hardest."""
+"""How exact the gradients are: against differences in extended precision."""
 from __future__ import annotations
 
 import inspect
@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import stress
 from benchmarks.calls import adjoint_arguments, differentiated, fresh, seed_like
 from benchmarks.kernels.cases import CASES, Case
 from benchmarks.tables import Table, verdict
@@ -20,7 +19,7 @@ EXTENDED = np.longdouble
 
 
 def tables(quick: bool, kernels: list[str]) -> list[Table]:
-    """Each kernel at its small size, and the hard cases."""
+    """Each kernel at its small size."""
     table = Table("Error of the gradient, small size", ("kernel", "inputs", "largest error", "target", ""))
     for name in CASES:
         inputs, error = measured(CASES[name])
@@ -28,7 +27,7 @@ def tables(quick: bool, kernels: list[str]) -> list[Table]:
     digits = np.finfo(EXTENDED).precision
     table.notes = [f"against differences of the kernel run in Python with {digits} digits, extrapolated four times;",
                    "the error is relative to the largest element of that argument's gradient"]
-    return [table, stress.table()]
+    return [table]
 
 
 def measured(case: Case) -> tuple[int, float]:

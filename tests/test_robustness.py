@@ -9,7 +9,7 @@ from benchmarks.robustness import published, runs, zeros
 from benchmarks.robustness.cases import apart, gradients
 from tests.engines import running
 
-CASES = [*zeros.CASES, *zeros.KINKS, *published.CASES]
+CASES = [*zeros.CASES, *zeros.EXTREMES, *zeros.KINKS, *published.CASES]
 
 
 @pytest.mark.parametrize("case", CASES, ids=[f"{c.function.__name__}-{k}" for k, c in enumerate(CASES)])

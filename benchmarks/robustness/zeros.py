@@ -124,6 +124,31 @@ def through_infinity(x):
     return math.exp(-1.0 / x)
 
 
+def cube(x):
+    return x ** 3
+
+
+def logarithm(x):
+    return math.log1p(x)
+
+
+def gained(x):
+    return math.expm1(x)
+
+
+def length(x):
+    return math.hypot(x, 1e-200)
+
+
+def from_above(x):
+    return math.atan2(1e200, x)
+
+
+def soft_positive(x):
+    top = max(x, 0.0)
+    return top + math.log(math.exp(x - top) + math.exp(-top))
+
+
 def log_sum_exp(x):
     top = np.max(x)
     return top + np.log(np.sum(np.exp(x - top)))
@@ -177,6 +202,20 @@ CASES = (
          [1.0 / (1.0 + 1.0 / E), 1.0 / (1.0 + E), 0.0], "the derivative of the form as it is written"),
     Case("`logaddexp(a, b)` at 1000, 999", soft_maximum, (np.array([1e3, 999.0]),),
          [1.0 / (1.0 + 1.0 / E), 1.0 / (1.0 + E)], "partials in their stable forms"),
+)
+
+EXTREMES = (
+    Case("`1 / (1 + exp(-x))` at -300", logistic, (-300.0,), math.exp(-300.0)),
+    Case("the same at -400, where it is 1.9e-174", logistic, (-400.0,), 0.0,
+         "the square of the divisor is no number: the slope of the quotient is 0; `scipy.special.expit` has none"),
+    Case("`x ** 3` at -1e100", cube, (-1e100,), 3e200),
+    Case("`log1p(x)` at 1e-17", logarithm, (1e-17,), 1.0),
+    Case("`expm1(x)` at -50", gained, (-50.0,), math.exp(-50.0)),
+    Case("`hypot(x, 1e-200)` at 1e-200", length, (1e-200,), math.sqrt(0.5)),
+    Case("`hypot(x, 1e-200)` at 1e200", length, (1e200,), 1.0),
+    Case("`atan2(1e200, x)` at 1e200", from_above, (1e200,), -0.5e-200),
+    Case("`log(exp(x) + 1)`, shifted by its maximum, at 1000", soft_positive, (1000.0,), 1.0),
+    Case("the same at -700", soft_positive, (-700.0,), math.exp(-700.0)),
 )
 
 KINKS = (
