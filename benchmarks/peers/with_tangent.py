@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 
 import numpy as np
 import tangent
@@ -21,6 +22,8 @@ def prepare(variant, kernel, problem: Problem) -> Run:
     given = {**CONSTANTS, **problem.given, **seeds}
     if kernel == "seidel":
         given["first"], given["matrix"] = ninths(problem.size - 2)
+    if kernel == "gmm":
+        given["eye"], given["basis"] = factors(given["x"].shape[1])
     gradient = tangent.grad(function, wrt=tuple(names.index(name) for name in wrt))
     stored = STORED.get(kernel, ())
 
@@ -28,6 +31,14 @@ def prepare(variant, kernel, problem: Problem) -> Run:
         return gradient(*(given[name].copy() if name in stored else given[name] for name in names))
 
     return Run(call, lambda found: list(found) if isinstance(found, tuple) else [found])
+
+
+def factors(d):
+    """The unit matrix, and for each element below the diagonal, column by column, the matrix that has a 1 there."""
+    columns, rows = np.triu_indices(d, 1)
+    basis = np.zeros((rows.size, d, d))
+    basis[np.arange(rows.size), rows, columns] = 1.0
+    return np.eye(d), basis
 
 
 def brusselator(u, p, t, du_seed):
@@ -154,6 +165,49 @@ def attention(q, k, v, out_seed):
 
 CONSTANTS = {"cx": np.array([0, 1, 0, -1, 0, 1, -1, -1, 1]), "cy": np.array([0, 0, 1, 0, -1, 1, 1, -1, -1]),
              "weight": np.array([4 / 9] + [1 / 9] * 4 + [1 / 36] * 4)}
+def gmm(alpha, mu, q, l, x, gamma, m, sign, eye, basis):  # noqa: E741
+    d = x.shape[1]
+    parts = np.exp(q)[:, :, None] * eye + np.sum(l[:, :, None, None] * basis, axis=1)
+    y = np.sum(parts[None, :, :, :] * (x[:, None, :] - mu)[:, :, None, :], axis=3)
+    terms = alpha + np.sum(q, axis=1) - 0.5 * np.sum(y ** 2, axis=2)
+    top = np.max(terms, axis=1, keepdims=True)
+    total = np.sum(top) + np.sum(np.log(np.sum(np.exp(terms - top), axis=1)))
+    largest = np.max(alpha)
+    weights = largest + np.log(np.sum(np.exp(alpha - largest)))
+    likelihood = total - x.shape[0] * (0.5 * d * math.log(2.0 * math.pi) + weights)
+    # the constant of the prior has no derivative
+    return likelihood + sign * (-0.5 * gamma * gamma * np.sum(parts ** 2) + m * np.sum(q))
+
+
+def lstm(main_params, extra_params, state, sequence):
+    b = sequence.shape[1]
+    total = 0.0
+    first = state[0]
+    memory = state[1]
+    second = state[2]
+    store = state[3]
+    for t in range(sequence.shape[0] - 1):
+        x = sequence[t] * extra_params[0]
+        gates = main_params[0]
+        bias = main_params[1]
+        forget = 1.0 / (1.0 + np.exp(-(x * gates[:b] + bias[:b])))
+        ingate = 1.0 / (1.0 + np.exp(-(first * gates[b:2 * b] + bias[b:2 * b])))
+        outgate = 1.0 / (1.0 + np.exp(-(x * gates[2 * b:3 * b] + bias[2 * b:3 * b])))
+        memory = memory * forget + ingate * np.tanh(first * gates[3 * b:] + bias[3 * b:])
+        first = outgate * np.tanh(memory)
+        gates = main_params[2]
+        bias = main_params[3]
+        forget = 1.0 / (1.0 + np.exp(-(first * gates[:b] + bias[:b])))
+        ingate = 1.0 / (1.0 + np.exp(-(second * gates[b:2 * b] + bias[b:2 * b])))
+        outgate = 1.0 / (1.0 + np.exp(-(first * gates[2 * b:3 * b] + bias[2 * b:3 * b])))
+        store = store * forget + ingate * np.tanh(second * gates[3 * b:] + bias[3 * b:])
+        second = outgate * np.tanh(store)
+        x = second * extra_params[1] + extra_params[2]
+        total = total + np.sum(sequence[t + 1] * (x - np.log(2.0 + np.sum(np.exp(x)))))
+    return -total / (b * (sequence.shape[0] - 1))
+
+
 KERNELS = {f.__name__: f for f in (
-    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention)}
+    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention, gmm,
+    lstm)}
 STORED = {"jacobi": ("a", "b"), "seidel": ("a",), "glacier": ("thickness",), "lattice": ("f",)}
