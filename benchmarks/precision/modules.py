@@ -11,13 +11,12 @@ from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
-import mpmath
 import numpy as np
-from numpy_quaddtype import QuadPrecDType, QuadPrecision
 
 from benchmarks.precision import linalg
 from benchmarks.precision.quad import (
-    DIGITS, QUAD, Namespace, NoReference, as_quad, by_mpmath, divide, from_mpmath, is_whole, power,
+    DIGITS, QUAD, Namespace, NoReference, QuadPrecDType, QuadPrecision, as_quad, by_mpmath, divide, from_mpmath,
+    is_whole, mpmath, power,
 )
 
 
