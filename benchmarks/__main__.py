@@ -1,14 +1,15 @@
 """`python -m benchmarks [names...] [--quick]` prints one table for each part; exit status 0 whether targets are met or
 not, for a figure that missed its target is a result, too. `python -m benchmarks peers` writes `docs/performance.md`,
-`python -m benchmarks robustness` the second half of `docs/accuracy.md`."""
+`python -m benchmarks precision` the first half of `docs/accuracy.md`, `python -m benchmarks robustness` the second."""
 from __future__ import annotations
 
 import argparse
+import importlib
 import platform
 import sys
 from collections.abc import Callable
 
-from benchmarks import accuracy, arrays, deriving, first_gradient, memory, overhead, ratios, returning
+from benchmarks import arrays, deriving, first_gradient, memory, overhead, ratios, returning
 from benchmarks.peers.__main__ import main as peers
 from benchmarks.peers.machine import processor
 from benchmarks.published import section as published
@@ -25,7 +26,6 @@ PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
     "deriving": (deriving.tables, "time to write an adjoint against the length of the kernel, with exponents"),
     "memory": (memory.tables, "peak memory against arrays, shadows and recorded values"),
     "published": (published.tables, "fifty published kernels: gradients over primals, and against JAX's"),
-    "accuracy": (accuracy.tables, "errors of gradients"),
 }
 
 
@@ -35,6 +35,8 @@ def main() -> int:
         return peers(sys.argv[2:])
     if sys.argv[1:2] == ["robustness"]:
         return robustness(sys.argv[2:])
+    if sys.argv[1:2] == ["precision"]:
+        return importlib.import_module("benchmarks.precision.__main__").main(sys.argv[2:])     # needs an extra
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__, epilog="parts: " + "; ".join(
         f"{name}: {text}" for name, (_, text) in PARTS.items()))
     parser.add_argument("names", nargs="*", help="parts, or kernels of the part 'ratios' (default: every part)")

@@ -206,8 +206,20 @@ def exponential(a: Any) -> Any:
     return made
 
 
+def lstsq(a: Any, b: Any, rcond: Any = None) -> Any:
+    """`numpy.linalg.lstsq` of a matrix of full rank: the solution alone is there."""
+    return matmul(pinv(a), b), None, None, None
+
+
+def sparse_solve(data: Any, rows: Any, columns: Any, b: Any, m: int, n: int, kept: bool) -> Any:
+    """`runtime.sparse_solve`, by the matrix with all its elements."""
+    full = np.zeros((m, n), QUAD)
+    np.add.at(full, (rows, columns), data)
+    return solve(full, b)
+
+
 LINALG = {"solve": solve, "inv": inv, "det": det, "slogdet": slogdet, "cholesky": cholesky, "qr": qr,
           "eigh": eigh_as_numpy, "eigvalsh": lambda a: eigh(a)[0], "svd": svd, "pinv": pinv,
-          "matrix_power": matrix_power, "LinAlgError": np.linalg.LinAlgError,
+          "matrix_power": matrix_power, "lstsq": lstsq, "LinAlgError": np.linalg.LinAlgError,
           "svdvals": lambda a: svd(a, compute_uv=False)}
-RUNTIME = {"exponential": exponential}
+RUNTIME = {"exponential": exponential, "sparse_solve": sparse_solve}

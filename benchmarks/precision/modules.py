@@ -243,6 +243,7 @@ _NUMPY: dict[str, Any] = {
     "power": power, "pow": power, "float_power": power, "clip": _clip, "bincount": _bincount, "interp": _interp,
     "sinc": _sinc, "result_type": lambda *given: QUAD, "float64": _Dtype(), "float32": _Dtype(),
     "errstate": np.errstate,
+    "finfo": lambda dtype: SimpleNamespace(eps=as_quad(2.0 ** -112), tiny=as_quad(2.0 ** -16382)),
     "pi": as_quad(math.pi), "e": as_quad(math.e), "inf": as_quad(math.inf), "nan": as_quad(math.nan),
     **{name: getattr(np, name) for name in ("int64", "int32", "bool_", "intp", "newaxis", "s_", "ndarray", "integer")},
 }

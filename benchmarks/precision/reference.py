@@ -27,7 +27,7 @@ from benchmarks.precision.modules import CONSTANTS
 from benchmarks.precision.quad import QUAD, NoReference, as_quad
 from benchmarks.precision.text import executed, function_of
 
-__all__ = ["NoReference", "gradient", "mismatch", "relative_error", "tangent", "value"]
+__all__ = ["Adjoint", "NoReference", "gradient", "mismatch", "relative_error", "tangent", "value"]
 
 STEP, LEVELS = 2.0 ** -14, 6
 
@@ -46,25 +46,35 @@ def gradient(function: Callable[..., Any], arguments: Sequence[Any], wrt: Sequen
     Raises:
         NoReference: where 113 bits cannot be had for this function.
     """
-    seeds = seeds or {}
-    call, shadows = _call("adjoint", function, arguments, wrt, of)
-    given, bars = {n: _fresh(v) for n, v in call.arguments.items()}, {}
-    for name in shadows:
-        seeded = seeds.get(name, 1.0) if name in of else 0.0
-        bars[name] = _filled(given[name], seeded)
-    results = call.results if "return" in of else []
-    seed = seeds.get("return", 1.0)
-    listed = seed if isinstance(seed, (tuple, list)) else [seed] * len(results)
-    floats = call.run(given, bars, [_fresh(np.asarray(s)[()]) for s in listed])
-    found = dict(zip((n for n in call.arguments if n in wrt and n not in shadows), floats))
-    return {name: bars[name] if name in bars else found[name] for name in wrt}
+    return Adjoint(function, arguments, wrt, of)(arguments, seeds)
+
+
+class Adjoint:
+    """The adjoint of a function for arguments of the same types, written once."""
+
+    def __init__(self, function: Callable[..., Any], arguments: Sequence[Any], wrt: Sequence[str],
+                 of: Sequence[str] = ("return",)) -> None:
+        self.wrt, self.of = tuple(wrt), tuple(of)
+        self.call, self.shadows = _call("adjoint", function, arguments, wrt, of)
+
+    def __call__(self, arguments: Sequence[Any], seeds: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """The gradients by name, as `gradient` gives them; arguments may be quads."""
+        seeds, call = seeds or {}, self.call
+        given, bars = {n: _fresh(v) for n, v in zip(call.names, arguments)}, {}
+        for name in self.shadows:
+            bars[name] = _filled(given[name], seeds.get(name, 1.0) if name in self.of else 0.0)
+        seed, count = seeds.get("return", 1.0), len(call.results) if "return" in self.of else 0
+        listed = seed if isinstance(seed, (tuple, list)) else [seed] * count
+        floats = call.run(given, bars, [_fresh(np.asarray(s)[()]) for s in listed])
+        found = dict(zip((n for n in call.names if n in self.wrt and n not in self.shadows), floats))
+        return {name: bars[name] if name in bars else found[name] for name in self.wrt}
 
 
 def tangent(function: Callable[..., Any], arguments: Sequence[Any], tangents: Mapping[str, Any],
             of: Sequence[str] = ("return",)) -> dict[str, Any]:
     """The tangents of the outputs along those of the arguments, as quads by name."""
     call, shadows = _call("tangent", function, arguments, tuple(tangents), of)
-    given = {n: _fresh(v) for n, v in call.arguments.items()}
+    given = {n: _fresh(v) for n, v in zip(call.names, arguments)}
     dots = {n: _filled(given[n], tangents.get(n, 0.0)) if isinstance(given[n], np.ndarray)
             else as_quad(tangents.get(n, 0.0)) for n in shadows}
     returned = call.run(given, dots, [])
@@ -107,14 +117,13 @@ def relative_error(found: Any, expected: Any) -> float:
 
 
 class _Call:
-    """A generated function with 113 bits: the order of its parameters, its arguments by name."""
+    """A generated function with 113 bits: the order of its parameters, and whose shadow each is."""
 
-    def __init__(self, generated: Callable[..., Any], names: list[str], arguments: Sequence[Any]) -> None:
-        self.generated, self.order = generated, list(inspect.signature(generated).parameters)
-        self.arguments = dict(zip(names, arguments))
+    def __init__(self, generated: Callable[..., Any], names: list[str]) -> None:
+        self.generated, self.order, self.names = generated, list(inspect.signature(generated).parameters), names
         self.shadows, self.results, owner = {}, [], ""
         for parameter in self.order:
-            if parameter in self.arguments:
+            if parameter in self.names:
                 owner = parameter
             elif owner and owner not in self.shadows.values() and "result" not in parameter:
                 self.shadows[parameter] = owner
@@ -139,7 +148,7 @@ def _call(mode: str, function: Callable[..., Any], arguments: Sequence[Any], wrt
     text = getattr(made, f"{mode}_source")(*(_copied(a) for a in arguments))
     space = _attempt(executed, text, _constants(function))
     called = next(n for n in reversed(list(space)) if n.startswith(f"{function.__name__}_{mode}"))
-    call = _Call(space[called], names, arguments)
+    call = _Call(space[called], names)
     return call, list(call.shadows.values())
 
 

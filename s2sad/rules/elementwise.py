@@ -100,8 +100,8 @@ elementwise("numpy.logaddexp2(a, b)", a="1.0 / (1.0 + numpy.exp2(b - a))", b="1.
 # -- roots ----------------------------------------------------------------------------------------------------------
 elementwise("numpy.sqrt(x)", x="0.5 / y", also=("math.sqrt",), singular=("x",), domain=_POSITIVE,
             kink="the derivative of sqrt at 0 is infinite", plane="holomorphic")
-elementwise("numpy.cbrt(x)", x="1.0 / (3.0 * y * y)", also=("math.cbrt",), singular=("x",), domain=_POSITIVE,
-            kink="the derivative of cbrt at 0 is infinite")
+elementwise("numpy.cbrt(x)", x="numpy.where(x == 0, numpy.inf, y / x / 3.0)", also=("math.cbrt",), singular=("x",),
+            domain=_POSITIVE, kink="the derivative of cbrt at 0 is infinite")
 elementwise("numpy.hypot(a, b)", a="a / numpy.where(y == 0, 1.0, y)", b="b / numpy.where(y == 0, 1.0, y)",
             also=("math.hypot",), kink="the derivatives of hypot at (0, 0) are taken as 0")
 
@@ -120,11 +120,12 @@ elementwise("numpy.arctan2(a, b)", a="b / numpy.hypot(a, b) / numpy.hypot(a, b)"
             domain={"a": (-2.0, 2.0), "b": (0.3, 2.0)}, kink="arctan2 jumps across b < 0, a = 0")
 elementwise("numpy.deg2rad(x)", x="0.017453292519943295", also=("numpy.radians", "math.radians"))
 elementwise("numpy.rad2deg(x)", x="57.29577951308232", also=("numpy.degrees", "math.degrees"))
-# near 0 the closed form is a difference of equal numbers: the series up to x ** 9
+# near 0 the closed form is a difference of nearly equal numbers: there Chebyshev's economised series in x * x
 elementwise("numpy.sinc(x)", x="""numpy.where(
-    numpy.abs(x) < 0.1,
-    numpy.pi ** 2 * x * (-1 / 3 + (numpy.pi * x) ** 2 * (1 / 30 + (numpy.pi * x) ** 2 * (-1 / 840
-        + (numpy.pi * x) ** 2 * (1 / 45360 - (numpy.pi * x) ** 2 / 3991680)))),
+    numpy.abs(x) < 0.5,
+    x * (-3.289868133696453 + x * x * (3.2469697011333745 + x * x * (-1.1445109447292616 + x * x * (0.20918278244137992
+        + x * x * (-0.023460808844373647 + x * x * (0.001781133106998384 + x * x * (-9.760567966482778e-05
+        + x * x * 3.915385873512628e-06))))))),
     (numpy.cos(numpy.pi * x) - y) / numpy.where(x == 0, 1.0, x))""")
 
 # -- hyperbolic functions -------------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@
     exponent 0.5                 0.5 / y
     exponent c < 0               c * y / a                    y is at hand, one power less
     exponent c > 0               c * a ** (c - 1)             right at a == 0, where y / a is not
+    0 < c < 0.5                  c * y / a, inf at a == 0     c - 1 is rounded: half a unit times log(a)
     a variable                   b * a ** (b - 1), and 0 where b == 0
 
 With respect to the exponent it is y * log(a): nan where a < 0, for there a ** b has no derivative in b, and taken as 0
@@ -24,8 +25,16 @@ _NAMES = ("numpy.power", "numpy.pow", "numpy.float_power", "math.pow", "builtins
 POWERS = frozenset(["a ** b", *_NAMES])
 
 
-def _base_partial(exponent: float | None) -> str | None:
-    """The partial with respect to the base for a known exponent, or None."""
+def _value(exponent: AST) -> float | None:
+    """The value of a number or of a quotient of numbers, as in `x ** (1 / 3)`."""
+    if isinstance(exponent, tree.BinOp) and isinstance(exponent.op, tree.Div):
+        above, below = number(exponent.left), number(exponent.right)
+        return above / below if above is not None and below else None
+    return number(exponent)
+
+
+def _base_partial(exponent: float | None, spelled: str) -> str | None:
+    """The partial with respect to the base for a known exponent, which is spelled so, or None."""
     if exponent is None:
         return None
     if exponent == int(exponent):
@@ -33,8 +42,10 @@ def _base_partial(exponent: float | None) -> str | None:
     if exponent == 0.5:
         return "0.5 / y"
     if exponent < 0:
-        return f"{exponent!r} * y / a"
-    return f"{exponent!r} * a ** {exponent - 1!r}"
+        return f"{spelled} * y / a"
+    if exponent - 1.0 + 1.0 != exponent:
+        return f"{spelled} * numpy.where(a == 0, numpy.inf, y / a)"
+    return f"{spelled} * a ** {exponent - 1!r}"
 
 
 def _integer_power(exponent: float) -> str:
@@ -51,7 +62,10 @@ def refined(parameter: str, arguments: Mapping[str, AST]) -> str | None:
     base, exponent = arguments.get("a"), arguments.get("b")
     if parameter == "b":
         return None if base is None or not number(base) else "y * numpy.log(a)"
-    return None if exponent is None else _base_partial(number(exponent))
+    if exponent is None:
+        return None
+    known = _value(exponent)
+    return _base_partial(known, "b" if isinstance(exponent, tree.BinOp) else repr(known))
 
 
 def power_partial(parameter: str, base: AST, exponent: AST, result: AST) -> AST:

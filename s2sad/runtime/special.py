@@ -25,13 +25,16 @@ def digamma(x):
     if shifted < 0.0:
         result -= np.pi / np.tan(np.pi * (shifted - np.rint(shifted)))
         shifted = 1.0 - shifted
+    lost = 0.0  # what additions round off
     while shifted < 10.0:
+        before = result
         result -= 1.0 / shifted
+        lost += (before - result) - 1.0 / shifted
         shifted += 1.0
     s = 1.0 / (shifted * shifted)
     series = 1 / 132 - s * (691 / 32760 - s / 12)
     series = s * (1 / 12 - s * (1 / 120 - s * (1 / 252 - s * (1 / 240 - s * series))))
-    return float(result + (np.log(shifted) - 0.5 / shifted - series))
+    return float(result + np.log(shifted) + (lost - 0.5 / shifted - series))
 
 
 def gammaln(x):

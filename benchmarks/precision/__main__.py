@@ -1,0 +1,47 @@
+"""`python -m benchmarks precision [rules expressions sums] [--quick]` measures errors and writes the tables of
+`docs/accuracy.md`, and the literals of `tests/partials.txt`."""
+from __future__ import annotations
+
+import argparse
+import warnings
+from collections.abc import Callable
+
+from benchmarks.precision import arrays, document, expressions, kernels, literals, rules, sums
+from tests.page_of_functions import PAGE
+
+
+def _rules(quick: bool) -> None:
+    found = rules.measured(10 if quick else 60, engines=("numpy",) if quick else ("numpy", "numba"))
+    document.replaced("rules", document.rules_tables(found))
+    if not quick:
+        literals.write(found)
+
+
+def _expressions(quick: bool) -> None:
+    fpbench, _ = expressions.table(8 if quick else 40)
+    found, missing = arrays.measured(("sums and differences",) if quick else tuple(PAGE))
+    document.replaced("expressions", [kernels.table(), arrays.table(found, missing), fpbench])
+
+
+def _sums(quick: bool) -> None:
+    document.replaced("sums", [sums.table(quick)])
+
+
+PARTS: dict[str, Callable[[bool], None]] = {"rules": _rules, "expressions": _expressions, "sums": _sums}
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs the parts that are named, all without a name."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks precision", description=__doc__)
+    parser.add_argument("names", nargs="*", choices=[*PARTS, []], help="parts (default: all)")
+    parser.add_argument("--quick", action="store_true", help="few points, and no compiled text: to see that it works")
+    options = parser.parse_args(arguments)
+    warnings.simplefilter("ignore")
+    for name in options.names or PARTS:
+        PARTS[name](options.quick)
+        print(f"{name}: written")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
