@@ -155,12 +155,11 @@ def cavity_flow(nt, nit, u, v, dt, dx, dy, p, rho, nu):
         v[:, -1] = 0
 
 
-def channel_flow(nit, u, v, dt, dx, dy, p, rho, nu, F):
-    """Flow between two plates, periodic along them, until it changes by less than a thousandth."""
+def channel_flow(nit, u, v, dt, dx, dy, p, rho, nu, F, tolerance):
+    """Flow between two plates, periodic along them, until it hardly changes; the velocity across stays."""
     udiff, b = 1.0, np.zeros_like(u)
-    while udiff > 0.001:
+    while udiff > tolerance:
         un = u.copy()
-        vn = v.copy()
         build_up_b(b, rho, dt, u, v, dx, dy)
         for _ in range(nit):
             pn = p.copy()
@@ -171,7 +170,7 @@ def channel_flow(nit, u, v, dt, dx, dy, p, rho, nu, F):
             p[0, :] = p[1, :]
         east, west = np.roll(un, -1, axis=1), np.roll(un, 1, axis=1)
         u[1:-1, :] = (un[1:-1, :] - un[1:-1, :] * dt / dx * (un[1:-1, :] - west[1:-1, :])
-                      - vn[1:-1, :] * dt / dy * (un[1:-1, :] - un[:-2, :])
+                      - v[1:-1, :] * dt / dy * (un[1:-1, :] - un[:-2, :])
                       - dt / (2 * rho * dx) * (np.roll(p, -1, axis=1)[1:-1, :] - np.roll(p, 1, axis=1)[1:-1, :])
                       + nu * (dt / dx ** 2 * (east[1:-1, :] - 2 * un[1:-1, :] + west[1:-1, :])
                               + dt / dy ** 2 * (un[2:, :] - 2 * un[1:-1, :] + un[:-2, :])) + F * dt)
