@@ -19,7 +19,7 @@ def _compiled(module) -> dict:
     numba = pytest.importorskip("numba")
     space = dict(vars(module))
     for name, value in list(space.items()):
-        if isinstance(value, FunctionType):
+        if isinstance(value, FunctionType) and value.__module__.startswith("s2sad.runtime"):
             space[name] = numba.njit(error_model="numpy")(FunctionType(value.__code__, space, value.__name__))
     return space
 
