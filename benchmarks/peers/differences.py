@@ -15,7 +15,7 @@ from benchmarks.peers.problems import Problem, Run, Unsupported
 STEPS = {"forward differences": (1e-3, 1e-5, 1e-7, 1e-8, 1e-10, 1e-12),
          "central differences": (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)}
 USUAL = {"forward differences": 1e-8, "central differences": 1e-5, "complex step": 1e-30}
-LONGEST = 4.0    # seconds for one gradient
+LONGEST = 2.0    # seconds for one gradient
 
 
 def prepare(variant: str, kernel: str, problem: Problem, step: float | None = None) -> Run:

@@ -16,7 +16,7 @@ from benchmarks.peers.process import Process
 from benchmarks.peers.tools import OURS, PRIMALS, Tool
 from s2sad.report.timing import Times
 
-PREPARE, CALL = 30.0, 4.0       # seconds in which a tool has to compile and give the first gradient; of one gradient
+PREPARE, CALL = 30.0, 2.0       # seconds in which a tool has to compile and give the first gradient; of one gradient
 WRONG = {"s2sad, Numba, float32": 1e-2}
 ALLOWED = 1e-7                  # the error with which a tool's version of a kernel still counts as the same kernel
 FIRST = ("brusselator", "attention")
