@@ -102,6 +102,12 @@ def test_a_chapter_that_failed_costs_itself(chapter):
     assert "## My chapter\n\nThis chapter was left out: its process ended with status -11.\n" in text
 
 
+def test_tables_are_a_chapter():
+    table = Table("T", ("a",), [("1",)], ["n"])
+    made = sections.of_tables("t", "Tables", lambda quick, names: [table], 1.0)
+    assert made.render(json.loads(json.dumps(made.measure(True)))).body == [table]
+
+
 def test_markdown_escapes_bars():
     assert markdown(Table("T", ("a", "b"), [("|x|", "1")])) == "**T**\n\n| a | b |\n|---|---:|\n| \\|x\\| | 1 |"
 
