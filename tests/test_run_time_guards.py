@@ -361,3 +361,21 @@ def test_ctrl_c_in_compiled_code(call):
     assert process.stdout.readline() == "ready\n"
     process.send_signal(signal.SIGINT)
     assert process.communicate(timeout=60)[0] == "KeyboardInterrupt\n"
+
+
+def in_two_rows(u):
+    v = u.reshape(2, -1)
+    return np.sum(v[0] * v[1])
+
+
+def test_what_does_not_divide_is_not_reshaped():
+    """NumPy looks how many elements there are; loops in place of its function have to."""
+    with running("loops") as engine:
+        f = s2sad.differentiate(in_two_rows, engine=engine)
+        np.testing.assert_array_equal(s2sad.gradient(f)(np.arange(4.0)), [2.0, 3.0, 0.0, 1.0])
+        with pytest.raises(s2sad.S2sadError) as caught:
+            s2sad.gradient(f)(np.arange(5.0))
+    (found,) = caught.value.diagnostics
+    assert isinstance(caught.value, ValueError)
+    assert found.message == "an array is reshaped to another number of elements"
+    assert "u.shape[0] is 5" in found.note

@@ -7,6 +7,8 @@ negative.
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from s2sad.infer.affine import Affine
 from s2sad.infer.laws import ONE, Shape, whole_number
 from s2sad.infer.slices import Slices
@@ -102,16 +104,19 @@ class Asked(Slices):
 
     def _rest(self, old: Shape, others: list[Affine | None]) -> Affine | None:
         """The size that is left when the elements of the old shape are put into rows of the others."""
-        above = [d for d in old if d is not None and d != ONE]
-        below = [d for d in others if d is not None and d != ONE]
-        for size in list(below):
-            if size in above:
-                above.remove(size)
-                below.remove(size)
+        above, below = _apart(old, others)
         if not below and len(above) <= 1:
             return above[0] if above else ONE
         made = self._product(above)
         return self.symbol(BinOp(made, FloorDiv(), self._product(below)) if below else made)
+
+    def numbers_of_elements(self, old: Shape, new: Shape) -> tuple[AST, AST] | None:
+        """How many elements two shapes have, but for the sizes of both; None if there are no others, or one is not
+        known."""
+        if None in old or None in new:
+            return None
+        above, below = _apart(old, new)
+        return (self._product(above), self._product(below)) if above or below else None
 
     def _product(self, sizes: list[Affine]) -> AST:
         if not sizes:
@@ -120,6 +125,17 @@ class Asked(Slices):
         for size in sizes[1:]:
             made = BinOp(made, Mult(), self.expression(size))
         return made
+
+
+def _apart(old: Sequence[Affine | None], new: Sequence[Affine | None]) -> tuple[list[Affine], list[Affine]]:
+    """The sizes of two shapes without those that both have."""
+    above = [d for d in old if d is not None and d != ONE]
+    below = [d for d in new if d is not None and d != ONE]
+    for size in list(below):
+        if size in above:
+            above.remove(size)
+            below.remove(size)
+    return above, below
 
 
 def _is_extent(node: AST) -> bool:

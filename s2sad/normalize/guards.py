@@ -21,6 +21,7 @@ CONTIGUOUS = ("an array that is reshaped and written is not contiguous, where Nu
 FORWARDS = "the step of a slice is not positive, where it is not a written number: write a loop"
 EXCHANGED = "names swap arrays of different sizes in a branch: swap what arrays of one size hold"
 LEFT = "a size of np.reshape is negative: write -1 where it stands, or bind it to a name of its own: n = -1"
+ELEMENTS = "an array is reshaped to another number of elements: give np.reshape sizes that multiply to its own"
 SPARSE = "a sparse matrix and what it meets differ in size"
 
 
@@ -32,6 +33,11 @@ def matching(a: AST, b: AST) -> Assert:
 def equal(a: AST, b: AST) -> Assert:
     """The guard that two shapes, or two sizes, are equal."""
     return Assert(compare(a, Eq(), b), const(EQUAL))
+
+
+def as_many(a: AST, b: AST) -> Assert:
+    """The guard that a reshape leaves the number of elements as it is."""
+    return Assert(compare(a, Eq(), b), const(ELEMENTS))
 
 
 def of_one_size(guard: AST) -> AST:

@@ -30,6 +30,7 @@ from s2sad.naming import Names
 from s2sad.normalize.allocations import dtype_of
 from s2sad.normalize.elements import Elements, moves
 from s2sad.normalize.functions import is_function
+from s2sad.normalize.guards import as_many
 from s2sad.normalize.reduced import Reduced, is_reduction
 from s2sad.normalize.places import array_operands
 from s2sad.normalize.regions import is_new
@@ -132,7 +133,7 @@ class Scalarize:
         if isinstance(target, Subscript) and isinstance(value, Subscript) and self.mask_of(value) is not None and \
                 self.mask_of(target) is None:
             return self.picked(target, value)
-        before: list[AST] = []
+        before: list[AST] = [] if self.final else self.reshaped(value)
         value = self.sums(value, before)
         if self.typing.of(value).is_array or isinstance(target, Subscript) and self.typing.of(target).is_array:
             value = self.asked(value, before)
@@ -147,6 +148,12 @@ class Scalarize:
             return [statement]
         return before + [assign(target, value) if isinstance(statement, Assign)
                          else augment(target, statement.op, value)]
+
+    def reshaped(self, value: AST) -> list[AST]:
+        """The guards that what is reshaped has as many elements as the shape; NumPy itself looks, loops do not."""
+        found = [self.shapes.numbers_of_elements(self.shapes.of(n.args[0]), self.shapes.of(n)) for n in walk(value)
+                 if isinstance(n, Call) and call_name(n) == "numpy.reshape"]
+        return [as_many(*both) for both in found if both is not None]
 
     def function(self, statement: Assign | AugAssign, target: AST) -> list[AST]:
         """A function of whole arrays that does more than move elements."""
