@@ -356,7 +356,7 @@ PAGE = {
         scipy.sparse.linalg.spsolve(scipy.sparse.csc_matrix(scipy.sparse.diags([x, x[:3]], [0, 1])), y)
         scipy.sparse.linalg.splu(scipy.sparse.csc_matrix(scipy.sparse.diags([x, x[:3]], [0, 1]))).solve(y)
         scipy.sparse.linalg.splu(scipy.sparse.csc_matrix(scipy.sparse.diags([x, x[:3]], [0, 1]))).solve(y, trans="T")
-        scipy.sparse.linalg.factorized(scipy.sparse.csc_matrix(scipy.sparse.diags([x, x[:3]], [0, 1])))(y)
+        scipy.sparse.linalg.factorized(scipy.sparse.csc_matrix(scipy.sparse.diags([x, x[:3]], [0, 1]))); z(y)
     """,
     "of sparse matrices": """
         scipy.sparse.csr_matrix((x, (p, p)), shape=(4, 4)); (y @ z) * z.dot(x) * (z.T @ y) * (z.transpose() @ x)
