@@ -6,6 +6,7 @@ import json
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -41,22 +42,27 @@ def measure(quick: bool) -> dict[str, Any]:
 def worked(budget: str, names: list[str], end: float) -> Iterator[tuple[str, dict[str, Any]]]:
     """What one process finds of kernels, until one fails it."""
     command = [sys.executable, "-m", "benchmarks.published.worker", budget, *names]
-    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    assert process.stdout is not None
-    for name in names:
-        allowed = max(1.0, min(LONGEST, end - perf_counter()))
-        stop = threading.Timer(allowed, process.kill)
-        stop.start()
-        line = next((t for t in process.stdout if t.startswith("{")), "")
-        stop.cancel()
-        if not line:
-            status = process.wait()
-            why = f"stopped after {allowed:.0f} s" if status == -signal.SIGKILL else f"exit status {status}"
-            yield name, {"failed": why}
-            return
-        found = json.loads(line)
-        yield found.pop("name"), found
-    process.wait()
+    with tempfile.TemporaryFile("w+") as errors:
+        process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=errors, text=True)
+        assert process.stdout is not None
+        for name in names:
+            allowed = max(1.0, min(LONGEST, end - perf_counter()))
+            stop = threading.Timer(allowed, process.kill)
+            stop.start()
+            line = next((t for t in process.stdout if t.startswith("{")), "")
+            stop.cancel()
+            if not line:
+                killed = process.wait() == -signal.SIGKILL
+                errors.seek(0)
+                yield name, {"failed": f"stopped after {allowed:.0f} s" if killed else _last(errors.read())}
+                return
+            found = json.loads(line)
+            yield found.pop("name"), found
+        process.wait()
+
+
+def _last(text: str) -> str:
+    return text.strip().rpartition("\n")[2][:200] or "its process ended"
 
 
 # -- rendering ------------------------------------------------------------------------------------------------------
