@@ -5,4 +5,13 @@
     quad          numbers of 113 bits
     modules       what stands there for `numpy`, `math` and `scipy`
     linalg        what stands there for `numpy.linalg`
+
+    rules         elementwise rules, against truths: functions and partials by mpmath
+    arrays        functions of whole arrays and their options
+    kernels       the benchmarks' kernels
+    expressions   those of fpbench
+    sums          sums that derivatives make
+
+    document      the tables of `docs/accuracy.md`
+    literals      partials of 25 digits for `tests/test_ulp.py`
 """

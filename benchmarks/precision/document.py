@@ -12,10 +12,11 @@ from benchmarks.tables import Table, markdown
 DOCUMENT = Path(__file__).parents[2] / "docs" / "accuracy.md"
 LIMIT = 4.0
 VALUE = "the value is NumPy's, SciPy's or the system's own"
+RANGE = "a / b beyond the range of numbers"
 REASONS = {
     "power": "an exponent near 0 loses digits when 1 is subtracted from it; the way around takes a second power",
-    "scipy.special.rel_entr": "a / b beyond the range of numbers, as in the value of kl_div",
-    "scipy.special.kl_div": "a / b beyond the range of numbers, as in the value",
+    "scipy.special.rel_entr": RANGE,
+    "scipy.special.kl_div": RANGE,
     "scipy.special.gammaln": "SciPy's digamma, which the engine NumPy calls",
 }
 
@@ -72,7 +73,7 @@ def _worse(measured: Sequence[Measured]) -> Table:
 
 def _reason(rule: str, what: str) -> str:
     if what == "value":
-        return VALUE
+        return RANGE if REASONS.get(rule) == RANGE else VALUE
     return REASONS.get("power" if "**" in rule or rule.endswith(("pow", "power")) else rule, "none is known")
 
 
