@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable
 
 from benchmarks import arrays, deriving, first_gradient, memory, overhead, ratios, returning
+from benchmarks.gradbench import measure as gradbench
 from benchmarks.peers.__main__ import main as peers
 from benchmarks.peers.machine import processor
 from benchmarks.published import section as published
@@ -26,6 +27,7 @@ PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
     "deriving": (deriving.tables, "time to write an adjoint against the length of the kernel, with exponents"),
     "memory": (memory.tables, "peak memory against arrays, shadows and recorded values"),
     "published": (published.tables, "fifty published kernels: gradients over primals, and against JAX's"),
+    "gradbench": (gradbench.tables, "GradBench's evals beside C++ by hand"),
 }
 
 
