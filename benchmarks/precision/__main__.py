@@ -1,5 +1,5 @@
 """`python -m benchmarks precision [rules expressions sums] [--quick]` measures errors and writes the tables of
-`docs/accuracy.md`, and the literals of `tests/partials.txt`."""
+`docs/accuracy.md`, and the literals of `tests/partials.txt`; with `--quick` it prints them and writes nothing."""
 from __future__ import annotations
 
 import argparse
@@ -7,12 +7,22 @@ import warnings
 from collections.abc import Callable
 
 from benchmarks.precision import arrays, document, expressions, kernels, literals, rules, sums
+from benchmarks.tables import Table, show
 from tests.page_of_functions import PAGE
+
+
+def _shown(name: str, tables: list[Table], quick: bool) -> None:
+    if quick:
+        for table in tables:
+            show(table)
+    else:
+        document.replaced(name, tables)
+        print(f"{name}: written")
 
 
 def _rules(quick: bool) -> None:
     found = rules.measured(10 if quick else 60, engines=("numpy",) if quick else ("numpy", "numba"))
-    document.replaced("rules", document.rules_tables(found))
+    _shown("rules", document.rules_tables(found), quick)
     if not quick:
         literals.write(found)
 
@@ -20,11 +30,11 @@ def _rules(quick: bool) -> None:
 def _expressions(quick: bool) -> None:
     fpbench, _ = expressions.table(8 if quick else 40)
     found, missing = arrays.measured(("sums and differences",) if quick else tuple(PAGE))
-    document.replaced("expressions", [kernels.table(), arrays.table(found, missing), fpbench])
+    _shown("expressions", [kernels.table(), arrays.table(found, missing), fpbench], quick)
 
 
 def _sums(quick: bool) -> None:
-    document.replaced("sums", [sums.table(quick)])
+    _shown("sums", [sums.table(quick)], quick)
 
 
 PARTS: dict[str, Callable[[bool], None]] = {"rules": _rules, "expressions": _expressions, "sums": _sums}
@@ -39,7 +49,6 @@ def main(arguments: list[str] | None = None) -> int:
     warnings.simplefilter("ignore")
     for name in options.names or PARTS:
         PARTS[name](options.quick)
-        print(f"{name}: written")
     return 0
 
 

@@ -21,9 +21,9 @@ REASONS = {
 }
 
 
-def replaced(name: str, texts: Sequence[str | Table], document: Path = DOCUMENT) -> None:
+def replaced(name: str, tables: Sequence[Table], document: Path = DOCUMENT) -> None:
     """Writes the part of the document that has this name."""
-    lines = [t if isinstance(t, str) else markdown(t) for t in texts]
+    lines = list(map(markdown, tables))
     begin, end = f"<!-- {name}: written by python -m benchmarks precision -->", f"<!-- end of {name} -->"
     pattern = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
     text, count = pattern.subn(lambda _: "\n\n".join([begin, *lines, end]), document.read_text(encoding="utf-8"))
@@ -32,7 +32,7 @@ def replaced(name: str, texts: Sequence[str | Table], document: Path = DOCUMENT)
     document.write_text(text, encoding="utf-8")
 
 
-def rules_tables(measured: Sequence[Measured]) -> list[str | Table]:
+def rules_tables(measured: Sequence[Measured]) -> list[Table]:
     """All rules; what is worse than the limit; and the edges of the numbers."""
     return [_all(measured), _worse(measured), _edges(measured)]
 
