@@ -135,12 +135,16 @@ def test_where_it_loses_is_said():
     slow = {"s2sad, Numba": {**kernel()["sizes"]["10"]["variants"]["s2sad, Numba"], "error": 1e-14}}
     assert loss(Kernel("heat", kernel(**slow))).endswith("; its error 1.0e-14 where JAX has 3.0e-16.")
     assert loss(Kernel("heat", {"sizes": {"10": kernel()["sizes"]["10"]}})) == "- heat: loses nowhere."
+    gone = kernel(**{"s2sad, Numba": {"left": "over 30 s"}})["sizes"]["10"]
+    assert loss(Kernel("heat", {"sizes": {"10": gone}})) == (
+        "- heat: s2sad, Numba is left out (over 30 s); no time of it repeats at n = 10.")
 
 
 def test_what_does_not_repeat_is_said_and_not_compared():
     noisy = {"median": 1e-6, "lower": 0.5e-6, "upper": 1.5e-6, "rounds": 7}
     found = kernel(JAX={"times": noisy, "seconds": 1.0, "lines": [3, 9], "error": 3e-16})
-    assert loss(Kernel("heat", {"sizes": {"10": found["sizes"]["10"]}})) == "- heat: loses nowhere."
+    assert loss(Kernel("heat", {"sizes": {"10": found["sizes"]["10"]}})) == (
+        "- heat: loses nowhere. Not compared, for they do not repeat: JAX at n = 10.")
     body = render({"missing": "", "unreached": ["cold"], "first": {}, "kernels": {"heat": found}}).body
     times = next(part for part in body if isinstance(part, Table))
     assert ("JAX", "3.0e-16", "does not repeat", "3.00 ms ± 5 %", "0.0") in times.rows

@@ -72,10 +72,13 @@ def _mean(cells: list[str]) -> str:
 
 def loss(kernel: Kernel) -> str:
     """Where s2sad loses on a kernel, and by how much, in time at each size and in error."""
-    said = []
+    why = kernel.why(DOUBLE[0])
+    said = [f"{DOUBLE[0]} is left out ({why})"] if why else []
     for size in kernel.sizes:
         ours, other = kernel.fastest(DOUBLE, size), kernel.fastest(kernel.others, size)
         hand = kernel.fastest(["by hand"], size)
+        if ours is None:
+            said.append(f"no time of it repeats at n = {size}")
         if ours and other and ours[1] > LOSES * other[1]:
             said.append(f"{ours[1] / other[1]:.1f} times slower than {other[0]} at n = {size} "
                         f"({seconds(ours[1])} against {seconds(other[1])})")
@@ -86,7 +89,10 @@ def loss(kernel: Kernel) -> str:
     if errors and mine and min(mine) > 2.0 * min(errors.values()):
         best = min(errors, key=lambda v: errors[v])
         said.append(f"its error {min(mine):.1e} where {best} has {errors[best]:.1e}")
-    return f"- {kernel.name}: " + ("; ".join(said) if said else "loses nowhere") + "."
+    unsteady = [f"{v} at n = {size}" for v in (*kernel.others, "by hand") for size in kernel.sizes
+                if kernel.times(v, size) and kernel.median(v, size) is None]
+    compared = f" Not compared, for they do not repeat: {', '.join(unsteady)}." if unsteady else ""
+    return f"- {kernel.name}: " + ("; ".join(said) if said else "loses nowhere") + "." + compared
 
 
 def _times(kernel: Kernel) -> Table:
