@@ -160,3 +160,16 @@ def test_elements_that_gain_once_have_no_sum():
     u = np.ones(5, "f4")
     for engine in ("numpy", "numba"):
         assert "_sum" not in s2sad.differentiate(kernel, engine=engine).adjoint_source(u, u.copy())
+
+
+def products_of_both_precisions(out, x, w):
+    for i in range(x.shape[0]):
+        scaled = x[i] * (1.0 / np.sqrt(w.size))
+        scaled /= np.sum(scaled)
+        out[i, :] = scaled @ x[:2]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+def test_products_of_both_precisions(engine):
+    x, b = np.array([[0.3, 0.7], [0.2, 0.9], [0.5, 0.4]], "f4"), np.array([0.3, 0.7])
+    check_derivatives(products_of_both_precisions, (np.zeros_like(x), x, b), ("x",), ("out",), engine)

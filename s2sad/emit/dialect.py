@@ -10,7 +10,7 @@ from __future__ import annotations
 from s2sad import rules, tree
 from s2sad.emit.unraised import unraised
 from s2sad.rules.transforms import TRANSFORMS
-from s2sad.tree import AST, BinOp, Call, Div, FunctionDef, call, call_name, const, rebuild
+from s2sad.tree import AST, BinOp, Call, Div, FunctionDef, attribute, call, call_name, const, copy, rebuild
 from s2sad.units import Units
 
 _LACKING = {
@@ -69,6 +69,9 @@ def _change(node: AST) -> AST | None:
     if name == "numpy.clip" and len(node.args) == 3:
         x, low, high = _arguments(node)
         return _at(call("numpy.minimum", call("numpy.maximum", x, low), high), node)
+    if name == "numpy.astype" and len(node.args) == len(node.keywords) == 1:
+        made, dtype = rebuild(node.args[0], _change), copy(node.keywords[0].value)
+        return _at(Call(attribute(made, "astype"), [dtype], []), node)
     if name == "numpy.ndim" and len(node.args) == 1:
         return _at(call("builtins.len", call("numpy.shape", *_arguments(node))), node)
     if name == "math.isclose":
