@@ -1,6 +1,6 @@
-"""The kernels with inputs: a builder of fresh arguments for a size ("small" for errors, "large" for times, a number for
-growth at a fixed number of steps), the names to differentiate with respect to, and the outputs ("return", or an
-argument's final content)."""
+"""The kernels with inputs: a builder of fresh arguments for a size ("small" for errors, "large" for
+times, a number for growth at a fixed number of steps), the names to differentiate with respect to,
+and the outputs ("return", or an argument's final content)."""
 from __future__ import annotations
 
 from collections.abc import Callable
