@@ -45,7 +45,6 @@ def sampled(candidates: Mapping[str, Prepare], budget: float, most: int = 1000, 
     `budget` seconds. The first round warms up and is not counted.
     """
     times: dict[str, list[float]] = {name: [] for name in candidates}
-    gc.collect()
     collecting = gc.isenabled()
     gc.disable()
     try:
