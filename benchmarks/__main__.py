@@ -1,6 +1,7 @@
 """`python -m benchmarks [names...] [--quick]` prints one table for each part; exit status 0 whether targets are met or
 not, for a figure that missed its target is a result, too. `python -m benchmarks peers` writes `docs/performance.md`,
-`python -m benchmarks precision` the first half of `docs/accuracy.md`, `python -m benchmarks robustness` the second."""
+`python -m benchmarks precision` the first half of `docs/accuracy.md`, `python -m benchmarks robustness` the second, and
+`python -m benchmarks documents` all of them."""
 from __future__ import annotations
 
 import argparse
@@ -31,14 +32,21 @@ PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
 }
 
 
+def _documents() -> dict[str, Callable[[list[str]], int]]:
+    """What writes a document, with options of its own: `--quick` is one of all of them."""
+    def precision(arguments: list[str]) -> int:
+        return importlib.import_module("benchmarks.precision.__main__").main(arguments)     # needs an extra
+
+    return {"peers": peers, "precision": precision, "robustness": robustness}
+
+
 def main() -> int:
     """Runs the parts that are named, all without a name; a kernel's name means its line of `ratios`."""
-    if sys.argv[1:2] == ["peers"]:
-        return peers(sys.argv[2:])
-    if sys.argv[1:2] == ["robustness"]:
-        return robustness(sys.argv[2:])
-    if sys.argv[1:2] == ["precision"]:
-        return importlib.import_module("benchmarks.precision.__main__").main(sys.argv[2:])     # needs an extra
+    named, rest = sys.argv[1:2], sys.argv[2:]
+    if named == ["documents"]:
+        return max(document(rest) for document in _documents().values())
+    if named and named[0] in (documents := _documents()):
+        return documents[named[0]](rest)
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__, epilog="parts: " + "; ".join(
         f"{name}: {text}" for name, (_, text) in PARTS.items()))
     parser.add_argument("names", nargs="*", help="parts, or kernels of the part 'ratios' (default: every part)")
