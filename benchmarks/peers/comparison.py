@@ -25,7 +25,7 @@ def measure(quick: bool) -> dict[str, Any]:
     found: dict[str, Any] = {"missing": missing(), "kernels": {}, "unreached": []}
     found["first"] = first_gradients(tools, FIRST[:0] if quick else FIRST)
     with tempfile.TemporaryDirectory() as folder:
-        comparison = Comparison(tools, Path(folder), *((0.01, 3, 0.2) if quick else (0.02, 7, 0.8)))
+        comparison = Comparison(tools, Path(folder), *((0.01, 3, 0.2) if quick else (0.02, 7, 0.4)))
         try:
             for name in kernels:
                 if perf_counter() - start > 60.0 * (MINUTES - LONGEST):

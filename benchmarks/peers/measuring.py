@@ -16,7 +16,7 @@ from benchmarks.peers.process import Process
 from benchmarks.peers.tools import OURS, PRIMALS, Tool
 from s2sad.report.timing import Times
 
-PREPARE, CALL = 30.0, 2.0       # seconds in which a tool has to compile and give the first gradient; of one gradient
+PREPARE, CALL = 60.0, 0.5       # seconds in which a tool has to compile and give the first gradient; of one gradient
 WRONG = {"s2sad, Numba, float32": 1e-2}
 ALLOWED = 1e-7                  # the error with which a tool's version of a kernel still counts as the same kernel
 FIRST = ("brusselator", "attention")
@@ -43,7 +43,7 @@ class Comparison:
             found["sizes"][str(size)] = at
             for variant, line in at["variants"].items():
                 expected_time = _expected(line, at["inputs"], name, size, sizes[place + 1:])
-                if expected_time > 4.0 * CALL:
+                if expected_time > 2.0 * CALL:
                     line["later"] = f"a gradient at n = {sizes[place + 1]} would take about {expected_time:.0f} s"
                 if "left" in line or "later" in line:
                     over.add(variant)
