@@ -95,7 +95,7 @@ def test_some_of_many_inputs_are_compared():
 def test_a_complex_step_that_is_another_number_is_left_out():
     found = quick(distance, U, 0.3)
     assert "complex step" not in errors(found)
-    assert "no complex step: it gives another number than differences do, as abs makes it do" in found.remarks
+    assert "no complex step: differences do not confirm it, as with abs, or near a kink" in found.remarks
     assert "against extrapolated differences, which estimate their own error at" in found.remarks[0]
     assert 0.0 < found.floor < 1e-9 and errors(found)["gradient"] <= 10 * found.floor
     assert f"<= {found.floor:.1e}" in str(found)
@@ -113,6 +113,22 @@ def test_nothing_is_compared_at_a_kink():
     found = quick(absolute, 0.0)
     assert np.isnan(errors(found)["gradient"]) and "unknown" in str(found)
     assert "(and say nothing of 1 of them: a kink or a jump is near)" in found.remarks[0]
+
+
+def choosing(u):
+    return np.sum(np.where(u > 0.0, u, -u))
+
+
+def logarithms(u):
+    return np.sum(np.log(u))
+
+
+@pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")
+@pytest.mark.parametrize(("kernel", "u"), [(choosing, np.zeros(2)), (logarithms, -np.ones(2))])
+def test_a_complex_step_that_nothing_confirms_is_left_out(kernel, u):
+    found = quick(kernel, u)
+    assert "complex step" not in errors(found) and np.isnan(errors(found)["gradient"])
+    assert "no complex step: differences do not confirm it, as with abs, or near a kink" in found.remarks
 
 
 def test_an_error_is_a_fraction_of_the_largest_derivative():

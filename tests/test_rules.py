@@ -307,6 +307,13 @@ def test_power_values(exponent):
         assert actual == pytest.approx(exponent * base ** (exponent - 1), rel=1e-15)
 
 
+@pytest.mark.parametrize("exponent", ["1e999", "-1e999", "1 / 1e-320", "-1 / 1e-320"])
+def test_power_of_an_infinite_exponent(exponent):
+    found = rules.power_partial("a", tree.name("x"), tree.expression(exponent), tree.name("r"))
+    general = rules.power_partial("a", tree.name("x"), tree.name("b"), tree.name("r"))
+    assert tree.equal(found, tree.substitute(general, {"b": tree.expression(exponent)}))
+
+
 def test_singular_depends_on_the_arguments():
     divide, power = rules.find("a / b"), rules.find("a ** b")
     x, y = tree.name("x"), tree.name("y")

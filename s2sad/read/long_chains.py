@@ -18,8 +18,8 @@ from __future__ import annotations
 from itertools import count
 
 from s2sad.tree import (
-    AST, BinOp, BoolOp, Compare, Constant, Eq, FunctionDef, If, In, Is, IsNot, Lt, Name, NotIn, Pass, UnaryOp, assign,
-    at, compare, const, name, walk,
+    AST, BinOp, BoolOp, Compare, Constant, Eq, FunctionDef, If, Lt, Name, Pass, UnaryOp, assign, at, compare, const,
+    name, walk,
 )
 
 _MOST = 32      # branches of a chain that stays
@@ -76,5 +76,5 @@ def _is_of_numbers(test: AST) -> bool:
     """Whether a test compares what may be numbers, and numbers only."""
     parts = list(walk(test))
     return any(isinstance(n, Compare) for n in parts) and not any(
-        isinstance(n, Constant) and not isinstance(n.value, (int, float)) or isinstance(n, (Is, IsNot, In, NotIn))
+        isinstance(n, Constant) and not isinstance(n.value, (int, float))
         or not isinstance(n, (Compare, Name, Constant, BoolOp, BinOp, UnaryOp)) and type(n)._fields for n in parts)

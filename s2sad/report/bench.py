@@ -183,7 +183,7 @@ class _Measurement:
         if stepped is not None and right:
             candidates["complex step"], found["complex step"] = self._complex_step, stepped
         elif stepped is not None:
-            remarks.append("no complex step: it gives another number than differences do, as abs makes it do")
+            remarks.append("no complex step: differences do not confirm it, as with abs, or near a kink")
         times = {n: Times.of(t) for n, t in sampled(candidates, self.budget, least=3).items()}
         title = (f"Bench of {self.question.title}, one thread{self.where}, {times['primal'].rounds} rounds in turns")
         return Bench(title, tuple(self._runs(times, reference, found)), self.slopes.size, self.slopes.places.size,

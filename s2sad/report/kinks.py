@@ -74,6 +74,6 @@ def _power(operands: dict[str, AST], active: set[str]) -> str:
         return "a power with an active exponent: with respect to it the derivative is taken as 0 where the base is <= 0"
     if exponent is None:
         return "a power with a variable exponent: at a base of 0 its derivative may be infinite"
-    if exponent == int(exponent):
+    if exponent % 1 == 0:
         return ""
     return f"a power with the exponent {exponent!r}: not differentiable at a base of 0"

@@ -2,9 +2,9 @@
 
 The complex step is exact to rounding where the kernel does nothing but analytic functions of its inputs; `abs`, `conj`
 or a comparison of imaginary parts make it another number, silently. So it is the reference only where it agrees with
-the tangent, or else with extrapolated differences; these are the reference where it does not, with the error that they
-estimate of themselves. (Squire and Trapp, Using complex variables to estimate derivatives of real functions, SIAM
-Review 40, 1998; Ridders, Advances in Engineering Software 4, 1982.)
+the tangent, or else with extrapolated differences at every input; these are the reference where it does not, with the
+error that they estimate of themselves. (Squire and Trapp, Using complex variables to estimate derivatives of real
+functions, SIAM Review 40, 1998; Ridders, Advances in Engineering Software 4, 1982.)
 """
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ class Slopes:
         expected, estimate = self._extrapolated()
         known = np.isfinite(estimate)
         top = float(np.abs(expected[known]).max(initial=0.0)) or 1.0
-        if stepped is not None and np.all(np.abs(stepped - expected)[known] <= 10 * estimate[known] + 1e-8 * top):
+        if stepped is not None and np.all(known) and np.all(np.abs(stepped - expected) <= 10 * estimate + 1e-8 * top):
             return Reference(stepped, 0.0, _EXACT), True
         floor = float(estimate[known].max(initial=0.0)) / top
         kinks = int((~known).sum())

@@ -13,6 +13,7 @@ where a == 0, where it is 0 for b > 0.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 
 from s2sad import tree
 from s2sad.rules.rule import elementwise, number, template
@@ -35,7 +36,7 @@ def _value(exponent: AST) -> float | None:
 
 def _base_partial(exponent: float | None, spelled: str) -> str | None:
     """The partial with respect to the base for a known exponent, which is spelled so, or None."""
-    if exponent is None:
+    if exponent is None or not isfinite(exponent):
         return None
     if exponent == int(exponent):
         return _integer_power(exponent)
