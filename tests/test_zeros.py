@@ -380,6 +380,40 @@ def root(x):
     return np.sqrt(x[0]) + np.sqrt(x[1] * x[2])
 
 
+def differing(x, w):
+    s = 0.0
+    for i in range(x.size):
+        d = x[i] - x[i - 1]
+        s += np.sqrt(2.0 * d * d) + np.sqrt(w * d * d) + np.sqrt(d * w * d * d * d / 2.0) + (3.0 * d * d) ** 0.75
+    return s
+
+
+def barely_shifted(x):
+    return np.sqrt(np.sum(x * x) + 1e-50)
+
+
+def of_two_factors(x):
+    return np.sqrt(2.0 * x[0] * x[1] * x[0]) + np.sqrt(x[2] * x[2] * x[2])
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_the_root_of_a_square_among_other_factors(engine):
+    """However the product is put together; what is left beside squares has to be held fixed, or to be a square."""
+    with running(engine) as run_under:
+        kernel = s2sad.differentiate(differing, wrt="x", engine=run_under)
+        np.testing.assert_array_equal(s2sad.gradient(kernel)(np.zeros(3), 2.0), np.zeros(3))
+        assert s2sad.jvp(kernel, (np.zeros(3), 2.0), {"x": np.ones(3)})["return"] == 0.0
+        found = s2sad.gradient(s2sad.differentiate(of_two_factors, engine=run_under))(np.array([1.0, 0.0, 4.0]))
+        np.testing.assert_array_equal(found, [np.nan, np.inf, 3.0])
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_what_float32_takes_for_0_is_not_never_zero(engine):
+    with running(engine) as run_under:
+        found = s2sad.gradient(s2sad.differentiate(barely_shifted, engine=run_under))(np.zeros(2, "float32"))
+    np.testing.assert_array_equal(found, np.zeros(2, "float32"))
+
+
 def shifted_root(x):
     return np.sum(np.sqrt(1.0 + x * x))
 

@@ -31,6 +31,7 @@ _KEEPING = frozenset([*(f"{m}.{n}" for m in ("numpy", "math") for n in ("sqrt", 
     "amax"))])
 _CHOOSING = ("numpy.maximum", "numpy.minimum", "builtins.max", "builtins.min", "numpy.fmax", "numpy.fmin")
 _PRODUCTS = ("numpy.dot", "numpy.matmul", "numpy.inner", "numpy.vdot")
+_SMALLEST = 1.2e-38     # of the normal numbers of float32
 _ALLOCATING = ("numpy.empty", "numpy.empty_like", "numpy.zeros", "numpy.zeros_like")
 
 
@@ -61,18 +62,21 @@ class Squares:
         if isinstance(node, BinOp) and isinstance(node.op, Div) and self.flat(node.left):
             return True
         if isinstance(node, BinOp) and isinstance(node.op, Mult):
-            for one, other in ((node.left, node.right), (node.right, node.left)):
-                if self.flat(one) and (self.flat(other) or not is_active(other, self.typing, self.active)):
-                    return True
+            factors = _factors(node)
+            single = factors if self.typing.of(node).is_complex else _single(node)
+            flat = [self.flat(f) for f in single]
+            return (any(flat) or len(single) < len(factors)) and all(
+                known or not is_active(f, self.typing, self.active) for f, known in zip(single, flat))
         return self.square(node)
 
     def never_zero(self, node: AST) -> bool:
-        """Whether an expression is a positive number and what is never negative."""
+        """Whether an expression is a positive number and what is never negative; numbers that float32 takes for 0 are
+        none."""
         if isinstance(node, BinOp) and isinstance(node.op, Add):
             both = self.square(node.left) and self.square(node.right)
             return both and (self.never_zero(node.left) or self.never_zero(node.right))
         value = number(node)
-        return value is not None and value > 0
+        return value is not None and value >= _SMALLEST
 
     def _operation(self, node: BinOp) -> bool:
         if isinstance(node.op, Pow):
@@ -80,11 +84,11 @@ class Squares:
             if exponent is None:
                 return False
             return exponent >= 2 and exponent % 2 == 0 or exponent > 0 and self.square(node.left)
-        if isinstance(node.op, Mult) and dump(node.left) == dump(node.right):
-            return True
+        if isinstance(node.op, Mult):
+            return all(map(self.square, _single(node)))
         if isinstance(node.op, Div) and self._counts(node.right):
             return self.square(node.left)
-        return isinstance(node.op, (Add, Mult, Div)) and self.square(node.left) and self.square(node.right)
+        return isinstance(node.op, (Add, Div)) and self.square(node.left) and self.square(node.right)
 
     def _counts(self, node: AST) -> bool:
         """Whether an expression is a number of elements."""
@@ -103,6 +107,23 @@ class Squares:
             return len(of) == 3 and self.square(of[1]) and self.square(of[2])
         return bool(of) and (called in _KEEPING and self.square(of[0]) or called in _CHOOSING and all(
             map(self.square, of)))
+
+
+def _factors(node: AST) -> list[AST]:
+    """The factors of a product, however it is put together."""
+    if isinstance(node, BinOp) and isinstance(node.op, Mult):
+        return [*_factors(node.left), *_factors(node.right)]
+    return [node]
+
+
+def _single(node: AST) -> list[AST]:
+    """The factors of a product without those that make squares of two, as x does in 2.0 * x * x."""
+    found: dict[str, AST] = {}
+    for factor in _factors(node):
+        text = dump(factor)
+        if found.pop(text, None) is None:
+            found[text] = factor
+    return list(found.values())
 
 
 def squares(function: FunctionDef, typing: Typing, active: frozenset[str]) -> Squares:
