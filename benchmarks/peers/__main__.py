@@ -16,7 +16,7 @@ from time import perf_counter
 
 from benchmarks.peers.document import write
 from benchmarks.peers.machine import machine
-from benchmarks.peers.sections import MODULES, section
+from benchmarks.peers.sections import MODULES, Section, section
 from benchmarks.peers.tools import DISTRIBUTIONS
 from s2sad.report.timing import on_one_core
 
@@ -32,6 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("chapters", nargs="*", metavar="chapter", help=f"of {', '.join(MODULES)} (default: all)")
     parser.add_argument("--quick", action="store_true", help="few sizes and rounds: to see that it works, in a minute")
     parser.add_argument("--to", type=Path, help="folder of the document (default: docs; quick: a new temporary one)")
+    parser.add_argument("--resume", action="store_true", help="measure only what the last run had no time for")
     parser.add_argument("--redraw", action="store_true", help="write the document from what is stored")
     options = parser.parse_args(arguments)
     unknown = [name for name in options.chapters if name not in MODULES]
@@ -40,7 +41,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     to = options.to or (Path(tempfile.mkdtemp(prefix="performance-")) if options.quick else ROOT / "docs")
     folder = to.resolve() / "performance"
     folder.mkdir(parents=True, exist_ok=True)
-    if not options.redraw:
+    if options.resume:
+        with on_one_core():
+            for name in options.chapters or MODULES:
+                resume(name, folder)
+    elif not options.redraw:
         (folder / "machine.json").write_text(json.dumps(
             {"date": date.today().isoformat(), "quick": options.quick, "machine": machine(DISTRIBUTIONS)}, indent=1))
         with on_one_core():
@@ -55,10 +60,27 @@ def measure(name: str, quick: bool, folder: Path) -> None:
     """Measures one chapter in a process of its own and stores what it returns, or why it failed."""
     found = section(name)
     assert found is not None
-    path, start = folder / f"{name}.json", perf_counter()
+    path = folder / f"{name}.json"
     path.unlink(missing_ok=True)
+    why = _stored(found, path, quick)
+    if not path.exists():
+        path.write_text(json.dumps({"failed": why}))
+
+
+def resume(name: str, folder: Path) -> None:
+    """Completes a chapter that ran out of time; one that is whole, failed or was not measured stays."""
+    found, path = section(name), folder / f"{name}.json"
+    stored = json.loads(path.read_text()) if path.exists() else {}
+    if found is not None and found.resume is not None and stored.get("unreached"):
+        _stored(found, path, quick=False)
+
+
+def _stored(found: Section, path: Path, quick: bool) -> str:
+    """Runs a chapter's process, which stores what it finds; gives why it does not."""
+    start, name = perf_counter(), found.name
     command = [sys.executable, "-m", "benchmarks.peers.chapter", name, str(path), *["quick"] * quick]
     process = subprocess.Popen(command, env={**os.environ, **KEPT}, cwd=ROOT, start_new_session=True)
+    status = None
     try:
         status = process.wait(60.0 * found.minutes)
         why = f"its process ended with status {status}"
@@ -66,10 +88,8 @@ def measure(name: str, quick: bool, folder: Path) -> None:
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()
         why = f"it was stopped after {found.minutes:g} minutes"
-    if not path.exists():
-        path.write_text(json.dumps({"failed": why}))
-    failed = json.loads(path.read_text()).get("failed")
-    print(f"{name}: {perf_counter() - start:.0f} s{', failed: ' + failed if failed else ''}", flush=True)
+    print(f"{name}: {perf_counter() - start:.0f} s{'' if status == 0 else ', failed: ' + why}", flush=True)
+    return why
 
 
 if __name__ == "__main__":

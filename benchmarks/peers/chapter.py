@@ -1,4 +1,5 @@
-"""`python -m benchmarks.peers.chapter NAME FILE [quick]` measures one chapter and stores it as JSON."""
+"""`python -m benchmarks.peers.chapter NAME FILE [quick]` measures one chapter and stores it as JSON; where the file is
+there it completes that."""
 from __future__ import annotations
 
 import json
@@ -12,7 +13,8 @@ def main(name: str, path: Path, quick: bool) -> None:
     """Writes the file at once when all is measured: a file that is there is whole."""
     found = section(name)
     assert found is not None
-    text = json.dumps(found.measure(quick), indent=1)
+    made = found.resume(json.loads(path.read_text())) if found.resume and path.exists() else found.measure(quick)
+    text = json.dumps(made, indent=1)
     unfinished = path.with_suffix(".part")
     unfinished.write_text(text)
     unfinished.replace(path)

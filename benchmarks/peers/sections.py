@@ -57,12 +57,14 @@ class Chapter:
 
 @dataclass(frozen=True)
 class Section:
-    """A chapter: its stored file's name, its title, how it is measured and rendered, and the minutes it may take."""
+    """A chapter: its stored file's name, its title, how it is measured and rendered, the minutes it may take, and how
+    what was stored is completed where these did not suffice (None: they do)."""
     name: str
     title: str
     measure: Callable[[bool], dict[str, Any]]
     render: Callable[[dict[str, Any]], Chapter]
     minutes: float = 8.0
+    resume: Callable[[dict[str, Any]], dict[str, Any]] | None = None
 
 
 def of_tables(name: str, title: str, tables: Callable[[bool, list[str]], list[Table]], minutes: float) -> Section:
