@@ -437,3 +437,33 @@ def test_nothing_is_asked_where_all_is_finite():
 
     for engine in ("numpy", "numba"):
         assert "!= 0.0" not in s2sad.differentiate(kernel, engine=engine).adjoint_source(np.ones(3), np.ones(3))
+
+
+def cube_root(x):
+    return np.cbrt(x)
+
+
+def tenth_power(x):
+    return x ** 0.1
+
+
+def third_power(x):
+    return x ** (1 / 3)
+
+
+def cube_roots(x):
+    return np.sum(np.cbrt(x))
+
+
+def tenth_powers(x):
+    return np.sum(x ** 0.1)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel", [cube_root, tenth_power, third_power, cube_roots, tenth_powers])
+def test_roots_are_steep_at_zero_and_flat_at_infinity(kernel, engine):
+    at = [np.array([v]) if kernel in (cube_roots, tenth_powers) else v for v in (0.0, -0.0, 1.0, np.inf)]
+    with running(engine) as named:
+        f = s2sad.gradient(s2sad.differentiate(kernel, engine=named))
+        slopes = [float(np.ravel(f(v))[0]) for v in at]
+    assert slopes == [np.inf, np.inf, 0.1 if "tenth" in kernel.__name__ else 1 / 3, 0.0]

@@ -100,7 +100,7 @@ elementwise("numpy.logaddexp2(a, b)", a="1.0 / (1.0 + numpy.exp2(b - a))", b="1.
 # -- roots ----------------------------------------------------------------------------------------------------------
 elementwise("numpy.sqrt(x)", x="0.5 / y", also=("math.sqrt",), singular=("x",), domain=_POSITIVE,
             kink="the derivative of sqrt at 0 is infinite", plane="holomorphic")
-elementwise("numpy.cbrt(x)", x="numpy.where(x == 0, numpy.inf, y / x / 3.0)", also=("math.cbrt",), singular=("x",),
+elementwise("numpy.cbrt(x)", x="numpy.where(x == y, 1.0 / (y * y), y / x) / 3.0", also=("math.cbrt",), singular=("x",),
             domain=_POSITIVE, kink="the derivative of cbrt at 0 is infinite")
 elementwise("numpy.hypot(a, b)", a="a / numpy.where(y == 0, 1.0, y)", b="b / numpy.where(y == 0, 1.0, y)",
             also=("math.hypot",), kink="the derivatives of hypot at (0, 0) are taken as 0")

@@ -4,7 +4,7 @@
     exponent 0.5                 0.5 / y
     exponent c < 0               c * y / a                    y is at hand, one power less
     exponent c > 0               c * a ** (c - 1)             right at a == 0, where y / a is not
-    0 < c < 0.5                  c * y / a, inf at a == 0     c - 1 is rounded: half a unit times log(a)
+    0 < c < 0.5                  c * y / a, c / y at 0, 1, inf   where c - 1 is rounded: half a unit times log(a)
     a variable                   b * a ** (b - 1), and 0 where b == 0
 
 With respect to the exponent it is y * log(a): nan where a < 0, for there a ** b has no derivative in b, and taken as 0
@@ -45,7 +45,7 @@ def _base_partial(exponent: float | None, spelled: str) -> str | None:
     if exponent < 0:
         return f"{spelled} * y / a"
     if exponent - 1.0 + 1.0 != exponent:
-        return f"{spelled} * numpy.where(a == 0, numpy.inf, y / a)"
+        return f"{spelled} * numpy.where(a == y, 1.0 / y, y / a)"
     return f"{spelled} * a ** {exponent - 1!r}"
 
 
