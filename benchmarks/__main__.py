@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable
 
 from benchmarks import arrays, deriving, first_gradient, memory, overhead, ratios, returning
-from benchmarks.gradbench import measure as gradbench
+from benchmarks.peers import gradbench
 from benchmarks.peers.__main__ import main as peers
 from benchmarks.peers.machine import processor
 from benchmarks.published import section as published

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
+from functools import cache
 from types import FunctionType
 from typing import Any
 
@@ -13,6 +14,7 @@ import s2sad
 from benchmarks.kernels.cases import Case
 
 
+@cache
 def plain_numba(function: Callable[..., Any]) -> Any:
     """A function as its user would compile it: `njit` of it and of the functions of its module, nothing else."""
     assert isinstance(function, FunctionType)

@@ -63,7 +63,7 @@ def main(kernel: str, clocked: bool) -> None:
     start = perf_counter()
     numpy = importlib.import_module("numpy")
     s2sad = importlib.import_module("s2sad")
-    importlib.import_module("s2sad.drivers")
+    importlib.import_module("s2sad.interface.drivers")
     imported = perf_counter()
     importlib.import_module("numba")
     with_numba = perf_counter()

@@ -11,32 +11,35 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from s2sad.annotations import (
+    from s2sad.interface.activities import (
         Active as Active, BatchDuplicated as BatchDuplicated, Const as Const, Duplicated as Duplicated,
         DuplicatedNoNeed as DuplicatedNoNeed, Forward as Forward, ForwardWithPrimal as ForwardWithPrimal,
         Reverse as Reverse, ReverseWithPrimal as ReverseWithPrimal,
     )
-    from s2sad.api import Differentiated as Differentiated, autodiff as autodiff, differentiate as differentiate
-    from s2sad.diagnostics import S2sadError as S2sadError, S2sadWarning as S2sadWarning
-    from s2sad.drivers import (
-        gradient as gradient, jvp as jvp, make_zero as make_zero, value_and_gradient as value_and_gradient, vjp as vjp,
+    from s2sad.interface.differentiate import (
+        Differentiated as Differentiated, autodiff as autodiff, differentiate as differentiate,
     )
-    from s2sad.given import nondifferentiable as nondifferentiable, rule as rule
+    from s2sad.diagnostics import S2sadError as S2sadError, S2sadWarning as S2sadWarning
+    from s2sad.interface.drivers import (
+        gradient as gradient, jvp as jvp, make_zero as make_zero, value_and_gradient as value_and_gradient,
+        vjp as vjp,
+    )
+    from s2sad.custom.user_rules import nondifferentiable as nondifferentiable, rule as rule
     from s2sad.report.bench import Bench as Bench, bench as bench
     from s2sad.report.check import Checked as Checked, check as check
     from s2sad.report.explain import Explanation as Explanation, explain as explain
 
 __version__ = "0.1.0"
 _HOMES = {
-    "annotations": ("Active", "BatchDuplicated", "Const", "Duplicated", "DuplicatedNoNeed", "Forward",
-                    "ForwardWithPrimal", "Reverse", "ReverseWithPrimal"),
-    "api": ("Differentiated", "autodiff", "differentiate"),
+    "interface.activities": ("Active", "BatchDuplicated", "Const", "Duplicated", "DuplicatedNoNeed", "Forward",
+                             "ForwardWithPrimal", "Reverse", "ReverseWithPrimal"),
+    "interface.differentiate": ("Differentiated", "autodiff", "differentiate"),
     "diagnostics": ("S2sadError", "S2sadWarning"),
-    "given": ("nondifferentiable", "rule"),
+    "custom.user_rules": ("nondifferentiable", "rule"),
     "report.bench": ("Bench", "bench"),
     "report.check": ("Checked", "check"),
     "report.explain": ("Explanation", "explain"),
-    "drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
+    "interface.drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
@@ -50,7 +53,7 @@ __all__ = [
 if not TYPE_CHECKING:
     def __getattr__(name: str) -> Any:
         if name not in _HOME:
-            raise AttributeError(import_module("s2sad.elsewhere").attribute(name))
+            raise AttributeError(import_module("s2sad.interface.foreign_names").attribute(name))
         value = getattr(import_module(f"s2sad.{_HOME[name]}"), name)
         globals()[name] = value
         return value

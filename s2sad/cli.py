@@ -14,16 +14,16 @@ from contextlib import contextmanager
 from typing import Any
 
 from s2sad import pipeline, read
-from s2sad.binding import float_parameters
+from s2sad.dispatch.arguments import float_parameters
 from s2sad.cli_parser import COMMANDS, RUNNING, command_parser
 from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, Report, S2sadError
-from s2sad.flattened.spelling import form_spelled, listed, named, spelled_out
-from s2sad.infer.assumed import Assumed, assumed
+from s2sad.interface.pytrees.spelled_types import form_spelled, listed, named, spelled_out
+from s2sad.infer.assumed_types import Assumed, assumed_types
 from s2sad.program import Program, Request
 from s2sad.report.argument_literals import evaluated, flat_values, form_of_literal
 from s2sad.report.bench import bench
-from s2sad.report.cache import cleared, described
+from s2sad.report.cache_contents import cleared, described
 from s2sad.report.check import check
 from s2sad.report.explain import explained
 from s2sad.report.made_up import run_on_file
@@ -32,9 +32,9 @@ from s2sad.report.picture import kind_of
 from s2sad.report.stages import ROOMS, STAGES, stages
 from s2sad.run import store
 from s2sad.run.compiled import chosen
-from s2sad.structure import Form
+from s2sad.pytree import Form
 from s2sad.tracebacks import internal
-from s2sad.selection import selected_of, selected_wrt
+from s2sad.interface.selection import selected_of, selected_wrt
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -172,7 +172,7 @@ def _request(parser: argparse.ArgumentParser, program: Program, options: argpars
     program, leaves, paths = spelled_out(program, given)
     kernel = program.kernels[program.entry]
     report = Report(kernel.source)
-    found = assumed(program.entry, {n: k.tree for n, k in program.kernels.items()}, kernel.parameters,
+    found = assumed_types(program.entry, {n: k.tree for n, k in program.kernels.items()}, kernel.parameters,
                     kernel.annotations, kernel.defaults, leaves, report)
     report.finish()
     types = tuple(found[p].type for p in kernel.parameters)
@@ -217,7 +217,8 @@ def _given(parser: argparse.ArgumentParser, text: str) -> dict[str, Form]:
 def _stages(parser: argparse.ArgumentParser, program: Program, request: Request, after: str | None) -> str:
     stage = ROOMS.get(after or "", after)
     if stage is not None and stage not in STAGES:
-        parser.error(f"there is no pass '{after}'; the passes are {', '.join(STAGES)}")
+        parser.error(f"there is no pass '{after}'; the passes are {', '.join(STAGES)}, and what ends with one: "
+                     f"{', '.join(ROOMS)}")
     texts = stages(program, request)
     if stage is not None:
         return texts[stage]

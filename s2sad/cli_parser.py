@@ -7,7 +7,7 @@ from contextlib import suppress
 from importlib import metadata
 
 from s2sad import __version__
-from s2sad.report.stages import ROOMS, STAGES
+from s2sad.report.stages import ROOMS
 
 _ABOUT = """\
 Reads a NumPy function that loops and writes its arrays in place, and writes the Python source of its derivative.
@@ -95,8 +95,8 @@ def _add_options(parser: argparse.ArgumentParser, command: str) -> None:
         parser.add_argument("--arguments", metavar="VALUES", help="sizes, for the bytes recorded, which are read "
                             'and not run: "u=np.ones((512, 512)), steps=100" or "u: float64[512, 512], steps: 100"')
     if command == "stages":
-        parser.add_argument("--after", metavar="PASS", help=f"one of {', '.join(STAGES)}; or a room: "
-                            f"{', '.join(ROOMS)} (default: all, one after the other)")
+        parser.add_argument("--after", metavar="PASS", help="a pass, or what ends with one: "
+                            f"{', '.join(ROOMS)} (default: all passes, one after the other)")
         parser.add_argument("--mode", choices=("adjoint", "tangent"), default="adjoint")
     if command in RUNNING:
         parser.add_argument("--arguments", metavar="EXPR", help="the function's arguments as Python, with numpy as np: "

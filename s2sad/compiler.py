@@ -14,15 +14,15 @@ from s2sad import pipeline, read
 from s2sad.guards import Guards, Path, recording, same
 from s2sad.infer.independents import independents, usable_as_floats
 from s2sad.infer.types import NONE, UNKNOWN, of_value
-from s2sad.normalize.field_values import Unread
-from s2sad.normalize.fields import Flat, asks, fields
-from s2sad.normalize.groups import Group, nothing
+from s2sad.evaluate.structures.call_values import Unread
+from s2sad.evaluate.structures.fields import Flat, asks, fields
+from s2sad.evaluate.structures.groups import StructureValue, nothing
 from s2sad.program import Generated, Kernel, Program, Request
 from s2sad.read.capture import not_a_function
-from s2sad.results import Summary
-from s2sad.run.given import compiled_in, given_of, held_to_numbers, uncompiled
-from s2sad.run.own import looked_at
-from s2sad.structure import Form, Structure
+from s2sad.results import EntrySummary
+from s2sad.run.user_functions_in_numba import compiled_in, given_of, held_to_numbers, uncompiled
+from s2sad.run.user_derivatives import looked_at
+from s2sad.pytree import Form, PyTree
 from s2sad.tree import equal
 
 __all__ = ["asks", "compiled_in", "derived", "entry_kernel", "given_of", "held_to_numbers", "looked_at",
@@ -42,7 +42,7 @@ def entry_kernel(program: Program) -> Kernel:
     return replace(kernel, floats=tuple(p for p in kernel.parameters if p in usable), independents=found)
 
 
-def summary(program: Program, types: tuple[Any, ...], forms: dict[Any, Any]) -> Summary:
+def summary(program: Program, types: tuple[Any, ...], forms: dict[Any, Any]) -> EntrySummary:
     """What the entry of a program writes and returns; raises S2sadError."""
     return pipeline.summary(program, types, forms)
 
@@ -66,10 +66,11 @@ def taken_apart(program: Program, function: FunctionType, forms: tuple[Form, ...
             program = read.load(function, tuple(methods), varying)
 
 
-def result_form(group: Group) -> Structure:
+def result_form(group: StructureValue) -> PyTree:
     """What a structure that a kernel returns is made of."""
-    items = tuple(result_form(i) if isinstance(i, Group) else NONE if nothing(i) else UNKNOWN for i in group.items)
-    return Structure(group.form.kind, group.form.keys, items, group.form.made, group.form.fixed)
+    items = tuple(result_form(i) if isinstance(i, StructureValue) else NONE if nothing(i) else UNKNOWN
+                  for i in group.items)
+    return PyTree(group.form.kind, group.form.keys, items, group.form.made, group.form.fixed)
 
 
 def same_program(ours: Program, theirs: Program) -> bool:

@@ -89,7 +89,7 @@ class Guard:
 
 
 @dataclass(frozen=True)
-class Varying:
+class VaryingNumber:
     """A number that changes: not its value was taken, but its type; `now()` gives the value of a call."""
     get: Getter
     key: Any
@@ -116,7 +116,7 @@ def kind(value: Any) -> type | None:
 
 def current(value: Any) -> Any:
     """A value that was taken, as it is now: an array is what it is, a number that varies has another value."""
-    return value.now() if isinstance(value, Varying) else value
+    return value.now() if isinstance(value, VaryingNumber) else value
 
 
 class Guards:
@@ -138,7 +138,7 @@ class Guards:
             value, path = get(key, ABSENT), (self._paths.get(id(holder), (id(holder),)), step, key)
             if kind(value) is not None and path in self.varying:
                 self._compared.append((lambda key, default: kind(get(key, default)), key, type(value)))
-                value = Varying(get, key, value)
+                value = VaryingNumber(get, key, value)
             else:
                 self._compared.append((get, key, value))
             if isinstance(value, np.ndarray):

@@ -4,7 +4,7 @@
     normalize   structured -> inlined -> functions -> in_step -> pieces -> views -> workspace -> scalarize
                     -> handed -> rename -> atoms                                     (units/normal_forms.py)
     infer       the types of names, before views and after rename
-    analyze     structure, activity, uses, dependence, recorded                      (units/derivatives.py)
+    analyze     structure, activity, uses, dependence, recorded                      (units/unit_derivatives.py)
     differentiate   adjoint or tangent
     simplify    merge, dead, coalesce, fold, algebra; for level "fast" products, turned, kept, faster, taped
     emit        origin comments, the engine's dialect, the header, the text
@@ -13,38 +13,32 @@ from __future__ import annotations
 
 from typing import Any
 
-from s2sad.analyze.liveness import base_name
-from s2sad.analyze.unshadowed import unshadowed
+from s2sad import optimize
+from s2sad.liveness import base_name
+from s2sad.analyze.missing_shadows import missing_shadows
 from s2sad.deep_stack import deep_stack
-from s2sad.differentiate.derivative import Wanted
-from s2sad.simplify.taped import Taped, taped
-from s2sad.emit.asserted import asserted
+from s2sad.differentiate.request import DerivativeRequest
+from s2sad.optimize.reusable_tape import ReusableTape, reusable_tape
+from s2sad.emit.line_table import line_table
 from s2sad.emit.dialect import in_dialect
 from s2sad.emit.header import documented, header
 from s2sad.emit.module import module
 from s2sad.emit.origins import with_origins
 from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
-from s2sad.normalize.calls import result_structure
-from s2sad.normalize.hidden import hidden, hidden_name
-from s2sad.normalize.numbered import numbered
+from s2sad.evaluate.argument_binding import result_structure
+from s2sad.normalize.calls.global_arrays import global_arrays, hidden_name
+from s2sad.evaluate.expressions.specialize_options import specialize_options
 from s2sad.program import Generated, Parameter, Program, Request
-from s2sad.results import Summary
-from s2sad.run.given import compilable
-from s2sad.simplify import Watch, unwatched
-from s2sad.simplify.dead import dead
-from s2sad.simplify.exponentials import exponentials
-from s2sad.simplify.extremes import extremes
-from s2sad.simplify.faster import faster
-from s2sad.simplify.kept import kept
-from s2sad.simplify.powers import powers
-from s2sad.simplify.products import products
-from s2sad.simplify.turned import turned
-from s2sad.simplify.unguarded import unguarded
-from s2sad.tree import Call, FunctionDef, Name, call_name, walk
-from s2sad.units import Derived, Unit, Units
+from s2sad.results import EntrySummary
+from s2sad.run.user_functions_in_numba import compilable
+from s2sad.naming import Names
+from s2sad.passes import Watch, run, unwatched
+from s2sad.simplify import DerivativeContext
+from s2sad.tree import Call, FunctionDef, call_name, names, walk
+from s2sad.units import UnitDerivative, Unit, Units
 
-__all__ = ["Summary", "derive", "summary"]
+__all__ = ["EntrySummary", "derive", "summary"]
 
 
 Forms = dict[tuple[str, tuple[Type, ...]], tuple[Units, Unit]]
@@ -52,12 +46,12 @@ Forms = dict[tuple[str, tuple[Type, ...]], tuple[Units, Unit]]
 
 
 @deep_stack
-def summary(program: Program, types: tuple[Type, ...], forms: Forms | None = None) -> Summary:
+def summary(program: Program, types: tuple[Type, ...], forms: Forms | None = None) -> EntrySummary:
     """What the program's entry writes and returns for arguments of these types."""
     units, unit = entry(program, types, "numpy", forms=forms)
     parameters = [hidden_name(p.id, units.program) for p in unit.function.args.args]
     returned = {k: hidden_name(name, units.program) for k, name in unit.summary.returned.items()}
-    return Summary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, returned,
+    return EntrySummary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, returned,
                    any(u.guarded for u in units.made.values()), result_structure(program.entry, program),
                    tuple(parameters[k] for k in unit.contiguous))
 
@@ -77,38 +71,34 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
                            for p, t in zip(unit.function.args.args, unit.types))
         functions = primal_functions(units, [unit.title])
         if request.level == "fast" and request.engine == "numba":
-            functions = [turned(f, units.titled[f.name].lowered_types, None, _writing(f, units)) for f in functions]
+            functions = [fast_primal(f, units) for f in functions]
         if request.engine == "numba":
             functions = in_dialect(functions, units)
         sources = [units.titled[f.name].kernel.source for f in functions]
         printed = module(functions, header=[f"The primal of {unit.kernel.name}."], constants=program.constants,
                          standalone=request.standalone)
-        guards, places = asserted(printed, sources)
+        guards, places = line_table(printed, sources)
         return Generated(printed.text, unit.title, parameters, ("result",), {"guards": guards, "places": places})
-    wanted = Wanted(request.wrt, expanded(request.of, unit), request.with_primal)
+    wanted = DerivativeRequest(request.wrt, expanded(request.of, unit), request.with_primal)
     derived = units.derive(request.mode, unit, wanted)
     made = [f for d in units.derived.values() for f in (d.function, *d.beside)]
-    found = facts(derived, request, units) | {"unshadowed": unshadowed(
+    found = facts(derived, request, units) | {"unshadowed": missing_shadows(
         unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
 
     sharing = given_twice(units)
 
-    def final(d: Derived) -> FunctionDef:
-        if request.level != "fast" or d.function.name in sharing:
-            return d.function
-        if units.engine == "numba":
-            return in_loops(d, units)
-        multiplied = d.function if d.made.tape is None else products(d.function, d.types)
-        return extremes(unguarded(powers(multiplied, d.types), d.types), d.types)
+    def final(d: UnitDerivative) -> FunctionDef:
+        return d.function if request.level != "fast" or d.function.name in sharing else fast(d, units)
     functions = primal_functions(units, kernels_called(made, units))
     sources = [units.titled[f.name].kernel.source for f in functions]
     for d in units.derived.values():
         more = [*d.beside, *([] if d is derived else [documented(with_origins(final(d), d.unit.kernel.source), d)])]
         functions += more
         sources += [d.unit.kernel.source] * len(more)
-    kept = kept_tape(derived, final(derived), units) if request.level == "fast" else None
+    entered = final(derived)
+    kept = kept_tape(derived, entered, units) if request.level == "fast" else None
     if kept is None:
-        functions.append(with_origins(final(derived), unit.kernel.source))
+        functions.append(with_origins(entered, unit.kernel.source))
     else:
         functions += [documented(with_origins(kept.taped, unit.kernel.source), derived, "over given stacks"),
                       kept.public]
@@ -117,30 +107,41 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
                      constants=program.constants, standalone=request.standalone)
     found["functions"] = printed.functions
     sources += [unit.kernel.source] * (len(functions) - len(sources))
-    found["guards"], found["places"] = asserted(printed, sources)
+    found["guards"], found["places"] = line_table(printed, sources)
     parameters = tuple(Parameter(hidden_name(n, units.program) if role == "primal" else n, role,
                                  hidden_name(p, units.program), derived.types[n])
                        for n, role, p in derived.made.parameters)
     return Generated(printed.text, derived.function.name, parameters, tuple(derived.made.returns), found)
 
 
-def in_loops(derived: Derived, units: Units) -> FunctionDef:
-    """An adjoint with its innermost loops transformed; a tangent with indices that do not go around."""
-    tape = derived.made.tape
-    writing = _writing(derived.function, units)
-    if tape is None:
-        return turned(derived.function, derived.types, None, writing)
+def fast(derived: UnitDerivative, units: Units) -> FunctionDef:
+    """A derivative after the passes of `optimize`."""
+    tape, made = derived.made.tape, derived.made
     family = derived.unit.family
-    sums = {f"{family.get(p, p)}_bar" for p in derived.made.shadows} - {*family, *family.values()}
-    numbers = {n.id for n in walk(derived.function.body) if isinstance(n, Name) and shadow_of(n.id) in sums
-               and n.id not in family}
-    arrays = {s for s in derived.made.shadows.values() if derived.types[s].is_array} | derived.made.sums
-    multiplied = products(derived.function, derived.types)
-    kept_in = kept(turned(multiplied, derived.types, None, writing), derived.types, writing)
-    function = faster(kept_in, derived.types, {s.array for s in tape.stacks.values()}, arrays, numbers, writing)
-    read = {n for n, role, _ in derived.made.parameters if role == "shadow"}
-    return exponentials(dead(function, read, units.effects.writes, units.effects.pure, units.effects.unread),
-                        derived.types)
+    sums = {f"{family.get(p, p)}_bar" for p in made.shadows} - {*family, *family.values()}
+    # numbers of the derivative's own: what it sums into them has no order that a value of the kernel depends on
+    own = {n for n in names(derived.function.body) if shadow_of(n) in sums and n not in family}
+    own |= {n for n, kind in derived.types.items() if n not in derived.unit.typing.table and kind.is_number
+            and kind.is_inexact}
+    context = DerivativeContext(
+        program=units.program, kernel=derived.unit.kernel, names=Names(), engine=units.engine, watch=units.watch,
+        types=derived.types, effects=units.effects, adjoint=tape is not None,
+        live_out={n for n, role, _ in made.parameters if role == "shadow"},
+        stacks=set() if tape is None else {s.array for s in tape.stacks.values()},
+        gaining={s for s in made.shadows.values() if derived.types[s].is_array} | made.sums,
+        numbers=own,
+        writing=_writing(derived.function, units))
+    return run(optimize.PASSES, derived.function, context)
+
+
+def fast_primal(function: FunctionDef, units: Units) -> FunctionDef:
+    """A kernel's function after the passes of `optimize`."""
+    unit = units.titled[function.name]
+    context = DerivativeContext(
+        program=units.program, kernel=unit.kernel, names=Names(), engine=units.engine, watch=units.watch,
+        types=unit.lowered_types, effects=units.effects, live_out=set(), adjoint=False,
+        writing=_writing(function, units))
+    return run(optimize.PASSES, function, context)
 
 
 def _writing(function: FunctionDef, units: Units) -> set[str]:
@@ -172,12 +173,12 @@ def shadow_of(identifier: str) -> str:
     return stem if number.isdigit() else identifier
 
 
-def kept_tape(derived: Derived, function: FunctionDef, units: Units) -> Taped | None:
+def kept_tape(derived: UnitDerivative, function: FunctionDef, units: Units) -> ReusableTape | None:
     """The entry's adjoint over stacks that the caller keeps between calls."""
     tape = derived.made.tape
     if tape is None or units.engine != "numba":
         return None
-    return taped(function, list(tape.stacks.values()), derived.types,
+    return reusable_tape(function, list(tape.stacks.values()), derived.types,
                  units.titles.fresh(f"{derived.function.name}_taped"))
 
 
@@ -186,7 +187,7 @@ def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch =
     """The units of a program and the one of its entry; arrays from outside have become parameters."""
     made = {} if forms is None else forms
     if (engine, types) not in made:
-        program = numbered(hidden(program))
+        program = specialize_options(global_arrays(program))
         units = Units(program, engine, watch=watch)
         outside = tuple(of_value(a) for a in program.arrays.values())
         made[engine, types] = units, units.unit(program.entry, types + outside)
@@ -203,7 +204,7 @@ def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:
     return tuple(o for name in of for o in (results if name == "return" else (name,)))
 
 
-def facts(derived: Derived, request: Request, units: Units) -> dict[str, Any]:
+def facts(derived: UnitDerivative, request: Request, units: Units) -> dict[str, Any]:
     """What wrappers and reports ask of a derivative: which of `wrt` no output depends on, all that was made, and
     whether functions are handed to functions, which Numba does not keep on disk."""
     active = derived.activity.active

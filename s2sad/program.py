@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from s2sad.diagnostics import Source, Span
 from s2sad.guards import Guards
 from s2sad.infer.types import Type
-from s2sad.registry import Own
+from s2sad.registry import RegisteredDerivative
 
 if TYPE_CHECKING:
     from s2sad.tree import FunctionDef
@@ -33,7 +33,7 @@ class Kernel:
     parameters: tuple[str, ...]
     defaults: dict[str, Any] = field(default_factory=dict)
     annotations: dict[str, str] = field(default_factory=dict)
-    own: Own | None = None
+    own: RegisteredDerivative | None = None
     residual: str = ""
     results: int = 0
     floats: tuple[str, ...] = ()
@@ -110,7 +110,7 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Place:
+class SourcePlace:
     """A place in the kernel's source that needs no source: the path, the line with its number, and columns in it."""
     path: str
     line: int
@@ -119,7 +119,7 @@ class Place:
     text: str
 
     @classmethod
-    def of(cls, source: Source, node: Any) -> Place:
+    def of(cls, source: Source, node: Any) -> SourcePlace:
         """The place of a node, which has one."""
         span = Span.of(source, node)
         text = span.source.line(span.line)
@@ -132,12 +132,12 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Guard:
+class TextGuard:
     """An assertion of a generated text that a sweep made: what is said where it fails, what to do, where its statement
     is in the kernel, and what it compares, as the text has it; `seed` is the seed that it is about, "" for none."""
     message: str
     help: str
-    place: Place | None
+    place: SourcePlace | None
     compared: tuple[str, ...] = ()
     seed: str = ""
 

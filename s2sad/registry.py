@@ -14,7 +14,7 @@ ROOM = "given."
 
 
 @dataclass(frozen=True, eq=False)
-class Given:
+class RegisteredRule:
     """A function with the dotted path that it is imported by; `reads` are the functions that its partials call.
 
     `plain` is the Python function behind a compiled one, else the function itself; `ruled` says whether it has
@@ -24,8 +24,8 @@ class Given:
     function: Any
     plain: Any
     ruled: bool
-    reads: tuple[Given, ...] = ()
-    own: Own | None = None
+    reads: tuple[RegisteredRule, ...] = ()
+    own: RegisteredDerivative | None = None
 
     def reachable(self) -> bool:
         """Whether the path leads to this function, now."""
@@ -34,7 +34,7 @@ class Given:
 
 
 @dataclass(frozen=True)
-class Said:
+class RuleText:
     """What the text of a user's derivative says: the names that it mentions (None if the text is not known), those
     whose elements it stores to, how many values each return has (-1 where that cannot be seen), and which names it
     returns."""
@@ -54,7 +54,7 @@ class Said:
 
 
 @dataclass(frozen=True, eq=False)
-class Own:
+class RegisteredDerivative:
     """A user's own derivative of the function `title`: `functions` of the user's by what they do ("adjoint", "tangent",
     "forward", "reverse", "solver"), or the `residual` that the function makes zero, with the name of the `solver` of
     the linear system. A function that is called as it is, and not read, is among them as "primal"; it `writes` these
@@ -64,9 +64,9 @@ class Own:
     ("seed", its own name) or ("kept", ""); `texts` has what the text of each says, where it is known.
     """
     title: str
-    functions: Mapping[str, Given]
+    functions: Mapping[str, RegisteredRule]
     roles: Mapping[str, tuple[tuple[str, str], ...]]
-    texts: Mapping[str, Said]
+    texts: Mapping[str, RuleText]
     residual: Any = None
     solver: str = ""
     writes: tuple[str, ...] = ()
@@ -81,35 +81,35 @@ class Registry:
     """All given functions, by path and by identity; `edition` grows with each registration."""
 
     def __init__(self) -> None:
-        self.by_path: dict[str, Given] = {}
-        self.by_identity: dict[int, Given] = {}  # holds the functions, so that no other gets their identity
+        self.by_path: dict[str, RegisteredRule] = {}
+        self.by_identity: dict[int, RegisteredRule] = {}  # holds the functions, so that no other gets their identity
         self.edition = 0
 
-    def add(self, given: Given) -> Given:
+    def add(self, given: RegisteredRule) -> RegisteredRule:
         self.edition += 1
         self.by_path[given.path] = given
         for value in (given.function, given.plain):
             self.by_identity[id(value)] = given
         return given
 
-    def of(self, value: Any) -> Given | None:
+    def of(self, value: Any) -> RegisteredRule | None:
         """The given function that a value is, if it has a derivative."""
         found = None if value is None else self.by_identity.get(id(value))
         return found if found is not None and found.ruled else None
 
-    def own(self, value: Any) -> Own | None:
+    def own(self, value: Any) -> RegisteredDerivative | None:
         """The derivative of its own that a function has, if it is read."""
         found = None if value is None else self.by_identity.get(id(value))
         return None if found is None else found.own
 
-    def named(self, path: str) -> Given | None:
+    def named(self, path: str) -> RegisteredRule | None:
         """The given function of a dotted path, if it has a derivative."""
         found = self.by_path.get(path)
         return found if found is not None and found.ruled else None
 
-    def closure(self, paths: Iterable[str]) -> list[Given]:
+    def closure(self, paths: Iterable[str]) -> list[RegisteredRule]:
         """The given functions of these paths and those that their partials call."""
-        found: dict[str, Given] = {}
+        found: dict[str, RegisteredRule] = {}
         waiting = [self.by_path[p] for p in paths if p in self.by_path]
         while waiting:
             given = waiting.pop()

@@ -11,7 +11,7 @@ Structure = tuple[Any, ...] | None
 
 
 @dataclass(frozen=True)
-class Summary:
+class EntrySummary:
     """What an entry writes and returns: names of parameters, types of results, results that are written arguments;
     whether it holds guards that arrays have one shape, how results are put into tuples, and which parameters must be
     contiguous."""

@@ -31,6 +31,7 @@ def pytest_addoption(parser):
     parser.addoption("--seed", type=int, default=0, help="other random inputs: of arrays, weights and programs")
     parser.addoption("--poison", action="store_true", help="nan in whatever is allocated and not yet written")
     parser.addoption("--compiled", action="store_true", help="let Numba compile what Python runs otherwise: hours")
+    parser.addoption("--constructs", metavar="FOLDER", help="write what the texts for Numba do there, by case")
 
 
 def pytest_collection_finish(session):
@@ -40,7 +41,8 @@ def pytest_collection_finish(session):
 
 def pytest_configure(config):
     _seeded(config)
-    from s2sad import artifacts
+    config.addinivalue_line("markers", "emits(case): what the text for Numba does is compiled, see tests/constructs.py")
+    from s2sad.dispatch import artifacts
     artifacts.ENABLED = False   # every test derives what it asks for; tests/test_artifacts.py says otherwise
     if config.getoption("compiled"):
         from tests.engines import compiling
@@ -68,6 +70,24 @@ def quiet_floating_point():
     """Edges are tested on purpose: infinities and nans are compared, not warned about."""
     with np.errstate(all="ignore"):
         yield
+
+
+@pytest.fixture(autouse=True)
+def constructs_are_compiled(request):
+    """What a text for Numba does that Python runs here is compiled in a case of tests/compiled.txt."""
+    mark = request.node.get_closest_marker("emits")
+    if mark is None or request.config.getoption("compiled"):
+        yield
+        return
+    from tests import constructs
+    from tests.instrumented import recorded
+    with recorded() as found:
+        yield
+    (case,), folder = mark.args, request.config.getoption("constructs")
+    if folder:
+        constructs.write(folder, case, found)
+    else:
+        constructs.check(case, found)
 
 
 @pytest.fixture

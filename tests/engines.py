@@ -15,6 +15,8 @@ import pytest
 
 from s2sad import S2sadError
 from s2sad.run import compiled
+from tests.constructs import listed
+from tests.instrumented import instrumented
 
 EVERY = 10
 _runtime = cache(compiled._runtime.__wrapped__)      # the runtime's functions as they are
@@ -28,7 +30,7 @@ def running(engine: str) -> Iterator[str]:
         yield "numba" if engine == "loops" else engine
         return
     before = compiled._jit, compiled._key, compiled._runtime
-    compiled._jit = lambda function, *_, **__: function
+    compiled._jit = lambda function, *_, **__: instrumented(function)
     compiled._key = lambda bounds: f"{before[1](bounds)}-loops"       # modules of their own
     compiled._runtime = _runtime                                      # what is compiled of the runtime stays for others
     try:
@@ -43,6 +45,19 @@ def said(error: S2sadError) -> str:
     return f"{found.message}: {found.help}" if found.help else found.message
 
 
+def located(error: S2sadError) -> str:
+    """What an error says and where: its code, the part of the text that is marked, and what to do."""
+    texts = []
+    for found in error.diagnostics:
+        part = ""
+        if found.span is not None:
+            line = found.span.source.line(found.span.line)
+            end = found.span.end_column if found.span.end_line == found.span.line else len(line)
+            part = f" at `{line[found.span.column:end]}`"
+        texts.append(": ".join(filter(None, (f"{found.code}{part}", found.message, found.note, found.help))))
+    return "\n".join(texts)
+
+
 def each(cases: Iterable[Any]) -> list[Any]:
     """Every case under NumPy and as the text for Numba, which is compiled for one in `EVERY`, as their names say."""
     made = []
@@ -52,3 +67,10 @@ def each(cases: Iterable[Any]) -> list[Any]:
         for engine in ("numpy", "loops" if crc32(name.encode()) % EVERY else "numba"):
             made.append(pytest.param(*given, engine, id=f"{name}-{engine}"))
     return made
+
+
+def engines(name: str, case: Any) -> list[Any]:
+    """A case under NumPy and as the text for Numba, which is compiled if tests/compiled.txt lists it."""
+    made = [pytest.param(case, "numpy", id=f"{name}-numpy"),
+            pytest.param(case, "loops", id=f"{name}-loops", marks=pytest.mark.emits(name))]
+    return [*made, pytest.param(case, "numba", id=f"{name}-numba")] if name in listed() else made

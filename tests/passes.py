@@ -1,73 +1,76 @@
-"""Passes left out: `python -m tests.passes --count 30 --engine loops` derives random programs with and without each of
-the passes that make derivatives shorter and faster, and compares bit for bit those that may not change rounding.
+"""Passes left out: `python -m tests.passes programs goldens kernels --count 30` leaves out the passes that may change
+rounding, and derives with and without the others that make derivatives shorter and faster: gradients are compared bit
+for bit. Where they differ, or where passes are named, each is left out alone.
 
-A pass says itself whether it may: `CHANGES_ROUNDING` in its module.
+A pass says itself whether it may change rounding: `CHANGES_ROUNDING` in its module.
 """
 from __future__ import annotations
 
 import argparse
+import copy
 import sys
 import warnings
-from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from types import FunctionType
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 
 import s2sad
-from s2sad import artifacts, generated, pipeline, simplify
-from s2sad.run import compiled, load
-import s2sad.simplify.faster
-from s2sad.units import array_forms
+from benchmarks.kernels.cases import ARRAYS, LOOPS
+from benchmarks.published import cases as published
+from s2sad.dispatch import artifacts, executable
+from s2sad import optimize, simplify
+from s2sad.passes import Pass, each
+from s2sad.run import compiled, module_loader
+from s2sad.units import normal_forms
+from tests import test_golden
 from tests.bulk import outputs
 from tests.engines import running
 from tests.programs import Program, random_kernel
 
-faster_module, totals_module = sys.modules["s2sad.simplify.faster"], sys.modules["s2sad.simplify.totals"]
+LISTS = ((normal_forms, "KERNELS"), (simplify, "PASSES"), (optimize, "PASSES"))
+_NEEDED = ("dead_code", "split_temporaries", "share_temporaries", "remove_marks", "complex_division", "wide_numbers")
+_LISTED = tuple(dict.fromkeys(step.function.__name__ for step in (
+    *each(optimize.KERNELS), *each(simplify.PASSES), *each(optimize.PASSES)) if step.function.__name__ not in _NEEDED))
+vectorize = sys.modules["s2sad.optimize.vectorize"]
+reductions = sys.modules["s2sad.optimize.scalar_reductions"]
 
-
-def _as_it_is(function: Any, *_: Any, **__: Any) -> Any:
-    return function
-
-
-# where each pass is called, and what stands there if it is left out
-PASSES: dict[str, tuple[Any, str, Callable[..., Any]]] = {
-    **{name: (simplify, name, _as_it_is) for name in (
-        "merge", "undone", "branches", "fold", "algebra", "select", "gains", "uncopied", "repeated")},
-    "coalesce": (simplify, "coalesce", lambda function, *_: (function, {})),
-    "handed": (array_forms, "handed", lambda function, *_: (function, {})),
-    **{name: (pipeline, name, _as_it_is) for name in (
-        "products", "turned", "kept", "exponentials", "unguarded", "powers", "extremes", "faster")},
-    "joined": (faster_module, "joined", _as_it_is),
-    "totals": (faster_module, "totals", lambda loop, *_: totals_module.Totals(loop)),
-    "restore": (faster_module, "restored", lambda loop, stacks: ([], loop)),
-    "peel": (faster_module, "peeled", lambda *_: None),
-    "rotate": (faster_module, "rotated", lambda *_: None),
-    "distribute": (faster_module, "distributed", lambda *_: None),
+# what stands in the place of a step of `vectorize` that is left out
+_STEPS: dict[str, Callable[..., Any]] = {
+    "scalar_reductions": lambda loop, *_: reductions.ScalarReductions(loop),
+    "tape_row_loads": lambda loop, stacks: ([], loop),
+    "loop_peeling": lambda *_: None,
+    "scalar_replacement": lambda *_: None,
+    "loop_distribution": lambda *_: None,
 }
-MODULES = {"restore": "restored"}
+PASSES = (*_LISTED, *_STEPS)
 
 
 def changes_rounding(name: str) -> bool:
     """What the pass says of itself."""
-    return sys.modules[f"s2sad.simplify.{MODULES.get(name, name)}"].CHANGES_ROUNDING
+    function = getattr(vectorize, name) if name in _STEPS else next(
+        step.function for room, held in LISTS for step in each(getattr(room, held)) if step.function.__name__ == name)
+    return sys.modules[function.__module__].CHANGES_ROUNDING
 
 
 SAME = frozenset(name for name in PASSES if not changes_rounding(name))
+# `vectorize` stays, for some of its parts may not; what it does beside them Python does not see
+ROUNDING = frozenset(PASSES) - SAME - {"vectorize"}
 
 
 @contextmanager
 def told(texts: list[str]) -> Iterator[None]:
     """Every text that is loaded inside is put on the list."""
-    loaded = load.load
+    loaded = module_loader.load
 
     def load_and_tell(text: str, *arguments: Any, **options: Any) -> Any:
         texts.append(text)
         return loaded(text, *arguments, **options)
-    with patch.object(compiled, "load", load_and_tell), patch.object(generated, "load", load_and_tell):
+    with patch.object(compiled, "load", load_and_tell), patch.object(executable, "load", load_and_tell):
         yield
 
 
@@ -75,9 +78,11 @@ def told(texts: list[str]) -> Iterator[None]:
 def without(names: Collection[str]) -> Iterator[None]:
     """Whatever is derived inside is derived without these passes."""
     with ExitStack() as changed:
-        for name in names:
-            module, attribute, replacement = PASSES[name]
-            changed.enter_context(patch.object(module, attribute, replacement))
+        for room, held in LISTS:
+            left = tuple(p for p in getattr(room, held) if not isinstance(p, Pass) or p.function.__name__ not in names)
+            changed.enter_context(patch.object(room, held, left))
+        for name in set(names) & set(_STEPS):
+            changed.enter_context(patch.object(vectorize, name, _STEPS[name]))
         yield
 
 
@@ -92,6 +97,29 @@ class Task:
 
 def of_program(program: Program) -> Task:
     return Task(program.load, program.arguments, program.wrt, outputs(program))
+
+
+def of_function(function: FunctionType, arguments: Callable[[], tuple[Any, ...]], wrt: tuple[str, ...],
+                of: tuple[str, ...]) -> Task:
+    def copied() -> FunctionType:
+        return FunctionType(function.__code__, function.__globals__, function.__name__, function.__defaults__)
+    return Task(copied, arguments, wrt, of)
+
+
+def tasks(kind: str, numbers: range) -> Iterator[tuple[str, Task]]:
+    """What is compared, by name: random programs with these numbers, the goldens, the benchmarks' kernels."""
+    if kind == "programs":
+        yield from ((f"program {n}", of_program(random_kernel(n))) for n in numbers)
+    elif kind == "goldens":
+        for name in test_golden.CASES:
+            found = test_golden.given(name)
+            if found.module.kernel is found.kernel:     # else it takes structures, which the names say taken apart
+                yield f"golden {name}", of_function(found.kernel, lambda found=found: copy.deepcopy(found.arguments),
+                                                    found.adjoint.wrt, found.adjoint.of)
+    else:
+        for case in (*LOOPS, *ARRAYS, *published.CASES.values()):
+            yield f"kernel {case.name}", of_function(case.function, lambda case=case: case.arguments("small"), case.wrt,
+                                                     case.of)
 
 
 def derivatives(task: Task, engine: str, left_out: Collection[str]) -> tuple[dict[str, np.ndarray], str]:
@@ -121,8 +149,25 @@ def apart(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> float:
     return max(float(np.nanmax(np.abs(one[n] - other[n]), initial=0.0)) for n in one) / (top or 1.0)
 
 
+def differing(task: Task, engine: str, passes: Collection[str]) -> Iterator[tuple[str, float, bool]]:
+    """What changes a gradient that may not, or, for named passes, what each changes: its name, by how much, and
+    whether the text is another one."""
+    if not passes:
+        same, _ = derivatives(task, engine, ROUNDING)
+        bare, _ = derivatives(task, engine, ROUNDING | SAME)
+        if not apart(same, bare):
+            return
+        yield "all together", apart(same, bare), True
+    whole, text = derivatives(task, engine, ())
+    for name in passes or SAME:
+        other, left = derivatives(task, engine, (name,))
+        if passes or apart(whole, other):
+            yield name, apart(whole, other), left != text
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.passes", description=__doc__)
+    parser.add_argument("of", nargs="*", default=["programs"], choices=("programs", "goldens", "kernels"))
     parser.add_argument("--count", type=int, default=10)
     parser.add_argument("--start", type=int, default=0)
     parser.add_argument("--engine", choices=("numpy", "loops"), default="loops")
@@ -130,26 +175,21 @@ def main() -> int:
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     artifacts.ENABLED = False       # what was derived with all passes is not taken again
-    worst: dict[str, tuple[float, int]] = {}
-    changed: Counter[str] = Counter()
-    for number in range(options.start, options.start + options.count):
-        task = of_program(random_kernel(number))
-        if not task.of:
-            continue
-        whole, text = derivatives(task, options.engine, ())
-        for name in options.passes.split(",") if options.passes else PASSES:
+    passes = options.passes.split(",") if options.passes else ()
+    asked = wrong = 0
+    for kind in options.of:
+        for name, task in tasks(kind, range(options.start, options.start + options.count)):
+            asked += bool(task.of)
             try:
-                other, left = derivatives(task, options.engine, (name,))
+                for left, found, other in differing(task, options.engine, passes) if task.of else ():
+                    rounding = left in PASSES and changes_rounding(left)
+                    wrong += bool(found) and not rounding
+                    print(f"{name}: without {left} {found:.1e}{'' if other else ', the same text'}", flush=True)
             except Exception as error:
-                print(f"{name}: program {number}: {type(error).__name__} {str(error)[:200]}", flush=True)
-                continue
-            found = apart(whole, other)
-            changed[name] += left != text
-            worst[name] = max(worst.get(name, (0.0, -1)), (found, number))
-    for name, (found, number) in worst.items():
-        print(f"{name:14s} {'may' if changes_rounding(name) else 'may not'} change rounding: {found:.1e}, "
-              f"{changed[name]} texts differ" + (f" (program {number})" if found else ""))
-    return int(any(found and not changes_rounding(name) for name, (found, _) in worst.items()))
+                wrong += 1
+                print(f"{name}: {type(error).__name__} {str(error)[:200]}", flush=True)
+    print(f"{asked} compared, {wrong} wrong")
+    return int(wrong > 0)
 
 
 if __name__ == "__main__":

@@ -20,8 +20,8 @@ from unittest.mock import patch
 import numpy as np
 
 import s2sad.runtime
-from s2sad import generated
-from s2sad.run import compiled, load
+from s2sad.dispatch import executable
+from s2sad.run import compiled, module_loader
 
 HUGE = {8: 100, 16: 30_000, 32: 2_000_000_000, 64: 4_000_000_000_000_000_000}   # by bits: far behind every array's end
 NAME = "_poison"
@@ -60,7 +60,7 @@ def _with_poison(text: str) -> ast.Module:
     return ast.fix_missing_locations(_Filling().visit(ast.parse(text)))
 
 
-class _Loader(load._Loader):
+class _Loader(module_loader._Loader):
     """Loads a generated text with what is allocated in it filled."""
 
     def exec_module(self, module: ModuleType) -> None:
@@ -68,11 +68,11 @@ class _Loader(load._Loader):
         super().exec_module(module)
 
     def get_code(self, fullname: str) -> CodeType:
-        tree = load._Raising(self._guards).visit(_with_poison(self._text))
+        tree = module_loader._Raising(self._guards).visit(_with_poison(self._text))
         return compile(tree, self.path, "exec", dont_inherit=True, optimize=0)
 
 
-class _Keeping(generated.Keeping):
+class _Keeping(executable.TapeReuse):
     """Stacks hold nothing of the call before."""
 
     def __call__(self, *arguments: Any) -> tuple[Any, ...]:
@@ -131,7 +131,7 @@ def poisoned() -> Iterator[None]:
     """Whatever is derived, compiled and loaded inside reads nothing that was not written, or has nan."""
     if compiled.available():
         _for_numba()
-    key, loaded, jit = compiled._key, load.load, compiled._jit
+    key, loaded, jit = compiled._key, module_loader.load, compiled._jit
 
     def own(text: str, name: str, module_key: str = "", **options: Any) -> ModuleType:
         return loaded(text, name, f"{module_key}-poison", **options)
@@ -141,8 +141,9 @@ def poisoned() -> Iterator[None]:
 
     with ExitStack() as changed:
         changed.enter_context(_runtime_filled())
-        for where, name, value in ((load, "_Loader", _Loader), (load, "load", own), (generated, "load", own),
-                                   (generated, "Keeping", _Keeping), (compiled, "_jit", compiled_or_known),
+        for where, name, value in ((module_loader, "_Loader", _Loader), (module_loader, "load", own),
+                                   (executable, "load", own),
+                                   (executable, "TapeReuse", _Keeping), (compiled, "_jit", compiled_or_known),
                                    (compiled, "_key", lambda bounds: f"{key(bounds)}-poison"),
                                    (compiled, "_runtime", _runtime)):
             changed.enter_context(patch.object(where, name, value))

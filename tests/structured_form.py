@@ -16,7 +16,7 @@ import numpy as np
 
 from s2sad import tree as t
 from s2sad.naming import Names
-from s2sad.normalize.structured import structured
+from s2sad.normalize import structured_form
 from s2sad.program import Program
 from s2sad.read import load_file
 
@@ -36,7 +36,7 @@ def program_of(text: str, name: str | None = None) -> Program:
 def form(text: str, name: str | None = None):
     program = program_of(text, name)
     kernel = program.kernels[program.entry]
-    tree = structured(kernel, Names(), program)
+    tree = structured_form(kernel, Names(), program)
     check_grammar(tree)
     return tree
 

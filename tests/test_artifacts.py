@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 import s2sad
-from s2sad import artifacts, pipeline, read
+from s2sad.dispatch import artifacts
+from s2sad import pipeline, read
 from s2sad.diagnostics import warn_once
 from s2sad.registry import GIVEN
 from s2sad.run import store

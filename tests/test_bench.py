@@ -11,7 +11,7 @@ import pytest
 import s2sad
 from s2sad import S2sadError, bench
 from s2sad.cli import main
-from s2sad.report.slopes import Reference
+from s2sad.report.slopes import ReferenceSlopes
 
 U = np.array([1.0, 2.0, 0.5, 1.5])
 REVERSE = ["primal", "adjoint, bare"]
@@ -132,8 +132,8 @@ def test_a_complex_step_that_nothing_confirms_is_left_out(kernel, u):
 
 
 def test_an_error_is_a_fraction_of_the_largest_derivative():
-    assert Reference(np.array([1.0, -4.0]), 0.0, "").error(np.array([1.0, -3.0])) == 0.25
-    assert Reference(np.zeros(2), 0.0, "").error(np.array([0.0, 2.0])) == 2.0
+    assert ReferenceSlopes(np.array([1.0, -4.0]), 0.0, "").error(np.array([1.0, -3.0])) == 0.25
+    assert ReferenceSlopes(np.zeros(2), 0.0, "").error(np.array([0.0, 2.0])) == 2.0
 
 
 def test_a_refusal_is_that_of_the_adjoint():

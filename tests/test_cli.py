@@ -14,10 +14,12 @@ import pytest
 import s2sad
 from s2sad.cli import main
 from s2sad.diagnostics import Report
-from s2sad.infer.assumed import assumed
-from s2sad.report.stages import NORMALIZE, STAGES
-from s2sad.binding import types as types_of
+from s2sad.infer.assumed_types import assumed_types
+from s2sad.report.stages import NORMALIZE, STAGES, stages
+from s2sad.dispatch.arguments import types as types_of
 from s2sad import read
+from s2sad.infer.types import of_value
+from s2sad.program import Request
 from s2sad.run import store
 from tests.conftest import ROOT
 from benchmarks.kernels.cases import LOOPS
@@ -130,29 +132,38 @@ def test_explain_as_text_json_and_page(ran, kernel):
 
 
 @pytest.mark.parametrize("engine", ["numpy", "numba"])
-@pytest.mark.parametrize("stage", STAGES)
-def test_every_stage_is_python_that_can_be_run(ran, stage, engine):
-    status, text, err = ran("stages", BRUSSELATOR, "--after", stage, "--engine", engine, "--wrt", "u,p")
-    assert status == 0, err
-    space = {}
-    exec(compile(text, stage, "exec"), space)
+def test_every_stage_is_python_that_can_be_run(engine):
+    program = read.load_file(*BRUSSELATOR.split(":"))
     case = next(c for c in LOOPS if c.name == "brusselator")
-    if stage in NORMALIZE:
-        given, expected = case.arguments("small"), case.arguments("small")
-        case.function(*expected)
-        space["brusselator"](*given)
-        assert np.allclose(given[0], expected[0], rtol=1e-14)
-    else:
-        du, u, p, t = case.arguments("small")
-        u_bar, p_bar = np.zeros_like(u), np.zeros_like(p)
-        space["brusselator_adjoint"](du, np.ones_like(du), u, u_bar, p, p_bar, t)
-        assert abs(p_bar[1] - 49.0) < 1e-9
+    types = tuple(map(of_value, case.arguments("small")))
+    texts = stages(program, Request("adjoint", types, ("u", "p"), ("du",), engine, "fast"))
+    assert list(texts) == list(STAGES)
+    for stage, text in {text: (stage, text) for stage, text in texts.items()}.values():
+        space = {}
+        exec(compile(text, stage, "exec"), space)
+        if stage in NORMALIZE:
+            given, expected = case.arguments("small"), case.arguments("small")
+            case.function(*expected)
+            space["brusselator"](*given)
+            assert np.allclose(given[0], expected[0], rtol=1e-14)
+        else:
+            du, u, p, t = case.arguments("small")
+            u_bar, p_bar = np.zeros_like(u), np.zeros_like(p)
+            space["brusselator_adjoint"](du, np.ones_like(du), u, u_bar, p, p_bar, t)
+            assert abs(p_bar[1] - 49.0) < 1e-9
+
+
+def test_a_stage_by_its_name(ran):
+    status, text, err = ran("stages", BRUSSELATOR, "--after", "single_exit", "--wrt", "u,p")
+    assert status == 0, err
+    assert text.splitlines()[0] == '"""brusselator after single_exit."""'
 
 
 def test_all_stages_and_rooms(ran):
     text = ran("stages", BRUSSELATOR)[1]
     assert [line.split()[3] for line in text.splitlines() if line.startswith("# ---- after")] == list(STAGES)
-    assert ran("stages", BRUSSELATOR, "--after", "normalize")[1] == ran("stages", BRUSSELATOR, "--after", "atoms")[1]
+    room, stage = (ran("stages", BRUSSELATOR, "--after", after)[1] for after in ("normalize", "check_known"))
+    assert room == stage
 
 
 def test_check_runs_the_file_and_says_so(ran, kernel):
@@ -186,7 +197,7 @@ def test_types_from_use_are_those_of_the_arguments(case):
     program = read.load(case.function)
     entry = program.kernels[program.entry]
     report = Report(entry.source)
-    found = assumed(program.entry, {n: k.tree for n, k in program.kernels.items()}, entry.parameters,
+    found = assumed_types(program.entry, {n: k.tree for n, k in program.kernels.items()}, entry.parameters,
                     entry.annotations, entry.defaults, {}, report)
     report.finish()
     assert tuple(found[p].type for p in entry.parameters) == types_of(case.arguments("small"))

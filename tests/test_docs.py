@@ -56,3 +56,13 @@ def test_no_long_lines_and_no_absolute_paths():
         assert not re.search(r"(?<![\w.])/(home|root|tmp|work|usr)/", text), name
         code = [b["text"] for b in BLOCK.finditer(text) if b["language"] == "python"]
         assert all(len(line) <= 120 for block in code for line in block.splitlines()), name
+
+
+@pytest.mark.parametrize("name", PRESENT)
+def test_modules_that_are_named_exist(name):
+    text = BLOCK.sub("", (ROOT / name).read_text(encoding="utf-8"))
+    for path in re.findall(r"`(?:s2sad/)?(\w+(?:/\w+)+(?:\.py|/)?)`", text):
+        room = path.partition("/")[0]
+        if (ROOT / "s2sad" / room).is_dir():
+            found = ROOT / "s2sad" / path
+            assert found.exists() or found.with_suffix(".py").exists(), path

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from s2sad.normalize.guards import TRIPS
+from s2sad.normalize.shape_guards import TRIPS
 from tests.derivatives import check_derivatives
 from tests.engines import said
 

@@ -32,16 +32,16 @@ import numpy as np
 import pytest
 
 from s2sad import pipeline, read
-from s2sad.binding import bind
+from s2sad.dispatch.arguments import bind
 from s2sad.emit import module_text
-from s2sad.flattened import flattened
+from s2sad.interface.pytrees import flattened
 from s2sad.infer.types import of_value
 from s2sad.program import Generated, Program, Request
 from s2sad.run.compiled import compiled
-from s2sad.run.load import load
+from s2sad.run.module_loader import load
 from s2sad.tree import FunctionDef
 from s2sad.units import Unit
-from s2sad.variants import State
+from s2sad.dispatch.cache import ProgramVersion
 from tests.derivatives import Subject, differences
 from tests.seeds import generator
 
@@ -76,7 +76,7 @@ def given(case: str) -> Given:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     program, kernel, arguments = read.load(module.kernel), module.kernel, module.ARGUMENTS
-    apart = flattened(State.of(program, kernel), arguments)
+    apart = flattened(ProgramVersion.of(program, kernel), arguments)
     if apart is not None:
         arguments = bind(program.kernels[program.entry], arguments)
         program, kernel = apart.state.program, apart.calling(kernel, copy.deepcopy(arguments))

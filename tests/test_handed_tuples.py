@@ -7,7 +7,7 @@ import pytest
 import s2sad
 from s2sad.analyze.activity import activity
 from s2sad.diagnostics import Report, Source
-from s2sad.infer.infer import Typing
+from s2sad.infer.inference import Typing
 from s2sad.infer.types import FLOAT, Type, array
 from s2sad.tree import statements
 from tests.derivatives import check_derivatives

@@ -6,7 +6,7 @@ import pytest
 
 from benchmarks.kernels.cases import ARRAYS, Case
 from s2sad.naming import Names
-from s2sad.simplify.joined import joined
+from s2sad.optimize.loop_fusion import fused
 from s2sad.emit import layout
 from s2sad.tree import rename, statements, walk, For
 from tests.test_faster import SPELLING, same
@@ -144,7 +144,7 @@ def f(u, v):
 @pytest.mark.parametrize("kind", PARTS)
 def test_what_is_joined(kind):
     loops, text = PARTS[kind]
-    made = joined(rename(statements(text)[0], TAKEN), set(), {}, Names(set()))
+    made = fused(rename(statements(text)[0], TAKEN), set(), {}, Names(set()))
     assert sum(isinstance(n, For) for n in walk(made)) == loops, layout.text(made, SPELLING)
 
 
@@ -159,7 +159,7 @@ def f(u, v, steps):
         for i in range(v.shape[0]):
             v[i] = 3.0
 """
-    made = joined(rename(statements(text)[0], TAKEN), set(), {}, Names(set()))
+    made = fused(rename(statements(text)[0], TAKEN), set(), {}, Names(set()))
     assert sum(isinstance(n, For) for n in walk(made)) == 3
 
 

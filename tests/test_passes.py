@@ -2,14 +2,14 @@
 without the others: those say so (`CHANGES_ROUNDING`)."""
 from __future__ import annotations
 
-from types import FunctionType
-
 import numpy as np
 import pytest
 
 from benchmarks.kernels.cases import ARRAYS, CASES
 from tests.documents import ROOT
-from tests.passes import PASSES, SAME, Task, apart, changes_rounding, derivatives, of_program
+from tests.passes import (
+    PASSES, ROUNDING, SAME, Task, apart, changes_rounding, derivatives, differing, of_function, of_program, tasks,
+)
 from tests.programs import random_kernel
 from tests.seeds import seeded
 
@@ -20,16 +20,13 @@ BOUND = 1e-12
 
 def task_of(name: str) -> Task:
     case = {**CASES, **{c.name: c for c in ARRAYS}}[name]
-    function = case.function
-    return Task(lambda: FunctionType(function.__code__, function.__globals__, function.__name__),
-                lambda: case.arguments("small"), case.wrt, case.of)
+    return of_function(case.function, lambda: case.arguments("small"), case.wrt, case.of)
 
 
 def compared(task: Task, engine: str) -> None:
-    rounding = {name for name in PASSES if name not in SAME}
     whole, _ = derivatives(task, engine, ())
-    same, one = derivatives(task, engine, rounding)
-    bare, other = derivatives(task, engine, [*PASSES])
+    same, one = derivatives(task, engine, ROUNDING)
+    bare, other = derivatives(task, engine, ROUNDING | SAME)
     assert one != other
     for name in same:
         np.testing.assert_array_equal(same[name], bare[name])
@@ -42,11 +39,16 @@ def test_kernels(name, engine):
 
 
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
-@pytest.mark.parametrize("number", range(3))
+@pytest.mark.parametrize("number", range(8))
 def test_generated_programs(number, engine):
     task = of_program(random_kernel(seeded(500 + number)))
     if task.of:
         compared(task, engine)
+
+
+@pytest.mark.parametrize(("name", "task"), [pytest.param(*case, id=case[0]) for case in tasks("goldens", range(0))])
+def test_goldens(name, task):
+    assert not list(differing(task, "loops", ()))
 
 
 def test_a_pass_that_changes_a_digit_is_found(monkeypatch):

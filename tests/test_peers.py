@@ -14,7 +14,8 @@ import pytest
 
 from benchmarks.peers import document, sections
 from benchmarks.peers.lines import changed
-from benchmarks.peers.measuring import Comparison
+from benchmarks.peers.gradbench import render as render_gradbench
+from benchmarks.peers.measuring import Comparison, too_long
 from benchmarks.peers.problems import SIZES, Problem, error
 from benchmarks.peers.process import Process
 from benchmarks.peers.rendering import loss, render
@@ -102,12 +103,6 @@ def test_a_chapter_that_failed_costs_itself(chapter):
     assert "## My chapter\n\nThis chapter was left out: its process ended with status -11.\n" in text
 
 
-def test_tables_are_a_chapter():
-    table = Table("T", ("a",), [("1",)], ["n"])
-    made = sections.of_tables("t", "Tables", lambda quick, names: [table], 1.0)
-    assert made.render(json.loads(json.dumps(made.measure(True)))).body == [table]
-
-
 def test_markdown_escapes_bars():
     assert markdown(Table("T", ("a", "b"), [("|x|", "1")])) == "**T**\n\n| a | b |\n|---|---:|\n| \\|x\\| | 1 |"
 
@@ -163,6 +158,53 @@ def test_a_wrong_gradient_is_left_out(tmp_path):
     assert lines["MyGrad"]["left"] == "its gradient is wrong by 5.0e-01"
 
 
+@pytest.mark.parametrize("seconds, median, why", [
+    ((1.0, 2.0), 1e-3, None),
+    ((1.0, 10.0), 1e-3, "the first gradient at n = 512 would take about 100 s"),    # as 1.0 became 10.0
+    ((9.0, 9.0), 1e-3, None),                                                       # compiled alike for every size
+    ((1.0, 2.0), 0.2, "a gradient at n = 512 would take about 3 s"),
+])
+def test_what_would_take_too_long_is_not_tried(seconds, median, why):
+    times = {"median": median, "lower": median, "upper": median, "rounds": 7}
+    at = [{"inputs": n * n, "exact": False, "variants": {"JAX": {"seconds": s, "times": times}}}
+          for n, s in zip((32, 128), seconds)]
+    found = Kernel("seidel", {"sizes": {"32": at[0], "128": at[1]}})
+    assert too_long(found, "JAX", 512) == why
+
+
+def test_samples_that_are_far_apart_are_asked_for_more(tmp_path):
+    comparison = Comparison([], tmp_path, 0.1, 7, 1.0)
+    assert comparison._enough([1.0] * 7, 0.1) and not comparison._enough([1.0] * 6, 0.1)
+    assert comparison._enough([1.0] * 3, 1.1) and not comparison._enough([1.0] * 2, 1.1)
+    assert not comparison._enough([1.0, 2.0, 3.0] * 3, 1.1) and comparison._enough([1.0, 2.0, 3.0] * 3, 4.1)
+    assert comparison._enough([1.0, 2.0] * 14, 0.1)
+
+
+def test_gradbench_says_where_it_loses():
+    def case(name, hand, ours, spread=0.01):
+        times = {who: {"median": t, "lower": t, "upper": (1.0 + spread) * t, "rounds": 9}
+                 for who, t in (("C++ derivative", hand), ("s2sad derivative", ours))}
+        return {"eval": name, "input": "n = 1", "apart": 4e-16, "times": times}
+
+    chapter = render_gradbench({"compiler": "g++", "cases": [
+        case("lse", 1e-3, 2e-3), case("gmm", 2e-3, 1e-3), case("ht", 1e-3, 9e-3), case("ode", 1e-3, 1e-3, 0.5)]})
+    assert chapter.summary == ["GradBench: a derivative takes 2.1 times that of C++ with derivatives by hand in the "
+                               "geometric mean; C++ is faster at 2 of 3: ht (n = 1) 9.0, lse (n = 1) 2.0."]
+    table = chapter.body[0]
+    assert isinstance(table, Table)
+    assert [row[-2] for row in table.rows] == ["2.0", "0.5", "9.0", ""]
+    assert table.rows[3][5:7] == ("does not repeat", "does not repeat")
+
+
+def test_memory_has_the_tape_that_is_kept_between_calls():
+    pytest.importorskip("numba")
+    from benchmarks.peers import ours
+    problem = Problem.of("integrate", 6)
+    u, p, _, steps = problem.arguments
+    tape = ours.prepare("s2sad, Numba", "integrate", problem).held - u.nbytes - p.nbytes
+    assert tape >= steps * u.nbytes
+
+
 def test_lines_of_a_version():
     assert changed(before, before) == (0, 4)
     assert changed(before, after) == (3, 4)     # its first line, too, and the line that is new
@@ -197,14 +239,14 @@ def test_a_process_that_ends_is_an_answer():
     assert process.process is None
 
 
-@pytest.mark.parametrize("name", [n for n in SIZES if n not in ("gray_scott", "neural_diffusion", "implicit_heat",
-                                                               "masked_flow", "gmm", "lstm")])
+@pytest.mark.parametrize("name", SIZES)
 def test_adjoints_by_hand(name, monkeypatch):
     pytest.importorskip("numba")
     from benchmarks.calls import adjoint_arguments, differentiated
-    from benchmarks.peers import by_hand
+    from benchmarks.peers import by_hand, by_hand_adbench
     from benchmarks.peers.ours import shadows_of
     monkeypatch.setattr(by_hand, "forward_rates", by_hand.rates)     # nothing is compiled
+    monkeypatch.setattr(by_hand_adbench, "BLOCK", 4)                 # a whole block and a part of one
     problem = Problem.of(name, 6)
     hand, ours = (adjoint_arguments(problem.case, problem.arguments) for _ in range(2))
     numbers = by_hand.KERNELS[name](*hand), differentiated(problem.case, "numpy").compiled("adjoint", *ours)(*ours)

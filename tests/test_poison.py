@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from s2sad.run import load
+from s2sad.run import module_loader
 from tests.derivatives import UnreliableDifferences, check_derivatives
 from tests.engines import running
 from tests.poison import filled, poisoned
@@ -113,13 +113,13 @@ def test_an_adjoint_that_does_not_record_is_told_by_it(engine, monkeypatch):
     """The pushes are taken out of the text: what the reverse sweep restores was never written."""
     taken = []
 
-    def without_pushes(self, identifier, path, text, guards, before=load._Loader.__init__):
+    def without_pushes(self, identifier, path, text, guards, before=module_loader._Loader.__init__):
         lines = text.splitlines(keepends=True)
         left = [line for line in lines if "_stack[" not in line.partition("=")[0] or "for " in line]
         taken.append(len(lines) - len(left))
         before(self, identifier, path, "".join(left), guards)
 
-    monkeypatch.setattr(load._Loader, "__init__", without_pushes)
+    monkeypatch.setattr(module_loader._Loader, "__init__", without_pushes)
     with poisoned(), running(engine) as run_under:
         found = s2sad.vjp(s2sad.differentiate(new(stepped), engine=run_under), (X, 2), {"u": np.ones(7)},
                           wrt=("u",))["u"]

@@ -18,7 +18,7 @@ import pytest
 
 import s2sad
 from s2sad.compiler_lock import COMPILER_LOCK
-from s2sad.variants import derivatives_of
+from s2sad.dispatch.cache import derivatives_of
 from tests.documents import environment
 
 

@@ -583,4 +583,4 @@ def test_huge_constants_do_not_hang(tmp_path):
 
 
 def test_built_in_names_are_current():
-    assert all(hasattr(builtins, word) for word in read.meaning.BUILTIN_CALLS)
+    assert all(hasattr(builtins, word) for word in read.outside_values.BUILTIN_CALLS)

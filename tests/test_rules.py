@@ -12,7 +12,7 @@ from scipy import special
 
 from s2sad import rules, runtime, tree
 from s2sad.report.differences import differences
-from s2sad.rules.rule import Table, signature, template
+from s2sad.rules.rule import RuleTable, signature, template
 
 NAMES = rules.names()
 EPSILON = {"float64": 2.0 ** -52, "float32": 2.0 ** -23}
@@ -376,12 +376,12 @@ REFUSED = [
 @pytest.mark.parametrize(("given", "keywords", "message"), REFUSED)
 def test_registration_refuses(given, keywords, message):
     with pytest.raises(ValueError) as refused:
-        Table().elementwise(*given, **keywords)
+        RuleTable().elementwise(*given, **keywords)
     assert str(refused.value) == message
 
 
 def test_registration_refuses_a_second_rule():
-    table = Table()
+    table = RuleTable()
     table.elementwise("numpy.f(x)", x="1.0")
     with pytest.raises(ValueError, match=r"numpy\.f has a rule already"):
         table.constant("float", "numpy.f")

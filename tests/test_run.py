@@ -12,7 +12,7 @@ import pytest
 
 from s2sad.diagnostics import S2sadError
 from s2sad.run import compiled as engine
-from s2sad.run.load import load
+from s2sad.run.module_loader import load
 from s2sad.run.overlap import Check, Slot, overlap
 
 TEXT = "def double(x):\n    return 2.0 * x\n"
@@ -42,7 +42,7 @@ def test_text_becomes_a_module_with_a_real_file(cache):
 
 def test_guards_stay_without_assertions(cache):
     """The guards of generated text are assertions, which `python -O` leaves out of other modules."""
-    program = ("from s2sad.run.load import load\n"
+    program = ("from s2sad.run.module_loader import load\n"
                "try:\n    load('def f(x):\\n    assert x > 0\\n', 'f').f(-1)\n"
                "except AssertionError:\n    print('guarded')")
     done = subprocess.run([sys.executable, "-O", "-c", program], capture_output=True, text=True, check=True)

@@ -18,7 +18,7 @@ import pytest
 
 import s2sad
 from s2sad.run import compiled as engine, eviction, store
-from s2sad.run.load import load
+from s2sad.run.module_loader import load
 from s2sad.run.permissions import exposure, is_private
 
 HALF = "def half(x):\n    return 0.5 * x\n"

@@ -6,7 +6,8 @@ import pytest
 
 import s2sad
 from s2sad.emit import text
-from s2sad.units import array_forms
+from s2sad import pipeline, read
+from s2sad.infer.types import of_value
 from tests.derivatives import check_derivatives
 from tests.engines import running
 from tests.seeds import generator
@@ -705,13 +706,13 @@ def test_a_bound_that_counts_from_the_end_is_refused_where_parts_are_to_lie_side
         s2sad.vjp(beside, (given(6), -2), {"y": np.ones(6)})
 
 
-def test_copies_are_made_where_they_must_be(monkeypatch):
+def test_copies_are_made_where_they_must_be():
     """What the pass writes is Python that computes the same; the usual right-hand side has one copy back."""
     seen = []
-    made = array_forms.in_step
-    monkeypatch.setattr(array_forms, "in_step", lambda *given: seen.append(made(*given)) or seen[-1])
-    s2sad.differentiate(rhs, engine="numpy").adjoint_source(given(18), given(18), 3)
-    lines = [line.strip() for line in text(seen[0][0]).splitlines()]
+    program = read.load(rhs)
+    types = tuple(map(of_value, (given(18), given(18), 3)))
+    pipeline.entry(program, types, "numpy", lambda stage, tree: seen.append(tree) if stage == "coherence" else None)
+    lines = [line.strip() for line in text(seen[0]).splitlines()]
     assert lines[1:] == [
         "u = np.reshape(y[:n * n], (n, n))", "v = np.reshape(y[n * n:], (n, n))",
         "du = np.copy(np.reshape(dy[:n * n], (n, n)))", "dv = np.copy(np.reshape(dy[n * n:], (n, n)))",

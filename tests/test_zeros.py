@@ -313,6 +313,73 @@ def roots_of_nothing(x):
     return np.sum(np.sqrt(np.sqrt(x * x) + np.hypot(x, x)) ** 2 + np.abs(x) ** 0.5 + np.maximum(x * x, x ** 4) ** 0.5)
 
 
+def squares_overwritten_by_a_view(x):
+    s = x * x
+    v = s[1:]
+    v[:] = x[1:]
+    return np.sum(np.sqrt(s))
+
+
+def square_rebound(x):
+    s = x[0] * x[0]
+    t = 0.0
+    for i in range(x.size):
+        t += np.sqrt(s)
+        s = x[i]
+    return t
+
+
+def rows_of_squares(x):
+    a = np.zeros((2, x.size))
+    a[0] = x * x
+    a[1] = x
+    return np.sum(np.sqrt(a))
+
+
+def factor_rebound(x):
+    w = 2.0
+    t = 0.0
+    for i in range(x.size):
+        t += np.sqrt(w * x[i] * x[i])
+        w = x[i] + 1.0
+    return t
+
+
+def root_of(r2):
+    return np.sqrt(r2)
+
+
+def square_of(d):
+    return d * d
+
+
+def root_in_helper(x):
+    t = 0.0
+    for i in range(x.size):
+        t += root_of(square_of(x[i]))
+    return t
+
+
+def steep_angles(x):
+    return np.arcsin(1.0 - x[0] * x[0]) + np.arccos(1.0 - x[1] * x[2]) + np.arctan2(x[0] * x[0], x[2] * x[2])
+
+
+def roots_of_products(x):
+    return np.sum((x * x[::-1]) ** 0.3) + np.cbrt(x[0] * x[2] / (1.0 + x[1])) + np.sqrt(np.sin(x[0]) * np.sin(x[2]))
+
+
+def weighted_root(x):
+    w = np.array([0.0, 1.0, 2.0])
+    return np.sqrt(np.sum(w * x))
+
+
+def products_among_others(x):
+    s = np.zeros(2)
+    s[0] = x @ x
+    s[1] = x[1]
+    return np.sum(np.sqrt(s))
+
+
 def unused(x):
     return np.sum(0.0 * np.sqrt(x) + x)
 
@@ -321,6 +388,13 @@ ZEROS = (np.zeros(3), [0.0, 0.0, 0.0])
 
 CASES = [
     (unused, FROM_ZERO, [1.0, 1.0, 1.0]),
+    (squares_overwritten_by_a_view, np.array([0.0, 1.0, 0.0]), [0.0, 0.5, np.inf]),
+    (square_rebound, np.array([0.0, 4.0, 1.0]), [np.inf, 0.25, 0.0]),
+    (rows_of_squares, np.array([0.0, 1.0, 4.0]), [np.inf, 1.5, 1.25]),
+    (factor_rebound, np.array([0.0, 1.0, 0.0]), [0.5, 1.0, 0.0]),
+    (products_among_others, np.zeros(3), [0.0, np.inf, 0.0]),
+    (weighted_root, np.zeros(3), [0.0, np.inf, np.inf]),
+    *((f, *ZEROS) for f in (root_in_helper, steep_angles, roots_of_products)),
     *((f, *ZEROS) for f in (root_of_a_sum, root_of_a_product, root_in_turns, root_of_helper, deviation, distances,
       stored_squares, roots_of_nothing)),
     (through_infinity, FROM_ZERO, [0.0, np.exp(-1.0), np.exp(-0.5) / 4.0]),
@@ -404,7 +478,7 @@ def test_the_root_of_a_square_among_other_factors(engine):
         np.testing.assert_array_equal(s2sad.gradient(kernel)(np.zeros(3), 2.0), np.zeros(3))
         assert s2sad.jvp(kernel, (np.zeros(3), 2.0), {"x": np.ones(3)})["return"] == 0.0
         found = s2sad.gradient(s2sad.differentiate(of_two_factors, engine=run_under))(np.array([1.0, 0.0, 4.0]))
-        np.testing.assert_array_equal(found, [np.nan, np.inf, 3.0])
+        np.testing.assert_array_equal(found, [0.0, np.inf, 3.0])
 
 
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
@@ -420,7 +494,7 @@ def shifted_root(x):
 
 def test_a_root_of_what_may_have_a_slope_is_infinite_there():
     """Weights may have any sign: what they sum to may be 0 where its slope is not."""
-    np.testing.assert_array_equal(s2sad.gradient(root)(np.array([0.0, 0.0, 2.0])), [np.inf, np.inf, np.nan])
+    np.testing.assert_array_equal(s2sad.gradient(root)(np.array([0.0, 0.0, 2.0])), [np.inf, np.inf, 0.0])
     found = s2sad.gradient(weighted, wrt="x")(np.array([1.0, 1.0]), np.array([1.0, -1.0]))
     np.testing.assert_array_equal(found, [np.inf, -np.inf])
 

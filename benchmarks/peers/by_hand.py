@@ -8,7 +8,7 @@ import numpy as np
 
 from benchmarks.calls import adjoint_arguments, fresh, plain_numba
 from benchmarks.kernels.brusselator import brusselator as rates
-from benchmarks.peers import by_hand_arrays
+from benchmarks.peers import by_hand_adbench, by_hand_arrays
 from benchmarks.peers.ours import restoring
 from benchmarks.peers.problems import Problem, Run, Unsupported
 
@@ -224,4 +224,4 @@ def attracted_back(position, position_bar, mass, mass_bar, dt, velocity_bar, sof
 
 
 KERNELS: dict[str, Any] = {**{f.__name__: f for f in (brusselator, integrate, jacobi, seidel, advect, mixture, nbody)},
-                           **by_hand_arrays.KERNELS}
+                           **by_hand_arrays.KERNELS, **by_hand_adbench.KERNELS}

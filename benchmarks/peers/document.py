@@ -17,8 +17,9 @@ INTRODUCTION = """Written by `python -m benchmarks peers`, pictures included; on
 
 Measured on {date}{quick}, one thread on one core: {machine}. Versions: {versions}.
 
-Times are medians; behind ± stands half the distance of the quartiles. A time whose quartiles are further apart than
-{noise:.0f} % of its median does not repeat: it is not shown, and it is said where it would stand."""
+Times are medians of the processor's time that a process takes, all its threads together: waiting for other work on
+the machine is not counted. Behind ± stands half the distance of the quartiles. A time whose quartiles are further apart
+than {noise:.0f} % of its median does not repeat: it is not shown, and it is said where it would stand."""
 
 
 def write(folder: Path) -> Path:

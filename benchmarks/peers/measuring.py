@@ -13,10 +13,13 @@ import numpy as np
 
 from benchmarks.peers.problems import EXACT, SIZES, Problem, error
 from benchmarks.peers.process import Process
+from benchmarks.peers.results import Kernel, slope
 from benchmarks.peers.tools import OURS, PRIMALS, Tool
+from benchmarks.tables import NOISE, noise
 from s2sad.report.timing import Times
 
-PREPARE, CALL = 60.0, 0.5       # seconds in which a tool has to compile and give the first gradient; of one gradient
+PREPARE, CALL = 40.0, 0.5       # seconds in which a tool has to compile and give the first gradient; of one gradient
+UNSTEADY = 4                    # times as many samples at most are taken where they are far apart
 WRONG = {"s2sad, Numba, float32": 1e-2}
 ALLOWED = 1e-7                  # the error with which a tool's version of a kernel still counts as the same kernel
 FIRST = ("brusselator", "attention")
@@ -42,9 +45,8 @@ class Comparison:
                 found["curves"] = self.curves(expected)
             found["sizes"][str(size)] = at
             for variant, line in at["variants"].items():
-                expected_time = _expected(line, at["inputs"], name, size, sizes[place + 1:])
-                if expected_time > 2.0 * CALL:
-                    line["later"] = f"a gradient at n = {sizes[place + 1]} would take about {expected_time:.0f} s"
+                if place + 1 < len(sizes) and (why := too_long(Kernel(name, found), variant, sizes[place + 1])):
+                    line["later"] = why
                 if "left" in line or "later" in line:
                     over.add(variant)
         return found
@@ -101,12 +103,12 @@ class Comparison:
         """Samples of all in turns; one whose calls are long has fewer, one that is too long none."""
         samples: dict[str, list[float]] = {variant: [] for variant in variants}
         spent = dict.fromkeys(variants, 0.0)
-        for turn in range(self.rounds):
+        for _ in range(UNSTEADY * self.rounds):
             for variant in variants:
-                if "left" in lines[variant] or (turn >= 3 and spent[variant] > self.budget):
+                if "left" in lines[variant] or self._enough(samples[variant], spent[variant]):
                     continue
                 start = perf_counter()
-                answer = self.processes[variant].ask({"do": "time", "seconds": self.sample}, 2 * CALL)
+                answer = self.processes[variant].ask({"do": "time", "seconds": self.sample}, 6 * CALL)
                 spent[variant] += perf_counter() - start
                 if "times" not in answer or min(answer["times"]) > CALL:
                     lines[variant]["left"] = f"a gradient takes over {CALL:g} s"
@@ -116,19 +118,37 @@ class Comparison:
             if "left" not in lines[variant]:
                 lines[variant]["times"] = asdict(Times.of(samples[variant]))
 
+    def _enough(self, samples: list[float], spent: float) -> bool:
+        """Whether a variant has its samples: all count, and those that are far apart are asked for more."""
+        if len(samples) < 3:
+            return False
+        share = 1.0 if noise(Times.of(samples)) <= 0.5 * NOISE else UNSTEADY
+        return len(samples) >= share * self.rounds or spent > share * self.budget
+
     def _file(self, variant: str) -> str:
         return str(self.folder / f"{variant}.npz")
 
 
-def _expected(line: Found, inputs: int, name: str, size: int, later: tuple[int, ...]) -> float:
-    """The seconds of a gradient at the next size if time grows as the size and as the number of inputs."""
-    if not later or "times" not in line:
-        return 0.0
-    return line["times"]["median"] * max(later[0] / size, Problem.of(name, later[0]).inputs / inputs)
+def too_long(kernel: Kernel, variant: str, size: int) -> str | None:
+    """Why a variant is not tried at the next size: a gradient grows as the size and the number of inputs, what comes
+    before the first as it did from the last size to this one."""
+    last = kernel.sizes[-1]
+    times = kernel.times(variant, last)
+    if times is not None:
+        inputs = kernel.stored["sizes"][str(last)]["inputs"]
+        expected = times.median * max(size / last, Problem.of(kernel.name, size).inputs / inputs)
+        if expected > 2.0 * CALL:
+            return f"a gradient at n = {size} would take about {expected:.0f} s"
+    prepared = [(n, s) for n in kernel.sizes[-2:] if (s := kernel.line(variant, n).get("seconds"))]
+    if len(prepared) == 2:
+        expected = prepared[1][1] * (size / last) ** slope(*zip(*prepared))
+        if expected > 2.0 * PREPARE:
+            return f"the first gradient at n = {size} would take about {expected:.0f} s"
+    return None
 
 
 def first_gradients(tools: list[Tool], kernels: tuple[str, ...]) -> Found:
-    """The seconds from the start of a process to its first gradient, with empty caches."""
+    """The processor's seconds from the start of a process to its first gradient, with empty caches."""
     found: Found = {}
     for tool in tools:
         for variant in tool.variants:
@@ -141,12 +161,10 @@ def first_gradients(tools: list[Tool], kernels: tuple[str, ...]) -> Found:
 def _first(adapter: str, variant: str, kernel: str) -> float | None:
     with tempfile.TemporaryDirectory() as folder:
         process = Process(adapter, {"S2SAD_CACHE_DIR": folder})
-        start = perf_counter()
         answer = process.ask({"do": "prepare", "variant": variant, "kernel": kernel, "size": SIZES[kernel][EXACT],
                               "file": f"{folder}/gradient.npz"}, 2 * PREPARE)
-        taken = perf_counter() - start
         process.stop()
-    return taken if "seconds" in answer else None
+    return answer.get("since")
 
 
 def _arrays(file: str) -> list[Any]:

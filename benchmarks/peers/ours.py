@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
+from functools import cache
 from types import FunctionType
 from typing import Any
 
@@ -13,6 +14,7 @@ from benchmarks.calls import adjoint_arguments, differentiated, fresh, plain_num
 from benchmarks.kernels.cases import ARRAYS, Case
 from benchmarks.peers.problems import Problem, Run
 from benchmarks.peers.tools import PRIMALS
+from s2sad.dispatch.executable import TapeReuse
 
 
 
@@ -35,6 +37,7 @@ def prepare(variant: str, kernel: str, problem: Problem) -> Run:
     return restoring(adjoint, shadowed, problem.case)
 
 
+@cache
 def written(text: str, name: str, compiles: bool) -> Callable[..., Any]:
     """The adjoint of a generated module, as one has it who keeps the file, compiles it or not."""
     space: dict[str, Any] = {"__name__": "written"}
@@ -67,7 +70,8 @@ def restoring(adjoint: Callable[..., Any], shadowed: Sequence[Any], case: Case) 
                  for n in inspect.signature(case.function).parameters if n in case.wrt}
         return [found[n] for n in case.wrt]
 
-    return Run(call, gradients, sum(now.nbytes for now in shadows_of(case, working).values()))
+    tape = adjoint.held if isinstance(adjoint, TapeReuse) else 0
+    return Run(call, gradients, tape + sum(now.nbytes for now in shadows_of(case, working).values()))
 
 
 def shadows_of(case: Case, shadowed: Sequence[Any]) -> dict[str, np.ndarray]:

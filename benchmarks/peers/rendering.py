@@ -6,20 +6,24 @@ from typing import Any
 
 from benchmarks.peers.measuring import ALLOWED, CALL, PREPARE
 from benchmarks.peers.pictures import picture
-from benchmarks.peers.results import DOUBLE, Kernel, slope
+from benchmarks.peers.results import DOUBLE, LOSES, Kernel, slope
 from benchmarks.peers.sections import Chapter, Part
 from benchmarks.peers.tools import DIFFERENCES, OURS, PRIMALS, TOOLS
 from benchmarks.tables import Table, seconds, shown
 
 MIB = 2.0 ** 20
-LOSES = 1.05    # s2sad is called slower from this factor on
+LEAST = {"time": 0.0, "memory": 0.25 * MIB}
 EXPLAINED = f"""Every tool differentiates its own version of each kernel, written as its users write it;
 s2sad has the kernel itself. One gradient of all inputs is timed, from arguments that are at hand to arrays that are
-there; what s2sad or the adjoint by hand overwrite is restored within the time. Tools run in processes of their own, in
-turns, on one core. Errors are the largest of an element relative to the largest of its input's gradient, against
-gradients with 113 bits. A version whose gradient is off by more than {ALLOWED:g} is left out as wrong. Left out is also
-what needs more than {PREPARE:g} s to its first gradient, compilation included, or {CALL:g} s for a gradient. Memory is
-the growth of resident memory in a call, with the shadows that were there before."""
+there; what s2sad or the adjoint by hand overwrite is restored within the time. Of s2sad that is the adjoint alone,
+without what `s2sad.vjp` checks and copies (of the published kernels below there are both); JAX compiles, PyTorch runs
+eagerly. Tools run in processes of their own, in turns, on one core; where samples are far apart more are taken, and all
+count. Errors are the largest of an element relative to the largest of its input's gradient, against gradients with 113
+bits. A version whose gradient is off by more than {ALLOWED:g} is left out as wrong. Left out is also what needs more
+than {PREPARE:g} s to its first gradient, compilation included, or {CALL:g} s for a gradient, or clearly would at the
+next size. Memory is the growth of resident memory in a call, with the shadows and the tape that were there before."""
+LISTED = f"""Where s2sad loses to other tools or to an adjoint by hand, in time by a factor of more than {LOSES:g}, in
+error of more than 2:"""
 
 
 def render(found: dict[str, Any]) -> Chapter:
@@ -35,7 +39,7 @@ def render(found: dict[str, Any]) -> Chapter:
     body += ["### Growth", _growth(kernels, "time"), _growth(kernels, "memory")]
     if any(found["first"].values()):
         body += ["### First gradient", _first(found["first"])]
-    return Chapter([_summary(kernels, -1), "\n".join(loss(k) for k in kernels)],
+    return Chapter([_summary(kernels, -1), LISTED, "\n".join(loss(k) for k in kernels)],
                    [*body, "### Lines", _lines(kernels)])
 
 
@@ -61,7 +65,8 @@ def _summary(kernels: list[Kernel], place: int) -> Table:
     means = [_mean([row[column] for row in table.rows]) for column in range(3, len(table.columns))]
     table.rows.append(("geometric mean", "", "", *means))
     table.notes = ["Above 1 s2sad is faster, below 1 slower. Of each tool the fastest variant counts; - where it was "
-                   "left out at this size, has no version, or does not repeat."]
+                   "left out at this size, has no version, or does not repeat. Each mean is over the kernels that its "
+                   "column has."]
     return table
 
 
@@ -121,23 +126,25 @@ def _left_out(kernel: Kernel) -> list[str]:
 def _growth(kernels: list[Kernel], what: str) -> Table:
     variants = [v for v in dict.fromkeys(v for k in kernels for v in k.variants)
                 if v not in (*PRIMALS[1:], *DIFFERENCES[:2])]
-    table = Table(f"Exponents of {what}: it grows as n to this power, least squares over the sizes",
+    table = Table(f"Exponents of {what}: it grows as n to this power, from the last size but one to the last",
                   ("", *(k.name for k in kernels)))
     for variant in variants:
         cells = []
         for kernel in kernels:
             value = kernel.median if what == "time" else kernel.memory
-            points = [(n, y) for n in kernel.sizes if (y := value(variant, n))]
-            cells.append(f"{slope(*zip(*points)):.2f}" if len(points) > 2 else "-")
+            points = [(n, y) for n in kernel.sizes[-2:] if (y := value(variant, n)) and y > LEAST[what]]
+            cells.append(f"{slope(*zip(*points)):.2f}" if len(points) == 2 else "-")
         if any(cell != "-" for cell in cells):
             table.rows.append((variant, *cells))
-    table.notes = ["- where fewer than three sizes were measured."]
+    table.notes = ["- where one of the two was left out" + (
+        ", or does not repeat." if what == "time" else f", or needs less than {LEAST[what] / MIB:g} MiB.")]
     return table
 
 
 def _first(found: dict[str, dict[str, float | None]]) -> Table:
     kernels = list(next(iter(found.values())))
-    table = Table("Seconds from the start of a process to its first gradient, empty caches", ("", *kernels))
+    table = Table("Seconds of the processor from the start of a process to its first gradient, empty caches",
+                  ("", *kernels))
     for variant, taken in found.items():
         if any(taken.values()):
             table.rows.append((variant, *("-" if t is None else f"{t:.1f}" for t in taken.values())))

@@ -10,6 +10,7 @@ from benchmarks.tables import NOISE, noise
 from benchmarks.peers.tools import DIFFERENCES, OURS, PRIMALS
 from s2sad.report.timing import Times
 
+LOSES = 1.05    # s2sad is called slower from this factor on
 SINGLE = "s2sad, Numba, float32"
 DOUBLE = tuple(variant for variant in OURS if variant != SINGLE)
 

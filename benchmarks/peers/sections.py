@@ -19,15 +19,14 @@ A chapter is a module that has `SECTION`, and one line in `MODULES` below. To wr
 
 `measure` runs in a process of its own, on one core, with the C library told to keep its memory; it is killed when
 `minutes` are over, and a crash costs the chapter only. What it needs and does not find installed it says in its data.
-A part that gives tables already is a chapter by `of_tables`. `draw` takes an empty matplotlib figure. All chapters
-together have 40 minutes on two cores; `quick` has one.
+`draw` takes an empty matplotlib figure. All chapters together have 40 minutes on two cores; `quick` has one.
 """
 from __future__ import annotations
 
 import importlib
 import importlib.util
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 from benchmarks.tables import Table
@@ -67,15 +66,6 @@ class Section:
     resume: Callable[[dict[str, Any]], dict[str, Any]] | None = None
 
 
-def of_tables(name: str, title: str, tables: Callable[[bool, list[str]], list[Table]], minutes: float) -> Section:
-    """The section of a part of `python -m benchmarks`, which gives its tables when it is asked (quick, names)."""
-    def render(found: dict[str, Any]) -> Chapter:
-        return Chapter(body=[Table(t["title"], tuple(t["columns"]), [tuple(row) for row in t["rows"]], t["notes"])
-                             for t in found["tables"]])
-
-    return Section(name, title, lambda quick: {"tables": [asdict(t) for t in tables(quick, [])]}, render, minutes)
-
-
 def section(name: str) -> Section | None:
     """The section of that name, or None where this tree has none."""
     try:
@@ -85,4 +75,4 @@ def section(name: str) -> Section | None:
     return importlib.import_module(MODULES[name]).SECTION if found is not None else None
 
 
-__all__ = ["MODULES", "Chapter", "Part", "Picture", "Section", "of_tables", "section"]
+__all__ = ["MODULES", "Chapter", "Part", "Picture", "Section", "section"]

@@ -128,21 +128,6 @@ def nbody(position, velocity, mass, dt, steps, softening):
     return jnp.sum(0.5 * mass * jnp.sum(velocity ** 2, axis=1)), position
 
 
-def gray_scott(u, v, feed, kill, steps, du, dv):
-    # the steps turn the inner field; the halo is what the last step begins with
-    def laplacian(w):
-        return jnp.roll(w, 1, 0) + jnp.roll(w, 1, 1) - 4.0 * w + jnp.roll(w, -1, 1) + jnp.roll(w, -1, 0)
-
-    def step(state):
-        u, v = state
-        reaction = u * v ** 2
-        return (u + du * laplacian(u) - reaction + feed * (1.0 - u),
-                v + dv * laplacian(v) + reaction - (feed + kill) * v)
-
-    before = repeated(step, (u[1:-1, 1:-1], v[1:-1, 1:-1]), steps - 1)
-    return tuple(jnp.pad(old, 1, mode="wrap").at[1:-1, 1:-1].set(new) for old, new in zip(before, step(before)))
-
-
 def glacier(thickness, bed, rate, balance, dx, dt, steps):
     factor = 2.0 * rate * (917.0 * 9.81) ** 3 / 5.0
 
@@ -162,42 +147,8 @@ def glacier(thickness, bed, rate, balance, dx, dt, steps):
     return repeated(step, thickness, steps)
 
 
-def neural_diffusion(u, w1, b1, w2, b2, dt, steps):
-    def step(u):
-        hidden = jnp.tanh(w1 @ u[None, :] + b1[:, None])
-        diffusivity = jnp.exp(w2 @ hidden + b2)[0]
-        flux = jnp.pad(0.5 * (diffusivity[1:] + diffusivity[:-1]) * (u[1:] - u[:-1]), 1)
-        return u + dt * (flux[1:] - flux[:-1])
-
-    return jnp.sum(repeated(step, u, steps) ** 2)
-
-
-def implicit_heat(u, conductivity, dt, steps):
-    def step(u):
-        left = conductivity[:-1] * (1.0 + u ** 2)
-        right = conductivity[1:] * (1.0 + u ** 2)
-        matrix = jnp.diag(1.0 + dt * (left + right)) - jnp.diag(dt * left[1:], -1) - jnp.diag(dt * right[:-1], 1)
-        return jnp.linalg.solve(matrix, u)
-
-    return repeated(step, u, steps)
-
-
 def attention(q, k, v):
     return jax.nn.softmax((q @ k.T) * (1.0 / np.sqrt(q.shape[1])), axis=1) @ v
-
-
-def masked_flow(head, depth, conductance, steps):
-    def step(state):
-        head, depth = state
-        dry = depth < 0.05
-        speed = jnp.where(dry, 0.0, jnp.sqrt(jnp.where(dry, 1.0, depth)))     # no root of 0 is differentiated
-        speed = jnp.where(dry, 0.5 * speed, speed)
-        head = head + conductance * (jnp.mean(speed, axis=1, keepdims=True) - speed)
-        lost = 0.1 * jnp.clip(head[1:, :] - head[:-1, :], -1.0, 1.0) * depth[1:, :]
-        return head, depth.at[1:, :].add(-lost)
-
-    head, depth = repeated(step, (head, depth), steps)
-    return jnp.sum(head * depth)
 
 
 def lattice(f, omega, steps):
@@ -263,6 +214,5 @@ def lstm(main_params, extra_params, state, sequence):
 
 
 KERNELS = {f.__name__: f for f in (
-    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention, gray_scott,
-    neural_diffusion, implicit_heat, masked_flow, gmm, lstm)}
+    brusselator, integrate, jacobi, seidel, advect, mixture, nbody, glacier, lattice, attention, gmm, lstm)}
 STEPPED = {*KERNELS} - {"brusselator", "mixture", "attention", "gmm"}

@@ -5,8 +5,10 @@
     quad          numbers of 113 bits
     modules       what stands there for `numpy`, `math` and `scipy`
     linalg        what stands there for `numpy.linalg`
+    complexes     complex arrays, and what stands there for `numpy.fft`
 
     rules         elementwise rules, against truths: functions and partials by mpmath
+    nonfinite     the same rules where an argument is infinite or nan
     arrays        functions of whole arrays and their options
     kernels       the benchmarks' kernels
     expressions   those of fpbench

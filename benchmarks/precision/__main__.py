@@ -6,7 +6,7 @@ import argparse
 import warnings
 from collections.abc import Callable
 
-from benchmarks.precision import arrays, document, expressions, kernels, literals, rules, sums
+from benchmarks.precision import arrays, document, expressions, kernels, literals, nonfinite, rules, sums
 from benchmarks.tables import Table, show
 from tests.page_of_functions import PAGE
 
@@ -21,8 +21,9 @@ def _shown(name: str, tables: list[Table], quick: bool) -> None:
 
 
 def _rules(quick: bool) -> None:
-    found = rules.measured(10 if quick else 60, engines=("numpy",) if quick else ("numpy", "numba"))
-    _shown("rules", document.rules_tables(found), quick)
+    engines = ("numpy",) if quick else ("numpy", "numba")
+    found = rules.measured(10 if quick else 60, engines=engines)
+    _shown("rules", [*document.rules_tables(found), nonfinite.table(*nonfinite.measured(engines))], quick)
     if not quick:
         literals.write(found)
 

@@ -90,6 +90,8 @@ def table(found: Sequence[Found], missing: Counter[str]) -> Table:
                 np.median([f.adjoint for f in mine]), max(f.adjoint for f in mine),
                 np.median([f.tangent for f in mine]), max(f.tangent for f in mine))), f"`{worst.expression}`"))
     made.notes = [f"Adjoint and tangent of the references part by {max(f.honest for f in found):.0e} at most. "
-                  f"Of {len(found) + sum(missing.values())} expressions {sum(missing.values())} have no reference of "
-                  f"113 bits: " + "; ".join(f"{count} for {what}" for what, count in missing.most_common()) + "."]
+                  f"Of {len(found) + sum(missing.values())} expressions {sum(missing.values()) or 'none'} "
+                  f"{'has' if not missing else 'have'} no reference of 113 bits"
+                  + "".join(f"{'; ' if k else ': '}{count} for {what}"
+                            for k, (what, count) in enumerate(missing.most_common())) + "."]
     return made

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.precision import linalg
+from benchmarks.precision import complexes, linalg
 from benchmarks.precision.quad import (
     DIGITS, QUAD, Namespace, NoReference, QuadPrecDType, QuadPrecision, as_quad, by_mpmath, divide, from_mpmath,
     is_whole, mpmath, power,
@@ -287,11 +287,12 @@ def replaced_in_runtime(found: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _modules() -> dict[str, Any]:
-    numpy_ = Namespace("numpy", {**_NUMPY, "linalg": Namespace("numpy.linalg", {**linalg.LINALG, "norm": _norm})})
-    special = Namespace("scipy.special", _SPECIAL)
+    parts = {"linalg": Namespace("numpy.linalg", {**linalg.LINALG, "norm": _norm}),
+             "fft": Namespace("numpy.fft", complexes.TRANSFORMS)}
+    numpy_ = Namespace("numpy", {**_NUMPY, **complexes.numpy_functions(_NUMPY), **parts})
+    special, same = Namespace("scipy.special", _SPECIAL), ("solve", "inv", "det", "svdvals", "pinv")
     scipy = SimpleNamespace(special=special, linalg=Namespace("scipy.linalg", {
-        "expm": linalg.exponential, **{n: linalg.LINALG[n] for n in ("solve", "inv", "det", "svdvals", "pinv")},
-        "norm": _norm}))
+        "expm": linalg.exponential, **{n: linalg.LINALG[n] for n in same}, "norm": _norm}))
     return {"numpy": numpy_, "math": Namespace("math", _MATH), "scipy": scipy, "scipy.special": special,
             "numpy.linalg": numpy_.linalg, "scipy.linalg": scipy.linalg}
 

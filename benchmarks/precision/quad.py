@@ -42,9 +42,58 @@ class Namespace:
         return found
 
 
+class Complex:
+    """A complex array: its real and its imaginary part, which are arrays or numbers of 113 bits."""
+    __array_ufunc__ = None      # arrays of reals leave arithmetic with it to it
+    dtype = np.dtype(np.complex128)     # what stands for it where a dtype is asked
+
+    def __init__(self, real: Any, imag: Any) -> None:
+        self.real, self.imag = real, imag
+        self.shape, self.ndim, self.size = np.shape(real), np.ndim(real), np.size(real)
+
+    def __getitem__(self, place: Any) -> Complex:
+        return Complex(self.real[place], self.imag[place])
+
+    def __setitem__(self, place: Any, value: Any) -> None:
+        value = _complex(value)
+        self.real[place], self.imag[place] = value.real, value.imag
+
+    def __neg__(self) -> Complex:
+        return Complex(-self.real, -self.imag)
+
+    def __add__(self, other: Any) -> Complex:
+        other = _complex(other)
+        return Complex(self.real + other.real, self.imag + other.imag)
+
+    def __sub__(self, other: Any) -> Complex:
+        return self + -_complex(other)
+
+    def __rsub__(self, other: Any) -> Complex:
+        return -self + other
+
+    def __mul__(self, other: Any) -> Complex:
+        other = _complex(other)
+        return Complex(self.real * other.real - self.imag * other.imag, self.real * other.imag + self.imag * other.real)
+
+    def __truediv__(self, other: Any) -> Complex:
+        other = _complex(other)
+        size = other.real * other.real + other.imag * other.imag
+        top = self * Complex(other.real, -other.imag)
+        return Complex(top.real / size, top.imag / size)
+
+    def __rtruediv__(self, other: Any) -> Complex:
+        return _complex(other) / self
+
+    __radd__, __rmul__ = __add__, __mul__
+
+
+def _complex(value: Any) -> Complex:
+    return value if isinstance(value, Complex) else Complex(as_quad(value), 0 * as_quad(value))
+
+
 def as_quad(value: Any) -> Any:
     """A number or an array with 113 bits; integers that are exact, bools too."""
-    if isinstance(value, QuadPrecision):
+    if isinstance(value, (QuadPrecision, Complex)):
         return value
     if isinstance(value, np.ndarray):
         if value.dtype.kind == "c":

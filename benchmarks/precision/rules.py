@@ -116,10 +116,11 @@ def loaded(text: str, folder: Path) -> Callable[..., Any]:
     return module.kernel
 
 
-def results(listed: Sequence[str], rows: np.ndarray, engine: str, folder: Path) -> dict[str, np.ndarray]:
-    """Values, tangents and adjoints of rules, one row for each, at rows[rule, parameter, point].
+def results(listed: Sequence[str], rows: np.ndarray, engine: str, folder: Path, values: bool = True
+            ) -> dict[str, np.ndarray]:
+    """Values, if they are asked for, tangents and adjoints of rules, one row for each, at rows[rule, parameter, point].
 
-    Under NumPy a rule of numbers alone stands in a loop.
+    Under NumPy a rule of numbers alone stands in a loop, and its value raises where Python does.
     """
     loop = engine == "numba" or not takes_arrays(listed[0])
     function = s2sad.differentiate(loaded(kernel_text(listed, loop), folder), wrt=tuple(NAMES), of=("out",),
@@ -128,8 +129,9 @@ def results(listed: Sequence[str], rows: np.ndarray, engine: str, folder: Path) 
     out, ones = np.zeros(columns[0].shape), np.ones(columns[0].shape)
     found = {}
     with np.errstate(all="ignore"):
-        function.primal(out, *columns)
-        found["value"] = out
+        if values:
+            function.primal(out, *columns)
+            found["value"] = out
         gains = s2sad.vjp(function, (np.zeros_like(out), *columns), {"out": ones})
         for k, name in enumerate(NAMES):
             found[f"adjoint {k}"] = gains[name]

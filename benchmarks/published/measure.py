@@ -7,6 +7,7 @@ import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from functools import partial
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ import s2sad
 from benchmarks.calls import fresh, plain_numba, seed_like
 from benchmarks.published.cases import Case
 from s2sad import S2sadError
-from s2sad.report.question import Question
+from s2sad.report.question import BenchQuestion
 from s2sad.report.timing import Prepare, Times, sampled
 
 
@@ -45,7 +46,7 @@ class Ours:
 
     def __init__(self, case: Case, size: str):
         self.case, self.arguments = case, case.arguments(size)
-        self.question = Question.asked(case.function, self.arguments, case.wrt, case.of, "numba")
+        self.question = BenchQuestion.asked(case.function, self.arguments, case.wrt, case.of, "numba")
         values = dict(zip(self.question.values, fresh(self.arguments)))
         values["return"] = self.question.primal(self.question.values)(*values.values())
         self.seeds = {name: _seed(values[name]) for name in case.of}
@@ -88,7 +89,7 @@ def times(case: Case, budget: float) -> dict[str, Any]:
         value, gradient = jitted(case, ours.arguments, ours.seeds, jax)
         runs["jax primal"] = lambda: lambda: jax.block_until_ready(value())
         runs["jax gradient"] = lambda: lambda: jax.block_until_ready(gradient())
-    return {name: asdict(Times.of(taken)) for name, taken in sampled(runs, budget).items()}
+    return {name: asdict(Times.of(taken)) for name, taken in sampled(runs, budget, clock=process_time).items()}
 
 
 def jitted(case: Case, arguments: Sequence[Any], seeds: dict[str, Any], jax: Any

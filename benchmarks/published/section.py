@@ -133,7 +133,7 @@ def _summary(rows: dict[str, _Row]) -> str:
     if not beside:
         return said
     lost = [f"{n} {beside[n]:.1f}" for n in sorted(beside, key=lambda n: -beside[n]) if beside[n] > 1.0]
-    return (f"{said} A vjp takes {_mean(beside.values())} of the time of JAX's gradient in the geometric "
+    return (f"{said} A vjp takes {_mean(beside.values())} times as long as JAX's gradient in the geometric "
             f"mean; JAX is faster at {len(lost)} of {len(beside)}{': ' + ', '.join(lost) if lost else ''}.")
 
 

@@ -31,8 +31,9 @@ RUNS = """Adjoint and tangent are derivatives of the same steps: how far they ar
 element, is rounding times the condition of the steps. In a chaotic run the gradient grows exponentially with the
 horizon, and so does its error against that of the exact run, for the run itself is another one from its first rounding
 on: where the numbers have no correct digit left, the adjoint is still exact for the steps that were computed, and says
-nothing of the system any more, as for Lorenz's behind time 40. The double pendulum here is regular over this time, and
-keeps its digits. Tested by `tests/test_robustness.py`."""
+nothing of the system any more. Lorenz's system comes there behind time 40, the double pendulum that is let go at large
+angles behind time 25. Errors are against differences of 120 digits, of the shock, whose limiter chooses by what it
+compares, against 113 bits. Tested by `tests/test_robustness.py`."""
 UNWRITTEN = """`pytest --poison` fills whatever a derivative allocates with nan until it is written, under every engine:
 work arrays, tapes and what they grow by, those that are kept between calls, and the scratch arrays of the run time;
 integers hold a number that is no index. Whatever reads what was not written shows. A sample runs always,
@@ -71,7 +72,7 @@ def measured(quick: bool) -> dict[str, Any]:
         "systems": conditions.systems(range(13)), "means": conditions.means(range(0, 9, 2)),
         "dependent": conditions.dependent(range(0, 9, 2)), "sums": conditions.sums(10 ** (5 if quick else 7)),
         "count": 10 ** (5 if quick else 7),
-        "long": [_run(name, steps, exact and name != "shock") for name, steps in long.items()],
+        "long": [_run(name, steps, exact) for name, steps in long.items()],
         "chaotic": {name: [_run(name, steps, exact) for steps in found] for name, found in horizons.items()}}
 
 

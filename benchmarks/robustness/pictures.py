@@ -36,6 +36,6 @@ def of_runs(found: dict[str, Any]) -> list[Part]:
             axes.axhline(1.0, color="grey", linewidth=0.8)
             axes.set(xlabel="time", title=name)
             axes.legend(fontsize=7)
-    return [Picture("chaos", "Gradients over the horizon of a run that is chaotic, and of one that is not: where the "
-                             "error against the exact run reaches 1 they say nothing of it, though adjoint and tangent "
-                             "still agree to rounding times the condition.", draw, (9.0, 4.0))]
+    return [Picture("chaos", "Gradients over the horizon of chaotic runs: where the error against the exact run "
+                             "reaches 1 they say nothing of it, though adjoint and tangent still agree to rounding "
+                             "times the condition.", draw, (9.0, 4.0))]

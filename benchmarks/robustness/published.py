@@ -42,6 +42,12 @@ def masked_quotient(x):
     return np.sum(np.where(x != 0.0, np.sin(x) / x, 1.0))
 
 
+def distances(x):
+    """Between all points, and 0 from each to itself."""
+    apart = x[:, None] - x[None]
+    return np.sum(np.where(apart[:, :, 0] != 0.0, np.linalg.norm(apart, axis=-1), 0.0))
+
+
 def maximum_of_parts(x):
     return np.max(np.where(x > 0.0, np.log(x), -1.0))
 
@@ -150,6 +156,8 @@ CASES = (
          source="jax, questions asked often"),
     Case("`where(x != 0, sin(x) / x, 1)` at 0, 1", masked_quotient, (np.array([0.0, 1.0]),),
          [0.0, math.cos(1.0) - math.sin(1.0)], source="jax, questions asked often", limit=16.0),
+    Case("distances of points, chosen to be 0 from each to itself", distances, (np.array([[0.0, 0.0], [3.0, 4.0]]),),
+         [[-1.2, -1.6], [1.2, 1.6]], source="jax 5798"),
     Case("`max(where(x > 0, log(x), -1))` at 0, 1, 2", maximum_of_parts, (np.array([0.0, 1.0, 2.0]),), [0.0, 0.0, 0.5],
          source="jax 13600"),
     Case("an array overwritten after it was read", overwritten_input, (_ONE,), 20.0 * _ONE,

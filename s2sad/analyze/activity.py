@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from s2sad.analyze.liveness import base_name, targets
+from s2sad.liveness import base_name, targets
 from s2sad.analyze.uses import sources
 from s2sad.diagnostics import Report
-from s2sad.infer.infer import Typing
+from s2sad.infer.inference import Typing
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Expr, FunctionDef, List, Return, Tuple, call_name, walk,
 )

@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import chain, product
 
-from s2sad.analyze.resized import escapes, own_loops, within as within_loops
-from s2sad.analyze.structure import Structure
+from s2sad.analyze.reallocated_arrays import escapes, own_loops, within as within_loops
+from s2sad.analyze.structure import ProgramStructure
 from s2sad.infer.types import INT
 from s2sad.infer.affine import Affine, at_most, combined, equals, feasible
-from s2sad.normalize.workspace import is_allocation
+from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import (
     AST, Assign, Attribute, BinOp, Break, Constant, For, Name, Subscript, Tuple, USub, UnaryOp, attribute, call_name,
     const, dump, index, indices, name, walk,
@@ -21,14 +21,14 @@ from s2sad.tree import (
 
 
 @dataclass(frozen=True)
-class Reference:
+class ArrayReference:
     """A use of an array at a statement: an element, or with fewer subscripts a region."""
     array: str
     subscripts: tuple[AST, ...]
     statement: AST
 
     @classmethod
-    def to(cls, node: AST, statement: AST) -> Reference:
+    def to(cls, node: AST, statement: AST) -> ArrayReference:
         if isinstance(node, Name):
             return cls(node.id, (), statement)
         assert isinstance(node, Subscript) and isinstance(node.value, Name)
@@ -37,7 +37,7 @@ class Reference:
 
 
 @dataclass(frozen=True)
-class _Kind:
+class _ReferenceClass:
     """The number of all references of which the same holds under other names of their `counters`; `free` are the other
     names in it."""
     number: int
@@ -45,10 +45,10 @@ class _Kind:
     free: frozenset[str]
 
 
-class _Primed(dict[str, str]):
+class _LaterInstance(dict[str, str]):
     """Names for the later instance of everything that differs between iterations of loops not shared."""
 
-    def __init__(self, structure: Structure, shared: list[AST], later: Reference):
+    def __init__(self, structure: ProgramStructure, shared: list[AST], later: ArrayReference):
         self.structure, self.shared = structure, {id(loop) for loop in shared}
         self.around = {loop.target.id for loop in structure.place(later.statement).loops
                        if isinstance(loop, For) and id(loop) not in self.shared}
@@ -66,11 +66,11 @@ class _Primed(dict[str, str]):
 class Dependence:
     """Answers about the references of one function."""
 
-    def __init__(self, structure: Structure):
+    def __init__(self, structure: ProgramStructure):
         self.structure = structure
         self.extents: dict[str, list[Affine | None]] = {}
-        self._known: dict[tuple[Reference, Reference, int, bool], bool] = {}
-        self._kinds: dict[Reference, _Kind] = {}
+        self._known: dict[tuple[ArrayReference, ArrayReference, int, bool], bool] = {}
+        self._kinds: dict[ArrayReference, _ReferenceClass] = {}
         self._numbers: dict[tuple[tuple[Affine | None, ...], ...], int] = {}
         self._apart: dict[tuple[int, int], bool] = {}
         self._escapes: dict[str, bool] = {}
@@ -141,7 +141,7 @@ class Dependence:
 
     # -- systems -----------------------------------------------------------------------------------------------------
 
-    def bounds(self, reference: Reference) -> list[Affine]:
+    def bounds(self, reference: ArrayReference) -> list[Affine]:
         """What the loops around a statement say of their counters."""
         system: list[Affine] = []
         for loop in self.structure.place(reference.statement).loops:
@@ -159,7 +159,7 @@ class Dependence:
             low, high = (high.shift(1) if high else None), (low.shift(1) if low else None)
         return ([at_most(low, counter)] if low else []) + ([at_most(counter.shift(1), high)] if high else [])
 
-    def subscript_cases(self, reference: Reference, axis: int) -> list[tuple[Affine | None, list[Affine]]]:
+    def subscript_cases(self, reference: ArrayReference, axis: int) -> list[tuple[Affine | None, list[Affine]]]:
         """The cell that a subscript names, with what holds then: as it is, or counted from the end."""
         form = self.form(reference.subscripts[axis])
         if form is None:
@@ -176,7 +176,7 @@ class Dependence:
             cases.append((form.plus(extent), negative))
         return cases
 
-    def may_overwrite(self, first: Reference, later: Reference, within: AST | None = None,
+    def may_overwrite(self, first: ArrayReference, later: ArrayReference, within: AST | None = None,
                       same: bool = False) -> bool:
         """Whether `later`, executed after `first`, may be to a cell of `first`.
 
@@ -190,13 +190,13 @@ class Dependence:
             self._known[key] = self._may(first, later, within, same)
         return self._known[key]
 
-    def carried(self, first: Reference, later: Reference, loop: AST) -> bool:
+    def carried(self, first: ArrayReference, later: ArrayReference, loop: AST) -> bool:
         """Whether `later` may be to a cell of `first` in a later iteration of a loop around both."""
         common = [x for x, y in zip(self.structure.place(first.statement).loops,
                                     self.structure.place(later.statement).loops) if x is y]
         return self._overlap(first, later, common, next(k for k, x in enumerate(common) if x is loop))
 
-    def _may(self, first: Reference, later: Reference, within: AST | None, same: bool) -> bool:
+    def _may(self, first: ArrayReference, later: ArrayReference, within: AST | None, same: bool) -> bool:
         a, b = self.structure.place(first.statement), self.structure.place(later.statement)
         common = [x for x, y in zip(a.loops, b.loops) if x is y]
         fixed = common.index(within) + 1 if within is not None and within in common else 0
@@ -211,7 +211,7 @@ class Dependence:
                 return True
         return False
 
-    def _own(self, first: Reference, later: Reference) -> int:
+    def _own(self, first: ArrayReference, later: ArrayReference) -> int:
         """In how many loops around both references the array is another one in each iteration."""
         own = own_loops(self.structure, first.array)
         places = [self.structure.place(r.statement) for r in (first, later)]
@@ -224,7 +224,7 @@ class Dependence:
             self._escapes[array] = escapes(self.structure, array)
         return self._escapes[array]
 
-    def _kind(self, reference: Reference) -> _Kind:
+    def _kind(self, reference: ArrayReference) -> _ReferenceClass:
         if reference not in self._kinds:
             axes = [self.subscript_cases(reference, axis) for axis in range(len(reference.subscripts))]
             forms = [tuple(self.bounds(reference))]
@@ -235,11 +235,12 @@ class Dependence:
             used = {s for form in chain(*forms) if form is not None for s, _ in form.terms}
             names = {s: s for s in used} | {c: f"{k}" for k, c in enumerate(counters)}
             said = tuple(tuple(form and form.renamed(names) for form in held) for held in forms)
-            self._kinds[reference] = _Kind(self._numbers.setdefault(said, len(self._numbers)), frozenset(counters),
-                                           frozenset(used - {*counters}))
+            self._kinds[reference] = _ReferenceClass(self._numbers.setdefault(said, len(self._numbers)),
+                                                     frozenset(counters),
+                                                     frozenset(used - {*counters}))
         return self._kinds[reference]
 
-    def _overlap(self, first: Reference, later: Reference, common: list[AST], level: int) -> bool:
+    def _overlap(self, first: ArrayReference, later: ArrayReference, common: list[AST], level: int) -> bool:
         """The case in which the common loops are equal up to `level` and the next one is further on."""
         a, b = self._kind(first), self._kind(later)
         if common or not a.counters.isdisjoint(b.free):
@@ -248,8 +249,8 @@ class Dependence:
             self._apart[a.number, b.number] = self._meet(first, later, common, level)
         return self._apart[a.number, b.number]
 
-    def _meet(self, first: Reference, later: Reference, common: list[AST], level: int) -> bool:
-        primed = _Primed(self.structure, common[:level], later)
+    def _meet(self, first: ArrayReference, later: ArrayReference, common: list[AST], level: int) -> bool:
+        primed = _LaterInstance(self.structure, common[:level], later)
         cells: list[list[tuple[Affine, Affine, list[Affine]]]] = []
         for axis in range(min(len(first.subscripts), len(later.subscripts))):
             options = []
@@ -275,7 +276,7 @@ class Dependence:
             return []
         return [at_most(here.shift(1), there) if step > 0 else at_most(there.shift(1), here)]
 
-    def covers(self, loop: For, store: AST, reference: Reference) -> bool:
+    def covers(self, loop: For, store: AST, reference: ArrayReference) -> bool:
         """Whether a nest of loops, with `loop` the outermost, stores into every cell of an array."""
         nest = [x for x in self.structure.place(store).loops]
         nest = nest[nest.index(loop):]

@@ -10,14 +10,14 @@ element's record, one iteration further back.
 """
 from __future__ import annotations
 
-from s2sad.analyze.liveness import base_name
-from s2sad.analyze.plan import Plan, Question, Shift, Store
-from s2sad.analyze.trips import known_trips
-from s2sad.analyze.values import Value
+from s2sad.liveness import base_name
+from s2sad.analyze.recording_plan import RecordingPlan, PlanningInputs, Shift, Store
+from s2sad.analyze.trip_counts import known_trips
+from s2sad.analyze.reverse_values import ReverseValue
 from s2sad.tree import AST, Assign, For, Name, Subscript, dump
 
 
-def shift_of(value: Value, plan: Plan, question: Question) -> Shift | None:
+def shift_of(value: ReverseValue, plan: RecordingPlan, question: PlanningInputs) -> Shift | None:
     """How a carried number that is recorded can be read from the record of an element, if it can."""
     structure, loop = question.structure, value.home
     if value.kind != "carried" or len(value.bindings) != 2 or not isinstance(loop, For):
@@ -45,7 +45,7 @@ def shift_of(value: Value, plan: Plan, question: Question) -> Shift | None:
     return None
 
 
-def _undisturbed(store: Store, load: AST, plan: Plan, question: Question) -> bool:
+def _undisturbed(store: Store, load: AST, plan: RecordingPlan, question: PlanningInputs) -> bool:
     """Whether nothing overwrites an element between its load and its store."""
     structure = question.structure
     here, there = structure.place(load), structure.place(store.statement)

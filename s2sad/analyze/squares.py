@@ -8,16 +8,18 @@
 A value has this property where all that is ever assigned to it has: squares and even powers, absolute values, `hypot`,
 exponentials and constants that are not negative; sums, products and powers of these, roots, quotients by what is one
 of these, a choice between two, elements of arrays that hold nothing else. `flat` is a wider word: no slope at 0, of
-either sign. A quotient of such a sum is, or its product with what is held fixed.
+either sign. A quotient of such a sum is, or its product with what is held fixed. A name or an array that holds
+anything else as well, at any time, does not count: there the slope stays infinite, and `differentiate.zero_law` asks
+what it is multiplied with.
 """
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from s2sad.analyze.liveness import base_name, targets
+from s2sad.liveness import base_name, targets
 from s2sad.analyze.uses import is_active
-from s2sad.infer.infer import Typing
+from s2sad.infer.inference import Typing
 from s2sad.rules.rule import number
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Div, Expr, FunctionDef, IfExp, Mult, Name, Pow,
@@ -144,8 +146,7 @@ def squares(function: FunctionDef, typing: Typing, active: frozenset[str]) -> Sq
 def _keeps(known: Squares, statement: AST, target: AST) -> bool:
     """Whether a statement leaves its target what it is said to be."""
     if isinstance(statement, AugAssign):
-        made = BinOp(Name(base_name(target)), statement.op, statement.value)
-        return isinstance(statement.op, (Add, Mult, Div)) and known._operation(made)
+        return known.square(BinOp(target, statement.op, statement.value))
     return isinstance(target, (Name, Subscript)) and (
         call_name(statement.value) in _ALLOCATING or known.square(statement.value))
 

@@ -10,16 +10,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from s2sad import rules
-from s2sad.analyze.liveness import targets
-from s2sad.infer.infer import Typing
-from s2sad.normalize.workspace import is_allocation
+from s2sad.liveness import targets
+from s2sad.infer.inference import Typing
+from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Expr, For, FunctionDef, If, Name, Subscript, While, call_name, walk,
 )
 
 
 @dataclass(frozen=True)
-class Place:
+class StatementPlace:
     """Where a statement stands: `order` in the text, `loops` and `branches` (If, whether in its body) around it,
     outermost first; `block` and `segment` of it (for a statement in a branch of a segment: the segment's); `inside`,
     the loops and branches around it; `blocks`, all blocks around it, outermost first."""
@@ -34,28 +34,28 @@ class Place:
 
 
 @dataclass
-class Structure:
+class ProgramStructure:
     """The table: places by `id(statement)`, bindings of numbers by name, blocks with their segments; what stands in a
     loop by `id(loop)`."""
     function: FunctionDef
     typing: Typing
-    places: dict[int, Place] = field(default_factory=dict)
+    places: dict[int, StatementPlace] = field(default_factory=dict)
     bindings: dict[str, list[AST]] = field(default_factory=dict)
     loop_of: dict[str, AST] = field(default_factory=dict)
     blocks: dict[int, list[list[AST]]] = field(default_factory=dict)
-    inner: dict[int, list[Place]] = field(default_factory=dict)
+    inner: dict[int, list[StatementPlace]] = field(default_factory=dict)
 
-    def place(self, statement: AST) -> Place:
+    def place(self, statement: AST) -> StatementPlace:
         return self.places[id(statement)]
 
     def before(self, a: AST, b: AST) -> bool:
         return self.place(a).order < self.place(b).order
 
 
-def structure(function: FunctionDef, typing: Typing) -> Structure:
+def structure(function: FunctionDef, typing: Typing) -> ProgramStructure:
     """The table of a function."""
-    table = Structure(function, typing)
-    _Walk(table).block(function.body, Around(), None)
+    table = ProgramStructure(function, typing)
+    _Walk(table).block(function.body, Enclosing(), None)
     return table
 
 
@@ -106,7 +106,7 @@ def heads(statement: AST) -> list[AST]:
 
 
 @dataclass(frozen=True)
-class Around:
+class Enclosing:
     """What is around a block."""
     loops: tuple[AST, ...] = ()
     branches: tuple[tuple[AST, bool], ...] = ()
@@ -115,7 +115,7 @@ class Around:
 
 
 class _Walk:
-    def __init__(self, table: Structure):
+    def __init__(self, table: ProgramStructure):
         self.table = table
         self.order = 0
         self.simple: dict[int, bool] = {}       # by `id(statement)`: a branch is asked for by all that are around it
@@ -126,7 +126,7 @@ class _Walk:
             found = self.simple[id(statement)] = is_simple(statement, self.table.typing, self.is_simple)
         return found
 
-    def block(self, block: list[AST], around: Around, segment: tuple[int, int] | None) -> None:
+    def block(self, block: list[AST], around: Enclosing, segment: tuple[int, int] | None) -> None:
         around = replace(around, blocks=(*around.blocks, id(block)))
         if segment is not None:
             for statement in block:
@@ -137,9 +137,9 @@ class _Walk:
             for statement in run:
                 self.statement(statement, around, (id(block), number))
 
-    def statement(self, statement: AST, around: Around, segment: tuple[int, int]) -> None:
+    def statement(self, statement: AST, around: Enclosing, segment: tuple[int, int]) -> None:
         self.order += 1
-        place = self.table.places[id(statement)] = Place(
+        place = self.table.places[id(statement)] = StatementPlace(
             statement, self.order, around.loops, around.branches, *segment, around.inside, around.blocks)
         for loop in around.loops:
             self.table.inner[id(loop)].append(place)

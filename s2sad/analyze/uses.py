@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from s2sad import rules
-from s2sad.analyze.liveness import base_name, targets
-from s2sad.infer.infer import Typing
+from s2sad.liveness import base_name, targets
+from s2sad.infer.inference import Typing
 from s2sad.rules.operation import operation
 from s2sad.rules.rule import RESULT, Rule
 from s2sad.tree import (
@@ -20,7 +20,7 @@ from s2sad.tree import (
 
 
 @dataclass
-class Uses:
+class OperandUses:
     """Numbers by name, elements and whole arrays by reference."""
     names: set[str] = field(default_factory=set)
     loads: list[AST] = field(default_factory=list)
@@ -83,7 +83,7 @@ def sources(node: AST, typing: Typing) -> Iterator[str]:
             yield from sources(argument, typing)
 
 
-class Flow:
+class DerivativeFlow:
     """Through which expressions of a function a derivative flows; each is looked at once."""
 
     def __init__(self, typing: Typing, active: frozenset[str] | set[str]):
@@ -114,7 +114,7 @@ class Flow:
 
 def is_active(node: AST, typing: Typing, active: frozenset[str] | set[str]) -> bool:
     """Whether a derivative flows through an expression."""
-    return Flow(typing, active).through(node)
+    return DerivativeFlow(typing, active).through(node)
 
 
 def operated(node: AST, typing: Typing) -> tuple[Rule, dict[str, AST]] | None:
@@ -132,9 +132,9 @@ def owns_result(statement: AST) -> bool:
 
 
 def uses(statement: AST, typing: Typing, active: frozenset[str],
-         call_uses: Callable[[AST, Uses], None]) -> Uses:
+         call_uses: Callable[[AST, OperandUses], None]) -> OperandUses:
     """What the adjoint of a simple statement, a whole-array statement or a call reads."""
-    found = Uses()
+    found = OperandUses()
     if not isinstance(statement, (Assign, AugAssign)) or (call_name(statement.value) or "").startswith("user."):
         if isinstance(getattr(statement, "value", None), Call):
             call_uses(statement, found)
@@ -144,11 +144,11 @@ def uses(statement: AST, typing: Typing, active: frozenset[str],
         return found
     found.place(target, typing)
     _pull(statement.value, target if isinstance(target, Name) or owns_result(statement) else None,
-          Flow(typing, active), found)
+          DerivativeFlow(typing, active), found)
     return found
 
 
-def _pull(node: AST, result: AST | None, flow: Flow, found: Uses) -> None:
+def _pull(node: AST, result: AST | None, flow: DerivativeFlow, found: OperandUses) -> None:
     typing = flow.typing
     if isinstance(node, (Name, Constant)) or not flow.through(node):
         return
@@ -172,7 +172,7 @@ def _pull(node: AST, result: AST | None, flow: Flow, found: Uses) -> None:
         _pull(operand, None, flow, found)
 
 
-def _pull_function(node: AST, result: AST | None, flow: Flow, found: Uses) -> None:
+def _pull_function(node: AST, result: AST | None, flow: DerivativeFlow, found: OperandUses) -> None:
     typing = flow.typing
     rule = rules.find_array(call_name(node))
     assert rule is not None and isinstance(node, Call)

@@ -1,0 +1,1 @@
+"""differentiate: normal form becomes an adjoint or a tangent, statement by statement."""

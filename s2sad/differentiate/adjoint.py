@@ -13,27 +13,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from s2sad.analyze.activity import Activity
-from s2sad.analyze.liveness import base_name, targets
-from s2sad.analyze.plan import Plan
-from s2sad.analyze.structure import Structure
-from s2sad.analyze.unbounded import Unbounded
+from s2sad.liveness import base_name, targets
+from s2sad.analyze.recording_plan import RecordingPlan
+from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.unbounded_values import UnboundedValues
 from s2sad.analyze.uses import owns_result
 from s2sad.differentiate.arithmetic import Term
-from s2sad.differentiate.calls import Derive, is_kernel_call, pattern, with_shadows
-from s2sad.differentiate.counting import Counting
-from s2sad.differentiate.derivative import Made, Wanted
-from s2sad.differentiate.expression import Pullback
-from s2sad.differentiate.halves import Halves
-from s2sad.differentiate.resize import empty_at_first
+from s2sad.differentiate.callee_derivatives import Derive, is_kernel_call, pattern, with_shadows
+from s2sad.differentiate.trip_counters import TripCounters
+from s2sad.differentiate.request import Derivative, DerivativeRequest
+from s2sad.differentiate.expression_rules import Pullback
+from s2sad.differentiate.split_adjoints import SplitAdjoints
+from s2sad.differentiate.reallocation import empty_at_first
 from s2sad.differentiate.shadows import Shadows
 from s2sad.differentiate.sweeps import Sweeps
 from s2sad.differentiate.tape import Tape
-from s2sad.differentiate.vanishing import Vanishing
+from s2sad.differentiate.zero_law import ZeroLaw
 from s2sad.infer.shapes import shapes_of
-from s2sad.infer.slices import scattered
+from s2sad.infer.slice_extents import scattered
 from s2sad.infer.types import Type
 from s2sad.naming import Names
-from s2sad.normalize.workspace import is_allocation
+from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.program import MISFIT
 from s2sad.tree import (
     AST, Add, Assert, Assign, AugAssign, Call, Constant, Eq, Expr, Name, Return, Sub, Subscript, Tuple, assign, at,
@@ -45,39 +45,40 @@ from s2sad.tree import (
 REVERSE = "reverse sweep"
 
 
-def adjoint(structure: Structure, active: Activity, plan: Plan, wanted: Wanted, free: Names, derive: Derive,
-            family: Mapping[str, str], title: str, bounds: Unbounded) -> Made:
+def adjoint(structure: ProgramStructure, active: Activity, plan: RecordingPlan, wanted: DerivativeRequest, free: Names,
+            derive: Derive,
+            family: Mapping[str, str], title: str, bounds: UnboundedValues) -> Derivative:
     """The adjoint of a function; `title` is its name, `family` tells which variable of the user's a name stands for."""
     return _Adjoint(structure, active, plan, wanted, free, derive, family, bounds).made(title)
 
 
 class _Adjoint(Shadows):
-    def __init__(self, structure: Structure, activity: Activity, plan: Plan, wanted: Wanted, free: Names,
-                 derive: Derive, family: Mapping[str, str], bounds: Unbounded):
+    def __init__(self, structure: ProgramStructure, activity: Activity, plan: RecordingPlan, wanted: DerivativeRequest,
+                 free: Names,
+                 derive: Derive, family: Mapping[str, str], bounds: UnboundedValues):
         self.structure, self.typing, self.plan = structure, structure.typing, plan
         self.active = activity.active
         self.wanted, self.free, self.derive, self.bounds = wanted, free, derive, bounds
         self.shadows: dict[str, str] = {}
         self.scopes: dict[int, list[str]] = {}
-        self.tape = Tape(structure, self.typing, free, plan.rerun, Counting(structure, plan, free))
+        self.tape = Tape(structure, self.typing, free, plan.rerun, TripCounters(structure, plan, free))
         self.shapes = shapes_of(structure.function, self.typing)
-        self.halves = Halves(self.typing, self.active, free, derive, bounds)
+        self.halves = SplitAdjoints(self.typing, self.active, free, derive, bounds)
         self.sweeps = Sweeps(structure, plan, self.tape, free, self.statement, self.zeros, self.shapes, family,
                              self.halves.first)
-        self.pullback = Pullback(self.typing, self.active, free, self.bind, self.shapes, Vanishing(bounds))
+        self.pullback = Pullback(self.typing, self.active, free, self.bind, self.shapes, ZeroLaw(bounds))
         self.parameters = [p.id for p in structure.function.args.args]
         self.written = {base_name(t) for s in walk(structure.function.body) if isinstance(s, (Assign, AugAssign))
                         for t in targets(s) if isinstance(t, Subscript)}
 
     def bind(self, wanted: str, like: AST) -> str:
-        made = self.free.fresh(wanted)
-        self.typing.table[made] = self.typing.of(like)
+        made = self.typing.declare(self.free.fresh(wanted), self.typing.of(like))
         self.shapes.arrays[made] = self.shapes.of(like)
         return made
 
     # -- the function ------------------------------------------------------------------------------------------------
 
-    def made(self, title: str) -> Made:
+    def made(self, title: str) -> Derivative:
         signature, seeds = self.signature()
         self.seeds = seeds
         self.find_scopes()
@@ -99,8 +100,8 @@ class _Adjoint(Shadows):
         body = [comment("forward sweep"), *self.halves.stacks(), *forward, *held, *self.seeds_fit(), comment(REVERSE),
                 *zeros, *reverse, *last, *closing]
         made = function(title, [n for n, _, _ in signature], body)
-        return Made(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + returned,
-                    self.tape, self.halves.lists())
+        return Derivative(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + returned,
+                          self.tape, self.halves.lists())
 
     def primal_result(self) -> AST:
         last = self.structure.function.body[-1]
@@ -119,8 +120,8 @@ class _Adjoint(Shadows):
         seeds: dict[int, str] = {}
         for result in results:
             number = int(result.split()[1])
-            seeds[number] = self.free.fresh("result_bar" if single else f"result_{number}_bar")
-            self.typing.table[seeds[number]] = self.result_type(number)
+            seed = self.free.fresh("result_bar" if single else f"result_{number}_bar")
+            seeds[number] = self.typing.declare(seed, self.result_type(number))
             self.shapes.arrays[seeds[number]] = self.shapes.of(self.results()[number])
             signature.append((seeds[number], "seed", result))
         return signature, seeds
@@ -251,9 +252,8 @@ class _Adjoint(Shadows):
         if callee.forward:
             made.append(self.halves.popped(statement))
             args.append(name(self.halves.kept(statement).value))
-        returned = [self.free.fresh("gain") for _ in callee.returns]
-        for held, position in zip(returned, callee.returns):
-            self.typing.table[held] = self.typing.of(statement.value.args[position])
+        returned = [self.typing.declare(self.free.fresh("gain"), self.typing.of(statement.value.args[position]))
+                    for position in callee.returns]
         called = call(callee.name, *args)
         made.append(assign(tuple_of(*map(name, returned)), called) if returned else Expr(called))
         made += [assign(self.shadow(b), const(0.0)) for b in bound

@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from s2sad.differentiate.derivative import Made, Wanted
-from s2sad.differentiate.calls import Callee
-from s2sad.differentiate.own import Owner, Wrapper
+from s2sad.differentiate.request import Derivative, DerivativeRequest
+from s2sad.differentiate.callee_derivatives import CalleeDerivative
+from s2sad.differentiate.user_functions import UserFunction, UserFunctionWrapper
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.tree import (
@@ -34,9 +34,10 @@ class Residual:
     parameters: tuple[str, ...]
     results: tuple[Type, ...]
     written: frozenset[str]
-    derive: Callable[[str, tuple[str, ...], tuple[str, ...]], Callee]
+    derive: Callable[[str, tuple[str, ...], tuple[str, ...]], CalleeDerivative]
 
-    def called(self, callee: Callee, arguments: Mapping[str, AST], shadows: Mapping[str, AST], *seeds: AST) -> Call:
+    def called(self, callee: CalleeDerivative, arguments: Mapping[str, AST], shadows: Mapping[str, AST],
+               *seeds: AST) -> Call:
         """The call of a derivative with these arguments and shadows, by parameter."""
         given: list[AST] = []
         for position, parameter in enumerate(self.parameters):
@@ -52,7 +53,7 @@ def solution_of(taken: tuple[str, ...], written: frozenset[str]) -> str:
     return taken[1] if len(taken) > 1 and taken[1] in written else ""
 
 
-def wrong_implicit(owner: Owner, residual: Residual, wanted: Wanted) -> str:
+def wrong_implicit(owner: UserFunction, residual: Residual, wanted: DerivativeRequest) -> str:
     """Why a call cannot have a derivative through the residual, in words; empty if it can."""
     solution, where = solution_of(residual.parameters, owner.written), f"a residual, '{residual.title}',"
     others = residual.parameters[2:] if solution else residual.parameters[1:]
@@ -79,9 +80,10 @@ def wrong_implicit(owner: Owner, residual: Residual, wanted: Wanted) -> str:
 class Implicit:
     """The derivatives of one call of an implicit function."""
 
-    def __init__(self, owner: Owner, residual: Residual, wanted: Wanted, title: str, ending: str, product: str):
+    def __init__(self, owner: UserFunction, residual: Residual, wanted: DerivativeRequest, title: str, ending: str,
+                 product: str):
         self.owner, self.residual, self.wanted, self.product = owner, residual, wanted, product
-        self.wrapper = Wrapper(owner, wanted, title, ending)
+        self.wrapper = UserFunctionWrapper(owner, wanted, title, ending)
         self.solution = solution_of(residual.parameters, owner.written)
         self.free: Names = self.wrapper.free
         self.others = residual.parameters[2:] if self.solution else residual.parameters[1:]
@@ -123,7 +125,7 @@ class Implicit:
 
     # -- adjoint -----------------------------------------------------------------------------------------------------
 
-    def adjoint(self) -> tuple[Made, tuple[FunctionDef, ...]]:
+    def adjoint(self) -> tuple[Derivative, tuple[FunctionDef, ...]]:
         """The adjoint, and what stands beside it."""
         wrapper, owner = self.wrapper, self.owner
         numbers = [n for n in self.wanted.wrt if n in owner.numbers]
@@ -164,13 +166,13 @@ class Implicit:
                 assign(seed, quotient(name(bar), name(slope))),
                 self.gains(of_p, self.residual.called(of_p, at, self.shadows, name(seed)))]
 
-    def gains(self, callee: Callee, made: Call) -> AST:
+    def gains(self, callee: CalleeDerivative, made: Call) -> AST:
         returned = [name(self.wrapper.shadows[self.residual.parameters[k]]) for k in callee.returns]
         return assign(tuple_of(*returned), made) if returned else Expr(made)
 
     # -- tangent -----------------------------------------------------------------------------------------------------
 
-    def tangent(self) -> tuple[Made, tuple[FunctionDef, ...]]:
+    def tangent(self) -> tuple[Derivative, tuple[FunctionDef, ...]]:
         """The tangent, and what stands beside it: the function is run, and then the system solved."""
         results = [self.free.fresh("result") for _ in self.owner.results]
         primal = call(f"user.{self.owner.title}", *map(name, self.owner.types))

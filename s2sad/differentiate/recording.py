@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from s2sad.analyze.liveness import base_name
-from s2sad.analyze.plan import Plan, Snapshot, Store
-from s2sad.analyze.resized import own_loops
-from s2sad.analyze.structure import Structure
-from s2sad.analyze.values import Value
+from s2sad.liveness import base_name
+from s2sad.analyze.recording_plan import RecordingPlan, Snapshot, Store
+from s2sad.analyze.reallocated_arrays import own_loops
+from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.reverse_values import ReverseValue
 from s2sad.differentiate.tape import Stack, Tape
-from s2sad.infer.infer import Typing
+from s2sad.infer.inference import Typing
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.types import INT
 from s2sad.tree import (
@@ -22,8 +22,8 @@ from s2sad.tree import (
 
 class Recording:
     """The stacks of one function, by the plan of what is recorded."""
-    structure: Structure
-    plan: Plan
+    structure: ProgramStructure
+    plan: RecordingPlan
     tape: Tape
     typing: Typing
     shapes: Shapes
@@ -69,7 +69,7 @@ class Recording:
         whole = isinstance(kept, Subscript) and isinstance(kept.slice, Constant) and kept.slice.value is Ellipsis
         return copy(kept.value) if whole else copy(kept)
 
-    def value_stack(self, key: str, value: Value) -> Stack:
+    def value_stack(self, key: str, value: ReverseValue) -> Stack:
         loops = self.structure.place(value.home).loops
         if value.kind == "carried":
             loops = (*loops, value.home)

@@ -5,11 +5,11 @@
 """
 from __future__ import annotations
 
-from s2sad.analyze.resized import escapes, own_loops
-from s2sad.analyze.structure import Structure
-from s2sad.differentiate.calls import is_kernel_call
-from s2sad.differentiate.derivative import Wanted
-from s2sad.infer.infer import Typing
+from s2sad.analyze.reallocated_arrays import escapes, own_loops
+from s2sad.analyze.structure import ProgramStructure
+from s2sad.differentiate.callee_derivatives import is_kernel_call
+from s2sad.differentiate.request import DerivativeRequest
+from s2sad.infer.inference import Typing
 from s2sad.infer.shapes import Shapes
 from s2sad.naming import Names
 from s2sad.tree import AST, Assign, AugAssign, Name, Return, assign, call, const, name, walk
@@ -17,10 +17,10 @@ from s2sad.tree import AST, Assign, AugAssign, Name, Return, assign, call, const
 
 class Shadows:
     """The shadows of one function's active names."""
-    structure: Structure
+    structure: ProgramStructure
     typing: Typing
     active: frozenset[str]
-    wanted: Wanted
+    wanted: DerivativeRequest
     free: Names
     shapes: Shapes
     parameters: list[str]
@@ -31,8 +31,7 @@ class Shadows:
 
     def shadow(self, primal: str) -> str:
         if primal not in self.shadows:
-            self.shadows[primal] = self.free.fresh(f"{primal}_bar")
-            self.typing.table[self.shadows[primal]] = self.typing.table[primal]
+            self.shadows[primal] = self.typing.declare(self.free.fresh(f"{primal}_bar"), self.typing.table[primal])
             self.shapes.like(self.shadows[primal], primal)
         return self.shadows[primal]
 
@@ -43,8 +42,7 @@ class Shadows:
             if (self.typing.table[parameter].is_array and parameter in self.wanted.wrt
                     and parameter not in self.wanted.of and parameter in self.written and parameter in self.active):
                 public = self.shadows[parameter]
-                own = self.free.fresh(f"{parameter}_shadow")
-                self.typing.table[own] = self.typing.table[parameter]
+                own = self.typing.declare(self.free.fresh(f"{parameter}_shadow"), self.typing.table[parameter])
                 self.shadows[parameter] = own
                 added.append((public, own))
         self.own = {own for _, own in added}

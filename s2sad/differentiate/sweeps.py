@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from s2sad.analyze.liveness import base_name, targets
-from s2sad.analyze.plan import Plan
-from s2sad.analyze.structure import Structure, is_simple
-from s2sad.differentiate.backwards import reversed_bounds
-from s2sad.differentiate.counting import has_break
+from s2sad.liveness import base_name, targets
+from s2sad.analyze.recording_plan import RecordingPlan
+from s2sad.analyze.structure import ProgramStructure, is_simple
+from s2sad.differentiate.reversed_loops import reversed_bounds
+from s2sad.differentiate.trip_counters import has_break
 from s2sad.differentiate.recording import Recording, whole_place
-from s2sad.differentiate.resize import pop_sizes, push_sizes
+from s2sad.differentiate.reallocation import pop_sizes, push_sizes
 from s2sad.differentiate.tape import Stack, Tape
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.types import INT
@@ -35,7 +35,7 @@ class Sweeps(Recording):
     `zeros(block)` what must be zero where the reverse of a block begins; `family` says which variable a name is of.
     """
 
-    def __init__(self, structure: Structure, plan: Plan, tape: Tape, free: Names, adjoint: Adjoint,
+    def __init__(self, structure: ProgramStructure, plan: RecordingPlan, tape: Tape, free: Names, adjoint: Adjoint,
                  zeros: Callable[[list[AST]], list[AST]], shapes: Shapes, family: Mapping[str, str], called: Adjoint):
         self.shapes = shapes
         self.structure, self.plan, self.tape, self.free = structure, plan, tape, free
@@ -237,8 +237,7 @@ class Sweeps(Recording):
         trips, read = name(self.counting.count(loop)), self.counting.iterations.get(id(loop))
         if read is not None:
             return counted_for(read, [sub(trips, const(1)), const(-1), const(-1)], body)
-        unread = self.free.fresh("trip")
-        self.typing.table[unread] = INT
+        unread = self.typing.declare(self.free.fresh("trip"), INT)
         return counted_for(unread, [trips], body)
 
 

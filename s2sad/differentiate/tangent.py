@@ -6,43 +6,45 @@
 from __future__ import annotations
 
 from s2sad.analyze.activity import Activity
-from s2sad.analyze.liveness import base_name, targets
-from s2sad.analyze.structure import Structure
-from s2sad.analyze.unbounded import Unbounded
+from s2sad.liveness import base_name, targets
+from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.unbounded_values import UnboundedValues
 from s2sad.analyze.uses import owns_result
 from s2sad.differentiate.arithmetic import Term, is_plain
-from s2sad.differentiate.derivative import Made, Wanted
-from s2sad.differentiate.calls import Derive, is_kernel_call, pattern, with_shadows
-from s2sad.differentiate.expression import Pushforward
-from s2sad.differentiate.vanishing import Vanishing
+from s2sad.differentiate.request import Derivative, DerivativeRequest
+from s2sad.differentiate.callee_derivatives import Derive, is_kernel_call, pattern, with_shadows
+from s2sad.differentiate.expression_rules import Pushforward
+from s2sad.differentiate.zero_law import ZeroLaw
 from s2sad.infer.shapes import shapes_of
 from s2sad.naming import Names
-from s2sad.normalize.workspace import is_allocation
+from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, Constant, Expr, For, If, Name, Return, Sub, Subscript, Tuple, While, assign, at,
     augment, call, call_name, const, copy, function, index, name, tuple_of,
 )
 
 
-def tangent(structure: Structure, active: Activity, wanted: Wanted, free: Names, derive: Derive, title: str,
-            bounds: Unbounded, flat: bool = False) -> Made:
+def tangent(structure: ProgramStructure, active: Activity, wanted: DerivativeRequest, free: Names, derive: Derive,
+            title: str,
+            bounds: UnboundedValues, flat: bool = False) -> Derivative:
     """The tangent of a function; `flat` returns results and tangents side by side, as other tangents call it."""
     return _Tangent(structure, active, wanted, free, derive, bounds, flat).made(title)
 
 
 class _Tangent:
-    def __init__(self, structure: Structure, activity: Activity, wanted: Wanted, free: Names, derive: Derive,
-                 bounds: Unbounded, flat: bool):
+    def __init__(self, structure: ProgramStructure, activity: Activity, wanted: DerivativeRequest, free: Names,
+                 derive: Derive,
+                 bounds: UnboundedValues, flat: bool):
         self.structure, self.typing, self.active = structure, structure.typing, activity.active
         self.wanted, self.free, self.derive, self.flat = wanted, free, derive, flat
         self.shadows: dict[str, str] = {}
         self.bounds = bounds
         self.shapes = shapes_of(structure.function, structure.typing)
-        self.pushforward = Pushforward(self.typing, self.active, self.value, self.shapes, Vanishing(bounds), self.held)
+        self.pushforward = Pushforward(self.typing, self.active, self.value, self.shapes, ZeroLaw(bounds), self.held)
         self.before: list[AST] = []
         self.parameters = [p.id for p in structure.function.args.args]
 
-    def made(self, title: str) -> Made:
+    def made(self, title: str) -> Derivative:
         signature: list[tuple[str, str, str]] = []
         for parameter in self.parameters:
             signature.append((parameter, "primal", parameter))
@@ -55,12 +57,11 @@ class _Tangent:
         body = before + self.block(self.structure.function.body)
         results = [o for o in self.wanted.of if o.startswith("return ")]
         made = function(title, [n for n, _, _ in signature], body)
-        return Made(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + results)
+        return Derivative(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + results)
 
     def shadow(self, primal: str) -> str:
         if primal not in self.shadows:
-            self.shadows[primal] = self.free.fresh(f"{primal}_dot")
-            self.typing.table[self.shadows[primal]] = self.typing.table[primal]
+            self.shadows[primal] = self.typing.declare(self.free.fresh(f"{primal}_dot"), self.typing.table[primal])
             self.shapes.like(self.shadows[primal], primal)
         return self.shadows[primal]
 
@@ -76,8 +77,7 @@ class _Tangent:
         """A name for a partial that is read twice, bound before the tangent."""
         if is_plain(partial):
             return partial
-        made = self.free.fresh("slope")
-        self.typing.table[made] = self.typing.of(partial)
+        made = self.typing.declare(self.free.fresh("slope"), self.typing.of(partial))
         self.shapes.arrays[made] = self.shapes.of(partial)
         self.before.append(assign(made, partial))
         return name(made)

@@ -15,13 +15,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from s2sad.analyze.liveness import base_name
-from s2sad.analyze.resized import own_loops
-from s2sad.analyze.structure import Structure
-from s2sad.analyze.trips import counter, known_trips
-from s2sad.differentiate.counting import Counting
-from s2sad.differentiate.ragged import Region, pushed, put_back
-from s2sad.infer.infer import Typing
+from s2sad.liveness import base_name
+from s2sad.analyze.reallocated_arrays import own_loops
+from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.trip_counts import counter, known_trips
+from s2sad.differentiate.trip_counters import TripCounters
+from s2sad.differentiate.ragged_stacks import RecordedRegion, pushed, put_back
+from s2sad.infer.inference import Typing
 from s2sad.infer.types import INT, UNKNOWN, Type, array
 from s2sad.naming import Names
 from s2sad.tree import (
@@ -53,11 +53,11 @@ class Stack:
 @dataclass
 class Tape:
     """All stacks of a function; `allocations` by the id of the loop before which they stand."""
-    structure: Structure
+    structure: ProgramStructure
     typing: Typing
     free: Names
     rerun: frozenset[int]
-    counting: Counting
+    counting: TripCounters
     stacks: dict[str, Stack] = field(default_factory=dict)
     allocations: dict[int, list[AST]] = field(default_factory=dict)
 
@@ -92,7 +92,7 @@ class Tape:
         made = Stack(self.free.fresh(f"{wanted}_stack" if inner else f"{wanted}_before"), loops=inner, kind=kind,
                      shape=shape, ragged=ragged)
         if not inner:
-            self.typing.table[made.array] = kind
+            self.typing.declare(made.array, kind)
             return made
         sizes = None if ragged else known_trips(self.structure, inner, home[0])
         if sizes is not None:
@@ -102,7 +102,7 @@ class Tape:
         else:
             allocated = [self._allocate(made.array, kind, [const(_FIRST)], shape),
                          *self._growing(made, wanted, carried)]
-        self.typing.table[made.array] = array(kind.dtype, kind.rank + max(1, len(made.counters)))
+        self.typing.declare(made.array, array(kind.dtype, kind.rank + max(1, len(made.counters))))
         self.allocations.setdefault(id(home[0]), []).extend(allocated)
         return made
 
@@ -114,8 +114,7 @@ class Tape:
         if found is not None:
             made.pushed, made.counters = found[0], (found[1],)
             return []
-        made.top = self.free.fresh(f"{wanted}_top")
-        self.typing.table[made.top] = INT
+        made.top = self.typing.declare(self.free.fresh(f"{wanted}_top"), INT)
         return [assign(made.top, const(0))]
 
     def _allocate(self, target: str, kind: Type, sizes: list[AST], shape: AST | None) -> AST:
@@ -162,13 +161,13 @@ class Tape:
         return [put_back(stack.array, stack.top, self.region(target))] if stack.ragged else [
             assign(target, self.cell(stack))]
 
-    def region(self, place: AST) -> Region:
+    def region(self, place: AST) -> RecordedRegion:
         """The array or row that an entry of a ragged stack is of."""
         base = place.value if isinstance(place, Subscript) else place
         kept = [] if isinstance(place, Name) else given(place)
-        counters = [self.free.fresh(c) for c in ("i", "j", "k", "l", "m", "o")[:self.typing.of(place).rank]]
-        self.typing.table.update(dict.fromkeys(counters, INT))
-        return Region(base, tuple(kept), tuple(counters))
+        counters = [self.typing.declare(self.free.fresh(c), INT)
+                    for c in ("i", "j", "k", "l", "m", "o")[:self.typing.of(place).rank]]
+        return RecordedRegion(base, tuple(kept), tuple(counters))
 
 
 def given(place: Subscript) -> list[AST]:

@@ -8,7 +8,7 @@ Functions of any form go in, and come out in the same.
 from __future__ import annotations
 
 from s2sad import rules, tree
-from s2sad.emit.unraised import unraised
+from s2sad.emit.numpy_scalars import numpy_scalars
 from s2sad.rules.transforms import TRANSFORMS
 from s2sad.tree import AST, BinOp, Call, Div, FunctionDef, attribute, call, call_name, const, copy, rebuild
 from s2sad.units import Units
@@ -32,7 +32,7 @@ def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:
     types = {d.function.name: d.types for d in units.derived.values()}
     types |= {title: {**u.typing.table, **dict(zip((p.id for p in u.lowered.args.args), u.types))}
               for title, u in units.titled.items()}
-    return unraised(functions, types, units.program.constants)
+    return numpy_scalars(functions, types, units.program.constants)
 
 
 def for_numba(function: FunctionDef) -> FunctionDef:

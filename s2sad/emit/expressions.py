@@ -9,9 +9,9 @@ import astunparse
 import numpy as np
 
 from s2sad import tree
-from s2sad.emit.lines import BREAK, Group
+from s2sad.emit.line_breaking import BREAK, Pieces
 from s2sad.emit.literals import needs_numpy, number, quoted, text_parts
-from s2sad.emit.spelling import spell
+from s2sad.emit.dotted_names import spell
 
 # What binds loosest first; an operand is put in parentheses where it binds looser than its place asks.
 TUPLE, TEST, OR, AND, NOT, COMPARE, BIT_OR, BIT_XOR, BIT_AND, SHIFT, SUM, TERM, SIGN, POWER, ATOM = range(15)
@@ -35,7 +35,7 @@ class Expressions(astunparse.Unparser):
 
     @contextmanager
     def group(self, kind: str, opening: str = "", closing: str = "") -> Iterator[None]:
-        outer, group = self.items, Group(kind, [], opening, closing)
+        outer, group = self.items, Pieces(kind, [], opening, closing)
         self.items = group.items
         self.depth += 1
         yield
@@ -91,7 +91,7 @@ class Expressions(astunparse.Unparser):
         value = node.value
         if isinstance(value, str):
             parts = text_parts(value)
-            self.items.append(Group("text", parts, quoted(value)) if len(parts) > 1 else quoted(value))
+            self.items.append(Pieces("text", parts, quoted(value)) if len(parts) > 1 else quoted(value))
         elif isinstance(value, (float, np.floating)) and not np.isfinite(value):
             self.write("-" if value < 0 else "")
             self.write(spell("numpy.nan" if value != value else "numpy.inf", self.names))

@@ -1,17 +1,17 @@
 """The docstring of a generated file: what is differentiated with respect to what, types, roles, what is recorded."""
 from __future__ import annotations
 
-from s2sad.analyze.liveness import base_name, read_names, targets
-from s2sad.emit.stacks import recorded_lines
-from s2sad.normalize.hidden import hidden_name
+from s2sad.liveness import base_name, read_names, targets
+from s2sad.emit.stack_report import recorded_lines
+from s2sad.normalize.calls.global_arrays import hidden_name
 from s2sad.program import Request
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Expr, For, FunctionDef, If, Return, Subscript, While, call_name, const, copy, walk,
 )
-from s2sad.units import Derived, Unit, Units
+from s2sad.units import UnitDerivative, Unit, Units
 
 
-def header(derived: Derived, request: Request, units: Units) -> list[str]:
+def header(derived: UnitDerivative, request: Request, units: Units) -> list[str]:
     """The lines of the docstring."""
     unit = derived.unit
     of, wrt = (", ".join(names) or "nothing" for names in (request.of, request.wrt))
@@ -29,7 +29,7 @@ def header(derived: Derived, request: Request, units: Units) -> list[str]:
     return lines
 
 
-def documented(function: FunctionDef, derived: Derived, manner: str = "") -> FunctionDef:
+def documented(function: FunctionDef, derived: UnitDerivative, manner: str = "") -> FunctionDef:
     """The function under a line that says what it differentiates with respect to what, and in what manner."""
     results = len(derived.unit.summary.results)
     of = ", ".join("return" if results == 1 and o.startswith("return ") else o for o in derived.wanted.of)

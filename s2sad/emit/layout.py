@@ -17,9 +17,9 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.emit.expressions import ATOM, TEST, Expressions
-from s2sad.emit.lines import BREAK, broken, flat
+from s2sad.emit.line_breaking import BREAK, broken, flat
 from s2sad.emit.literals import docstring, formatted_string
-from s2sad.emit.spelling import SPELLING
+from s2sad.emit.dotted_names import SPELLING
 
 WIDTH = 100
 

@@ -10,19 +10,19 @@ from dataclasses import dataclass
 from typing import Any
 
 from s2sad import tree
-from s2sad.emit.idiom import idiomatic
+from s2sad.emit.operator_spellings import idiomatic
 from s2sad.emit.layout import WIDTH, Layout, text
-from s2sad.emit.lines import BREAK, Group, broken
+from s2sad.emit.line_breaking import BREAK, Pieces, broken
 from s2sad.emit.literals import docstring, escaped
-from s2sad.emit.manner import manners
+from s2sad.emit.user_style import manners
 from s2sad.emit.paste import pasted
-from s2sad.emit.spelling import BUILTINS, SPECIAL, literal, module_spelling
-from s2sad.emit.uses import Uses
+from s2sad.emit.dotted_names import BUILTINS, SPECIAL, literal, module_spelling
+from s2sad.emit.outside_uses import OutsideUses
 from s2sad.registry import ROOM
 
 
 @dataclass(frozen=True)
-class Function:
+class FunctionLines:
     """Where a function stands in the text of a module: its first line, counted from 0, and the statement that each of
     its lines prints, with its place in the kernel's source where it has one."""
     name: str
@@ -31,10 +31,10 @@ class Function:
 
 
 @dataclass(frozen=True)
-class Module:
+class ModuleText:
     """The text of a module, and which line of it stands for which statement."""
     text: str
-    functions: tuple[Function, ...]
+    functions: tuple[FunctionLines, ...]
 
 
 def module_text(functions: list[tree.FunctionDef], *, header: list[str], constants: Mapping[str, Any],
@@ -44,7 +44,7 @@ def module_text(functions: list[tree.FunctionDef], *, header: list[str], constan
 
 
 def module(functions: list[tree.FunctionDef], *, header: list[str], constants: Mapping[str, Any],
-           standalone: bool) -> Module:
+           standalone: bool) -> ModuleText:
     """A module with these functions, in this order.
 
     `header` is its docstring, line by line; `constants` has a value for every `const.` name the functions read.
@@ -64,7 +64,7 @@ def module(functions: list[tree.FunctionDef], *, header: list[str], constants: M
         return G
     """
     functions = list(map(idiomatic, functions))
-    uses = Uses.of(functions)
+    uses = OutsideUses.of(functions)
     values = {key: literal(constants[key]) for key in uses.room("const")}
     pieces = pasted(uses.room("runtime")) if standalone else []
     spelling = module_spelling(uses, values, pieces)
@@ -77,17 +77,18 @@ def module(functions: list[tree.FunctionDef], *, header: list[str], constants: M
     laid_out = [Layout(function, names=spelling) for function in functions]
     parts = ["\n\n".join(filter(None, top)), *(piece.text(spelling) for piece in pieces)]
     parts = [*filter(None, parts), *(each.text for each in laid_out)]
-    return Module("\n\n\n".join(parts) + "\n", _functions(parts, functions, laid_out))
+    return ModuleText("\n\n\n".join(parts) + "\n", _functions(parts, functions, laid_out))
 
 
-def _functions(parts: list[str], functions: list[tree.FunctionDef], laid_out: list[Layout]) -> tuple[Function, ...]:
+def _functions(parts: list[str], functions: list[tree.FunctionDef], laid_out: list[Layout]) -> tuple[FunctionLines,
+                                                                                                     ...]:
     """Where the functions stand, which are the last parts of the text."""
     found, line = [], 0
     before = len(parts) - len(functions)
     for position, part in enumerate(parts):
         if position >= before:
             printed = laid_out[position - before]
-            found.append(Function(functions[position - before].name, line, tuple(printed.origins)))
+            found.append(FunctionLines(functions[position - before].name, line, tuple(printed.origins)))
         line += part.count("\n") + 3
     return tuple(found)
 
@@ -141,7 +142,7 @@ def _imports(spelling: Mapping[str, str], runtime_names: list[str]) -> str:
             items += [",", BREAK] if items else []
             items.append(identifier if alias == identifier else f"{identifier} as {alias}")
         # skipped, for where it belongs depends on whether the file lies beside s2sad's own sources
-        pieces = ["from s2sad.runtime import ", Group("optional", items), "  # isort: skip"]
+        pieces = ["from s2sad.runtime import ", Pieces("optional", items), "  # isort: skip"]
         blocks.append("\n".join(broken(pieces, 0, WIDTH)))
     return "\n\n".join(blocks)
 

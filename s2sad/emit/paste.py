@@ -13,7 +13,7 @@ from s2sad import runtime
 
 
 @dataclass(frozen=True)
-class Piece:
+class RuntimeFunction:
     """A runtime function: its text, the libraries and builtins it uses and the runtime functions it calls.
 
     `places` are the (line, column, name as it stands, what it means) of the names to be spelled, last one first;
@@ -35,13 +35,13 @@ class Piece:
         return "\n".join(lines)
 
 
-def pasted(names: Iterable[str]) -> list[Piece]:
+def pasted(names: Iterable[str]) -> list[RuntimeFunction]:
     """The runtime functions of these names and those they call, callees first.
 
     >>> [piece.name for piece in pasted(["grow", "pairwise_sum"])]
     ['grow', 'blocked_sum', 'pairwise_sum']
     """
-    found: dict[str, Piece] = {}
+    found: dict[str, RuntimeFunction] = {}
 
     def add(name: str) -> None:
         if name not in found:
@@ -56,7 +56,7 @@ def pasted(names: Iterable[str]) -> list[Piece]:
 
 
 @cache
-def _piece(name: str) -> Piece:
+def _piece(name: str) -> RuntimeFunction:
     function = getattr(runtime, name)
     source = inspect.getsource(function)
     definition = ast.parse(source).body[0]
@@ -80,4 +80,5 @@ def _piece(name: str) -> Piece:
             continue
         places.append((node.lineno, node.col_offset, node.id, meaning))
     in_order = tuple(sorted(places, reverse=True))
-    return Piece(name, source.rstrip(), frozenset(libraries), frozenset(plain), tuple(dict.fromkeys(calls)), in_order)
+    return RuntimeFunction(name, source.rstrip(), frozenset(libraries), frozenset(plain), tuple(dict.fromkeys(calls)),
+                           in_order)

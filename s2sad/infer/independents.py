@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.infer.assumed import spelled, uses_of
+from s2sad.infer.assumed_types import spelled, uses_of
 from s2sad.tree import (
     AST, Assert, Assign, BoolOp, Call, Compare, Constant, FunctionDef, If, IfExp, Load, Lt, LtE, Gt, GtE, Name, Not,
     UnaryOp, While, call_name, walk,

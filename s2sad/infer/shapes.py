@@ -10,9 +10,9 @@ from collections.abc import Mapping
 
 from s2sad import rules
 from s2sad.infer.affine import Affine
-from s2sad.infer.asked import Asked
-from s2sad.infer.infer import Typing
-from s2sad.infer.laws import GIVEN, LAWS, LEAST, ONE, Shape, whole_number
+from s2sad.infer.requested_shapes import Asked
+from s2sad.infer.inference import Typing
+from s2sad.infer.signatures.laws import GIVEN, LAWS, LEAST, ONE, Shape, whole_number
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Name,
     Store, Subscript, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of,

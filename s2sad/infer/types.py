@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from s2sad.guards import Varying
+from s2sad.guards import VaryingNumber
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def _of_array(dtype: np.dtype, rank: int, ones: tuple[int, ...]) -> Type:
 
 def of_value(value: object) -> Type:
     """The type of a Python value, as an argument or a constant of the kernel's module."""
-    if isinstance(value, Varying):
+    if isinstance(value, VaryingNumber):
         value = value.value
     if value is None:
         return NONE

@@ -24,9 +24,9 @@ from s2sad.guards import Guards, Path, reached, recording
 from s2sad.program import Program
 from s2sad.read.capture import name_of, not_a_function
 from s2sad.unwrap import python_function
-from s2sad.read.link import Linker
-from s2sad.read.meaning import Function
-from s2sad.read.modules import FileModule
+from s2sad.read.linker import Linker
+from s2sad.read.outside_values import UserFunctionValue
+from s2sad.read.file_module import FileModule
 from s2sad.registry import GIVEN
 
 __all__ = ["functions", "load", "load_file", "python_function"]
@@ -54,8 +54,8 @@ def load(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path]
         return replace(program, guards=guards, warned=tuple(map(str, linker.ignored)))
 
 
-def _live(function: Any) -> Function:
-    return Function(name_of(function), ("live", id(function)), "", function)
+def _live(function: Any) -> UserFunctionValue:
+    return UserFunctionValue(name_of(function), ("live", id(function)), "", function)
 
 
 @deep_stack
@@ -68,7 +68,7 @@ def load_file(path: str | os.PathLike[str], function: str) -> Program:
     files: dict[str, FileModule] = {}
     module = FileModule(os.fspath(path), files)
     meaning = module.meanings.get(function) and module.lookup(function)
-    if not isinstance(meaning, Function):
+    if not isinstance(meaning, UserFunctionValue):
         raise S2sadError(_no_function(module, function))
     return replace(Linker().program(meaning), files=tuple(files))
 

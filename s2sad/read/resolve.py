@@ -19,16 +19,15 @@ import numpy
 
 from s2sad import rules, tree
 from s2sad.diagnostics import Report
-from s2sad.read import fence
-from s2sad.read.handed import by_default, handed
-from s2sad.read.meaning import (
-    AST, BUILTIN_CALLS, Array, Captured, Function, Holder, Library, Matrix, Meaning, Number, Space, Text, Unusable,
-    dotted,
-    library_value,
+from s2sad.read import supported_subset
+from s2sad.read.higher_order import by_default, higher_order
+from s2sad.read.outside_values import (
+    AST, BUILTIN_CALLS, Array, Captured, UserFunctionValue, Namespace, Library, Matrix, Meaning, Number, ModuleValue,
+    StringValue, Unusable, dotted, library_value,
 )
-from s2sad.read.modules import dropped_decorator
-from s2sad.read.plain import is_repeatable
-from s2sad.read.references import ITERATORS, Identify, References
+from s2sad.read.file_module import dropped_decorator
+from s2sad.read.desugar import is_repeatable
+from s2sad.read.outside_names import ITERATORS, Identify, OutsideNames
 from s2sad.tree import FunctionDef
 
 
@@ -38,7 +37,7 @@ class Resolved:
     tree: FunctionDef
     parameters: tuple[str, ...]
     locals: frozenset[str]
-    calls: list[tuple[Function, AST]] = field(default_factory=list)
+    calls: list[tuple[UserFunctionValue, AST]] = field(default_factory=list)
     references: set[str] = field(default_factory=set)
 
 
@@ -77,7 +76,7 @@ def _decorator(decorator: AST, captured: Captured, report: Report) -> None:
     parts = _path(node)
     meaning = captured.scope.lookup(parts[0]) if parts else None
     for part in parts[1:]:
-        meaning = meaning.scope.lookup(part) if isinstance(meaning, Space) else None
+        meaning = meaning.scope.lookup(part) if isinstance(meaning, ModuleValue) else None
     unknown = meaning is None and parts and parts[-1] in _TAKEN_OFF
     if not unknown and not dropped_decorator(dotted(meaning) or ""):
         text = ".".join(parts) or "..."
@@ -102,12 +101,12 @@ def _spelled(parts: list[str]) -> str:
     return "".join(f"[{p[1:-1]!r}]" if p.startswith("[") else f".{p}" if k else p for k, p in enumerate(parts))
 
 
-class _Resolver(References):
+class _Resolver(OutsideNames):
     """One kernel's walk; `change` is what `tree.rebuild` asks at every node."""
 
     def __init__(self, captured: Captured, report: Report, identify: Identify, local: set[str]):
         self.scope, self.report, self.identify, self.local = captured.scope, report, identify, local
-        self.calls: list[tuple[Function, AST]] = []
+        self.calls: list[tuple[UserFunctionValue, AST]] = []
         self.references: set[str] = set()
         self.called: set[int] = set()
         self.raised: set[int] = set()
@@ -124,11 +123,11 @@ class _Resolver(References):
         parts = _path(node)
         meaning: Meaning | None = self.scope.lookup(parts[0]) if parts and parts[0] not in self.local else None
         for part in parts[1:]:
-            meaning = _member(meaning, part) if isinstance(meaning, (Space, Library)) else None
+            meaning = _member(meaning, part) if isinstance(meaning, (ModuleValue, Library)) else None
         return dotted(meaning)
 
     def change(self, node: AST) -> AST | None:
-        if fence.opaque(node):
+        if supported_subset.opaque(node):
             return node
         if isinstance(node, tree.AnnAssign):
             plain = tree.Pass() if node.value is None else tree.Assign([node.target], node.value, None)
@@ -200,7 +199,7 @@ class _Resolver(References):
     def _replaces(self, node: AST) -> bool:
         """Whether a function is the one that makes a structure with other fields of another."""
         meant = self._function_meant(node)
-        return isinstance(meant, Function) and meant.path in ("dataclasses.replace", "copy.replace")
+        return isinstance(meant, UserFunctionValue) and meant.path in ("dataclasses.replace", "copy.replace")
 
     def _split(self, node: tree.Call) -> AST:
         """A number's part behind the point and the part before it."""
@@ -211,11 +210,11 @@ class _Resolver(References):
     def _functions_given(self, node: tree.Call) -> AST | None:
         """A call of a user's function that is given functions, or captures names of the kernel, made plain."""
         callee = self._function_meant(node.func)
-        if not isinstance(callee, Function) or rules.result_kind(callee.path) is not None:
+        if not isinstance(callee, UserFunctionValue) or rules.result_kind(callee.path) is not None:
             return None
         arguments = [*enumerate(node.args), *((k.arg, k.value) for k in node.keywords)]
         given = {k: f for k, a in arguments if (f := self._function_meant(a)) is not None} | by_default(node, callee)
-        made = handed(node, callee, given) if given else None
+        made = higher_order(node, callee, given) if given else None
         if made is None and not callee.given:
             return None
         callee, plain = made or (callee, node)
@@ -226,20 +225,20 @@ class _Resolver(References):
         new.keywords = [tree.keyword(k.arg, tree.rebuild(k.value, self.change)) for k in new.keywords]
         return tree.at(new, node)
 
-    def _function_meant(self, node: AST) -> Function | Library | None:
+    def _function_meant(self, node: AST) -> UserFunctionValue | Library | None:
         """The function of the user's or of NumPy's or Python's mathematics that a name or path means."""
         parts = _path(node)
         if not parts or parts[0] in self.local:
             return None
         meaning: Meaning | None = self.scope.lookup(parts[0])
         for part in parts[1:]:
-            meaning = _member(meaning, part) if isinstance(meaning, Space) else None
+            meaning = _member(meaning, part) if isinstance(meaning, ModuleValue) else None
         if isinstance(meaning, Library) and meaning.path.startswith(("numpy.", "math.")):
             value = library_value(meaning.path)
             return meaning if callable(value) and not isinstance(value, type) else None
-        if isinstance(meaning, Holder):
+        if isinstance(meaning, Namespace):
             meaning = meaning.scope.lookup("__call__")
-        return meaning if isinstance(meaning, Function) else None
+        return meaning if isinstance(meaning, UserFunctionValue) else None
 
     # -- paths --------------------------------------------------------------------------------------------------------
 
@@ -251,17 +250,17 @@ class _Resolver(References):
         if meaning is None:
             return self._unknown(node, parts, 0, [*sorted(self.local), *self.scope.known(), *BUILTIN_CALLS])
         taken = 1
-        while taken < len(parts) and isinstance(meaning, (Space, Library)):
+        while taken < len(parts) and isinstance(meaning, (ModuleValue, Library)):
             inner = _member(meaning, parts[taken])
             if inner is None:
-                known = meaning.scope.known() if isinstance(meaning, Space) else []
+                known = meaning.scope.known() if isinstance(meaning, ModuleValue) else []
                 return self._unknown(node, parts, taken, known)
             meaning, taken = inner, taken + 1
         if taken == len(parts):
             return self._reference(node, meaning, _spelled(parts))
         if isinstance(meaning, (Number, Array, Matrix)):
             return None  # `table.shape`: the name below is resolved on its own
-        if isinstance(meaning, Text):
+        if isinstance(meaning, StringValue):
             self._refuse("a method of a string is not supported in a kernel", node, "write the string out")
         elif isinstance(meaning, Unusable):
             return self._reference(node, meaning, _spelled(parts[:taken]))
@@ -286,8 +285,8 @@ class _Resolver(References):
         return tree.copy(node)
 
 
-def _member(meaning: Space | Library, name: str) -> Meaning | None:
-    if isinstance(meaning, Space):
+def _member(meaning: ModuleValue | Library, name: str) -> Meaning | None:
+    if isinstance(meaning, ModuleValue):
         return meaning.scope.lookup(name)
     path = f"{meaning.path}.{name}"
     value = library_value(meaning.path)

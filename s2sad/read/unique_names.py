@@ -17,7 +17,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from s2sad import tree
-from s2sad.read.meaning import AST, Captured
+from s2sad.read.outside_values import AST, Captured
 from s2sad.tree import FunctionDef, Name
 
 _COMPREHENSIONS = ("ListComp", "GeneratorExp", "SetComp", "DictComp")

@@ -19,7 +19,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, array, of_value
 from s2sad.program import Kernel
 from s2sad.report.sizes import Shape
-from s2sad.structure import Form, Structure, steps
+from s2sad.pytree import Form, PyTree, steps
 
 _LARGEST = 2 ** 63
 _DTYPES = ("float64", "float32", "complex128", "int64", "int32", "int16", "int8", "uint64", "uint32", "uint16", "uint8",
@@ -59,9 +59,9 @@ def evaluated(text: str, parameters: Sequence[str], floats: Collection[str] = ()
 def form_of_literal(value: Any) -> Form:
     """The type of a value, or what it is made of."""
     if isinstance(value, dict):
-        return Structure("either", tuple(value), tuple(map(form_of_literal, value.values())))
+        return PyTree("either", tuple(value), tuple(map(form_of_literal, value.values())))
     if isinstance(value, (tuple, list)):
-        return Structure("tuple", tuple(range(len(value))), tuple(map(form_of_literal, value)))
+        return PyTree("tuple", tuple(range(len(value))), tuple(map(form_of_literal, value)))
     if isinstance(value, Shape):
         ones = tuple(k for k, size in enumerate(value.shape) if size == 1)
         return Type("array", value.dtype.name, value.ndim, ones=ones) if ones else array(value.dtype.name, value.ndim)

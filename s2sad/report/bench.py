@@ -11,19 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.api import differentiate
-from s2sad.drivers import gradient, vjp
-from s2sad.prepared import ForwardCall, selection_of
+from s2sad.interface.differentiate import differentiate
+from s2sad.interface.drivers import gradient, vjp
+from s2sad.interface.value_calls import ForwardCall, selection_of
 from s2sad.program import Request
 from s2sad.report.explain import Explanation, explained
 from s2sad.report.findings import in_words
 from s2sad.report.output import check_output, write_output
 from s2sad.report.picture import drawn, kind_of
-from s2sad.report.question import Question
-from s2sad.report.slopes import Reference, Slopes, reason
+from s2sad.report.question import BenchQuestion
+from s2sad.report.slopes import ReferenceSlopes, Slopes, reason
 from s2sad.report.subject import split, vector_of
 from s2sad.report.timing import Times, on_one_core, sampled, seconds
-from s2sad.selection import RETURN, Results, Wrt
+from s2sad.interface.selection import RETURN, ReturnedValues, Wrt
 from s2sad.tracebacks import public
 
 _STEPS, _FORWARD = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10), 1e-8
@@ -123,7 +123,7 @@ def bench(f: Callable[..., Any], *args: Any, wrt: Wrt = None, of: str | Iterable
     (['primal', 'adjoint, bare', 'gradient', 'tangent'], 0.0)
     """
     with on_one_core() as where:
-        question = Question.asked(f, args, wrt, of, engine)
+        question = BenchQuestion.asked(f, args, wrt, of, engine)
         carried = selection_of(f)
         asked = differentiate(f, wrt=wrt if wrt is not None else carried[0], of=of if of is not None else carried[1],
                               engine=question.engine)
@@ -131,7 +131,7 @@ def bench(f: Callable[..., Any], *args: Any, wrt: Wrt = None, of: str | Iterable
 
 
 class _Measurement:
-    def __init__(self, question: Question, asked: Any, args: tuple[Any, ...], budget: float, where: str):
+    def __init__(self, question: BenchQuestion, asked: Any, args: tuple[Any, ...], budget: float, where: str):
         self.question, self.asked, self.args, self.budget, self.where = question, asked, args, budget, where
         self.run = question.primal(question.values)
         self._outputs()     # what is compiled is compiled
@@ -154,7 +154,7 @@ class _Measurement:
     def _seeds(self, outputs: dict[str, Any]) -> tuple[dict[str, Any], tuple[str, Callable[[], Any]]]:
         """The seeds of the outputs, and the call as a user makes it, with its name."""
         question, asked, args = self.question, self.asked, self.args
-        results = Results.of(question.state.summary(question.types))
+        results = ReturnedValues.of(question.state.summary(question.types))
         if question.of == (RETURN,) and len(results.types) == 1 and results.types[0].is_float \
                 and not results.types[0].is_array:
             return {RETURN: 1.0}, ("gradient", partial(gradient(asked), *args))
@@ -197,7 +197,7 @@ class _Measurement:
             remarks.append(f"no complex step: {reason(error)}")
             return None
 
-    def _runs(self, times: dict[str, Times], reference: Reference, found: dict[str, np.ndarray]) -> Iterable[Run]:
+    def _runs(self, times: dict[str, Times], reference: ReferenceSlopes, found: dict[str, np.ndarray]) -> Iterable[Run]:
         size, error = self.slopes.size, reference.error
         for name in sorted(times, key=_ORDER.index):
             taken = times[name]
@@ -241,7 +241,7 @@ class _Measurement:
 
     # -- what is said --------------------------------------------------------------------------------------------------
 
-    def _measure(self, reference: Reference) -> list[str]:
+    def _measure(self, reference: ReferenceSlopes) -> list[str]:
         slopes = self.slopes
         some = f" {slopes.places.size} of" if slopes.places.size < slopes.size else ""
         of = f"the largest of{some} the {slopes.size} derivatives"

@@ -12,12 +12,12 @@ import numpy as np
 from s2sad.program import Request
 from s2sad.report.differences import differences
 from s2sad.report.parting import wrong_adjoint, wrong_tangent
-from s2sad.report.question import Question
+from s2sad.report.question import BenchQuestion
 from s2sad.report.subject import Subject, flat, split, vector_of
 from s2sad.rules import constant_result
 from s2sad.registry import ROOM
 from s2sad.run.compiled import bounds_checked
-from s2sad.selection import Wrt
+from s2sad.interface.selection import Wrt
 from s2sad.tracebacks import public
 
 
@@ -95,11 +95,11 @@ def check(f: Callable[..., Any], *args: Any, wrt: Wrt = None,
     >>> bool(check(cube, 2.0, engine="numpy"))
     True
     """
-    return _Measurement(Question.asked(f, args, wrt, of, engine), seed).made()
+    return _Measurement(BenchQuestion.asked(f, args, wrt, of, engine), seed).made()
 
 
 class _Measurement:
-    def __init__(self, question: Question, seed: int):
+    def __init__(self, question: BenchQuestion, seed: int):
         values, wrt, of = question.values, question.wrt, question.of
         self.question, self.state, self.values, self.wrt, self.of = question, question.state, values, wrt, of
         self.subject = Subject(question.original, values, wrt, of)

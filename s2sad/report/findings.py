@@ -9,22 +9,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from s2sad.analyze.liveness import targets
+from s2sad.liveness import targets
 from s2sad.emit.origins import text_of
-from s2sad.emit.stacks import Recorded, recorded_by
+from s2sad.emit.stack_report import StackEntry, recorded_by
 from s2sad.report.kinks import kinks
-from s2sad.report.sizes import Sizes
+from s2sad.report.sizes import SizeEvaluator
 from s2sad.rules.transforms import TRANSFORMS
 from s2sad.tree import (
     AST, AnnAssign, Assign, AugAssign, Expr, For, Name, call_name, is_comment, names, stored_names, walk,
 )
-from s2sad.units import Derived, Unit
+from s2sad.units import UnitDerivative, Unit
 
 _LONGEST = 90
 
 
 @dataclass(frozen=True)
-class Place:
+class FoundPlace:
     """A statement: its line and its text, and its file where that is not the kernel's."""
     line: int
     text: str
@@ -40,13 +40,13 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class Stacked:
+class RecordedValue:
     """A recorded value; `bytes` for the given arguments, of one push if it `grows`, None if not known."""
     name: str
     what: str
     dtype: str
-    place: Place
-    needed_by: tuple[Place, ...]
+    place: FoundPlace
+    needed_by: tuple[FoundPlace, ...]
     formula: str
     bytes: int | None
     grows: bool
@@ -74,17 +74,17 @@ def in_words(count: int) -> str:
 
 
 @dataclass(frozen=True)
-class Again:
+class RecomputedValue:
     """A value that is not recorded: `how` the reverse sweep has it again."""
     variable: str
     how: str
-    place: Place
+    place: FoundPlace
 
 
 @dataclass(frozen=True)
 class Kink:
     """A place where the function is not differentiable, and what is done there."""
-    place: Place
+    place: FoundPlace
     what: str
 
 
@@ -97,17 +97,17 @@ class Findings:
     wrt: tuple[str, ...]
     of: tuple[str, ...]
     variables: tuple[Verdict, ...]
-    recorded: tuple[Stacked, ...]
-    again: tuple[Again, ...]
-    dropped: tuple[Place, ...]
-    reversed_again: tuple[Place, ...]
-    loops: tuple[Place, ...]
+    recorded: tuple[RecordedValue, ...]
+    again: tuple[RecomputedValue, ...]
+    dropped: tuple[FoundPlace, ...]
+    reversed_again: tuple[FoundPlace, ...]
+    loops: tuple[FoundPlace, ...]
     kinks: tuple[Kink, ...]
-    interpreted: tuple[Place, ...] = ()
+    interpreted: tuple[FoundPlace, ...] = ()
     calls: tuple[str, ...] = ()
 
 
-def findings(derived: Derived, sizes: Sizes | None, engine: str) -> Findings:
+def findings(derived: UnitDerivative, sizes: SizeEvaluator | None, engine: str) -> Findings:
     """The table of one derivative; `sizes` for the given arguments, if there are any."""
     unit = derived.unit
     reads = [(n, p) for n, role, p in derived.made.parameters if role != "primal"]
@@ -126,23 +126,23 @@ def findings(derived: Derived, sizes: Sizes | None, engine: str) -> Findings:
                             if (called := call_name(n) or "").startswith("user."))))
 
 
-def _interpreted(unit: Unit) -> Iterator[Place]:
+def _interpreted(unit: Unit) -> Iterator[FoundPlace]:
     """The statements with a function that compiled code has the interpreter run."""
     for statement in walk(unit.function.body):
         if isinstance(statement, (Assign, AugAssign)) and call_name(statement.value) in TRANSFORMS:
             yield place_of(statement, unit)
 
 
-def place_of(statement: AST, unit: Unit) -> Place:
+def place_of(statement: AST, unit: Unit) -> FoundPlace:
     """A statement's line and text."""
     source, line = unit.kernel.source.home(statement.lineno)
-    return Place(line, text_of(statement, unit.kernel.source, _LONGEST),
-                 "" if source is unit.kernel.source else source.path)
+    return FoundPlace(line, text_of(statement, unit.kernel.source, _LONGEST),
+                      "" if source is unit.kernel.source else source.path)
 
 
 # -- variables ------------------------------------------------------------------------------------------------------
 
-def _verdicts(derived: Derived) -> Iterator[Verdict]:
+def _verdicts(derived: UnitDerivative) -> Iterator[Verdict]:
     """Every name of the user's function, in the order of its text."""
     unit, table = derived.unit, derived.unit.typing.table
     versions: dict[str, list[str]] = {}
@@ -167,7 +167,7 @@ def _variable(version: str, unit: Unit) -> str:
     return unit.numbers.get(variable, variable)
 
 
-def _replaced(variable: str, derived: Derived) -> Verdict:
+def _replaced(variable: str, derived: UnitDerivative) -> Verdict:
     """The verdict for a name in whose place stands what it was a name for, as a view's array."""
     for statement in walk(derived.unit.kernel.tree.body):
         if isinstance(statement, (Assign, For)) and variable in stored_names(statement):
@@ -179,7 +179,7 @@ def _replaced(variable: str, derived: Derived) -> Verdict:
     return Verdict(variable, "", False, "inactive: it stands for something else, which stands in its place")
 
 
-def _verdict(versions: list[str], derived: Derived) -> tuple[bool, str]:
+def _verdict(versions: list[str], derived: UnitDerivative) -> tuple[bool, str]:
     found, table = derived.activity, derived.unit.typing.table
     if found.active.intersection(versions):
         return True, "active"
@@ -194,26 +194,26 @@ def _verdict(versions: list[str], derived: Derived) -> tuple[bool, str]:
 
 # -- what is recorded, and what is not ------------------------------------------------------------------------------
 
-def _recorded(derived: Derived, sizes: Sizes | None) -> list[Stacked]:
+def _recorded(derived: UnitDerivative, sizes: SizeEvaluator | None) -> list[RecordedValue]:
     """The stacks, the largest first, then those that grow."""
     found = [*(_stacked(r, derived.unit, sizes) for r in recorded_by(derived)), *_kept(derived)]
     return sorted(found, key=lambda s: (s.grows, -(s.bytes or 0)))
 
 
-def _stacked(recorded: Recorded, unit: Unit, sizes: Sizes | None) -> Stacked:
+def _stacked(recorded: StackEntry, unit: Unit, sizes: SizeEvaluator | None) -> RecordedValue:
     needed = tuple(dict.fromkeys(place_of(s, unit) for s in recorded.readers))
-    return Stacked(recorded.array, recorded.what, recorded.dtype, place_of(recorded.statement, unit), needed,
-                   recorded.formula, None if sizes is None else sizes.bytes(recorded), recorded.grows)
+    return RecordedValue(recorded.array, recorded.what, recorded.dtype, place_of(recorded.statement, unit), needed,
+                         recorded.formula, None if sizes is None else sizes.bytes(recorded), recorded.grows)
 
 
-def _kept(derived: Derived) -> Iterator[Stacked]:
+def _kept(derived: UnitDerivative) -> Iterator[RecordedValue]:
     """The lists of what the first halves of a user's adjoints keep."""
     for stack, statement in derived.made.kept:
         place = place_of(statement, derived.unit)
-        yield Stacked(stack, f"what `{place.text}` keeps", "any", place, (place,), "its own", None, True)
+        yield RecordedValue(stack, f"what `{place.text}` keeps", "any", place, (place,), "its own", None, True)
 
 
-def _again(derived: Derived) -> Iterator[Again]:
+def _again(derived: UnitDerivative) -> Iterator[RecomputedValue]:
     """The values that the reverse sweep computes again or reads back."""
     plan, unit = derived.plan, derived.unit
     if plan is None:
@@ -227,11 +227,11 @@ def _again(derived: Derived) -> Iterator[Again]:
             continue
         stored = plan.reloaded.get(key)
         how = "computed again" if stored is None else f"read back from where `{place_of(stored, unit).text}` stored it"
-        found.append(Again(variable, how, place_of(value.bindings[0], unit)))
+        found.append(RecomputedValue(variable, how, place_of(value.bindings[0], unit)))
     yield from sorted(dict.fromkeys(found), key=lambda a: (a.place.line, a.variable))
 
 
-def _sweep(derived: Derived) -> tuple[tuple[Place, ...], tuple[Place, ...]]:
+def _sweep(derived: UnitDerivative) -> tuple[tuple[FoundPlace, ...], tuple[FoundPlace, ...]]:
     """The primal's statements that the derivative never runs, and those that it runs in the reverse sweep alone."""
     if derived.plan is None:
         return (), ()
@@ -249,7 +249,7 @@ def _sweep(derived: Derived) -> tuple[tuple[Place, ...], tuple[Place, ...]]:
     return tuple(dict.fromkeys(dropped)), tuple(dict.fromkeys(later))
 
 
-def _primal(block: list[AST], derived: Derived) -> Iterator[tuple[int, int]]:
+def _primal(block: list[AST], derived: UnitDerivative) -> Iterator[tuple[int, int]]:
     """The places of the primal's own statements in a part of its derivative: no adjoints, pushes and pops."""
     unit, tape = derived.unit, derived.made.tape
     stacks = {n for s in tape.stacks.values() for n in (s.array, s.top)} if tape else set()
@@ -264,7 +264,7 @@ def _primal(block: list[AST], derived: Derived) -> Iterator[tuple[int, int]]:
             yield statement.lineno, statement.col_offset
 
 
-def _loops(derived: Derived) -> Iterator[Place]:
+def _loops(derived: UnitDerivative) -> Iterator[FoundPlace]:
     if derived.plan is not None:
         for place in derived.unit.structure.places.values():
             if id(place.statement) in derived.plan.rerun:

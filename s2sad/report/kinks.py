@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from s2sad import rules
 from s2sad.analyze.activity import Activity
 from s2sad.analyze.uses import sources
-from s2sad.infer.infer import Typing
+from s2sad.infer.inference import Typing
 from s2sad.rules.operation import operation
 from s2sad.rules.power import POWERS
 from s2sad.rules.rule import number

@@ -11,16 +11,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from s2sad.analyze.liveness import base_name, targets
+from s2sad.liveness import base_name, targets
 from s2sad.differentiate.adjoint import REVERSE
-from s2sad.emit.module import Function
+from s2sad.emit.module import FunctionLines
 from s2sad.program import Generated, Kernel, Program
-from s2sad.report.findings import Findings, Place, Stacked, in_words
+from s2sad.report.findings import Findings, FoundPlace, RecordedValue, in_words
 from s2sad.tree import (
     AST, Assign, AugAssign, Constant, Expr, For, FunctionDef, If, Return, While, is_comment, names, stmt, walk,
 )
-from s2sad.units import Derived, Unit, Units
-from s2sad.units.derivatives import is_active_statement
+from s2sad.units import UnitDerivative, Unit, Units
+from s2sad.units.unit_derivatives import is_active_statement
 
 _SIMPLE = (Assign, AugAssign, Expr, Return)
 
@@ -66,7 +66,7 @@ class Listing:
     active: tuple[str, ...]
     links: Mapping[tuple[str, int], int] = field(default_factory=dict)
 
-    def link(self, place: Place, path: str) -> int:
+    def link(self, place: FoundPlace, path: str) -> int:
         return self.links.get((place.path or path, place.line), 0)
 
 
@@ -139,7 +139,7 @@ def _height(statement: AST) -> int:
 class _Listing:
     """The making of one listing."""
 
-    def __init__(self, statements: _Statements, unit: Unit, derived: Derived | None, function: Function,
+    def __init__(self, statements: _Statements, unit: Unit, derived: UnitDerivative | None, function: FunctionLines,
                  text: list[str], found: Findings | None):
         self.statements, self.unit, self.derived, self.function = statements, unit, derived, function
         self.text, self.found = text, found
@@ -189,7 +189,7 @@ class _Listing:
                                     badges.get(key, "") if key[1] == number else ""))
         return Section(kernel.name, source.path, tuple(lines))
 
-    def key(self, place: Place) -> tuple[str, int]:
+    def key(self, place: FoundPlace) -> tuple[str, int]:
         path = place.path or self.unit.kernel.source.path
         return path, self.statements.heads.get((path, place.line), place.line)
 
@@ -217,7 +217,7 @@ class _Listing:
 
     def badges(self) -> dict[tuple[str, int], str]:
         """The bytes that are recorded at each statement."""
-        stacks: dict[tuple[str, int], list[Stacked]] = {}
+        stacks: dict[tuple[str, int], list[RecordedValue]] = {}
         for stacked in self.found.recorded if self.found else ():
             stacks.setdefault(self.key(stacked.place), []).append(stacked)
         badges = {}
@@ -231,7 +231,7 @@ class _Listing:
     def notes(self) -> dict[tuple[str, int], dict[str, None]]:
         notes: dict[tuple[str, int], dict[str, None]] = {}
 
-        def note(place: Place, words: str) -> None:
+        def note(place: FoundPlace, words: str) -> None:
             notes.setdefault(self.key(place), {})[words] = None
         found = self.found
         if found is None:
@@ -257,7 +257,7 @@ class _Kinds:
     """What the statements of a derivative are, told by what flows into them: an adjoint reads or binds what comes of a
     shadow, a record binds a stack, a restore reads one."""
 
-    def __init__(self, function: Function, derived: Derived | None):
+    def __init__(self, function: FunctionLines, derived: UnitDerivative | None):
         self.derived = derived
         self.stacks: set[str] = set()
         self.adjoints: set[str] = set()

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.infer.assumed import Assumed
+from s2sad.infer.assumed_types import Assumed
 from s2sad.program import Request
 
 _SIZE = 6

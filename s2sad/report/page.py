@@ -13,7 +13,7 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
-from s2sad.report.findings import Findings, Place, in_words
+from s2sad.report.findings import Findings, FoundPlace, in_words
 from s2sad.report.listing import Listing
 
 _PLACEHOLDER = re.compile("@(title|text|data)@")
@@ -55,10 +55,10 @@ def _function(listing: Listing, found: Findings | None) -> dict[str, Any]:
 
 def _tables(listing: Listing, found: Findings) -> Iterable[dict[str, Any]]:
     """The findings as tables: a title, the columns, and rows with the statement that each leads to."""
-    def row(place: Place | None, *cells: str) -> dict[str, Any]:
+    def row(place: FoundPlace | None, *cells: str) -> dict[str, Any]:
         return {"link": 0 if place is None else listing.link(place, found.path), "cells": cells}
 
-    def places(given: Iterable[Place]) -> list[dict[str, Any]]:
+    def places(given: Iterable[FoundPlace]) -> list[dict[str, Any]]:
         return [row(p, _where(p), p.text) for p in given]
 
     tables = [
@@ -78,5 +78,5 @@ def _tables(listing: Listing, found: Findings) -> Iterable[dict[str, Any]]:
     return [{"title": title, "columns": columns, "rows": rows} for title, columns, rows in tables if rows]
 
 
-def _where(place: Place) -> str:
+def _where(place: FoundPlace) -> str:
     return f"{place.path}:{place.line}" if place.path else f"line {place.line}"

@@ -13,21 +13,21 @@ from typing import Any
 import numpy as np
 
 from s2sad import pipeline
-from s2sad.analyze.liveness import base_name, targets
+from s2sad.liveness import base_name, targets
 from s2sad.emit.dialect import in_dialect
 from s2sad.emit.module import module_text
 from s2sad.emit.origins import text_of
 from s2sad.emit.primal import kernels_called, primal_functions
-from s2sad.normalize.calls import result_structure
+from s2sad.evaluate.argument_binding import result_structure
 from s2sad.program import Generated, Program, Request
 from s2sad.report.differences import differences
-from s2sad.selection import RETURN, in_a_row
+from s2sad.interface.selection import RETURN, in_a_row
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Expr, FunctionDef, Name, Return, Subscript, call, call_name, const, copy, index,
     indices, is_comment, name, rename, walk,
 )
-from s2sad.units import Derived, Units
+from s2sad.units import UnitDerivative, Units
 
 _PROBE = "user.s2sad_probe"
 _MOST = 1_000_000  # numbers that probes keep
@@ -96,7 +96,7 @@ def _named(suspects: list[str]) -> str:
 
 # -- the tangent: a probe after every statement ---------------------------------------------------------------------
 
-def _probed(derived: Derived) -> FunctionDef:
+def _probed(derived: UnitDerivative) -> FunctionDef:
     """The tangent before it was simplified, with a probe after every statement that moves a tangent."""
     primals = {s: p for p, s in derived.made.shadows.items()}
     made: FunctionDef = rename(copy(derived.made.function), _DEFINED)
@@ -104,7 +104,7 @@ def _probed(derived: Derived) -> FunctionDef:
     return made
 
 
-def _with_probes(block: list[AST], primals: dict[str, str], derived: Derived) -> list[AST]:
+def _with_probes(block: list[AST], primals: dict[str, str], derived: UnitDerivative) -> list[AST]:
     made: list[AST] = []
     probes: list[AST] = []
     for k, statement in enumerate(block):
@@ -118,7 +118,7 @@ def _with_probes(block: list[AST], primals: dict[str, str], derived: Derived) ->
     return made + probes
 
 
-def _probes(statement: AST, primals: dict[str, str], derived: Derived) -> list[AST]:
+def _probes(statement: AST, primals: dict[str, str], derived: UnitDerivative) -> list[AST]:
     """The probes of one statement: (place, value, tangent) for what it moves."""
     table, found = derived.types, []
     if not isinstance(statement, (Assign, AugAssign, Expr)) or _where(statement) is None:
@@ -136,7 +136,7 @@ def _probes(statement: AST, primals: dict[str, str], derived: Derived) -> list[A
     return [Expr(call(_PROBE, const(_said(statement, derived)), value, dot)) for value, dot in found]
 
 
-def _said(statement: AST, derived: Derived) -> str:
+def _said(statement: AST, derived: UnitDerivative) -> str:
     source = derived.unit.kernel.source
     home, line = source.home(statement.lineno)
     return f"{home.path}:{line}: {text_of(statement, source, 90)}"
@@ -171,7 +171,7 @@ def _states(program: Program, request: Request, given: Mapping[str, Any], shadow
     return found, [*(p for p in found if p), *last]
 
 
-def _with_snapshots(body: list[AST], derived: Derived, whole: bool) -> tuple[list[AST], list[str]]:
+def _with_snapshots(body: list[AST], derived: UnitDerivative, whole: bool) -> tuple[list[AST], list[str]]:
     """The body with a probe of all local variables after each group of statements that deals with shadows: of the
     `whole` body or of the reverse sweep; and the place of its return."""
     marks = [k for k, s in enumerate(body) if is_comment(s)]

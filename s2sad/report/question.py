@@ -8,25 +8,25 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.binding import admitted, bind
+from s2sad.dispatch.arguments import admitted, bind
 from s2sad.diagnostics import S2sadError
-from s2sad.flattened import Carrier, flattened, taken_apart
+from s2sad.interface.pytrees import Carrier, flattened, taken_apart
 from s2sad.infer.types import Type
-from s2sad.prepared import ForwardCall, ReverseCall
+from s2sad.interface.value_calls import ForwardCall, ReverseCall
 from s2sad.program import Request
 from s2sad.run.compiled import chosen
-from s2sad.selection import Results, Wrt, names_of, selected_of, selected_wrt
+from s2sad.interface.selection import ReturnedValues, Wrt, names_of, selected_of, selected_wrt
 from s2sad.unwrap import by_position, given_functions
-from s2sad.variants import Derivatives, State, derivatives_of
+from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
 
 
 @dataclass(frozen=True)
-class Question:
+class BenchQuestion:
     """A function's `values` by parameter, flat where they were structures, and `original`, which takes them by
     position; the inputs and outputs asked for. `single`: among the values are arrays of float32; `structured`: the
     values were structures."""
     original: Callable[..., Any]
-    state: State
+    state: ProgramVersion
     values: dict[str, Any]
     types: tuple[Type, ...]
     wrt: tuple[str, ...]
@@ -37,10 +37,10 @@ class Question:
 
     @classmethod
     def asked(cls, f: Callable[..., Any], args: tuple[Any, ...], wrt: Wrt, of: str | Iterable[str] | None,
-              engine: str | None) -> Question:
+              engine: str | None) -> BenchQuestion:
         """What is asked of f at args, of a state of its own; raises S2sadError."""
         function, args, _ = given_functions(f, args, {})
-        given = Derivatives(derivatives_of(function).function).state()
+        given = DerivativeCache(derivatives_of(function).function).state()
         apart = flattened(given, args)
         asked = Carrier.overridden(f, names_of(wrt, f), names_of(of, f, "of"), engine)
         state, flat, carried = taken_apart(given, asked, args)
@@ -96,7 +96,7 @@ class Question:
         if self.engine == "numpy":
             return self.original
         types = self.state.types(list(values.values()))
-        function, results = self.state.primal(types, self.engine), Results.of(self.state.summary(types))
+        function, results = self.state.primal(types, self.engine), ReturnedValues.of(self.state.summary(types))
         return lambda *given: results.with_aliases(function(*given), dict(zip(self.values, given)))
 
     def bare(self, values: Mapping[str, Any]) -> Callable[[], Any]:

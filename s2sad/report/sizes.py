@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.analyze.liveness import base_name, targets
+from s2sad.liveness import base_name, targets
 from s2sad.emit.layout import text
-from s2sad.emit.stacks import Recorded
-from s2sad.normalize.workspace import is_allocation
+from s2sad.emit.stack_report import StackEntry
+from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import AST, Call, Name, call_name, names, walk
 from s2sad.units import Unit, Units
 
@@ -39,7 +39,7 @@ class Shape:
         raise Unknown
 
 
-class Sizes:
+class SizeEvaluator:
     """The names of one kernel with their values where they are known."""
 
     def __init__(self, unit: Unit, given: Mapping[str, Any], constants: Mapping[str, Any]):
@@ -49,7 +49,7 @@ class Sizes:
                       for n, v in given.items()}
         self.waiting: set[str] = set()
 
-    def bytes(self, recorded: Recorded) -> int | None:
+    def bytes(self, recorded: StackEntry) -> int | None:
         """The bytes of a stack, of one push if it grows; None if they are known only at run time."""
         try:
             return math.prod(max(0, int(self.value(factor))) for factor in recorded.factors)
@@ -84,10 +84,10 @@ class Sizes:
         return Shape(tuple(shape) if isinstance(shape, tuple) else (int(shape),), kind.dtype)
 
 
-def sizes_of(units: Units, entry: Unit, given: Mapping[str, Any]) -> dict[str, Sizes]:
+def sizes_of(units: Units, entry: Unit, given: Mapping[str, Any]) -> dict[str, SizeEvaluator]:
     """The sizes of the entry and of every kernel that it calls (of its first call), by title."""
     constants = units.program.constants
-    found = {entry.title: Sizes(entry, given, constants)}
+    found = {entry.title: SizeEvaluator(entry, given, constants)}
     waiting = [entry]
     while waiting:
         unit = waiting.pop(0)
@@ -95,12 +95,12 @@ def sizes_of(units: Units, entry: Unit, given: Mapping[str, Any]) -> dict[str, S
             called = units.called(node) if isinstance(node, Call) and (call_name(node) or "").startswith("user.") \
                 else None
             if called is not None and called.title not in found:
-                found[called.title] = Sizes(called, _passed(found[unit.title], called, node), constants)
+                found[called.title] = SizeEvaluator(called, _passed(found[unit.title], called, node), constants)
                 waiting.append(called)
     return found
 
 
-def _passed(caller: Sizes, called: Unit, node: Call) -> dict[str, Any]:
+def _passed(caller: SizeEvaluator, called: Unit, node: Call) -> dict[str, Any]:
     """What is known of the arguments of a call."""
     values: dict[str, Any] = {}
     for parameter, argument in zip((p.id for p in called.function.args.args), node.args):
@@ -112,7 +112,7 @@ def _passed(caller: Sizes, called: Unit, node: Call) -> dict[str, Any]:
     return values
 
 
-def _part(caller: Sizes, argument: AST) -> Any:
+def _part(caller: SizeEvaluator, argument: AST) -> Any:
     """The value of an argument; of a part of an array that may have been written its shape."""
     kind = caller.unit.typing.of(argument)
     if not kind.is_array:

@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from s2sad.diagnostics import S2sadError
-from s2sad.prepared import ForwardCall
+from s2sad.interface.value_calls import ForwardCall
 from s2sad.report.differences import differences
-from s2sad.report.question import Question
+from s2sad.report.question import BenchQuestion
 from s2sad.report.subject import Subject, flat, split, vector_of
-from s2sad.selection import RETURN
+from s2sad.interface.selection import RETURN
 
 _STEP = 1e-20                       # of the complex step, as a fraction of the input
 _AGREE = 1e-10
@@ -29,7 +29,7 @@ _ESTIMATED = "extrapolated differences, which estimate their own error at"
 
 
 @dataclass(frozen=True)
-class Reference:
+class ReferenceSlopes:
     """The derivatives that others are held against, nan where none is known, and their own error as a fraction of the
     largest."""
     values: np.ndarray
@@ -39,7 +39,7 @@ class Reference:
     def error(self, found: np.ndarray) -> float:
         """The largest distance, as a fraction of the largest derivative; nan where none is known, or not finite.
 
-        >>> Reference(np.array([1.0, 4.0, np.nan]), 0.0, "").error(np.array([1.0, 3.0, 9.0]))
+        >>> ReferenceSlopes(np.array([1.0, 4.0, np.nan]), 0.0, "").error(np.array([1.0, 3.0, 9.0]))
         0.25
         """
         known = np.isfinite(self.values)
@@ -50,7 +50,7 @@ class Reference:
 class Slopes:
     """The derivatives of the outputs, weighted by `seeds`, for some of a question's `size` inputs."""
 
-    def __init__(self, question: Question, seeds: dict[str, Any], gradients: dict[str, Any], most: int):
+    def __init__(self, question: BenchQuestion, seeds: dict[str, Any], gradients: dict[str, Any], most: int):
         self.question, self.weights = question, vector_of(seeds, question.of)
         self.subject = Subject(self._primal(), question.values, question.wrt, question.of)
         self.gradient, self.scales = vector_of(gradients, question.wrt), self.subject.scales()
@@ -122,21 +122,21 @@ class Slopes:
 
     # -- what they are held against ------------------------------------------------------------------------------------
 
-    def reference(self, others: Sequence[np.ndarray], stepped: np.ndarray | None) -> tuple[Reference, bool]:
+    def reference(self, others: Sequence[np.ndarray], stepped: np.ndarray | None) -> tuple[ReferenceSlopes, bool]:
         """The reference, and whether the complex step is right; `others` are derivatives by the tangent or adjoint."""
         if stepped is not None:
-            exact = Reference(stepped, 0.0, _EXACT)
+            exact = ReferenceSlopes(stepped, 0.0, _EXACT)
             if np.all(np.isfinite(stepped)) and any(exact.error(o) <= _AGREE for o in others):
                 return exact, True
         expected, estimate = self._extrapolated()
         known = np.isfinite(estimate)
         top = float(np.abs(expected[known]).max(initial=0.0)) or 1.0
         if stepped is not None and np.all(known) and np.all(np.abs(stepped - expected) <= 10 * estimate + 1e-8 * top):
-            return Reference(stepped, 0.0, _EXACT), True
+            return ReferenceSlopes(stepped, 0.0, _EXACT), True
         floor = float(estimate[known].max(initial=0.0)) / top
         kinks = int((~known).sum())
         unsure = f" (and say nothing of {kinks} of them: a kink or a jump is near)" if kinks else ""
-        return Reference(np.where(known, expected, np.nan), floor, f"{_ESTIMATED} {floor:.0e}{unsure}"), False
+        return ReferenceSlopes(np.where(known, expected, np.nan), floor, f"{_ESTIMATED} {floor:.0e}{unsure}"), False
 
     def _extrapolated(self) -> tuple[np.ndarray, np.ndarray]:
         found = [differences(self._line(place)) for place in self.places]

@@ -1,24 +1,28 @@
 """stages: a program as it is after each pass, printed as Python.
 
-    structured  views  workspace  scalarize  handed  rename  atoms       the kernels on their way to normal form
-    differentiate  merge  dead  undone  coalesce  branches  fold  algebra  select  gains  uncopied  repeated  final
-                                                                        the derivatives
+The stages are the passes of the rooms' lists, in the order in which they run: those of `units` for the kernels on their
+way to normal form, `differentiate`, those of `simplify` and, for the level "fast", of `optimize` for the derivatives,
+and `final`, the file.
 """
 from __future__ import annotations
 
-from s2sad import pipeline
+from s2sad import normalize, optimize, pipeline, simplify
+from s2sad.blocks import with_blocks
 from s2sad.emit.module import module_text
 from s2sad.emit.primal import kernels_called, primal_functions
+from s2sad.passes import Passes, each
 from s2sad.program import Program, Request
-from s2sad.blocks import with_blocks
 from s2sad.tree import AST, FunctionDef, Pass, copy, forgotten
-from s2sad.units import Units
+from s2sad.units import KERNELS, Units
 
-NORMALIZE = ("structured", "views", "workspace", "scalarize", "handed", "rename", "atoms")
-DERIVE = ("differentiate", "merge", "dead", "undone", "coalesce", "branches", "fold", "algebra", "select", "gains",
-          "uncopied", "repeated", "final")
+DERIVATIVES: Passes = (*simplify.LOWERED, *simplify.PASSES, *optimize.PASSES)
+NORMALIZE = tuple(step.title for step in each(KERNELS))
+DERIVE = ("differentiate", *(step.title for step in each(DERIVATIVES)), "final")
 STAGES = (*NORMALIZE, *DERIVE)
-ROOMS = {"normalize": "atoms", "simplify": "final"}
+PHASES = {"structure": normalize.STRUCTURE, "calls": normalize.CALLS, "types": normalize.TYPES,
+          "arrays": normalize.ARRAYS, "loops": normalize.LOOPS, "normalize": normalize.NUMBERS,
+          "simplify": simplify.PASSES}
+ROOMS = {**{phase: [*each(passes)][-1].title for phase, passes in PHASES.items()}, "optimize": "final"}
 
 
 def stages(program: Program, request: Request) -> dict[str, str]:
@@ -26,17 +30,17 @@ def stages(program: Program, request: Request) -> dict[str, str]:
     seen: dict[str, dict[str, FunctionDef]] = {stage: {} for stage in STAGES}
 
     def watch(stage: str, function: FunctionDef) -> None:
-        assert stage in seen, f"the stage '{stage}' has no place in STAGES"
         shown: FunctionDef = copy(function)
         shown.body = _readable(shown.body)
-        seen[stage].setdefault(function.name, shown)
+        seen[stage][function.name] = shown
 
     made = pipeline.derive(program, request, watch)
     units: Units = made.facts["units"]
     texts: dict[str, str] = {}
     last: dict[str, FunctionDef] = {}
     for stage in STAGES[:-1]:
-        last = seen[stage] or last  # a pass that is not asked for shows nothing
+        # a pass that a function has no need of shows nothing of it
+        last = seen[stage] if stage == "differentiate" else {**last, **seen[stage]}
         functions = list(last.values())
         if stage in DERIVE:
             functions = primal_functions(units, kernels_called(functions, units)) + functions

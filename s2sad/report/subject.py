@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.selection import RETURN
+from s2sad.interface.selection import RETURN
 
 
 def flat(value: Any) -> np.ndarray:

@@ -36,25 +36,25 @@ class Times:
         return seconds(self.median)
 
 
-def sampled(candidates: Mapping[str, Prepare], budget: float, most: int = 1000, least: int = 5
-            ) -> dict[str, list[float]]:
+def sampled(candidates: Mapping[str, Prepare], budget: float, most: int = 1000, least: int = 5,
+            clock: Callable[[], float] = perf_counter) -> dict[str, list[float]]:
     """The times of each candidate, in seconds, round by round.
 
     A candidate prepares, untimed, what it needs (fresh copies of arrays that are overwritten) and gives the call that
     is timed. One round runs each once; there are at least `least` rounds and at most `most`, else as many as fit
-    `budget` seconds. The first round warms up and is not counted.
+    `budget` seconds of the clock. The first round warms up and is not counted.
     """
     times: dict[str, list[float]] = {name: [] for name in candidates}
     collecting = gc.isenabled()
     gc.disable()
     try:
-        start, done = perf_counter(), -1
-        while done < least or (done < most and perf_counter() - start < budget):
+        start, done = clock(), -1
+        while done < least or (done < most and clock() - start < budget):
             for name, prepare in candidates.items():
                 call = prepare()
-                before = perf_counter()
+                before = clock()
                 call()
-                elapsed = perf_counter() - before
+                elapsed = clock() - before
                 if done >= 0:
                     times[name].append(elapsed)
             done += 1

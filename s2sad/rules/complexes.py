@@ -14,7 +14,7 @@ HOLOMORPHIC = frozenset({
 # transforms, whose rules are written for the inner product; `rfft` is of floats alone
 COMPLEX_TRANSFORMS = frozenset(f"numpy.fft.{f}" for f in ("fft", "ifft", "irfft"))
 
-# functions that `normalize/pieces` writes out in such
+# functions that `normalize/library/expand` writes out in such
 PIECES = frozenset({
     "numpy.diff", "numpy.concatenate", "numpy.stack", "numpy.hstack", "numpy.vstack", "numpy.expand_dims",
     "numpy.swapaxes", "numpy.diag", "numpy.diagonal", "numpy.trace", "numpy.astype", "numpy.vdot", "numpy.inner",

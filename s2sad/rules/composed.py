@@ -1,7 +1,8 @@
-"""Functions of whole arrays that are made of others: `normalize/pieces` writes them out, so that they need no gains.
+"""Functions of whole arrays that are made of others: `normalize/library/expand` writes them out, so that they need
+no gains.
 
 Here stand their parameters and defaults; how the type of a result follows from the arguments is in
-`infer/types_of_shapes`, `types_of_sums` and `types_of_places`.
+`infer/signatures/rearrangement`, `types_of_sums` and `types_of_places`.
 """
 from __future__ import annotations
 

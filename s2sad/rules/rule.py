@@ -175,7 +175,7 @@ def signature(text: str) -> tuple[str, tuple[str, ...]]:
     return name, parameters
 
 
-class Table:
+class RuleTable:
     """The rules by name: elementwise ones, and what the functions without a derivative return."""
 
     def __init__(self) -> None:
@@ -261,6 +261,6 @@ def _check(text: str, parameters: tuple[str, ...], partials: Mapping[str, str], 
                              f"it may read {', '.join(parameters)} and {RESULT}")
 
 
-TABLE = Table()
+TABLE = RuleTable()
 elementwise = TABLE.elementwise
 constant = TABLE.constant

@@ -1,4 +1,5 @@
-"""Discrete Fourier transforms along one axis; those along several are made of them (`normalize/pieces_of_transforms`).
+"""Discrete Fourier transforms along one axis; those along several are made of them
+(`normalize/library/expansions/fft`).
 
 The transform is a symmetric matrix F: under the inner product Re(conj(a) b) its adjoint is conj(F), the inverse
 transform without its scale. Of a half spectrum all but the ends stand for two elements each.

@@ -26,7 +26,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError, warn_once
 from s2sad.progress import Working
 from s2sad.run.interrupts import interruptible
 from s2sad.run.interpreter import DTYPES, interpreted
-from s2sad.run.load import load
+from s2sad.run.module_loader import load
 from s2sad.run.machine_code import stored
 from s2sad.run.special_functions import register, used
 from s2sad.run.through_python import through_python

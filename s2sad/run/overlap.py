@@ -15,7 +15,7 @@ import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.run.compiled import compiled, prepare
-from s2sad.run.load import owned
+from s2sad.run.module_loader import owned
 
 _MAX_WORK = 100_000
 _MAX_CELLS = 10_000_000

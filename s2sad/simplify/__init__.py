@@ -1,151 +1,71 @@
 """simplify: the derivative becomes shorter and computes the same.
 
-In order: zeros merged with the first addition, dead statements out, versions of a variable under one name, neighbouring
-branches joined, names folded into their one use, arithmetic with constants; for loops short branches as choices and
-gains joined, for whole arrays no copies of emptied shadows and nothing computed twice.
+In comes what `differentiate` has made; out goes a function with the same values, exactly where a pass does not say
+that it `CHANGES_ROUNDING`. LOWERED brings it into the form in which the engine runs it, PASSES shorten it: zeros merge
+with the first addition, what is dead goes, versions of a variable come under one name, names are folded into their one
+use; for loops short branches become choices and gains are joined, for whole arrays nothing is computed twice.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-
-from s2sad.analyze.liveness import Liveness, base_name, targets
-from s2sad.infer.infer import Typing
-from s2sad.differentiate.adjoint import REVERSE
-from s2sad.differentiate.calls import POP, PUSH
-from s2sad.naming import Names
+from s2sad.normalize import in_arrays, in_loops
+from s2sad.normalize.array_anf import array_anf_added
+from s2sad.normalize.loops.scalarize import scalarize_final
+from s2sad.passes import Pass, Passes
 from s2sad.simplify.algebra import algebra
-from s2sad.simplify.branches import branches
-from s2sad.simplify.coalesce import coalesce, share, split
-from s2sad.simplify.dead import dead
-from s2sad.simplify.fold import fold
-from s2sad.simplify.gains import gains
-from s2sad.simplify.merge import merge
-from s2sad.blocks import with_blocks
-from s2sad.simplify.repeated import repeated
-from s2sad.simplify.select import select
-from s2sad.simplify.uncopied import uncopied
-from s2sad.simplify.undone import undone
-from s2sad.tree import (
-    AST, Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, forgotten, names, walk,
+from s2sad.simplify.combine_increments import combine_increments
+from s2sad.simplify.common_subexpressions import common_subexpressions
+from s2sad.simplify.complex_division import complex_division
+from s2sad.simplify.conditional_numbers import conditional_numbers
+from s2sad.simplify.context import DerivativeContext
+from s2sad.simplify.copy_coalescing import copy_coalescing, share_temporaries, split_temporaries
+from s2sad.simplify.copy_elision import copy_elision
+from s2sad.simplify.dead_code import dead_code
+from s2sad.simplify.dead_stores import dead_stores
+from s2sad.simplify.call_effects import Effect, Effects
+from s2sad.simplify.forward_substitution import forward_substitution
+from s2sad.simplify.if_conversion import if_conversion
+from s2sad.simplify.initialize_accumulators import initialize_accumulators
+from s2sad.simplify.merge_branches import merge_branches
+from s2sad.simplify.remove_marks import remove_marks
+from s2sad.simplify.wide_accumulators import is_real, wide_accumulators, wide_numbers
+
+
+def in_single_precision(context: DerivativeContext) -> bool:
+    return context.single
+
+
+def in_single_arrays(context: DerivativeContext) -> bool:
+    return context.single and not context.in_loops and is_real(context.typing)
+
+
+LOWERED: Passes = (
+    Pass(wide_accumulators, when=in_single_precision),
+    Pass(dead_code, "dead_code_in_arrays", when=in_loops),
+    Pass(array_anf_added, when=in_loops),
+    Pass(scalarize_final, when=in_loops),
+    Pass(conditional_numbers, when=in_loops),
+)
+PASSES: Passes = (
+    Pass(initialize_accumulators),
+    Pass(dead_code),
+    Pass(dead_stores),
+    Pass(dead_code, "dead_code_after_stores"),
+    Pass(copy_coalescing),
+    Pass(merge_branches),
+    Pass(split_temporaries),
+    Pass(forward_substitution),
+    Pass(algebra),
+    Pass(initialize_accumulators, "initialize_after_algebra"),
+    Pass(if_conversion, when=in_loops),
+    Pass(initialize_accumulators, "initialize_after_if_conversion", when=in_loops),
+    Pass(combine_increments, when=in_loops),
+    Pass(copy_elision),
+    Pass(common_subexpressions, when=in_arrays),
+    Pass(dead_code, "dead_code_at_end"),
+    Pass(remove_marks),
+    Pass(share_temporaries),
+    Pass(complex_division, when=in_loops),
+    Pass(wide_numbers, when=in_single_arrays),
 )
 
-
-Watch = Callable[[str, FunctionDef], object]
-
-
-def unwatched(stage: str, function: FunctionDef) -> None:
-    """What is shown the stages where nobody looks."""
-
-
-@dataclass(frozen=True)
-class Effect:
-    """Of a function that was made: the positions of arrays that it reads and writes, and whether it may be dropped."""
-    reads: frozenset[int]
-    writes: frozenset[int]
-    pure: bool
-    arrays: frozenset[int] = frozenset()
-
-
-@dataclass
-class Effects:
-    """The effects of the functions of a module that is being made."""
-    table: dict[str, Effect] = field(default_factory=dict)
-
-    def of(self, called: Call) -> Effect | None:
-        room, _, title = (call_name(called) or "").partition(".")
-        return self.table.get(title) if room == "user" else None
-
-    def writes(self, called: Call) -> list[str]:
-        effect = self.of(called)
-        if call_name(called) in (PUSH, POP):
-            return [base_name(called.args[0])]
-        if effect is None:
-            return []
-        return [b for k, a in enumerate(called.args) if k in effect.writes and (b := base_name(a))]
-
-    def unread(self, called: Call) -> set[str]:
-        effect = self.of(called)
-        if effect is None:
-            return set()
-        bases = [(k, base_name(a)) for k, a in enumerate(called.args) if k in effect.arrays]
-        read = {b for k, b in bases if k in effect.reads}
-        for position, argument in enumerate(called.args):
-            if position not in effect.arrays:
-                read |= set(names(argument))
-            elif isinstance(argument, Subscript):
-                read |= set(names(argument.slice))
-        return {b for _, b in bases if b} - read
-
-    def pure(self, called: Call) -> bool:
-        effect = self.of(called)
-        return (call_name(called) or "") != "builtins.print" and (effect is None or effect.pure)
-
-    def add(self, function: FunctionDef, typing: Typing) -> None:
-        """Registers a finished function."""
-        parameters = [p.id for p in function.args.args]
-        live = Liveness(function, set(), self.writes, self.pure, strong=False, unread=self.unread)
-        reads = {k for k, p in enumerate(parameters) if p in live.start}
-        written: set[str] = set()
-        pure = True
-        for node in walk(function.body):
-            if isinstance(node, (Assign, AugAssign)):
-                written |= {base_name(t) for t in targets(node) if isinstance(t, Subscript)}
-                written |= {base_name(node.target)} if isinstance(node, AugAssign) else set()
-            if isinstance(node, Call):
-                written |= set(self.writes(node))
-                pure = pure and self.pure(node)
-            pure = pure and not isinstance(node, (Assert, Raise))
-        arrays = frozenset(k for k, p in enumerate(parameters) if typing.table[p].is_array)
-        self.table[function.name] = Effect(
-            frozenset(reads), frozenset(k for k in arrays if parameters[k] in written), pure, arrays)
-
-
-def simplify(function: FunctionDef, typing: Typing, family: Mapping[str, str], live_out: set[str], effects: Effects,
-             names: Names, kept: set[str], shadows: Mapping[str, str], watch: Watch = unwatched,
-             choices: bool = False) -> FunctionDef:
-    """The function simplified; `live_out` are the arrays whose content the caller reads, `kept` the names that are
-    not folded away; `watch` is shown every stage; with `choices` short branches become choices."""
-    fixed = {p.id for p in function.args.args}
-    function = merge(function)
-    watch("merge", function)
-    function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
-    watch("dead", function)
-    function = undone(function, effects.writes, effects.pure)
-    function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
-    watch("undone", function)
-    function, renamed = coalesce(function, dict(family), live_out, effects.writes, fixed, names, shadows)
-    watch("coalesce", function)
-    function = branches(function)
-    watch("branches", function)
-    function = split(function, set(_temporaries(typing, names, set(family) | fixed)), names, typing, REVERSE)
-    function = fold(function, fixed | {renamed.get(n, n) for n in kept}, effects.writes)
-    watch("fold", function)
-    function = merge(algebra(function, typing.table))
-    watch("algebra", function)
-    if choices:
-        function = merge(select(function))
-        watch("select", function)
-        function = gains(function)
-        watch("gains", function)
-    function = uncopied(function)
-    watch("uncopied", function)
-    if not choices:
-        function = repeated(function, REVERSE, typing, names)
-        watch("repeated", function)
-    function = dead(function, live_out, effects.writes, effects.pure, effects.unread)
-    function.body = _unmarked(function.body)
-    return share(function, _temporaries(typing, names, set(renamed.values()) | fixed), live_out, effects.writes)
-
-
-def _unmarked(block: list[AST]) -> list[AST]:
-    return [with_blocks(s, _unmarked) for s in block if not forgotten(s)]
-
-
-def _temporaries(typing: Typing, names: Names, kept: set[str]) -> dict[str, str]:
-    """The numbers that were named for one use, by what was wished for and their type."""
-    return {n: f"{w} {typing.table[n].dtype}" for n, w in names.wanted.items()
-            if n not in kept and n in typing.table and typing.table[n].is_number}
-
-
-__all__ = ["Effect", "Effects", "Watch", "simplify", "unwatched"]
+__all__ = ["LOWERED", "PASSES", "DerivativeContext", "Effect", "Effects"]

@@ -1,10 +1,11 @@
-"""algebra: arithmetic with constants is done, and what it leaves is written as one would by hand.
+"""algebra: constant folding and algebraic identities that are exact in floating point.
 
     x ** (2 - 1)   ->   x           range(n - 1, 0 - 1, -1)   ->   range(n - 1, -1, -1)
     y + -1.0 * z   ->   y - z       i + 1 - 1                 ->   i
     a if c else a  ->   a
 
-Only what is exact in floating point: integers are computed, factors one and double signs go.
+*Requires* the types of the names. *Establishes* the same values: sums of integers are folded and reassociated, factors
+of one and double negations go; sums of floats keep their order.
 """
 from __future__ import annotations
 
@@ -12,8 +13,9 @@ from collections.abc import Mapping
 
 from s2sad.bounded_arithmetic import is_bounded
 from s2sad.infer.types import Type
-from s2sad.simplify.signs import gained, signed
-from s2sad.simplify.whole import is_whole, with_counters
+from s2sad.simplify.context import DerivativeContext
+from s2sad.simplify.signs import normalize_increment, normalize_signs
+from s2sad.simplify.integer_expressions import is_integer, with_counters
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Constant, Expr, For, FunctionDef, If, IfExp,
     Mult, Pow, Return, Slice, Sub, Tuple, USub, UnaryOp, While, at, augment, call_name, const, copy, equal, walk,
@@ -26,19 +28,20 @@ CHANGES_ROUNDING = True
 _NUMBERS = frozenset([f"builtins.{name}" for name in ("int", "float", "len", "complex")] + [
     f"math.{name}" for name in ("ceil", "cos", "exp", "fabs", "floor", "hypot", "log", "pow", "sin", "sqrt", "tan",
                                 "tanh")])
-_ALIKE = ("builtins.max", "builtins.min")
-_SUMS = (BinOp, UnaryOp, Slice, Tuple)
+_EXTREMA = ("builtins.max", "builtins.min")
+_INDEX_NODES = (BinOp, UnaryOp, Slice, Tuple)
 
 
-def algebra(function: FunctionDef, types: Mapping[str, Type]) -> FunctionDef:
-    """The function with simple arithmetic."""
+def algebra(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
+    """The function with its expressions simplified."""
+    types = context.types
     types = with_counters(types, function)
     return with_body(function, [_statement(s, types) for s in function.body])
 
 
 def _statement(statement: AST, types: Mapping[str, Type]) -> AST:
     def simple(node: AST) -> AST:
-        return simplified(node, types)
+        return simplify_expression(node, types)
 
     def block(statements: list[AST]) -> list[AST]:
         return [_statement(s, types) for s in statements]
@@ -49,7 +52,7 @@ def _statement(statement: AST, types: Mapping[str, Type]) -> AST:
     elif isinstance(statement, If):
         made = If(simple(statement.test), block(statement.body), block(statement.orelse))
     elif isinstance(statement, AugAssign):
-        made = gained(augment(simple(statement.target), statement.op, simple(statement.value)))
+        made = normalize_increment(augment(simple(statement.target), statement.op, simple(statement.value)))
     elif isinstance(statement, (Assign, Return, Expr)):
         made = copy(statement)
         if isinstance(statement, Assign):
@@ -61,60 +64,61 @@ def _statement(statement: AST, types: Mapping[str, Type]) -> AST:
     return at(made, statement)
 
 
-def integer(node: AST) -> int | None:
+def integer_literal(node: AST) -> int | None:
+    """The value of an integer literal, with its sign; None for anything else."""
     if isinstance(node, UnaryOp) and isinstance(node.op, USub):
-        inner = integer(node.operand)
+        inner = integer_literal(node.operand)
         return None if inner is None else -inner
     if isinstance(node, Constant) and isinstance(node.value, int) and not isinstance(node.value, bool):
         return node.value
     return None
 
 
-def simple(node: AST, integers: bool = False) -> AST:
-    """`simplified` for what a transformation of loops has made of bounds and subscripts, whose names are integers."""
-    return simplified(node, None, integers)
+def simplify_index(node: AST, integers: bool = False) -> AST:
+    """`simplify_expression` for bounds and subscripts that a loop transformation has made: all names are integers."""
+    return simplify_expression(node, None, integers)
 
 
-def simplified(node: AST, types: Mapping[str, Type] | None, integers: bool = False) -> AST:
-    """The expression with its arithmetic done, innermost first; sums are reordered only among integers: where
-    `integers` are meant, what is_whole by its types."""
+def simplify_expression(node: AST, types: Mapping[str, Type] | None, integers: bool = False) -> AST:
+    """The expression simplified, innermost operands first. Sums are reassociated only among integers: `integers` says
+    that the context wants one, `types` which names are."""
     called = call_name(node)
     integers = called == "builtins.range" or integers and (
-        types is not None or called in _ALIKE or isinstance(node, _SUMS))
-    new = type(node)(*[_field(getattr(node, f), types, integers or f == "slice") for f in node._fields])
+        types is not None or called in _EXTREMA or isinstance(node, _INDEX_NODES))
+    new = type(node)(*[_simplify_field(getattr(node, f), types, integers or f == "slice") for f in node._fields])
     if hasattr(node, "lineno"):
         at(new, node)
-    new = signed(new)
-    if isinstance(new, IfExp) and equal(new.body, new.orelse) and not _calls(new.test):
+    new = normalize_signs(new)
+    if isinstance(new, IfExp) and equal(new.body, new.orelse) and not _calls_kernel(new.test):
         return new.body
-    return _binary(new, types, integers) if isinstance(new, BinOp) else new
+    return _simplify_binary(new, types, integers) if isinstance(new, BinOp) else new
 
 
-def _calls(node: AST) -> bool:
+def _calls_kernel(node: AST) -> bool:
     """Whether an expression calls a kernel, which may write its arguments or raise."""
     return any((call_name(n) or "").startswith("user.") for n in walk(node))
 
 
-def _field(value: object, types: Mapping[str, Type] | None, integers: bool) -> object:
+def _simplify_field(value: object, types: Mapping[str, Type] | None, integers: bool) -> object:
     if isinstance(value, list):
-        return [_field(v, types, integers) for v in value]
-    return simplified(value, types, integers) if isinstance(value, AST) else value
+        return [_simplify_field(v, types, integers) for v in value]
+    return simplify_expression(value, types, integers) if isinstance(value, AST) else value
 
 
-def _binary(node: BinOp, types: Mapping[str, Type] | None, integers: bool) -> AST:
-    left, right = integer(node.left), integer(node.right)
+def _simplify_binary(node: BinOp, types: Mapping[str, Type] | None, integers: bool) -> AST:
+    left, right = integer_literal(node.left), integer_literal(node.right)
     if isinstance(node.op, (Add, Sub)) and (
-            left is not None and right is not None or integers and is_whole(node, types)):
-        return _sum(node, left, right)
+            left is not None and right is not None or integers and is_integer(node, types)):
+        return _integer_sum(node, left, right)
     if isinstance(node.op, (Add, Sub)):
-        return _signed(node)
+        return _absorb_sign(node)
     if isinstance(node.op, Mult) and left is not None and right is not None and is_bounded(left * right):
         return const(left * right)
     if isinstance(node.op, Mult) and (left == 1 or right == 1):
         other = node.right if left == 1 else node.left
-        return other if integers and is_whole(other, types) or not _may_be_bool(other) else node
+        return other if integers and is_integer(other, types) or not _may_be_bool(other) else node
     if isinstance(node.op, Pow) and right == 1 and (
-            integers and is_whole(node.left, types) or not _may_be_bool(node.left)):
+            integers and is_integer(node.left, types) or not _may_be_bool(node.left)):
         return node.left
     return node
 
@@ -129,30 +133,32 @@ def _may_be_bool(node: AST) -> bool:
     return not isinstance(node, Call) or call_name(node) not in _NUMBERS
 
 
-def _sum(node: BinOp, left: int | None, right: int | None) -> AST:
+def _integer_sum(node: BinOp, left: int | None, right: int | None) -> AST:
     plus = isinstance(node.op, Add)
     if left is not None and right is not None:
         return const(left + right if plus else left - right)
     if right is not None:
         shift = right if plus else -right
         inner = node.left
-        known = integer(inner.right) if isinstance(inner, BinOp) and isinstance(inner.op, (Add, Sub)) else None
+        known = integer_literal(inner.right) if isinstance(inner, BinOp) and isinstance(inner.op, (Add, Sub)) else None
         if known is not None:
-            return shifted(inner.left, shift + (known if isinstance(inner.op, Add) else -known))
-        return shifted(inner, shift)
+            return add_constant(inner.left, shift + (known if isinstance(inner.op, Add) else -known))
+        return add_constant(inner, shift)
     if left == 0 and plus:
         return node.right
-    return _signed(node)
+    return _absorb_sign(node)
 
 
-def _signed(node: BinOp) -> AST:
+def _absorb_sign(node: BinOp) -> AST:
+    """A sum of a negation as a difference, and the other way round."""
     value = node.right
     if isinstance(value, UnaryOp) and isinstance(value.op, USub):
         return BinOp(node.left, Sub() if isinstance(node.op, Add) else Add(), value.operand)
     return node
 
 
-def shifted(node: AST, shift: int) -> AST:
+def add_constant(node: AST, shift: int) -> AST:
+    """The expression plus a constant, `n - 1` for `n + -1`."""
     if shift == 0:
         return node
     return BinOp(node, Add() if shift > 0 else Sub(), const(abs(shift)))

@@ -1,8 +1,11 @@
-"""Units: the kernels of a program in normal form, one per set of argument types, and their derivatives, each made once.
+"""units: the kernels of a program in normal form, one per set of argument types, and their derivatives, each made once.
 
-A unit's summary says what a call of it writes, what depends on what, and whether it may be left out.
+In comes a program; out go units on demand: KERNELS is what runs on a kernel, the phases of `normalize` with what
+`optimize` does before a kernel is differentiated, and `simplify`'s lists on a derivative. A unit's summary says what
+a call of it writes, what depends on what, and whether it may be left out.
 """
-from s2sad.units.derivatives import Derived, Units
-from s2sad.units.unit import Summary, Unit
+from s2sad.units.normal_forms import KERNELS
+from s2sad.units.unit import UnitSummary, Unit
+from s2sad.units.unit_derivatives import UnitDerivative, Units
 
-__all__ = ["Derived", "Summary", "Unit", "Units"]
+__all__ = ["KERNELS", "Unit", "UnitDerivative", "UnitSummary", "Units"]

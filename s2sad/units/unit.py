@@ -3,10 +3,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from s2sad.analyze.liveness import Liveness
-from s2sad.analyze.structure import Structure
-from s2sad.differentiate.own import Owner
-from s2sad.infer.infer import Typing
+from s2sad.liveness import Liveness
+from s2sad.analyze.structure import ProgramStructure
+from s2sad.differentiate.user_functions import UserFunction
+from s2sad.infer.inference import Typing
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.program import Kernel
@@ -14,7 +14,7 @@ from s2sad.tree import FunctionDef
 
 
 @dataclass(frozen=True)
-class Summary:
+class UnitSummary:
     """What a call of a unit does: positions written, pairs (argument, argument or "return k") of dependence."""
     written: tuple[int, ...]
     results: tuple[Type, ...]
@@ -34,8 +34,8 @@ class Unit:
     family: dict[str, str]
     names: Names
     lowered: FunctionDef
-    structure: Structure
-    summary: Summary
+    structure: ProgramStructure
+    summary: UnitSummary
     guarded: bool = False
     pairs: tuple[tuple[int, int], ...] = ()
     once: bool = False
@@ -44,12 +44,12 @@ class Unit:
     contiguous: tuple[int, ...] = ()            # the parameters that must be
 
     @property
-    def owner(self) -> Owner:
+    def owner(self) -> UserFunction:
         """What stands of it where its derivative is the user's own."""
         assert self.kernel.own is not None
         parameters = [p.id for p in self.function.args.args]
-        return Owner(self.title, self.kernel.own, dict(zip(parameters, self.types)), self.summary.results,
-                     frozenset(parameters[k] for k in self.summary.written))
+        return UserFunction(self.title, self.kernel.own, dict(zip(parameters, self.types)), self.summary.results,
+                            frozenset(parameters[k] for k in self.summary.written))
 
     def read_first(self) -> set[str]:
         """The parameters whose content at its start the kernel may read."""

@@ -22,9 +22,12 @@ def kernel_adjoint(a, a_bar):
         for i in range(a.shape[0] - 1, j, -1):
             # a[i, j] /= a[j, j]
             a_here = a[j, j]
+            ratio = a[i, j]
             ratio_bar = a_bar[i, j]
             a_bar[i, j] = ratio_bar / a_here if ratio_bar != 0.0 else 0.0
-            a_bar[j, j] -= a[i, j] * ratio_bar / a_here if ratio_bar != 0.0 else 0.0
+            a_bar[j, j] -= (
+                (ratio * ratio_bar / a_here if ratio_bar != 0.0 else 0.0) if ratio != 0.0 else 0.0
+            )
         # a[j, j] = math.sqrt(a[j, j])
         sqrt_value_bar = a_bar[j, j]
         a_bar[j, j] = 0.5 * sqrt_value_bar / a[j, j] if sqrt_value_bar != 0.0 else 0.0

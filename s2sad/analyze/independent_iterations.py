@@ -1,0 +1,100 @@
+"""independent_iterations: the loops that can be run forward and back per iteration, so that their tape is that of
+one iteration.
+
+Requires the structure table. What flows from iteration to iteration is recorded where an iteration begins: nothing if
+the iterations are independent (Hascoet, Pascual, TOMS 39, 2013: II-LOOP, here found instead of declared), else
+snapshots of arrays and the carried numbers (Griewank, Walther, Evaluating Derivatives, 2008, chapter 12: each iteration
+starts from a checkpoint).
+"""
+from __future__ import annotations
+
+from s2sad import rules
+from s2sad.analyze.dependence import ArrayReference
+from s2sad.liveness import base_name
+from s2sad.analyze.recording_plan import PlanningInputs, reads
+from s2sad.analyze.reallocated_arrays import escapes, own_loops
+from s2sad.analyze.structure import StatementPlace, ProgramStructure, heads, is_simple
+from s2sad.analyze.trip_counts import known_trips
+from s2sad.analyze.reverse_values import ReverseValues
+from s2sad.normalize.loops.hoist_allocations import is_allocation
+from s2sad.tree import AST, Assign, AugAssign, Call, For, While, call_name, dump, walk
+
+
+def rerun_arrays(loop: For, question: PlanningInputs) -> list[str] | None:
+    """The arrays that must be as they were for an iteration of a loop to run again; None if none can."""
+    structure, typing = question.structure, question.structure.typing
+    inner = structure.inner[id(loop)]
+    if not any(isinstance(p.statement, (For, While)) or not is_simple(p.statement, typing) for p in inner):
+        return None
+    if any(type(p.statement).__name__ == "Break" and p.loops[-1] is loop for p in inner):
+        return None
+    if any(isinstance(n, Call) and typing.runs_once(n) for n in walk(loop.body)):
+        return None
+    own = {p.statement.targets[0].id for p in inner if is_allocation(p.statement)}
+    if any(escapes(structure, array) for array in own):
+        return None                                     # the last array's shadow is in use before the loop is reversed
+    written = {base_name(t) for p in inner for t in question.writes(p.statement)} - own
+    flowing = [array for array in sorted(written) if not _private(array, loop, inner, question)]
+    around = (*structure.place(loop).loops, loop)
+    if flowing and (any(own_loops(structure, array) for array in flowing)
+                    or known_trips(structure, around, around[0]) is None):
+        return None
+    return flowing
+
+
+def is_dear(loop: For, structure: ProgramStructure) -> bool:
+    """Whether a loop has products and solves in it, which take longer than to record what they give."""
+    return any(rules.find_array(call_name(n)) is not None and not is_allocation(p.statement)
+               for p in structure.inner[id(loop)] for head in heads(p.statement) for n in walk(head))
+
+
+def carries(loop: For, structure: ProgramStructure) -> bool:
+    """Whether a number flows from iteration to iteration; what is only added up does not."""
+    return any(x is loop and not all(isinstance(b, AugAssign) for b in structure.bindings[n][1:])
+               for n, x in ReverseValues(structure).loops.items())
+
+
+def _private(array: str, loop: For, inner: list[StatementPlace], question: PlanningInputs) -> bool:
+    """Whether an array that the loop writes is read in it only after the same iteration has written all of it,
+    and not where the reverse sweep would find what running the loop again leaves."""
+    structure, typing = question.structure, question.structure.typing
+    start, around = structure.place(loop).order, structure.place(loop).loops
+    loads = [(p, x) for p in structure.places.values() if not is_allocation(p.statement)
+             for x in reads(p.statement, typing) if base_name(x) == array]
+    outside = [p for p, _ in loads if p not in inner and (around or p.order < start)]
+    if outside or any(_gives(p.statement, array) for p in structure.places.values()
+                      if p not in inner and (around or p.order < start)):
+        return False
+    inside = [(p, x) for p, x in loads if p in inner]
+    if not inside:
+        return True
+    for place in inner:
+        for target in question.writes(place.statement):
+            if base_name(target) == array and isinstance(place.statement, Assign) and _covers(
+                    target, place, loop, question):
+                return all(p.order > place.order and _after(p, x, place, target, loop) for p, x in inside)
+    return False
+
+
+def _gives(statement: AST, array: str) -> bool:
+    """Whether an array is what a function of arrays gives, which its adjoint may read: `y[...] = solve(a, b)`."""
+    return (isinstance(statement, Assign) and base_name(statement.targets[0]) == array
+            and rules.find_array(call_name(statement.value)) is not None and not is_allocation(statement))
+
+
+def _after(reader: StatementPlace, load: AST, place: StatementPlace, target: AST, loop: For) -> bool:
+    """Whether a load comes after the whole nest that covers the array, or is to the cell just written."""
+    nest = place.loops[place.loops.index(loop) + 1:]
+    within = bool(nest) and any(x is nest[0] for x in reader.loops)
+    return not within or dump(load) == dump(target)
+
+
+def _covers(place: AST, where: StatementPlace, loop: For, question: PlanningInputs) -> bool:
+    reference = ArrayReference.to(place, where.statement)
+    nest = where.loops[where.loops.index(loop) + 1:]
+    if not reference.subscripts:
+        return where.branches == question.structure.place(loop).branches and not nest
+    unconditional = question.structure.place(loop).branches
+    if not nest or not isinstance(nest[0], For) or question.structure.place(nest[0]).branches != unconditional:
+        return False
+    return question.dependence.covers(nest[0], where.statement, reference)

@@ -1,0 +1,54 @@
+"""reallocated_arrays: arrays that a loop allocates anew in every iteration, in a size that may change there.
+
+Requires the structure table; `workspace` has moved out every allocation whose shape does not change. Such a name stands
+for one array after another, and is read only after the allocation of the same iteration, or after the loop (`views`
+refuses the rest). The reverse sweep binds it to each again, last first: before an allocation the forward sweep records
+the size of the array that the name gives up, and its content if that is read. A loop that runs forward and back per
+iteration allocates it again instead.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from s2sad.analyze.structure import ProgramStructure, heads
+from s2sad.normalize.loops.hoist_allocations import is_allocation
+from s2sad.tree import AST, Name, walk
+
+
+def allocations(structure: ProgramStructure, array: str) -> list[AST]:
+    """The allocations of an array."""
+    return [b for b in structure.bindings.get(array, []) if is_allocation(b)]
+
+
+def repeated(structure: ProgramStructure, statement: AST) -> bool:
+    """Whether a statement allocates in a loop."""
+    return is_allocation(statement) and bool(structure.place(statement).loops)
+
+
+def own_loops(structure: ProgramStructure, array: str) -> tuple[AST, ...]:
+    """The loops around all allocations of an array: each iteration of the innermost has an array of its own."""
+    found = [structure.place(a).loops for a in allocations(structure, array)]
+    if not found:
+        return ()
+    shortest = min(found, key=len)
+    return tuple(x for k, x in enumerate(shortest) if all(loops[k] is x for loops in found))
+
+
+def escapes(structure: ProgramStructure, array: str) -> bool:
+    """Whether an array that a loop allocates is used outside of that loop, where the last one is meant."""
+    own = own_loops(structure, array)
+    return bool(own) and any(
+        not within(place.loops, own) for place in structure.places.values()
+        if any(isinstance(n, Name) and n.id == array for head in heads(place.statement) for n in walk(head)))
+
+
+def within(loops: tuple[AST, ...], outer: tuple[AST, ...]) -> bool:
+    """Whether loops around a statement begin with the given ones."""
+    return len(loops) >= len(outer) and all(x is y for x, y in zip(loops, outer))
+
+
+def to_reverse(structure: ProgramStructure, active: Callable[[AST], bool]) -> list[AST]:
+    """The allocations in nests of loops in which there is something to reverse."""
+    nests = {id(p.loops[0]) for p in structure.places.values() if p.loops and active(p.statement)}
+    return [p.statement for p in structure.places.values()
+            if repeated(structure, p.statement) and id(p.loops[0]) in nests]

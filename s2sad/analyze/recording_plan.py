@@ -1,0 +1,119 @@
+"""The nouns of planning: what is asked, and the table of what is recorded, computed again and run again."""
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TypeVar
+
+from s2sad.analyze.dependence import Dependence
+from s2sad.liveness import targets
+from s2sad.analyze.structure import ProgramStructure, heads
+from s2sad.analyze.uses import OperandUses, loads_of, owns_result
+from s2sad.analyze.reverse_values import ReverseValue
+from s2sad.infer.inference import Typing
+from s2sad.tree import AST, Assign, AugAssign, Call, Expr, Subscript, dump
+
+T = TypeVar("T")
+K = TypeVar("K", bound=Hashable)
+
+
+@dataclass(frozen=True)
+class Store:
+    """A statement that overwrites (part of) an array; `whole` if not one element."""
+    statement: AST
+    place: AST
+    whole: bool
+
+    @cached_property
+    def key(self) -> str:
+        return f"store {id(self.statement)} {dump(self.place)}"
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """An array as it is where an iteration of a loop begins that runs again."""
+    loop: AST
+    array: str
+
+    @property
+    def key(self) -> str:
+        return f"snapshot {id(self.loop)} {self.array}"
+
+
+@dataclass(frozen=True)
+class Shift:
+    """A carried number that is what an element held which the iteration before overwrote: its record serves both.
+    `start` is the number's name before the loop."""
+    store: Store
+    start: str
+    loop: AST
+
+
+@dataclass
+class RecordingPlan:
+    """The table. Keys are ids of statements and blocks of the function that was analysed; `resized` are the allocations
+    in loops whose arrays the reverse sweep binds again, `after` the statements whose adjoints run in the state that
+    they leave."""
+    rerun: frozenset[int] = frozenset()
+    snapshots: tuple[Snapshot, ...] = ()
+    values: dict[str, ReverseValue] = field(default_factory=dict)
+    recorded: dict[str, ReverseValue] = field(default_factory=dict)
+    stores: dict[str, Store] = field(default_factory=dict)
+    early: dict[int, list[str]] = field(default_factory=dict)
+    late: dict[tuple[int, int], list[str]] = field(default_factory=dict)
+    reloaded: dict[str, AST] = field(default_factory=dict)
+    shifted: dict[str, Shift] = field(default_factory=dict)
+    working: set[int] = field(default_factory=set)
+    forwards: frozenset[int] = frozenset()
+    resized: set[int] = field(default_factory=set)
+    after: frozenset[int] = frozenset()
+    weight: int = 0
+    readers: dict[str, list[AST]] = field(default_factory=dict)
+
+
+@dataclass
+class PlanningInputs:
+    """What the planner is told: the tables, what each statement's adjoint reads, what each statement writes, and
+    whether its adjoint runs in the state that it leaves; `quick` if loops run so fast that to record takes longer than
+    to run them again."""
+    structure: ProgramStructure
+    dependence: Dependence
+    active: Callable[[AST], bool]
+    uses: Callable[[AST], OperandUses]
+    writes: Callable[[AST], list[AST]]
+    after: Callable[[AST], bool] = owns_result
+    quick: bool = False
+
+
+def by_key(items: Iterable[T], key: Callable[[T], K]) -> dict[K, list[T]]:
+    """The items by what `key` says of them, in their order.
+
+    >>> by_key([1, 2, 3], lambda n: n % 2)
+    {1: [1, 3], 0: [2]}
+    """
+    found: dict[K, list[T]] = {}
+    for item in items:
+        found.setdefault(key(item), []).append(item)
+    return found
+
+
+def subscripts(statement: AST) -> AST:
+    place = targets(statement)[0]
+    assert isinstance(place, Subscript)
+    return place.slice
+
+
+def reads(statement: AST, typing: Typing) -> list[AST]:
+    """The array references that a statement itself reads; an increment does not read what it adds to."""
+    found: list[AST] = []
+    for head in heads(statement):
+        if isinstance(head, (Assign, AugAssign)):
+            found += loads_of(head.value, typing)
+            for target in targets(head):
+                found += loads_of(target.slice, typing) if isinstance(target, Subscript) else []
+        elif isinstance(head, Expr) and isinstance(head.value, Call):
+            found += loads_of(head.value, typing)
+        elif not isinstance(head, Expr):
+            found += loads_of(head, typing)
+    return found

@@ -1,0 +1,233 @@
+"""recording_planner: the least cut between what is lost and what is read decides what is recorded.
+
+(Moses et al., SC 2021, section 4.2.)
+"""
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Collection, Iterable
+
+from s2sad.analyze.dependence import ArrayReference
+from s2sad.liveness import base_name, targets
+from s2sad.analyze.recomputation import RecomputationPlaces
+from s2sad.analyze.recording_plan import (
+    RecordingPlan, PlanningInputs, Shift, Snapshot, Store, by_key, reads, subscripts,
+)
+from s2sad.analyze.reallocated_arrays import to_reverse
+from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.uses import loads_of
+from s2sad.analyze.reverse_values import ReverseValue
+from s2sad.normalize.loops.hoist_allocations import is_allocation
+from s2sad.tree import AST, Assign, AugAssign, Expr, dump
+
+
+def plan_for(question: PlanningInputs, rerun: frozenset[int], snapshots: tuple[Snapshot, ...],
+             shifts: dict[str, Shift] | None = None) -> RecordingPlan:
+    """The plan in which the given loops run again; what is recorded must be restored, which may need more."""
+    table = question.structure
+    resized = {id(a): a for a in to_reverse(table, question.active) if id(table.place(a).loops[-1]) not in rerun}
+    working: set[int] = {id(s) for a in resized.values() for s in table.place(a).inside}
+    restored: set[int] = set(resized)
+    while True:
+        plan = RecordingPlanner(question, rerun, snapshots, working, restored, shifts or {}).plan()
+        plan.resized = {i for i in restored if is_allocation(table.places[i].statement)}
+        recorded_at = [s.statement for s in plan.stores.values()] + [v.home for v in plan.recorded.values()]
+        more = {id(s) for x in recorded_at for s in table.place(x).inside}
+        more |= {id(s) for value in plan.recorded.values() for b in value.bindings
+                 for s in table.place(b).inside}
+        if more <= plan.working and {id(x) for x in recorded_at} <= restored:
+            return plan
+        working = plan.working | more
+        restored |= {id(x) for x in recorded_at}
+
+
+class RecordingPlanner(RecomputationPlaces):
+    """The plan for one choice of loops that run again."""
+
+    def plan(self) -> RecordingPlan:
+        """Work, needs, placements, the network, the cut, and what follows from it."""
+        self.find_work()
+        self.result.after = frozenset(i for i, p in self.structure.places.items() if self.q.after(p.statement))
+        wanted: list[tuple[str, AST]] = []
+        mandatory: list[tuple[AST, AST]] = []
+        for place in self.structure.places.values():
+            found = self.needs(place.statement)
+            wanted += [(n, place.statement) for n in sorted(found.names)]
+            mandatory += [(load, place.statement) for load in found.loads]
+        self.collect(wanted)
+        self.place_values()
+        self.build(wanted, mandatory)
+        self.choose(mandatory)
+        self.result.readers = {key: self.readers_of(key) for key in (*self.result.recorded, *self.result.stores)}
+        return self.result
+
+    def build(self, wanted: list[tuple[str, AST]], mandatory: list[tuple[AST, AST]]) -> None:
+        for store in self.stores:
+            self.network.node(store.key, self.store_weight(store))
+            self.network.source(store.key)
+        for key, value in self.result.values.items():
+            self.network.node(key, self.weight(value))
+        for key, value in self.result.values.items():
+            if self.placement[key] == "lost":
+                self.network.source(key)
+                continue
+            if self.placement[key] == "shifted":
+                self.network.sink(self.shifts[key].store.key)
+                start = self.all_values.at(self.shifts[key].start, self.shifts[key].loop)
+                if start is not None and start.key in self.result.values:
+                    self.network.edge(start.key, key)
+                continue
+            for store in self.conflicts_of(value):
+                self.network.edge(store.key, key)
+            if key not in self.result.reloaded:
+                self.link(value)
+        for key, users in self.users.items():
+            if any(not isinstance(u, str) for u in users):
+                self.network.sink(key)
+
+    def link(self, value: ReverseValue) -> None:
+        for name, statement in self.inputs(value):
+            inner = self.all_values.at(name, statement)
+            if inner is not None and inner.key in self.result.values and inner.key != value.key:
+                self.network.edge(inner.key, value.key)
+
+    def conflicts_of(self, value: ReverseValue) -> list[Store]:
+        if value.key not in self.loads:
+            stored = self.result.reloaded.get(value.key)
+            loads = self.value_loads(value) if stored is None else [
+                (targets(stored)[0], stored), *((x, stored) for x in loads_of(subscripts(stored), self.typing))]
+            by_array = _by_array(loads)
+            found = [s for array, those in by_array.items() for s in self.stores_to.get(array, ())
+                     if any(self.conflict(s, x, y) for x, y in those)]
+            self.loads[value.key] = found if len(by_array) < 2 else sorted(
+                found, key=lambda s: self.structure.place(s.statement).order)
+        return self.loads[value.key]
+
+    def conflict(self, store: Store, load: AST, statement: AST, itself: bool = False, again: bool = False) -> bool:
+        """Whether a store destroys what a load of the reverse sweep must still find.
+
+        `itself` counts the store of the load's own statement; `again` says that the load runs with its loop again.
+        """
+        if base_name(store.place) != base_name(load):
+            return False
+        here, there = self.structure.place(statement), self.structure.place(store.statement)
+        if any(s.array == base_name(load) and any(x is s.loop for x in there.loops)
+               and not any(x is s.loop for x in here.loops) for s in self.result.snapshots):
+            return False  # after the reverse loop the array is again what it was before the loop
+        first, later = ArrayReference.to(load, statement), ArrayReference.to(store.place, store.statement)
+        loop = next((x for x in here.loops if id(x) in self.rerun), None)
+        if loop is None:
+            return self.q.dependence.may_overwrite(first, later, same=itself)
+        if any(x is loop for x in there.loops):
+            return not again and self.q.dependence.may_overwrite(first, later, loop, same=itself)
+        private = any(x is loop for s in self.stores_to.get(base_name(load), ())
+                      for x in self.structure.place(s.statement).loops)
+        return not private and self.q.dependence.may_overwrite(first, later, same=itself)
+
+    def depth(self, loops: tuple[AST, ...]) -> int:
+        last = max((k for k, loop in enumerate(loops) if id(loop) in self.rerun), default=-1)
+        return len(loops) - 1 - last
+
+    def weight(self, value: ReverseValue) -> int:
+        size = 1 if self.typing.table[value.name].dtype == "bool" else 8
+        loops = self.structure.place(value.home).loops
+        return size * 16 ** (self.depth(loops) + (value.kind == "carried"))
+
+    def store_weight(self, store: Store) -> int:
+        rank = self.typing.of(store.place).rank
+        return 8 * 16 ** (self.depth(self.structure.place(store.statement).loops) + rank)
+
+    def choose(self, mandatory: list[tuple[AST, AST]]) -> None:
+        """The cut, and what of the rest is computed again and where."""
+        self.mandatory = _by_array(mandatory)
+        self.again = _by_array([(load, place.statement) for place, _ in self.rerun_places()
+                                for load in reads(place.statement, self.typing)])
+        for array, stores in self.stores_to.items():
+            needed, again = self.mandatory.get(array, ()), self.again.get(array, ())
+            for store in stores:
+                if any(self.destroys(store, load, s) for load, s in needed) or any(
+                        self.conflict(store, load, s, again=True) for load, s in again):
+                    self.network.sink(store.key)
+        cut = dict.fromkeys(self.network.least_cut())
+        self.result.weight = sum(self.network.weights[k] for k in cut) + sum(
+            weight_of(s, self.structure) for s in self.result.snapshots)
+        self.result.stores = {s.key: s for s in self.stores if s.key in cut}
+        self.result.recorded = {k: v for k, v in self.result.values.items() if k in cut}
+        kept = self.kept(cut)
+        for key in kept:
+            value = self.result.values[key]
+            place = self.structure.place(value.home)
+            if self.placement[key] == "shifted":
+                self.result.shifted[key] = self.shifts[key]
+            elif self.placement[key] == "late":
+                self.result.late.setdefault((place.block, place.segment), []).append(key)
+            else:
+                self.result.early.setdefault(place.block, []).append(key)
+        self.result.reloaded = {k: s for k, s in self.result.reloaded.items() if k in kept}
+        again = ((k, v) for k, v in self.result.values.items() if self.placement[k] != "lost" and k not in cut)
+        self.restored_for = by_key(((s.key, k) for k, v in again for s in self.conflicts_of(v) if s.key in cut),
+                                   lambda pair: pair[0])
+
+    def readers_of(self, key: str) -> list[AST]:
+        """The statements whose reversal needs what is recorded under a key, in the order of the text."""
+        found: list[AST] = []
+        waiting, seen = [key], {key}
+        store = self.result.stores.get(key)
+        if store is not None:
+            found += [s for load, s in self.mandatory.get(base_name(store.place), ()) if self.destroys(store, load, s)]
+            found += [s for load, s in self.again.get(base_name(store.place), ())
+                      if self.conflict(store, load, s, again=True)]
+            waiting = [k for _, k in self.restored_for.get(key, ())]
+        while waiting:
+            for user in self.users.get(waiting.pop(), []):
+                if not isinstance(user, str):
+                    found.append(user)
+                elif user not in seen and user not in self.result.recorded:
+                    seen.add(user)
+                    waiting.append(user)
+        return sorted({id(s): s for s in found}.values(), key=lambda s: self.structure.place(s).order)
+
+    def kept(self, cut: Collection[str]) -> dict[str, None]:
+        """The values computed again: those that are read and not recorded, back to what is recorded."""
+        waiting = deque(k for k, users in self.users.items() if any(not isinstance(u, str) for u in users))
+        seen: dict[str, None] = {}
+        while waiting:
+            key = waiting.popleft()
+            if key in seen or key in cut:
+                continue
+            seen[key] = None
+            if key in self.result.reloaded:
+                continue
+            if self.placement[key] == "shifted":
+                start = self.all_values.at(self.shifts[key].start, self.shifts[key].loop)
+                waiting += [start.key] if start is not None and start.key in self.result.values else []
+                continue
+            for name, statement in self.inputs(self.result.values[key]):
+                inner = self.all_values.at(name, statement)
+                if inner is not None and inner.key in self.result.values:
+                    waiting.append(inner.key)
+        return seen
+
+    def destroys(self, store: Store, load: AST, statement: AST) -> bool:
+        """Whether a store must be undone for a load of a statement's adjoint: what the statement itself overwrites is
+        put back as it was before it, whatever was stored there since, unless the adjoint reads what it left there."""
+        if not self.conflict(store, load, statement, self.spoils(statement)):
+            return False
+        if self.q.after(statement):
+            return True
+        own = next((s for s in self.stores_by.get(id(statement), ()) if dump(s.place) == dump(load)), None)
+        return own is None or own is store or not self.conflict(own, load, statement, self.spoils(statement))
+
+    def spoils(self, statement: AST) -> bool:
+        """Whether a statement's own store can destroy what its adjoint reads."""
+        return isinstance(statement, (Assign, AugAssign, Expr)) and not self.q.after(statement)
+
+
+def _by_array(loads: Iterable[tuple[AST, AST]]) -> dict[str, list[tuple[AST, AST]]]:
+    """Loads with their statements, by the array."""
+    return by_key(loads, lambda pair: base_name(pair[0]))
+
+
+def weight_of(snapshot: Snapshot, structure: ProgramStructure) -> int:
+    """What the snapshots of all iterations weigh."""
+    return 8 * 16 ** (len(structure.place(snapshot.loop).loops) + 1 + structure.typing.table[snapshot.array].rank)

@@ -1,0 +1,3 @@
+"""Derivatives that users give: rules by partials, adjoints, tangents, pairs of halves, residuals of implicit
+functions.
+"""

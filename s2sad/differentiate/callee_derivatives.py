@@ -1,0 +1,95 @@
+"""Calls of other kernels: which derivative of the callee a call needs, and the call of it."""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from s2sad.liveness import base_name, targets
+from s2sad.analyze.uses import OperandUses, is_active
+from s2sad.infer.inference import Typing
+from s2sad.infer.types import Type
+from s2sad.tree import AST, Call, call_name, copy
+
+
+# A list of what first halves kept, of any type: pushes and pops, as methods in the text.
+EMPTY, PUSH, POP = "builtins.list", "builtins.list.append", "builtins.list.pop"
+
+
+@dataclass(frozen=True)
+class ActivityPattern:
+    """What a call asks of the callee's derivative: positions of active arguments and of active results; `unbounded`
+    says which "values" and "seeds" that it has to do with can be infinite or nan (`analyze.unbounded_values`)."""
+    kernel: str
+    types: tuple[Type, ...]
+    arguments: tuple[int, ...]
+    results: tuple[int, ...]
+    unbounded: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class CalleeDerivative:
+    """A derivative that was made: its name, the positions with shadows, with seeds, and with returned adjoints;
+    `reads` and `writes` are the positions of arrays whose content it reads at its start, and overwrites.
+
+    Of a user's own adjoint `forward` is the name of its first half, which returns the `results` and one more, that the
+    call takes as its last argument. An implicit function's sees the state that the function leaves (`after`), and takes
+    the results `values`.
+    """
+    name: str
+    shadows: tuple[int, ...]
+    seeds: tuple[int, ...]
+    returns: tuple[int, ...]
+    reads: tuple[int, ...]
+    writes: tuple[int, ...]
+    forward: str = ""
+    results: int = 0
+    after: bool = False
+    values: tuple[int, ...] = ()
+
+
+Derive = Callable[[ActivityPattern], CalleeDerivative]
+
+
+def is_kernel_call(statement: AST) -> bool:
+    """Whether a statement calls another kernel."""
+    return (call_name(getattr(statement, "value", None)) or "").startswith("user.")
+
+
+def pattern(statement: AST, typing: Typing, active: frozenset[str],
+            unbounded: Callable[[AST], frozenset[str]] = lambda statement: frozenset()) -> ActivityPattern:
+    """What the call of a statement asks for, given what is active around it."""
+    called: Call = statement.value
+    bound = [base_name(t) for t in targets(statement)]
+    return ActivityPattern((call_name(called) or "").partition(".")[2], tuple(map(typing.argument, called.args)),
+                           tuple(k for k, a in enumerate(called.args) if is_active(a, typing, active)),
+                           tuple(k for k, b in enumerate(bound) if b in active and typing.table[b].is_inexact),
+                           unbounded(statement))
+
+
+def call_uses(statement: AST, typing: Typing, active: frozenset[str], derive: Derive, found: OperandUses,
+              unbounded: Callable[[AST], frozenset[str]]) -> None:
+    """What the adjoint of a call reads: its numbers, and the arrays whose content the callee's adjoint reads."""
+    wanted = pattern(statement, typing, active, unbounded)
+    if not wanted.arguments and not wanted.results:
+        return
+    callee = derive(wanted)
+    for position, argument in enumerate(statement.value.args):
+        if typing.of(argument).is_array:
+            found.place(argument, typing)
+            if position in callee.reads:
+                found.loads.append(argument)
+        else:
+            found.value(argument, typing)
+    bound = targets(statement)
+    for position in callee.values:
+        found.value(bound[position], typing)
+
+
+def with_shadows(called: Call, callee: CalleeDerivative, shadow: Callable[[AST], AST]) -> list[AST]:
+    """The arguments of a call of a derivative: those of the kernel's call, those that have one each with its shadow."""
+    args: list[AST] = []
+    for position, argument in enumerate(called.args):
+        args.append(copy(argument))
+        if position in callee.shadows:
+            args.append(shadow(argument))
+    return args

@@ -1,0 +1,30 @@
+"""What is asked of a derivative, and what it is when it is made."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from s2sad.differentiate.tape import Tape
+from s2sad.tree import AST, FunctionDef
+
+
+@dataclass(frozen=True)
+class DerivativeRequest:
+    """Which parameters and results: `wrt` and `of` by name ("return 0", ... for results); `unbounded` as in
+    `callee_derivatives.Pattern`."""
+    wrt: tuple[str, ...]
+    of: tuple[str, ...]
+    with_primal: bool = False
+    unbounded: frozenset[str] = frozenset()
+
+
+@dataclass
+class Derivative:
+    """A derivative: the function, the shadow of every name, its parameters as (name, role, primal), its returns; the
+    lists of what a user's first halves keep, each with the call; the arrays that sum what shadows gain."""
+    function: FunctionDef
+    shadows: dict[str, str]
+    parameters: list[tuple[str, str, str]] = field(default_factory=list)
+    returns: list[str] = field(default_factory=list)
+    tape: Tape | None = None
+    kept: list[tuple[str, AST]] = field(default_factory=list)
+    sums: set[str] = field(default_factory=set)

@@ -1,0 +1,73 @@
+"""split_adjoints: calls whose adjoint a user gave in two halves. What the first keeps, of any type, lies on a list
+of the call's own, from which the second takes it.
+
+    y = f(u, t)                     y, kept = f_forward(u, t)
+                                    kept_stack.append(kept)
+                                    ...
+                                    kept = kept_stack.pop()
+                                    f_adjoint(u, u_bar, t, y_bar, kept)
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from s2sad.liveness import targets
+from s2sad.analyze.unbounded_values import UnboundedValues
+from s2sad.differentiate.callee_derivatives import EMPTY, POP, PUSH, Derive, is_kernel_call, pattern
+from s2sad.infer.inference import Typing
+from s2sad.infer.types import UNKNOWN
+from s2sad.naming import Names
+from s2sad.tree import AST, Expr, assign, call, copy, name, tuple_of
+
+
+@dataclass(frozen=True)
+class SavedState:
+    """What a first half keeps: the list that it lies on, and its name."""
+    stack: str
+    value: str
+
+
+class SplitAdjoints:
+    """The lists of one adjoint, by the calls that they belong to."""
+
+    def __init__(self, typing: Typing, active: frozenset[str], free: Names, derive: Derive, bounds: UnboundedValues):
+        self.typing, self.active, self.free, self.derive, self.bounds = typing, active, free, derive, bounds
+        self.made: dict[int, SavedState] = {}
+        self.calls: dict[int, AST] = {}
+
+    def kept(self, statement: AST) -> SavedState:
+        """The names for what the first half of a call's adjoint keeps."""
+        if id(statement) not in self.made:
+            made = SavedState(*(self.typing.declare(self.free.fresh(n), UNKNOWN) for n in ("kept_stack", "kept")))
+            self.made[id(statement)], self.calls[id(statement)] = made, statement
+        return self.made[id(statement)]
+
+    def first(self, statement: AST) -> list[AST]:
+        """The call of a first half, and the push of what it keeps; nothing for any other statement."""
+        if not is_kernel_call(statement):
+            return []
+        wanted = pattern(statement, self.typing, self.active, self.bounds.called_left)
+        callee = self.derive(wanted) if wanted.arguments or wanted.results else None
+        if callee is None or not callee.forward:
+            return []
+        kept = self.kept(statement)
+        held = [*map(copy, targets(statement)), name(kept.value)]
+        if len(held) <= callee.results:                 # the call's results are not bound
+            unread = [self.typing.declare(self.free.fresh("unread"), UNKNOWN) for _ in range(callee.results)]
+            held = [*map(name, unread), *held]
+        called = call(callee.forward, *map(copy, statement.value.args))
+        return [assign(held[0] if len(held) == 1 else tuple_of(*held), called),
+                Expr(call(PUSH, name(kept.stack), name(kept.value)))]
+
+    def popped(self, statement: AST) -> AST:
+        """The statement that takes back what a call's first half kept."""
+        kept = self.kept(statement)
+        return assign(kept.value, call(POP, name(kept.stack)))
+
+    def stacks(self) -> list[AST]:
+        """The statements that make the lists."""
+        return [assign(k.stack, call(EMPTY)) for k in self.made.values()]
+
+    def lists(self) -> list[tuple[str, AST]]:
+        """The lists, each with its call."""
+        return [(kept.stack, self.calls[key]) for key, kept in self.made.items()]

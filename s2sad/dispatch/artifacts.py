@@ -1,0 +1,405 @@
+"""What was derived, handed on to later processes: what a function reads, what it writes, and the generated text.
+
+    readings of a function     the guards of a reading, in order, each as a description of what was taken there
+    its summaries, texts       under the reading's address: a digest of these descriptions
+
+A later process takes the same values on the same ways and compares them with the descriptions: code by what it does and
+its file's text, numbers by value, arrays by type, all else by what it is called. What holds is this process's reading,
+and its guards are compared at each call as those of any other. What has no description that tells it from all else is
+not kept: a process without it derives anew. Entries are texts of a few kinds of literals; nothing in one is executed
+or imported but the generated text itself, which the store vouches for.
+"""
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import json
+import linecache
+import os
+import platform
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, fields
+from functools import cache, wraps
+from types import CodeType, FunctionType, ModuleType
+from typing import Any, TypeVar
+
+import numpy as np
+
+from s2sad.diagnostics import warn_once
+from s2sad.guards import ABSENT, STEPS, Guards, VaryingNumber, layout, reached, recording, taken
+from s2sad.infer.types import Type
+from s2sad.program import Generated, TextGuard, Kernel, Parameter, SourcePlace, Request
+from s2sad.registry import GIVEN
+from s2sad.results import EntrySummary
+from s2sad.run import store
+from s2sad.pytree import PyTree
+from s2sad.unwrap import fingerprint
+
+T = TypeVar("T")
+ENABLED = True
+_KIND = "derived"
+_LONGEST = 4096         # items of a list: more are not written out
+_READINGS = 8           # of one function: for so many sets of constants
+_FOLLOWING = frozenset(("root", "function", "kernel", "given", "bound"))     # steps that follow from what was taken
+_WRITTEN: dict[str, type] = {c.__name__: c for c in (
+    Type, PyTree, Parameter, EntrySummary, Request, TextGuard, SourcePlace)}
+_FACTS = ("wrappers", "stacks", "taped", "independent", "guards", "places")
+
+
+class NotSerializable(Exception):
+    """A value that another process could not tell from all else."""
+
+
+@dataclass(frozen=True)
+class ReadRecord:
+    """What of a program that was read its derivatives need: the entry without its text, whether calls ask what
+    arguments are made of, the arrays from outside and the classes of structures that it makes by name, what was taken,
+    where what is derived is kept, and what was warned of."""
+    kernel: Kernel
+    asks: bool
+    arrays: dict[str, Any]
+    records: dict[str, type]
+    guards: Guards
+    address: str | None
+    warned: tuple[str, ...] = ()
+
+
+def _miss_unless_whole(find: Callable[..., T]) -> Callable[..., T | None]:
+    """An entry that does not hold what it should is a miss, as one that is not there."""
+    @wraps(find)
+    def found(*given: Any) -> T | None:
+        try:
+            return find(*given)
+        except (ValueError, LookupError, TypeError, AttributeError):
+            return None
+    return found
+
+
+# -- readings -------------------------------------------------------------------------------------------------------
+
+@_miss_unless_whole
+def find(function: FunctionType) -> ReadRecord | None:
+    """The reading of a function that holds now."""
+    for described, kernel, asks, warned, *held in _readings(_place(function)):
+        guards = Guards()
+        values = _taken(described, (function,), guards)
+        if values is not None:
+            arrays, records = ({n: values[k[0]][k[1]] if isinstance(k, tuple) else values[k] for n, k in part}
+                               for part in held)
+            for message in warned:
+                warn_once(message)
+            return ReadRecord(_kernel(kernel), asks, arrays, records, guards, _address(described), warned)
+    return None
+
+
+def keep(reading: ReadRecord, function: FunctionType) -> None:
+    """Puts a reading before the others of its function."""
+    place = _place(function)
+    if place is None or reading.address is None:
+        return
+    described, numbers = _described(reading.guards, (function,))
+    held = (tuple((n, numbers[id(v)]) for n, v in part.items()) for part in (reading.arrays, reading.records))
+    entry = (described, _of_kernel(reading.kernel), reading.asks, reading.warned, *held)
+    others = [e for e in _readings(place) if e[0] != described]
+    _put((entry, *others[:_READINGS - 1]), place)
+
+
+def _readings(place: str | None) -> list[Any]:
+    found = _get(place)
+    return [e for e in found if isinstance(e, tuple) and len(e) == 6] if isinstance(found, tuple) else []
+
+
+def address(guards: Guards, function: FunctionType, held: Iterable[Any], kernel: Kernel) -> str | None:
+    """Where what is derived of a reading is kept; None where that cannot be, for another process could not tell."""
+    if not ENABLED or guards.varying:
+        return None
+    try:
+        described, numbers = _described(guards, (function,))
+        _literal(_of_kernel(kernel))
+    except NotSerializable:
+        return None
+    return _address(described) if all(id(v) in numbers for v in held) else None
+
+
+def _address(described: Any) -> str:
+    return hashlib.sha256(f"{_surroundings()} {_text(described)}".encode()).hexdigest()
+
+
+def _place(function: FunctionType) -> str | None:
+    try:
+        return f"readings {_surroundings()} {_text(_description(function))}"
+    except NotSerializable:
+        return None
+
+
+def _of_kernel(kernel: Kernel) -> Any:
+    return (kernel.name, kernel.parameters, kernel.defaults, kernel.annotations, kernel.results, kernel.floats,
+            kernel.independents)
+
+
+def _kernel(kept: Any) -> Kernel:
+    name, parameters, defaults, annotations, results, floats, independents = kept
+    return Kernel(name, None, None, parameters, defaults, annotations, results=results,  # pyright: ignore
+                  floats=floats, independents=independents)
+
+
+# -- what was derived -------------------------------------------------------------------------------------------------
+
+def summary_of(place: str | None, types: tuple[Type, ...]) -> EntrySummary | None:
+    """What was found out about a kernel for arguments of these types."""
+    found = None if place is None else _get(f"summary {place} {_text(types)}")
+    return found if isinstance(found, EntrySummary) else None
+
+
+def keep_summary(place: str | None, types: tuple[Type, ...], found: EntrySummary) -> None:
+    if place is not None:
+        _put(found, f"summary {place} {_text(types)}")
+
+
+@_miss_unless_whole
+def generated_for(place: str | None, request: Request) -> Generated | None:
+    """The generated module that was made for a request."""
+    kept = None if place is None else _get(f"text {place} {_text(request)}")
+    return None if kept is None else Generated(*kept)
+
+
+def keep_generated(place: str | None, request: Request, found: Generated) -> None:
+    """Keeps a generated module, but not one of which more is asked than what is written here."""
+    facts = found.facts
+    if place is None or facts.get("moving") or facts.get("unshadowed"):
+        return
+    kept = {name: facts[name] for name in _FACTS if name in facts}
+    _put((found.text, found.entry, found.parameters, found.returns, kept), f"text {place} {_text(request)}")
+
+
+@_miss_unless_whole
+def flat_of(reading: ReadRecord, forms: tuple[Any, ...]) -> Any:
+    """What was kept of a function for arguments of these forms, with the guards of their classes."""
+    place = reading.address
+    kept = None if place is None else _get(_flat_place(place, forms))
+    if kept is None:
+        return None
+    described, kernel, paths, cells, result = kept
+    guards = Guards()
+    if _taken(described, _classes(forms, reading), guards) is None:
+        return None
+    return _kernel(kernel), paths, frozenset(cells), result, guards, _address((place, described))
+
+
+def keep_flat(reading: ReadRecord, forms: tuple[Any, ...], kernel: Kernel, paths: dict[str, str], cells: Iterable[str],
+              result: Any, guards: Guards) -> str | None:
+    """Keeps what arguments of these forms are taken apart into; the address of what is derived for them."""
+    place = reading.address
+    if place is None:
+        return None
+    try:
+        described, _ = _described(guards, _classes(forms, reading))
+        _put((described, _of_kernel(kernel), paths, tuple(sorted(cells)), result), _flat_place(place, forms))
+        return _address((place, described))
+    except NotSerializable:
+        return None
+
+
+def _flat_place(place: str, forms: tuple[Any, ...]) -> str:
+    return f"flat {place} {_text(forms)}"
+
+
+def _classes(forms: Iterable[Any], reading: ReadRecord) -> tuple[type, ...]:
+    """The classes of structures, those of arguments and those that the kernel makes, each once, in order."""
+    found: dict[type, None] = {}
+    waiting = list(forms)
+    while waiting:
+        form = waiting.pop()
+        if isinstance(form, PyTree):
+            found |= {} if form.made is None else {form.made: None}
+            waiting += form.items
+    return tuple(found | dict.fromkeys(reading.records.values()))
+
+
+# -- guards as descriptions -------------------------------------------------------------------------------------------
+
+def _described(guards: Guards, roots: Sequence[Any]) -> tuple[tuple[Any, ...], dict[int, Any]]:
+    """What was taken, each as (the number of its holder, step, key, description), and the numbers of the values; those
+    of roots are negative, items of tuples have two. Raises Unkept."""
+    numbers: dict[int, Any] = {id(root): -2 - k for k, root in enumerate(roots)} | {id(None): -1}
+    found: list[tuple[Any, ...]] = []
+    for guard in guards.places.values():
+        if guard.step == "root":
+            continue
+        if id(guard.holder) not in numbers:
+            raise NotSerializable
+        found.append((numbers[id(guard.holder)], guard.step, guard.key, _description(guard.value)))
+        numbers.setdefault(id(guard.value), len(found) - 1)
+        for place, item in enumerate(guard.value if type(guard.value) is tuple else ()):
+            numbers.setdefault(id(item), (len(found) - 1, place))
+    return tuple(found), numbers
+
+
+def _taken(described: Any, roots: Sequence[Any], guards: Guards) -> list[Any] | None:
+    """The values that are taken on the ways that are described; None if one of them is not what is described."""
+    values: list[Any] = []
+    with recording(guards):
+        for number, root in enumerate(roots):
+            reached(None, "root", number, root)
+        for holder, step, key, description in described:
+            if step not in STEPS:
+                return None
+            start = values[holder[0]][holder[1]] if isinstance(holder, tuple) else (
+                None if holder == -1 else roots[-2 - holder] if holder < -1 else values[holder])
+            if step in _FOLLOWING or (step, key) in (("attribute", "__func__"), ("attribute", "keywords")):
+                value = STEPS[step](start)(key, ABSENT)
+                reached(start, step, key, value)
+            else:
+                value = taken(start, step, key)
+            try:
+                if _text(_description(value)) != _text(description):
+                    return None
+            except NotSerializable:
+                return None
+            values.append(value)
+    return values
+
+
+def _description(value: Any) -> Any:
+    """What tells a value from others in another process; raises Unkept where nothing does."""
+    if value is ABSENT:
+        return ("absent",)
+    if value is None or isinstance(value, (int, float, complex, str, np.generic)):
+        return "value", type(value).__module__, type(value).__qualname__, _content(value)
+    if type(value) is tuple:
+        if len(value) > _LONGEST:
+            raise NotSerializable
+        return "tuple", *map(_description, value)
+    if isinstance(value, CodeType):
+        return "code", _of_code(value)
+    if isinstance(value, FunctionType):
+        if GIVEN.by_identity.get(id(value)) is not None:
+            raise NotSerializable
+        return "function", value.__module__, value.__qualname__, _of_code(value.__code__)
+    if isinstance(value, ModuleType):
+        return "module", value.__name__
+    if isinstance(value, type):
+        return "class", value.__module__, value.__qualname__
+    if isinstance(value, np.ndarray):
+        dtype, *ones = layout(value)
+        return "array", type(value).__name__, dtype.str, tuple(ones)
+    if isinstance(value, VaryingNumber):
+        raise NotSerializable
+    kind = type(value)
+    names = [n if isinstance(n := getattr(value, a, None), str) else "" for a in ("__module__", "__name__")]
+    return "object", kind.__module__, kind.__qualname__, *(names if callable(value) else ())
+
+
+def _content(value: Any) -> str:
+    """A number or string written out, whatever a class of the user's makes of `repr`."""
+    if isinstance(value, np.generic):
+        return f"{value.dtype.str} {value.tobytes().hex()}"
+    plain: Any = next((c for c in (bool, int, float, complex, str) if isinstance(value, c)), type(None))
+    return plain.__repr__(value)
+
+
+def _of_code(code: CodeType) -> str:
+    """What a code object does, where it stands, and the text around it, which generated files quote."""
+    path = code.co_filename
+    linecache.checkcache(path)
+    text = "" if path == "<string>" else "".join(linecache.getlines(path))
+    said = repr((fingerprint(code), path, code.co_firstlineno)) + text
+    return hashlib.sha256(said.encode()).hexdigest()
+
+
+@cache
+def _package() -> str:
+    """What this package is: the names, times and sizes of its files."""
+    files, waiting = [], [os.path.dirname(__file__)]
+    while waiting:
+        with os.scandir(waiting.pop()) as entries:
+            for entry in entries:
+                if entry.is_dir() and entry.name != "__pycache__":
+                    waiting.append(entry.path)
+                elif entry.name.endswith(".py"):
+                    files.append((entry.path, entry.stat().st_mtime_ns, entry.stat().st_size))
+    said = repr((sorted(files), platform.python_version(), np.__version__))
+    return hashlib.sha256(said.encode()).hexdigest()
+
+
+def _surroundings() -> str:
+    """All that a text depends on beside what the function reads: versions, and functions that have a derivative of the
+    user's own."""
+    return f"{_package()} {_installed('numba')} {_installed('scipy')} {sorted(GIVEN.by_path)}"
+
+
+@cache
+def _installed(package: str) -> tuple[Any, ...]:
+    """Which installation of a package there is, which need not be imported."""
+    found = importlib.util.find_spec(package)
+    if found is None or found.origin is None:
+        return ()
+    status = os.stat(found.origin)
+    return found.origin, status.st_mtime_ns, status.st_size
+
+
+# -- literals ---------------------------------------------------------------------------------------------------------
+
+def _get(place: str | None) -> Any:
+    found = None if place is None or not ENABLED else store.get(place, _KIND)
+    return None if found is None else _loaded(found)
+
+
+def _loaded(data: bytes) -> Any:
+    try:
+        return _value(json.loads(data))
+    except (ValueError, LookupError, TypeError, AttributeError):
+        return None
+
+
+def _put(value: Any, place: str) -> None:
+    try:
+        store.put(place, _text(value).encode(), _KIND)
+    except NotSerializable:
+        return
+
+
+def _text(value: Any) -> str:
+    return json.dumps(_literal(value), separators=(",", ":"))
+
+
+def _literal(value: Any) -> Any:
+    """A value as JSON: [kind, content] for all but None, bools, whole numbers and strings. Raises Unkept."""
+    if value is None or type(value) in (bool, int, str):
+        return value
+    if type(value) in (float, complex):
+        return [type(value).__name__, repr(value)]
+    if value is Ellipsis:
+        return ["..."]
+    if type(value) in (tuple, list):
+        return [type(value).__name__, *map(_literal, value)]
+    if type(value) is dict:
+        return ["dict", *([_literal(k), _literal(v)] for k, v in value.items())]
+    if isinstance(value, type):
+        return ["class", value.__module__, value.__qualname__]
+    if type(value).__name__ in _WRITTEN and type(value) is _WRITTEN[type(value).__name__]:
+        return [type(value).__name__, *(_literal(getattr(value, f.name)) for f in fields(value))]
+    raise NotSerializable
+
+
+def _value(found: Any) -> Any:
+    """What was written as JSON; raises LookupError for a class that is not there."""
+    if not isinstance(found, list):
+        return found
+    kind, *rest = found
+    if kind in ("float", "complex"):
+        return {"float": float, "complex": complex}[kind](rest[0])
+    if kind in ("tuple", "list"):
+        items = map(_value, rest)
+        return tuple(items) if kind == "tuple" else list(items)
+    if kind == "dict":
+        return {_value(k): _value(v) for k, v in rest}
+    if kind == "...":
+        return Ellipsis
+    if kind == "class":
+        made: Any = sys.modules[rest[0]]
+        for name in rest[1].split("."):
+            made = getattr(made, name)
+        return made
+    return _WRITTEN[kind](*map(_value, rest))

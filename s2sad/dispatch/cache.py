@@ -1,0 +1,350 @@
+"""The derivatives of one function: derived once for what is asked, compiled, and kept.
+
+A `Derivatives` lies in the side table of its function. It has one `State` for each set of values of the constants
+that the function reads, and a state one `Variant` for each (mode, types, wrt, of, engine).
+"""
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from types import FunctionType
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+from s2sad.dispatch import artifacts
+from s2sad.dispatch.artifacts import ReadRecord
+from s2sad.dispatch.arguments import float_parameters, types as types_of
+from s2sad.compiler_lock import COMPILER_LOCK
+from s2sad.dispatch.deferred import compiler
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.dispatch.executable import HIDDEN, Executable
+from s2sad.guards import Guards, Path, VaryingNumber, current, recording
+from s2sad.infer.types import Type
+from s2sad.unwrap import by_position, python_function
+from s2sad.program import Program, Request
+from s2sad.progress import Working
+from s2sad.registry import GIVEN, RegisteredRule
+from s2sad.results import EntrySummary
+from s2sad.run.compiled import chosen, compiled, interpreting, prepare, quiet
+from s2sad.run.exceptions import CAUGHT
+from s2sad.run.module_loader import owned
+from s2sad.run.overlap import Check, Slot
+from s2sad.side_table import side_table
+
+_KEPT = 16      # states: values that go back and forth find theirs again
+_CHANGES = 4    # of a number from outside: from then on it is an argument
+
+
+def derivatives_of(f: Any) -> DerivativeCache:
+    """The derivatives of a plain function, a differentiated one or a Numba dispatcher."""
+    function = python_function(f)
+    if function is None:
+        raise S2sadError(compiler().not_a_function(f))
+    with COMPILER_LOCK:
+        table = side_table(function)
+        if "derivatives" not in table:
+            table["derivatives"] = DerivativeCache(function)
+        return table["derivatives"]
+
+
+class DerivativeCache:
+    """All that was derived from one function."""
+
+    def __init__(self, function: FunctionType):
+        self.function = function
+        self._states: list[ProgramVersion] = []
+        self._current: ProgramVersion | None = None
+        self._changes: Counter[Path] = Counter()
+        self._varying: frozenset[Path] = frozenset()    # numbers that have changed often: arguments of derivatives
+
+    def state(self) -> ProgramVersion:
+        """The state for the values that the function's constants have now."""
+        last = self._current
+        if last is not None and last.holds():
+            return last
+        with COMPILER_LOCK:
+            found = next((s for s in self._states if s.holds()), None) or self._kept() or self._read()
+            self._states = [*(s for s in self._states[-_KEPT:] if s is not found), found]
+            self._current = found
+            return found
+
+    def with_constants(self) -> ProgramVersion:
+        """The state in which each number from outside is a constant, however often it has changed: for texts and
+        bare functions."""
+        state = self.state()
+        varies = any(isinstance(a, VaryingNumber) for a in state.arrays)
+        return ProgramVersion.of(compiler().program(self.function), self.function) if varies else state
+
+    def _kept(self) -> ProgramVersion | None:
+        """The state for what another process has read, if the function reads the same here."""
+        known = None if self._states else artifacts.find(self.function)
+        return None if known is None else ProgramVersion(known, self.function)
+
+    def _read(self) -> ProgramVersion:
+        """The state for what the function reads now."""
+        found = self._state_of(compiler().program(self.function, (), self._varying))
+        last = self._current
+        changed = [] if last is None else found.guards.changed(last.guards)
+        self._changes.update(changed)
+        for path in changed:
+            if last is not None and self._changes[path] == _CHANGES:
+                found = self._generalized(path, last) or found
+        return found
+
+    def _generalized(self, path: Path, last: ProgramVersion) -> ProgramVersion | None:
+        """The state in which a number that changes is an argument, with all that the last one has derived; None where
+        it must be known when a derivative is made."""
+        varying = self._varying | {path}
+        try:
+            made = ProgramVersion.of(compiler().program(self.function, (), varying), self.function)
+            made.derive_as(last)
+        except S2sadError:
+            return None
+        self._varying, self._states = varying, []
+        return made
+
+    def _state_of(self, program: Program) -> ProgramVersion:
+        """The state for another reading of the function."""
+        for state in self._states:
+            if state.serves(program):
+                state.take_over(program)
+                return state
+        found = ProgramVersion.of(program, self.function)
+        artifacts.keep(found.reading, self.function)
+        return found
+
+
+@runtime_checkable
+class RepreparedCall(Protocol):
+    """A prepared call that is prepared again for another reading of its function."""
+
+    def restated(self, state: ProgramVersion) -> RepreparedCall: ...
+
+
+class ProgramVersion:
+    """A program whose constants are known, and what was derived from it. `entries` keeps prepared calls by their
+    callers' keys. A `flat` one takes the leaves of structures; one that `asks` must know what arguments are made of."""
+
+    def __init__(self, reading: ReadRecord, function: FunctionType, flat: bool = False,
+                 read: Callable[[], Program] | None = None):
+        self.reading, self.function, self.flat = reading, function, flat
+        self.asks, self.kernel = reading.asks, reading.kernel
+        self.parameters = self.kernel.parameters
+        self.floats = float_parameters(self.kernel)
+        self.entries: dict[Any, Any] = {}
+        self._variants: dict[Any, Executable] = {}
+        self._summaries: dict[tuple[Type, ...], EntrySummary] = {}
+        self._forms: dict[Any, Any] = {}
+        self._read, self._program = read or self._again, None
+        self.given: tuple[RegisteredRule, ...] = ()
+        self._compiled_in = Guards()        # what functions with derivatives of their own read, which nobody else does
+        self._frozen: list[tuple[Any, list[str]]] = []
+        self._hold(reading.guards, reading.arrays)
+
+    @classmethod
+    def of(cls, program: Program, function: FunctionType) -> ProgramVersion:
+        """The state for a program that was read."""
+        kernel, given = compiler().entry_kernel(program), compiler().given_of(program)
+        held = (*program.arrays.values(), *program.records.values())
+        address = None if given else artifacts.address(program.guards, function, held, kernel)
+        made = cls(ReadRecord(kernel, compiler().asks(program), program.arrays, program.records, program.guards,
+                              address,
+                              program.warned), function)
+        return made.with_program(program)
+
+    def with_program(self, program: Program) -> ProgramVersion:
+        """The state, whose program was read."""
+        self._program, self.given = program, compiler().given_of(program)
+        with recording(self._compiled_in):
+            self._frozen = [(g.plain, compiler().compiled_in(g.plain)) for g in self.given
+                            if isinstance(g.plain, FunctionType)]
+        return self
+
+    @property
+    def program(self) -> Program:
+        """The program; of a state that another process has read it is read now."""
+        if self._program is None:
+            with COMPILER_LOCK:
+                self._program = self._read()
+        return self._program
+
+    def _again(self) -> Program:
+        program = compiler().program(self.function)
+        if artifacts.address(program.guards, self.function, (), self.kernel) != self.reading.address:
+            raise S2sadError(Diagnostic("S405", f"what '{self.kernel.name}' reads from outside was changed while its "
+                                        "derivative was made", help="call it again"))
+        return program
+
+    def derive_as(self, other: ProgramVersion) -> None:
+        """Derives what another reading has derived; raises S2sadError for what is refused."""
+        for request, engine in other._variants:
+            self.variant(request, engine)
+        for key, entry in other.entries.items():
+            if isinstance(entry, RepreparedCall):
+                self.entries[key] = entry.restated(self)
+
+    def take_over(self, program: Program) -> None:
+        """From now on the state is for what this reading took."""
+        self._hold(program.guards, program.arrays)
+
+    def _hold(self, guards: Guards, arrays: Mapping[str, Any]) -> None:
+        self.guards, self.arrays = guards, tuple(arrays.values())
+        self._edition = GIVEN.edition
+
+    def holds(self) -> bool:
+        """Whether all that was taken from outside is what it was."""
+        return self._edition == GIVEN.edition and self.guards.hold() and self.unchanged()
+
+    def unchanged(self) -> bool:
+        """Whether the functions with derivatives of their own are what they were."""
+        return all(g.reachable() for g in self.given) and self._compiled_in.hold()
+
+    def serves(self, program: Program) -> bool:
+        """Whether what was derived here holds for another reading of the same function."""
+        if self._program is not None:
+            return (self.given == compiler().given_of(program) and self.unchanged()
+                    and compiler().same_program(self._program, program))
+        if artifacts.address(program.guards, self.function, (), self.kernel) != self.reading.address:
+            return False
+        self._program = program
+        return True
+
+    def summary(self, types: tuple[Type, ...]) -> EntrySummary:
+        """What the pipeline says of the kernel's writes and results for these types."""
+        found = self._summaries.get(types) or artifacts.summary_of(self.reading.address, types)
+        if found is None:
+            with Working(f"reading '{self.kernel.name}'"):
+                found = compiler().summary(self.program, types, self._forms)
+            artifacts.keep_summary(self.reading.address, types, found)
+        if types not in self._summaries:
+            self._summaries[types] = found
+            for array in (n for n in found.returned.values() if n.startswith(HIDDEN)):
+                raise S2sadError(Diagnostic("S201", f"'{self.kernel.name}' returns '{array[len(HIDDEN):]}', an array "
+                                            "of its module", help="pass the array as an argument"))
+        return found
+
+    def types(self, values: Sequence[Any]) -> tuple[Type, ...]:
+        """The types of values; lengths of 1 count where the kernel joins arrays of shapes not known to be equal."""
+        found = types_of(values)
+        if not any(t.ones for t in found):
+            return found
+        plain = tuple(t.plain for t in found)
+        try:
+            return found if self.summary(plain).guarded else plain
+        except S2sadError:
+            return found    # np.squeeze without an axis asks for them
+
+    def variant(self, request: Request, engine: str) -> Executable:
+        """The generated function for a request, made once; `engine` may be "auto"."""
+        if engine == "auto":
+            interpreting()
+        engine = chosen(engine)
+        key = (request, engine)
+        if engine == "numba":
+            self.unfrozen()
+        with COMPILER_LOCK:
+            if key not in self._variants:
+                request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
+                                  request.with_primal)
+                generated = artifacts.generated_for(self.reading.address, request)
+                if generated is None:
+                    with Working(f"deriving the {request.mode} of '{self.kernel.name}'"):
+                        generated = compiler().derived(self.program, request, self._forms)
+                    artifacts.keep_generated(self.reading.address, request, generated)
+                self._variants[key] = Executable(generated, engine, self.summary(request.types), self.kernel.name,
+                                               self.given)
+            return self._variants[key]
+
+    def unfrozen(self) -> None:
+        """Raises if a function with a derivative of its own reads an array of its module: Numba would compile its
+        content in."""
+        for given, array in ((g, a) for g, arrays in self._frozen for a in arrays):
+            raise S2sadError(Diagnostic("S407", f"'{given.__name__}' reads the array '{array}' of its module, whose "
+                                        "content Numba would not look at again", help="pass it as an argument; "
+                                        'engine="numpy" calls it as it is'))
+
+    def primal(self, types: tuple[Type, ...], engine: str) -> Callable[..., Any]:
+        """The primal for positional values: the function itself under NumPy, compiled under Numba."""
+        if chosen(engine) == "numpy" and not self.flat:
+            return by_position(self.function)
+        variant = self.variant(Request("primal", types, (), ()), engine)
+        hidden = tuple(p.name for p in variant.generated.parameters if p.name.startswith(HIDDEN))
+        values = self.arrays_by_name()
+        return _with_trailing(variant.heard, tuple(values[h] for h in hidden)) if hidden else variant.heard
+
+    def first_run(self, values: Sequence[Any], engine: str) -> None:
+        """Runs the primal with bounds checks on copies, so that an index out of bounds raises before any write."""
+        types = self.types(values)
+        key = ("first run", types)
+        if chosen(engine) == "numpy" or key in self.entries:
+            return
+        variant = self.variant(Request("primal", types, (), ()), engine)
+        text = quiet(variant.generated.text)
+        guards = tuple(variant.generated.facts.get("guards", ()))
+        module = compiled(text, variant.generated.entry, bounds=True, given=bool(self.given), guards=guards)
+        owned(module, self)
+        function = getattr(module, variant.generated.entry)
+        copies = dict(zip(self.parameters, self.copied(values, types)))
+        arguments = variant.assemble(copies, {}, (), self.outside(types))
+        prepare(function, arguments, f"'{self.kernel.name}'")
+        try:
+            function(*arguments)
+        except CAUGHT as error:
+            raise variant.failures.meaning(error) from None
+        self.entries[key] = True
+
+    def apart(self, types: tuple[Type, ...]) -> Callable[[Sequence[Any]], None] | None:
+        """A function that refuses values whose arrays share memory, with another or in themselves, where they are
+        written; None if none can."""
+        key = ("apart", types)
+        if key not in self.entries:
+            places = [k for k, t in enumerate(types) if t.is_array]
+            names = [*(self.parameters[k] for k in places), *self._arrays()]
+            slots = [Slot(n, "primal", n, n in self.summary(types).written) for n in names]
+            check = Check(slots, "numpy") if any(s.written for s in slots) else None
+            self.entries[key] = check and (
+                lambda values: check.exact([*[values[k] for k in places], *self._arrays().values()]) and None)
+        return self.entries[key]
+
+    def copied(self, values: Sequence[Any], types: tuple[Type, ...]) -> list[Any]:
+        """The values, with copies of the arrays that the function may write."""
+        summary = self.summary(types)
+        lying(summary, dict(zip(self.parameters, values)))
+        return [own(v) if name in summary.written and isinstance(v, np.ndarray) else v
+                for name, v in zip(self.parameters, values)]
+
+    def arrays_by_name(self) -> dict[str, Any]:
+        """The arrays that the function reads from its module or closure, and the numbers there that vary, by their
+        parameters' names."""
+        return dict(zip((HIDDEN + x for x in self.reading.arrays), map(current, self.arrays))) if self.arrays else {}
+
+    def _arrays(self) -> dict[str, np.ndarray]:
+        return {n: a for n, a in self.arrays_by_name().items() if isinstance(a, np.ndarray)}
+
+    def outside(self, types: tuple[Type, ...]) -> dict[str, Any]:
+        """`arrays_by_name` with copies of what the function writes: no derivative changes its module."""
+        if not self.arrays:
+            return {}
+        summary = self.summary(types)
+        lying(summary, self.arrays_by_name())
+        return {n: own(a) if n in summary.written else a for n, a in self.arrays_by_name().items()}
+
+
+def lying(summary: Any, values: Mapping[str, Any]) -> None:
+    """Refuses an array that has to be contiguous and is not."""
+    for name in summary.contiguous:
+        if name in values and not values[name].flags.c_contiguous:
+            raise S2sadError(Diagnostic(
+                "S405", f"'{name.removeprefix(HIDDEN)}' is not contiguous, where it or an array made like it is "
+                "reshaped and written", note="NumPy writes a copy of it then",
+                help="pass np.ascontiguousarray(...), or write it as a loop"))
+
+
+def own(array: np.ndarray) -> np.ndarray:
+    """A copy of an array that a function may write."""
+    return np.array(array, order="C")
+
+
+def _with_trailing(function: Callable[..., Any], trailing: tuple[Any, ...]) -> Callable[..., Any]:
+    return lambda *args: function(*args, *trailing)

@@ -1,0 +1,162 @@
+"""A generated function that is loaded: how its arguments are put together and checked, and how it is called."""
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from operator import itemgetter
+from typing import Any
+
+import numpy as np
+
+from s2sad.dispatch.deferred import compiler
+from s2sad.program import Generated, Parameter
+from s2sad.registry import RegisteredRule
+from s2sad.run.compiled import compiled, prepare
+from s2sad.run.exceptions import CAUGHT, ExceptionMeanings
+from s2sad.run.module_loader import load, owned
+from s2sad.run.overlap import Check, Slot
+
+HIDDEN = "array."
+_KINDS = {"float64": float, "float32": np.float32, "complex128": complex}
+
+
+def _as_it_is(value: Any) -> Any:
+    return value
+
+
+def _unwarned(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function without NumPy's warnings: inf and nan are results of a derivative, and compiled code says nothing of
+    them either. Who has asked NumPy to raise or to call is heard."""
+    def called(*arguments: Any) -> Any:
+        kept: dict[str, Any] = {kind: "ignore" for kind, done in np.geterr().items() if done == "warn"}
+        with np.errstate(**kept):
+            return function(*arguments)
+    return called
+
+
+class TapeReuse:
+    """A compiled adjoint with the stacks that it left behind at the last call of each thread, used again."""
+
+    def __init__(self, function: Callable[..., Any], first: tuple[np.ndarray, ...]):
+        self.function, self.first, self.count = function, first, len(first)
+        self._kept = threading.local()
+
+    def __call__(self, *arguments: Any) -> tuple[Any, ...]:
+        returned = self.function(*arguments, *getattr(self._kept, "stacks", self.first))
+        self._kept.stacks = returned[-self.count:]
+        return returned[:-self.count]
+
+    @property
+    def held(self) -> int:
+        """The bytes of the stacks that the last call of this thread left behind."""
+        return sum(stack.nbytes for stack in getattr(self._kept, "stacks", self.first))
+
+
+class Executable:
+    """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked."""
+
+    def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
+                 given: tuple[RegisteredRule, ...] = ()):
+        self.generated, self.engine, self.kernel = generated, engine, kernel
+        self.parameters: tuple[Parameter, ...] = generated.parameters
+        plain = tuple(generated.facts.get("wrappers", ()))
+        moving = bool(given) or generated.facts.get("moving", False)
+        guards = tuple(generated.facts.get("guards", ()))
+        module = (compiled(generated.text, generated.entry, plain=plain, given=moving, guards=guards)
+                  if engine == "numba" else load(generated.text, generated.entry, own=bool(given), guards=guards))
+        self.failures = ExceptionMeanings(generated.facts, str(module.__file__), kernel)
+        owned(module, self)
+        if given and engine == "numpy":
+            compiler().held_to_numbers(module, given)
+            if "units" in generated.facts:
+                compiler().looked_at(module, generated.facts["units"])
+        stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
+        self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
+        self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)
+        self.function: Callable[..., Any] = (
+            TapeReuse(self.dispatcher, self._first) if stacks else
+            _unwarned(self.dispatcher) if engine == "numpy" else self.dispatcher)
+        self.shadows = {p.primal: p for p in self.parameters if p.role == "shadow"}
+        self.seeds = tuple(p for p in self.parameters if p.role == "seed")
+        self._written = frozenset(summary.written)
+        self._check: Check | None = None
+        self.array_places = tuple(k for k, p in enumerate(self.parameters) if p.type.is_array)
+        self._pick = itemgetter(*self.array_places) if len(self.array_places) > 1 else None
+        self._only = self.array_places[0] if len(self.array_places) == 1 else None
+        types = {p.name: p.type for p in self.parameters} | {f"return {k}": t for k, t in enumerate(summary.results)}
+        if len(summary.results) == 1:
+            types["result"] = summary.results[0]
+        self._kinds = [_KINDS.get(types[r].dtype, _as_it_is) if r in types and types[r].is_number else _as_it_is
+                       for r in generated.returns]
+
+    @property
+    def check(self) -> Check:
+        """The check of shapes and memory for the array arguments, in the order of the signature."""
+        if self._check is None:
+            slots = []
+            for k in self.array_places:
+                p = self.parameters[k]
+                slots.append(Slot(p.name, p.role, p.primal or p.name,
+                                  p.role == "shadow" or (p.primal or p.name) in self._written))
+            self._check = Check(slots, self.engine)
+        return self._check
+
+    def assemble(self, values: Mapping[str, Any], shadows: Mapping[str, Any], seeds: Sequence[Any],
+                 hidden: Mapping[str, Any]) -> list[Any]:
+        """The positional arguments of the generated function."""
+        remaining = iter(seeds)
+        arguments = []
+        for p in self.parameters:
+            if p.role == "shadow":
+                arguments.append(shadows[p.primal])
+            elif p.role == "seed":
+                arguments.append(next(remaining))
+            elif p.name.startswith(HIDDEN):
+                arguments.append(hidden[p.name])
+            else:
+                arguments.append(values[p.name])
+        return arguments
+
+    def checked(self, arguments: Sequence[Any]) -> tuple[int, ...]:
+        """Raises unless shapes fit and memory lies apart; the places of shadows that need memory of their own."""
+        if self._pick is None:
+            return () if self._only is None else self.check((arguments[self._only],))
+        shared = self.check(self._pick(arguments))
+        return tuple(self.array_places[k] for k in shared)
+
+    def prepare(self, arguments: Sequence[Any]) -> None:
+        """Compiles for the types of these arguments, or reads Numba's cache."""
+        if self.engine == "numba":
+            try:
+                prepare(self.dispatcher, [*arguments, *self._first], f"'{self.generated.entry}' of '{self.kernel}'")
+            except Exception:  # whatever it is: Numba raises more than its own errors on code that it does not know
+                units = self.generated.facts.get("units")   # not of one that was kept: it calls nothing of the user's
+                wrong = None if units is None else compiler().uncompiled(units)
+                if wrong is not None:
+                    raise wrong from None
+                raise
+
+    def run(self, arguments: Sequence[Any], shared: tuple[int, ...] = ()) -> tuple[Any, ...]:
+        """Calls the generated function; always a tuple, in the order of `generated.returns`."""
+        try:
+            returned = self.apart(arguments, shared) if shared else self.function(*arguments)
+        except CAUGHT as error:
+            raise self.failures.meaning(error) from None
+        return () if returned is None else tuple([kind(v) for kind, v in zip(self._kinds, returned)])
+
+    def heard(self, *arguments: Any) -> Any:
+        """Calls the generated function, and gives what it gives."""
+        try:
+            return self.function(*arguments)
+        except CAUGHT as error:
+            raise self.failures.meaning(error) from None
+
+    def apart(self, arguments: Sequence[Any], shared: tuple[int, ...]) -> Any:
+        """Calls it with private shadows for arguments that are one array, and adds these to the caller's."""
+        own = list(arguments)
+        for place in shared:
+            own[place] = np.zeros_like(arguments[place])
+        returned = self.function(*own)
+        for place in shared:
+            arguments[place][...] += own[place]
+        return returned

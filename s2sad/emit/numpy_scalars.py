@@ -1,0 +1,186 @@
+"""numpy_scalars: for the NumPy engine, what raises with Python's own numbers is done with NumPy's, which give inf or
+nan.
+
+    def f_adjoint(x, n, y_bar):             def f_adjoint(x, n, y_bar):
+                                                x = np.float64(x)
+        x_bar = y_bar / x                       x_bar = y_bar / x
+        h = 1.0 / n                             h = 1.0 / np.float64(n)
+        return math.sqrt(h)                     return np.sqrt(h)
+        1j / x                                  np.divide(1j, x)
+
+`math` gives way to NumPy. A quotient, remainder or power raises only if both operands are Python's: one that is a
+float parameter, or is made of such, becomes NumPy's where it is bound; else an operand is converted where it stands.
+Functions of any form go in, and come out in the same. Integers raise as in the kernel (`n % 0`, `math.isqrt(-1)`,
+`int(nan)`): they have no inf.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from s2sad.emit.scalar_kinds import CHOICES, CONVERT, FLOAT, INT, NARROW, OF_MATH, ScalarKinds
+from s2sad.infer.types import Type
+from s2sad.tree import (
+    AST, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Expr, FunctionDef, IfExp, Name, Subscript,
+    UnaryOp, USub, assign, at, call, call_name, function, is_comment, name, placed, rebuild, walk,
+)
+
+Types = Mapping[str, Mapping[str, Type]]
+
+
+def numpy_scalars(functions: list[FunctionDef], types: Types, constants: Mapping[str, object]) -> list[FunctionDef]:
+    """The functions of a module, callees first; `types` has their parameters and arrays, by function, `constants` the
+    values behind `const.` names."""
+    results: dict[str, list[int]] = {}
+    for tree in functions:
+        first = _NumpyScalars(tree, types.get(tree.name, {}), constants, [], results)
+        first.convert()
+        results[tree.name] = first.whose.returned()
+    made: list[FunctionDef] = []
+    calls: dict[str, list[list[int]]] = {}
+    for tree in reversed(functions):
+        known = [max(kinds) for kinds in zip(*calls.get(tree.name, []))]
+        last = _NumpyScalars(tree, types.get(tree.name, {}), constants, known, results)
+        last.convert()
+        made.insert(0, last.made())
+        for node in walk(tree.body):
+            module, _, callee = (call_name(node) or "").partition(".")
+            if module == "user":
+                calls.setdefault(callee, []).append([last.whose.kind(a) for a in node.args])
+    return made
+
+
+class _NumpyScalars:
+    """One function: what is converted, and its new text."""
+
+    def __init__(self, tree: FunctionDef, types: Mapping[str, Type], constants: Mapping[str, object],
+                 known: list[int], results: Mapping[str, list[int]]):
+        self.tree, self.constants = tree, constants
+        self.whose = ScalarKinds(tree, types, constants, known, results)
+        self.before = ScalarKinds(tree, types, constants, known, results, as_it_is=True)
+
+    def convert(self) -> None:
+        """Chooses the names that are converted where they are bound."""
+        risky = [BinOp(n.target, n.op, n.value) if isinstance(n, AugAssign) else n for n in walk(self.tree.body)
+                 if isinstance(n, (AugAssign, BinOp))]
+        count = -1
+        while count != len(self.whose.converted):
+            count = len(self.whose.converted)
+            for node in filter(self.whose.raises, risky):
+                if not self.whose.is_complex(node):
+                    self.demand(node)
+
+    def made(self) -> FunctionDef:
+        body = [self.statement(s) for s in self.tree.body]
+        parameters = self.whose.parameters
+        top = [assign(p, call(CONVERT, name(p))) for p in parameters if p in self.whose.converted]
+        said = int(bool(body) and isinstance(body[0], Expr) and isinstance(body[0].value, Constant)
+                   and not is_comment(body[0]))
+        made = function(self.tree.name, parameters, [*body[:said], *top, *body[said:]])
+        return at(made, self.tree) if getattr(self.tree, "lineno", None) else made
+
+    # -- who is converted where it is bound -------------------------------------------------------------------------
+
+    def demand(self, node: BinOp) -> None:
+        """Converts what makes an operand NumPy's, if that can be."""
+        operands = [node.right, node.left] if isinstance(node.op, Div) else [node.left, node.right]
+        for operand in operands:
+            found = self.sources(operand, frozenset())
+            if found is not None:
+                self.whose.converted |= found
+                self.whose.find()
+                return
+
+    def sources(self, node: AST, seen: frozenset[str]) -> set[str] | None:
+        """The names that make an expression NumPy's if they are converted where they are bound; None if none do."""
+        if self.whose.kind(node) <= NARROW:
+            return set()
+        if isinstance(node, Name):
+            return self.sources_of_name(node.id, seen)
+        if isinstance(node, UnaryOp):
+            return self.sources(node.operand, seen)
+        if isinstance(node, BinOp):
+            left = self.sources(node.left, seen)
+            return self.sources(node.right, seen) if left is None else left
+        if isinstance(node, IfExp):
+            parts = [self.sources(node.body, seen), self.sources(node.orelse, seen)]
+        elif isinstance(node, Call) and call_name(node) in CHOICES:
+            parts = [self.sources(a, seen) for a in node.args]
+        else:
+            return None
+        return None if any(p is None for p in parts) else set().union(*filter(None, parts))
+
+    def sources_of_name(self, identifier: str, seen: frozenset[str]) -> set[str] | None:
+        if identifier in seen:
+            return set()
+        values = self.whose.bound.get(identifier, [])
+        number = identifier in self.whose.parameters and self.whose.kinds[identifier] == FLOAT
+        if not number and (not values or self.whose.kinds.get(identifier) != FLOAT):
+            return None
+        found = {identifier}
+        for value in values:
+            if not isinstance(value, Constant):
+                more = self.sources(value, seen | {identifier}) if isinstance(value, AST) else (
+                    set() if value <= NARROW else None)
+                if more is None:
+                    return None
+                found |= more
+        return found
+
+    # -- the text ---------------------------------------------------------------------------------------------------
+
+    def statement(self, statement: AST) -> AST:
+        new = rebuild(statement, self.expression)
+        for part in walk(new):
+            target = part.targets[0] if isinstance(part, Assign) else None
+            if isinstance(target, Name) and target.id in self.whose.converted and isinstance(part.value, Constant):
+                part.value = call(CONVERT, part.value)
+        return new
+
+    def expression(self, node: AST) -> AST | None:
+        """What takes the place of an expression, None if it stays."""
+        if isinstance(node, AugAssign) and self.whose.raises(
+                BinOp(node.target, node.op, node.value)) and not isinstance(node.target, Subscript):
+            return at(AugAssign(node.target, node.op, call(CONVERT, rebuild(node.value, self.expression))), node)
+        if isinstance(node, BinOp):
+            return self.operation(node)
+        if call_name(node) in OF_MATH:
+            return self.of_math(node)
+        if isinstance(node, UnaryOp) and isinstance(node.op, USub) and self.was_bool(node.operand):
+            return UnaryOp(node.op, call("builtins.int", rebuild(node.operand, self.expression)))
+        return None
+
+    def of_math(self, node: Call) -> AST:
+        """NumPy's function; `math` computes with 64 bits whatever it is given."""
+        args = [rebuild(a, self.expression) for a in node.args]
+        if any(self.whose.kind(a) == NARROW for a in node.args):
+            args[0] = call(CONVERT, args[0])
+        made = call(OF_MATH[call_name(node) or ""], *args)
+        return at(made, node) if getattr(node, "lineno", None) else made
+
+    def operation(self, node: BinOp) -> AST | None:
+        left, right = (rebuild(n, self.expression) for n in (node.left, node.right))
+        if self.was_bool(node.left) and self.was_bool(node.right):
+            left = call("builtins.int", left)
+        if self.whose.raises(node) and self.whose.is_complex(node):
+            made = call("numpy.divide" if isinstance(node.op, Div) else "numpy.power", left, right)
+            return placed(made, node)
+        if self.whose.raises(node):
+            if isinstance(node.op, Div):
+                right = call(CONVERT, right)
+            else:
+                left = call(CONVERT, left)
+        made = BinOp(left, node.op, right)
+        return placed(made, node)
+
+    def was_bool(self, node: AST) -> bool:
+        """Whether a conversion has made a bool NumPy's, whose arithmetic is another one."""
+        return (_is_test(node, self.whose.bound, frozenset()) and self.whose.kind(node) <= NARROW
+                and self.before.kind(node) == INT)
+
+
+def _is_test(node: AST, bound: Mapping[str, list[AST | int]], seen: frozenset[str]) -> bool:
+    if isinstance(node, Name):
+        return node.id not in seen and any(
+            isinstance(value, AST) and _is_test(value, bound, seen | {node.id}) for value in bound.get(node.id, []))
+    return isinstance(node, Compare) or isinstance(node, BoolOp) and any(
+        _is_test(v, bound, seen) for v in node.values)

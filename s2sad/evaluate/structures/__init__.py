@@ -1,0 +1,1 @@
+"""Structures (records, dictionaries, lists, sparse matrices) become their arrays and numbers."""

@@ -1,5 +1,0 @@
-"""Calls with structures: taken apart into arrays and numbers at the door, and what comes back put together again."""
-from s2sad.flattened.asked import Carrier
-from s2sad.flattened.structures import Flattened, flattened, taken_apart
-
-__all__ = ["Carrier", "Flattened", "flattened", "taken_apart"]

@@ -1,0 +1,230 @@
+"""Enzyme's annotated call: every argument says what is to be done with it, and primals hold what they should after.
+
+The derivative may leave anything in a written argument; so unless all of these are NoNeed it runs on private copies,
+and the primal on the caller's arrays.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from s2sad.interface.activities import Active, Annotation, BatchDuplicated, Duplicated, DuplicatedNoNeed, Mode
+from s2sad.dispatch.arguments import INEXACT, admitted, bind, coerced, make_zero, misfit, shadow, written_argument
+from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
+from s2sad.dispatch.executable import Executable
+from s2sad.results import leaves
+from s2sad.program import Request
+from s2sad.interface.selection import (
+    RETURN, ReturnedValues, array_seed, places, result_seed, selected_of, selected_wrt, structured,
+)
+from s2sad.dispatch.cache import ProgramVersion
+
+
+class AnnotatedCall:
+    """A prepared `autodiff`: which arguments are active is known, and what their primals must hold afterwards."""
+
+    def __init__(self, state: ProgramVersion, mode: Mode, annotated: Sequence[Any], engine: str):
+        self.state, self.mode, self.engine = state, mode, engine
+        names = state.parameters
+        bound = bind(state.kernel, annotated)
+        self.marks = dict(zip(names, annotated))
+        for name, given in self.marks.items():
+            _admissible(name, given, mode)
+        self.active = tuple(n for n, a in self.marks.items() if isinstance(a, Active))
+        self.duplicated = tuple(n for n, a in self.marks.items() if isinstance(a, Duplicated))
+        given = [a.value if isinstance(a, Annotation) else a for a in annotated]
+        self._convert(given, bound)
+        values = self._values(given)
+        self.types = state.types(values)
+        self.summary = state.summary(self.types)
+        self.results = ReturnedValues.of(self.summary)
+        self.written = [k for k, n in enumerate(names)
+                        if n in self.summary.written and isinstance(values[k], np.ndarray)]
+        for k in self.written:
+            written_argument(names[k], values[k])
+        noneed = {n for n, a in self.marks.items() if isinstance(a, DuplicatedNoNeed)}
+        self.keeps = mode.with_primal or any(names[k] not in noneed for k in self.written)
+        self.variant = self._made()
+        self.places = () if self.variant is None else places(
+            [p.primal for p in self.variant.seeds] if mode.reverse else
+            [r for r in self.variant.generated.returns if r.startswith(RETURN)])
+        self._plain = [n for n, a in self.marks.items() if isinstance(a, Duplicated)
+                       and type(a.shadow) is not np.ndarray and isinstance(a.shadow, np.ndarray)]
+        self._ready = False
+
+    def _convert(self, given: list[Any], bound: list[Any]) -> None:
+        """What turns the arguments into values of the kernel's types, and the defaults of those left out."""
+        names = self.state.parameters
+        floats = self.state.floats | set(self.active) | {
+            n for n in self.duplicated if not isinstance(self.marks[n].value, np.ndarray)}
+        self.tail = [admitted(n, v, n in floats) for n, v in zip(names[len(given):], bound[len(given):])]
+        self.coercions = [(k, how) for k, (n, v) in enumerate(zip(names, given))
+                          if (how := coerced(n, v, n in floats)) is not None]
+
+    def _made(self) -> Executable | None:
+        """The variant, or None where no output asked for can depend on an input asked for."""
+        names, name = self.state.parameters, self.state.kernel.name
+        marked = tuple(n for n in names if n in self.active or n in self.duplicated)
+        of = (*(n for n in self.duplicated if names.index(n) in self.written),
+              *((RETURN,) if self.results.own else ()))
+        if marked:
+            self._refuse_returned(selected_wrt(name, names, self.types, marked))
+        if not marked or not of:
+            return None
+        wrt = selected_wrt(name, names, self.types, marked)
+        of = selected_of(name, names, self.types, self.summary, of)
+        variant = self.state.variant(Request("adjoint" if self.mode.reverse else "tangent", self.types, wrt, of),
+                                     self.engine)
+        lost = [(n, s) for n, s in variant.generated.facts.get("unshadowed", {}).items() if n in self.marks]
+        if lost:
+            program = self.state.program
+            source = program.kernels[program.entry].source
+            raise S2sadError(*(_lost(n, s, source, self.mode) for n, s in lost))
+        return variant
+
+    def _refuse_returned(self, wrt: tuple[str, ...]) -> None:
+        """Refuses arguments that are Const, and are returned with active values in them."""
+        for name in sorted({*self.results.aliases.values()} - {*self.duplicated}):
+            if self.state.parameters.index(name) not in self.written:
+                continue
+            asked = Request("adjoint", self.types, wrt, (name,))
+            found = self.state.variant(asked, self.engine).generated.facts
+            if not {*wrt} <= {*found.get("independent", ())}:
+                raise S2sadError(Diagnostic(
+                    "S406", f"the argument '{name}' is Const, but active values are stored in it and it is returned",
+                    help=f"say Duplicated({name}, s2sad.make_zero({name})), or return nothing"))
+
+    def __call__(self, given: Sequence[Any], shadows: Sequence[Any], seed: Any) -> Any:
+        values = self._values(given)
+        by_name = dict(zip(self.state.parameters, values))
+        owned = dict(zip(self.duplicated, shadows))
+        if not self._ready or not self.mode.reverse:
+            owned = {n: shadow(f"{n}_{'bar' if self.mode.reverse else 'dot'}", s, n, by_name[n])
+                     for n, s in owned.items()}
+        for name in self._plain:
+            owned[name] = np.asarray(owned[name])
+        seeds = self._seeds(seed, by_name)
+        if self.variant is None:
+            self._refuse_overlap(values)
+            self.state.first_run(values, self.engine)
+            primal = self._primal(values)
+            return self._answer({} if self.mode.reverse else self._zeros(primal), primal, by_name, owned)
+        returned = self._derived(values, by_name, owned, seeds)
+        primal = self._primal(values) if self.keeps else None
+        return self._answer(dict(zip(self.variant.generated.returns if self.mode.reverse else self.places, returned)),
+                            primal, by_name, owned)
+
+    def _derived(self, values: list[Any], by_name: dict[str, Any], shadows: dict[str, Any],
+                 seeds: dict[int, Any]) -> tuple[Any, ...]:
+        """Calls the derivative, on copies of what it may write unless nobody needs that; nothing has been written
+        when it refuses."""
+        variant, state = self.variant, self.state
+        assert variant is not None
+        ordered = [seeds.get(k, 0.0) for k in self.places] if self.mode.reverse else []
+        arguments = variant.assemble(by_name, shadows, ordered, state.arrays_by_name())
+        shared = variant.checked(arguments)
+        if not self._ready:
+            state.first_run(values, self.engine)
+        if self.keeps or state.arrays:
+            own = dict(zip(state.parameters, state.copied(values, self.types))) if self.keeps else by_name
+            arguments = variant.assemble(own, shadows, ordered, state.outside(self.types))
+        if not self._ready:
+            variant.prepare(arguments)
+            self._ready = True
+        for place, name in self.results.aliases.items():
+            if place in seeds and self.mode.reverse:
+                shadows[name] += seeds[place]
+        return variant.run(arguments, shared)
+
+    def _values(self, given: Sequence[Any]) -> list[Any]:
+        values = [*given, *self.tail]
+        for k, how in self.coercions:
+            values[k] = how(values[k])
+        return values
+
+    def _refuse_overlap(self, values: list[Any]) -> None:
+        apart = self.state.apart(self.types)
+        if apart is not None:
+            apart(values)
+
+    def _primal(self, values: list[Any]) -> Any:
+        returned = self.state.primal(self.types, self.engine)(*values)
+        return self.results.with_aliases(returned, dict(zip(self.state.parameters, values)))
+
+    def _zeros(self, primal: Any) -> dict[int, Any]:
+        """The tangents of arrays that depend on nothing."""
+        parts = leaves(primal)
+        return {k: make_zero(parts[k]) for k in self.results.own if self.results.types[k].is_array}
+
+    def _answer(self, found: dict[Any, Any], primal: Any, values: dict[str, Any], shadows: dict[str, Any]) -> Any:
+        if self.mode.reverse:
+            derivative = tuple(found[n] if n in found else make_zero(values[n]) for n in self.active)
+        else:
+            aliased = {k: shadows[n] if n in shadows else None for k, n in self.results.aliases.items()}
+            derivative = self.results.structure({**found, **aliased})
+        return (derivative, primal) if self.mode.with_primal else derivative
+
+    def _seeds(self, seed: Any, values: dict[str, Any]) -> dict[int, Any]:
+        """The adjoints of the returned values, by position; what is Const has none."""
+        results = self.results
+        seeded = [k for k in results.floats if results.aliases.get(k, "") in ("", *self.duplicated)]
+        if not self.mode.reverse or not seeded:
+            if seed is not None:
+                raise misfit("a seed was given, and " + ("the function returns no float that has a shadow"
+                             if self.mode.reverse else "forward modes take none"), "leave it out")
+            return {}
+        if seed is None:
+            several = len(results.types) > 1
+            if several or results.types[0].is_array or results.types[0].is_complex:
+                what = "several values" if several else "an array" if results.types[0].is_array else "a complex number"
+                raise misfit(f"the seed of 'return' is missing: the function returns {what}",
+                             "give seed=..., shaped as that")
+            return {0: 1.0}
+        found = structured(results, seed, seeded)
+        return {k: result_seed(s, results.types[k]) if k in results.own
+                else array_seed(RETURN, s, values[results.aliases[k]]) for k, s in found.items()}
+
+
+def _lost(name: str, store: Any, source: Source, mode: Mode) -> Diagnostic:
+    place = Span.of(source, store) if getattr(store, "lineno", None) else None
+    message = f"the argument '{name}' is Const, but active values are stored in it and read again"
+    return Diagnostic("S406", message, place,
+                      note="depends on an argument with a derivative, and an output depends on it",
+                      help=f"say Duplicated({name}, s2sad.make_zero({name})), or Const for what is stored here")
+
+
+def _admissible(name: str, given: Any, mode: Mode) -> None:
+    """Refuses an annotation that does not fit its argument or the mode."""
+    value = given.value if isinstance(given, Annotation) else given
+    is_array = isinstance(value, np.ndarray)
+    number = isinstance(value, (int, float, complex, np.integer, np.floating)) and not isinstance(value, bool)
+    if not isinstance(given, Annotation):
+        if is_array or isinstance(value, (float, complex, np.floating)):
+            raise _refused(f"the argument '{name}' has no annotation",
+                           f"say {_choices(name, is_array, mode)}")
+    elif isinstance(given, BatchDuplicated):
+        raise _refused(f"the argument '{name}' is BatchDuplicated, which is not supported",
+                       f"call once for each direction with Duplicated({name}, shadow)")
+    elif isinstance(given, Active) and not mode.reverse:
+        raise _refused(f"the argument '{name}' is Active, which means nothing in a forward mode",
+                       f"use Duplicated({name}, {name}_dot)")
+    elif isinstance(given, Active) and not number:
+        raise _refused(f"the argument '{name}' is Active, but no float", f"say {_choices(name, is_array, mode)}")
+    elif isinstance(given, Duplicated):
+        if number and mode.reverse:
+            raise _refused(f"the argument '{name}' is a float, which cannot be Duplicated in reverse",
+                           f"use Active({name})")
+        if not number and not (is_array and value.dtype.name in INEXACT):
+            raise _refused(f"the argument '{name}' is Duplicated, but holds no floats", f"use Const({name})")
+
+
+def _choices(name: str, is_array: bool, mode: Mode) -> str:
+    suffix = "bar" if mode.reverse else "dot"
+    active = f"Active({name})" if mode.reverse and not is_array else f"Duplicated({name}, {name}_{suffix})"
+    return f"Const({name}) or {active}"
+
+
+def _refused(message: str, remedy: str) -> S2sadError:
+    return S2sadError(Diagnostic("S402", message, help=remedy))

@@ -1,0 +1,250 @@
+"""The decorator, and Enzyme's call: derivatives with shadows that the caller owns."""
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any, Concatenate, Generic, NoReturn, ParamSpec, TypeVar, overload
+
+from s2sad.interface.autodiff import AnnotatedCall
+from s2sad.interface.activities import Annotation, Const, Duplicated, Mode
+from s2sad.dispatch.arguments import admitted, bind, describe
+from s2sad.dispatch.deferred import compiler
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.interface.foreign_names import unexpected
+from s2sad.interface.pytrees import flat_autodiff as with_structures, flattened, taken_apart
+from s2sad.interface.pickling import Decorated
+from s2sad.interface.value_calls import selection_of
+from s2sad.program import Request
+from s2sad.unwrap import given_functions
+from s2sad.run.compiled import chosen
+from s2sad.interface.selection import ReturnedValues, Wrt, names_of, selected_of, selected_wrt
+from s2sad.interface.shadow_calls import ShadowCall
+from s2sad.pytree import is_structure
+from s2sad.tracebacks import public, shortened
+from s2sad.dispatch.cache import ProgramVersion, derivatives_of
+
+__all__ = ["Differentiated", "autodiff", "differentiate"]
+
+
+P = ParamSpec("P")
+Q = ParamSpec("Q")
+R = TypeVar("R", covariant=True)
+
+
+@overload
+def differentiate(function: Callable[P, R], *, wrt: Wrt = None, of: Wrt = None, engine: str = "auto"
+                  ) -> Differentiated[P, R]: ...
+
+
+@overload
+def differentiate(function: None = None, *, wrt: Wrt = None, of: Wrt = None, engine: str = "auto"
+                  ) -> Callable[[Callable[P, R]], Differentiated[P, R]]: ...
+
+
+@public
+def differentiate(function: Callable[..., Any] | None = None, *, wrt: Wrt = None, of: Wrt = None,
+                  engine: str = "auto", **unknown: NoReturn) -> Any:
+    """The function, which still does what it did, with its derivatives as attributes; see `Differentiated`.
+
+    Args: wrt, names or positions of parameters (default: every float array and float scalar); of, names of written
+    arrays and "return" (default: all of them); engine, "auto" (Numba where it is installed), "numba" or "numpy".
+    Raises S2sadError (S405) for an engine that is not there; everything else when a derivative is first asked for.
+
+    >>> @differentiate(wrt="u", engine="numpy")
+    ... def double(u):
+    ...     for i in range(u.size):
+    ...         u[i] *= 2.0
+    >>> double
+    <differentiated double>
+    """
+    if unknown:
+        raise unexpected("differentiate", unknown)
+    chosen(engine)
+    if function is None:
+        return lambda f: Differentiated(f, wrt, of, engine)
+    return Differentiated(function, wrt, of, engine)
+
+
+class Differentiated(Decorated, Generic[P, R]):
+    """A function with its derivatives; calling it calls the original, untouched.
+
+    Shadows follow one law: on entry a shadow holds the adjoint of its array's exit value, on exit that of its entry
+    value. After `adjoint` and `tangent` what a written argument holds is unspecified, and so is every content when the
+    function raises midway.
+    """
+
+    def __init__(self, function: Callable[P, R], wrt: Wrt = None, of: Wrt = None, engine: str = "auto"):
+        self.__wrapped_kernel__ = derivatives_of(function).function
+        functools.update_wrapper(self, self.__wrapped_kernel__, updated=())
+        self._original = function
+        self._derivatives = derivatives_of(function)
+        self.wrt, self.of = names_of(wrt, function), names_of(of, function, "of")
+        self.__s2sad_selection__ = (self.wrt, self.of, engine)
+        self._tokens = {mode: f"{mode} {self.__s2sad_selection__!r}" for mode in ("adjoint", "tangent")}
+
+    def given(self) -> tuple[Any, ...]:
+        return self._original, *self.__s2sad_selection__
+
+    @property
+    def engine(self) -> str:
+        """The engine that runs the derivatives: "numba" or "numpy"."""
+        return chosen(self.__s2sad_selection__[2])
+
+    def __call__(self, *args: P.args, **keywords: P.kwargs) -> R:
+        return self._original(*args, **keywords)
+
+    @overload
+    def __get__(self, instance: None, owner: Any = None) -> Differentiated[P, R]: ...
+
+    @overload
+    def __get__(self: Differentiated[Concatenate[Any, Q], R], instance: object, owner: Any = None
+                ) -> Callable[Q, R]: ...
+
+    def __get__(self, instance: Any, owner: Any = None) -> Any:
+        return self if instance is None else functools.partial(self, instance)
+
+    def __repr__(self) -> str:
+        return f"<differentiated {self.__wrapped_kernel__.__name__}>"
+
+    def adjoint(self, *args: Any) -> Any:
+        """The adjoints of the float scalar arguments as a tuple, in order (None without any); shadows in place.
+
+        Args: f's arguments, each followed by its shadow (same shape and dtype, writeable) if it has one, then the
+        seeds of the float results. Raises S2sadError, before anything is written: S403 (a shadow that does not fit),
+        S404 (memory shared), S405 (an argument that does not fit); and what f raises.
+        """
+        try:
+            return self._shadowed("adjoint", args)
+        except Exception as error:
+            outside = shortened(error)
+        raise outside
+
+    def tangent(self, *args: Any) -> Any:
+        """The tangents of the float results; those of written arrays stand in their shadows.
+
+        Args: f's arguments, each followed by its tangent if it has one. Raises as `adjoint` does.
+        """
+        try:
+            return self._shadowed("tangent", args)
+        except Exception as error:
+            outside = shortened(error)
+        raise outside
+
+    @public
+    def primal(self, *args: Any, **keywords: Any) -> Any:
+        """What f returns, computed by the compiled primal (under NumPy: by f itself)."""
+        given, args, keywords = given_functions(self, args, keywords)
+        if given is not self:
+            return Differentiated(given, engine=self.engine).primal(*args, **keywords)
+        state = self._derivatives.state()
+        structures = flattened(state, bind(state.kernel, args, keywords))
+        if structures is not None:
+            if self.engine == "numpy":
+                return self.__wrapped_kernel__(*args, **keywords)
+            return with_structures.primal(structures, bind(state.kernel, args, keywords), self.engine)
+        values = self._values(state, args, keywords)
+        types = state.types(values)
+        function, apart = state.primal(types, self.engine), state.apart(types)
+        if apart is not None:
+            apart(values)
+        state.first_run(values, self.engine)
+        results = ReturnedValues.of(state.summary(types))
+        return results.with_aliases(function(*values), dict(zip(state.parameters, values)))
+
+    @public
+    def adjoint_source(self, *args: Any, level: str = "plain", **keywords: Any) -> str:
+        """The generated adjoint module's text for arguments of these types (f's own, without shadows)."""
+        return self._source("adjoint", args, keywords, level)
+
+    @public
+    def tangent_source(self, *args: Any, level: str = "plain", **keywords: Any) -> str:
+        """The generated tangent module's text for arguments of these types (f's own, without shadows)."""
+        return self._source("tangent", args, keywords, level)
+
+    @public
+    def compiled(self, mode: str, *args: Any) -> Callable[..., Any]:
+        """The bare function for arguments of these types, compiled: no checks, no conversions, no overhead.
+
+        Args: mode, "adjoint", "tangent" (args as for these) or "primal" (f's own arguments). Arrays that f reads from
+        its module are its last parameters; numbers from there are those of now.
+        """
+        state = self._derivatives.with_constants()
+        if any(map(is_structure, args)):
+            raise S2sadError(Diagnostic("S405", f"'{self.__wrapped_kernel__.__name__}.compiled' was given a structure",
+                                        help="the bare function takes arrays and numbers: call adjoint or tangent"))
+        if mode in ("adjoint", "tangent"):
+            return ShadowCall(state, mode, args, self.__s2sad_selection__).variant.function
+        if mode != "primal":
+            raise S2sadError(Diagnostic("S405", f"there is no mode {mode!r}", help='"adjoint", "tangent" or "primal"'))
+        values = self._values(state, args, {})
+        if self.engine == "numpy":
+            return self.__wrapped_kernel__
+        variant = state.variant(Request("primal", state.types(values), (), ()), self.engine)
+        variant.prepare(variant.assemble(dict(zip(state.parameters, values)), {}, (), state.arrays_by_name()))
+        return variant.function
+
+    def _shadowed(self, mode: str, args: tuple[Any, ...]) -> Any:
+        state = self._derivatives.state()
+        key = (self._tokens[mode], describe(args))
+        entry = state.entries.get(key)
+        if entry is None:
+            found = with_structures.shadowed(state, mode, args, self)
+            if found is not None:
+                return found[0]
+            entry = state.entries[key] = ShadowCall(state, mode, args, self.__s2sad_selection__)
+        return entry(args)
+
+    def _values(self, state: ProgramVersion, args: tuple[Any, ...], keywords: dict[str, Any]) -> list[Any]:
+        bound = bind(state.kernel, args, keywords)
+        return [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, bound)]
+
+    def _source(self, mode: str, args: tuple[Any, ...], keywords: dict[str, Any], level: str) -> str:
+        given, args, keywords = given_functions(self, args, keywords)
+        derivatives = self._derivatives if given is self else derivatives_of(given)
+        state, values, (wrt, of, _) = taken_apart(derivatives.with_constants(), self, args, keywords)
+        types = state.types([admitted(n, v, n in state.floats) for n, v in zip(state.parameters, values)])
+        name, parameters = state.kernel.name, state.parameters
+        wrt = selected_wrt(name, parameters, types, wrt)
+        of = selected_of(name, parameters, types, state.summary(types), of)
+        request = Request(mode, types, wrt, of, engine=self.engine, level=level)
+        return compiler().derived(state.program, request, {}).text
+
+
+@public
+def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = None) -> Any:
+    """Enzyme's call: in reverse a tuple with one derivative for each `Active` argument, forwards the tangent of the
+    returned value; with primal, (that, what f returns).
+
+    Args: mode, `Forward`, `ForwardWithPrimal`, `Reverse` or `ReverseWithPrimal`; annotated, f's arguments, floats and
+    arrays as `Const(x)`, `Active(x)` (a float, in reverse), `Duplicated(x, shadow)` or `DuplicatedNoNeed(x, shadow)`
+    with shadows of the same shape and dtype, everything else as it is or `Const`; seed, the adjoint of the returned
+    value: 1.0 by default if that is a float, required with the same structure if it is an array or a tuple (None
+    where that holds no float).
+    Raises S2sadError before anything is written: S402 (an annotation missing or out of place), S403, S404, S405, S406
+    (an active value stored in a `Const` array); and what f raises, after which all contents are unspecified.
+    Literature: Moses and Churavy, Instead of Rewriting Foreign Code for Machine Learning, NeurIPS 2020.
+
+    >>> from s2sad import Active, Reverse
+    >>> def square(x):
+    ...     return x * x
+    >>> autodiff(Reverse, square, Active(3.0))
+    (6.0,)
+    """
+    if not isinstance(mode, Mode):
+        raise S2sadError(Diagnostic("S402", f"{mode!r} is no mode",
+                                    help="use Forward, ForwardWithPrimal, Reverse or ReverseWithPrimal"))
+    given, annotated, _ = given_functions(f, [
+        a.value if isinstance(a, Const) and callable(a.value) else a for a in annotated], {})
+    state = derivatives_of(given).state()
+    found = with_structures.flat_autodiff(state, mode, annotated, selection_of(f)[2], seed)
+    if found is not None:
+        return found[0]
+    engine = getattr(f, "__s2sad_selection__", (None, None, "auto"))[2]
+    kinds = tuple([type(a) if isinstance(a, Annotation) else None for a in annotated])
+    values = [a.value if isinstance(a, Annotation) else a for a in annotated]
+    shadows = [a.shadow for a in annotated if isinstance(a, Duplicated)]
+    key = (mode, engine, kinds, describe(values), describe(shadows))
+    entry = state.entries.get(key)
+    if entry is None:
+        entry = state.entries[key] = AnnotatedCall(state, mode, annotated, engine)
+    return entry(values, shadows, seed)

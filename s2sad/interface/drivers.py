@@ -1,0 +1,226 @@
+"""Gradients and products with Jacobians as functions of values: no argument is ever changed."""
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Generic, NoReturn, ParamSpec, TypeVar
+
+import numpy as np
+
+from s2sad.dispatch.arguments import admitted, bind, describe, make_zero
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.interface.foreign_names import unexpected
+from s2sad.interface.pytrees import flat_drivers as with_structures, flattened
+from s2sad.interface.pickling import Decorated
+from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
+from s2sad.interface.selection import RETURN, Wrt, names_of
+from s2sad.unwrap import given_functions
+from s2sad.tracebacks import public
+from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
+
+__all__ = ["gradient", "jvp", "make_zero", "value_and_gradient", "vjp"]
+
+
+P = ParamSpec("P")
+R = TypeVar("R", covariant=True)
+_INTEGERS = (int, np.integer)
+
+
+@public
+def gradient(f: Callable[P, Any], wrt: Wrt = None, **unknown: NoReturn) -> Gradient[P]:
+    """A function of f's arguments that returns the gradient of the one float that f returns.
+
+    Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or position of a parameter, or
+    several (default: all that are floats by f's text: annotation, default, use). The result is one array (of the
+    argument's shape and dtype) or float for one of them, a dict by name for several; an integer that stands there for a
+    float is one. Arguments are never changed, read-only arrays are fine, and nothing is changed when f raises.
+    The gradient of a structure is one of the same make, what is no float as it was; names may mean parts: "p.k".
+    Raises S2sadError: S401 (f does not return one float; wrt names nothing that is a float), S404 (a written argument
+    shares memory with another), S405 (an argument of another type); and what f raises. Reverse mode: Griewank and
+    Walther, Evaluating Derivatives, SIAM 2008.
+
+    >>> import numpy as np
+    >>> def norm(u):
+    ...     total = 0.0
+    ...     for i in range(u.size):
+    ...         total += u[i] * u[i]
+    ...     return total
+    >>> gradient(norm)(np.array([1.0, 2.0]))
+    array([2., 4.])
+    """
+    if unknown:
+        raise unexpected("gradient", unknown)
+    return Gradient(f, wrt)
+
+
+@public
+def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, **unknown: NoReturn) -> ValueAndGradient[P, R]:
+    """As `gradient`, but the function returns (value, gradient); `scipy.optimize.minimize(..., jac=True)` takes it.
+
+    Args, errors and literature as for `gradient`; the value is f's float.
+
+    >>> import numpy as np
+    >>> def norm(u):
+    ...     total = 0.0
+    ...     for i in range(u.size):
+    ...         total += u[i] * u[i]
+    ...     return total
+    >>> value_and_gradient(norm)(np.array([1.0, 2.0]))
+    (5.0, array([2., 4.]))
+    """
+    if unknown:
+        raise unexpected("value_and_gradient", unknown)
+    return ValueAndGradient(f, wrt)
+
+
+class _Driver(Decorated):
+    """A function of f's arguments that can be pickled where f can; `_what` it gives."""
+    _what = ""
+
+    def __init__(self, f: Callable[..., Any], wrt: Wrt = None):
+        self._derivatives, self._names = derivatives_of(f), names_of(wrt, f)
+        self.__wrapped__ = f
+        name, self.__module__ = getattr(f, "__name__", "f"), getattr(f, "__module__", __name__)
+        self.__name__ = self.__qualname__ = f"{self._what.replace(' ', '_')}_of_{name}"
+        self.__doc__ = f"The {self._what} of '{name}'."
+
+    def given(self) -> tuple[Any, ...]:
+        return self.__wrapped__, self._names
+
+    def __get__(self, instance: Any, owner: Any = None) -> Any:
+        return self if instance is None else functools.partial(self, instance)
+
+    def __repr__(self) -> str:
+        return f"<{self._what} of {getattr(self.__wrapped__, '__name__', 'f')}>"
+
+    def _found(self, args: tuple[Any, ...], keywords: dict[str, Any]) -> tuple[Any, Any]:
+        entry, args = _prepared(self.__wrapped__, self._derivatives, self._names, args, keywords)
+        return entry.value_and_gradient(args)
+
+
+class Gradient(_Driver, Generic[P]):
+    """The gradient of f's float, as a function of f's arguments; see `gradient`."""
+    _what = "gradient"
+
+    @public
+    def __call__(self, *args: P.args, **keywords: P.kwargs) -> Any:
+        return self._found(args, keywords)[1]
+
+
+class ValueAndGradient(_Driver, Generic[P, R]):
+    """f's float and its gradient, as a function of f's arguments; see `value_and_gradient`."""
+    _what = "value and gradient"
+
+    @public
+    def __call__(self, *args: P.args, **keywords: P.kwargs) -> tuple[R, Any]:
+        return self._found(args, keywords)
+
+
+def _prepared(f: Any, derivatives: DerivativeCache, names: tuple[str, ...] | None, args: tuple[Any, ...],
+              keywords: dict[str, Any]) -> tuple[ReverseCall | with_structures.FlatGradient, tuple[Any, ...]]:
+    """The prepared gradient for arguments of these types, and the arguments by position."""
+    given, args, keywords = given_functions(f, args, keywords)
+    state = (derivatives if given is f else derivatives_of(given)).state()
+    if keywords:
+        args = tuple(bind(state.kernel, args, keywords))
+    args = _with_floats(state, names if names is not None else selection_of(f)[0], args)
+    apart = flattened(state, args)
+    if apart is not None:
+        return with_structures.FlatGradient(apart, f, names), tuple(bind(state.kernel, args))
+    key = ("gradient", names, describe(args), selection_of(f))
+    entry = state.entries.get(key)
+    if entry is None:
+        entry = state.entries[key] = ReverseCall(state, f, args, (RETURN,), names, with_value=True)
+    return entry, args
+
+
+def _with_floats(state: ProgramVersion, names: tuple[str, ...] | None, args: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The arguments, with integers that stand for floats, 2 for 2.0, as floats: those that a gradient is with respect
+    to, so that what it returns depends on the kernel and not on how its arguments are written."""
+    found = state.entries.get(("floats", names))
+    if found is None:
+        wanted = state.kernel.independents if names is None else {*names}.intersection(state.kernel.floats)
+        found = state.entries["floats", names] = [k for k, p in enumerate(state.parameters) if p in wanted]
+    if found and found[-1] >= len(args):
+        args = tuple(bind(state.kernel, args))
+    odd = [k for k in found if isinstance(args[k], _INTEGERS) and not isinstance(args[k], bool)]
+    return tuple([admitted(p, a, True) if k in odd else a for k, (p, a) in enumerate(zip(state.parameters, args))]
+                 ) if odd else args
+
+
+@public
+def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wrt: Wrt = None
+        ) -> dict[str, Any]:
+    """The gradients, by argument name, of the outputs weighted by `seeds`, at the arguments' entry values.
+
+    Args: args, all of f's positional arguments; seeds by output name: a written argument's name (an array of its
+    shape and dtype: weights of its final content) or "return" (a float, an array, or a tuple for a tuple result, with
+    None for what is no float); wrt, as for `gradient` (default: every float argument). Gradients have the shape and
+    dtype of their arguments, those of structures their make, as seeds have; `args` and `seeds` are never changed.
+    Raises S2sadError: S401 (an unknown output or wrt), S403 (a seed that does not fit), S404, S405 as for `gradient`;
+    and what f raises. A zero gradient because no output depends on the argument comes with an S2sadWarning.
+    Literature as for `gradient`.
+
+    >>> import numpy as np
+    >>> def scale(u, c):
+    ...     for i in range(u.size):
+    ...         u[i] = c * u[i]
+    >>> vjp(scale, (np.ones(2), 3.0), {"u": np.ones(2)})
+    {'u': array([3., 3.]), 'c': 2.0}
+    """
+    given, args, _ = given_functions(f, _listed(args), {})
+    state, names = derivatives_of(given).state(), names_of(wrt, given)
+    apart = flattened(state, args)
+    if apart is not None:
+        _named(seeds, "seeds")
+        return with_structures.vjp(apart, f, bind(state.kernel, args), seeds, names)
+    key = ("vjp", names, _named(seeds, "seeds"), describe(args), selection_of(f))
+    entry = state.entries.get(key)
+    if entry is None:
+        entry = state.entries[key] = ReverseCall(state, f, args, tuple(seeds), names)
+    return entry.vjp(args, seeds)
+
+
+@public
+def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any], of: Wrt = None
+        ) -> dict[str, Any]:
+    """The tangents of f's outputs, by output name, for `tangents` of its arguments by name.
+
+    Args: args, all of f's positional arguments; tangents, a float for a float, an array of the same shape and dtype
+    for an array; of, output names (default: every written float array, and "return"). The tangent of a tuple result
+    is a tuple, with None for what is no float. `args` and `tangents` are never changed.
+    Raises S2sadError as `vjp` does. Forward mode: Griewank and Walther, Evaluating Derivatives, SIAM 2008.
+
+    >>> import numpy as np
+    >>> def scale(u, c):
+    ...     for i in range(u.size):
+    ...         u[i] = c * u[i]
+    >>> jvp(scale, (np.ones(2), 3.0), {"c": 1.0})
+    {'u': array([1., 1.])}
+    """
+    given, args, _ = given_functions(f, _listed(args), {})
+    state, names = derivatives_of(given).state(), names_of(of, given, "of")
+    apart = flattened(state, args)
+    if apart is not None:
+        _named(tangents, "tangents")
+        return with_structures.jvp(apart, f, bind(state.kernel, args), tangents, names)
+    key = ("jvp", names, _named(tangents, "tangents"), describe(args), selection_of(f))
+    entry = state.entries.get(key)
+    if entry is None:
+        entry = state.entries[key] = ForwardCall(state, f, args, tuple(tangents), names)
+    return entry.jvp(args, tangents)
+
+
+def _listed(args: Any) -> tuple[Any, ...]:
+    """The arguments of a call as a tuple; an array alone, whose elements these would be, is refused."""
+    if isinstance(args, (tuple, list)):
+        return tuple(args)
+    raise S2sadError(Diagnostic("S405", f"args is of type {type(args).__name__}",
+                                help="give a tuple of the function's arguments, as (u,)"))
+
+
+def _named(values: Any, what: str) -> tuple[str, ...]:
+    if isinstance(values, Mapping):
+        return tuple(values)
+    raise S2sadError(Diagnostic("S403", f"{what} is of type {type(values).__name__}",
+                                help=f'give a dict by {"output" if what == "seeds" else "argument"} name'))

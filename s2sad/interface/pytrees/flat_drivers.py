@@ -1,0 +1,135 @@
+"""`gradient`, `vjp` and `jvp` of functions that take structures.
+
+    gradient(loss, wrt="p")(state, p)      the flat call's gradients of p_k, p_w  ->  a structure like p
+"""
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from s2sad.dispatch.arguments import describe, make_zero
+from s2sad.diagnostics import warn
+from s2sad.interface.pytrees.flat_selection import Path
+from s2sad.interface.pytrees.flatten import Flattened
+from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
+from s2sad.interface.selection import RETURN
+
+
+class FlatGradient:
+    """A `gradient` of a function that takes structures."""
+
+    def __init__(self, apart: Flattened, f: Any, names: Sequence[str] | None):
+        self.apart, self.f, self.names = apart, f, names
+
+    def value_and_gradient(self, args: Sequence[Any]) -> tuple[Any, Any]:
+        """The value, and the gradients as `gradient` gives them."""
+        apart = self.apart
+        with apart.told():
+            asked, call, values = _reverse(apart, self.f, args, (RETURN,), self.names, True)
+            shadows, returned = call.run(values, {RETURN: 1.0})
+            found = _answered(apart, self.f, self.names, asked, call, args, call.gradients(shadows, returned))
+        return returned[0], found[asked[0][0]] if self.alone(asked) else found
+
+    def alone(self, asked: Sequence[Path]) -> bool:
+        """Whether there is one gradient, which is given as it is."""
+        explicit = self.names is not None or selection_of(self.f)[0] is not None
+        return len(asked) == 1 and (explicit or len(self.apart.independents()) <= 1)
+
+
+def vjp(apart: Flattened, f: Any, args: Sequence[Any], seeds: Mapping[str, Any], names: Sequence[str] | None
+        ) -> dict[str, Any]:
+    """The gradients as `vjp` gives them."""
+    with apart.told():
+        values = dict(zip(apart.paths, apart.values(args)))
+        flat, kept = _seeds(apart, seeds, values)
+        asked, call, ordered = _reverse(apart, f, args, tuple(flat), names, False)
+        found = call.vjp(ordered, flat)
+        for name, seed in kept.items():
+            if name in found:
+                found[name] = found[name] + seed
+        return _answered(apart, f, names, asked, call, args, found)
+
+
+def _seeds(apart: Flattened, seeds: Mapping[str, Any], values: Mapping[str, Any]
+           ) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The seeds of what is written, by flat names, and those of what stays as it is."""
+    flat: dict[str, Any] = {}
+    kept: dict[str, Any] = {}
+    for name, seed in seeds.items():
+        if name == RETURN:
+            flat[RETURN] = seed if apart.result is None else apart.result_seed(seed)
+            continue
+        path = apart._asked(name, "seeds")
+        written = apart.written(path)
+        for leaf, given in apart.spread(path, seed, "seed", values).items():
+            (flat if leaf in written else kept)[leaf] = given
+        for leaf in written:
+            flat.setdefault(leaf, seed)  # not a float: refused as any other
+    return flat, kept
+
+
+def _reverse(apart: Flattened, f: Any, args: Sequence[Any], outputs: tuple[str, ...], names: Sequence[str] | None,
+             with_value: bool) -> tuple[list[Path], ReverseCall, list[Any]]:
+    values = apart.values(args)
+    inputs, carrier = apart.carried(f)
+    asked = apart.asked(names, "wrt") if names is not None or inputs is None else inputs
+    if with_value and names is None and inputs is None:
+        asked = [path for path in asked if path[0] in apart.independents()] or asked
+    wrt = apart.flat_names(asked, "wrt") if asked else None
+    key = ("reverse", with_value, outputs, wrt, carrier.__s2sad_selection__, describe(values))
+    call = apart.state.entries.get(key)
+    if call is None:
+        call = apart.state.entries[key] = ReverseCall(apart.state, carrier, tuple(values), outputs, wrt, with_value)
+        call.in_vain = ()
+    return asked, call, values
+
+
+def _answered(apart: Flattened, f: Any, names: Sequence[str] | None, asked: list[Path], call: ReverseCall,
+              args: Sequence[Any], found: Mapping[str, Any]) -> dict[str, Any]:
+    lost = set(call.rv.generated.facts.get("independent", ()))
+    explicit = names is not None or selection_of(f)[0] is not None
+    for name, form, path in asked if explicit else ():
+        if set(apart.floats(form, path)) <= lost:
+            warn(f"no output asked for of '{apart.title}' depends on '{name}': its gradient is zero")
+    return {path[0]: apart.gathered(path, args, found) for path in asked}
+
+
+def jvp(apart: Flattened, f: Any, args: Sequence[Any], tangents: Mapping[str, Any], of: Sequence[str] | None
+        ) -> dict[str, Any]:
+    """The tangents as `jvp` gives them."""
+    with apart.told():
+        values = apart.values(args)
+        by_name = dict(zip(apart.paths, values))
+        flat: dict[str, Any] = {}
+        for name, given in tangents.items():
+            path = apart._asked(name, "tangents")
+            own = apart.spread(path, given, "tangent", by_name)
+            flat |= own or {apart.flat_names([path], "tangents")[0]: given}
+        _, carrier = apart.carried(f)
+        outputs = apart.outputs(of)
+        key = ("forward", tuple(flat), outputs, carrier.__s2sad_selection__, describe(values))
+        call = apart.state.entries.get(key)
+        if call is None:
+            call = apart.state.entries[key] = ForwardCall(apart.state, carrier, tuple(values), tuple(flat), outputs)
+        found = call.jvp(values, flat)
+        return _tangents(apart, args, of if of is not None else selection_of(f)[1], found, flat)
+
+
+def _tangents(apart: Flattened, args: Sequence[Any], of: Sequence[str] | None, found: dict[str, Any],
+              given: Mapping[str, Any]) -> dict[str, Any]:
+    """The tangents of outputs: of what a structure holds and the kernel does not write, those that it had."""
+    if of is None:
+        roots = {apart.paths[n].partition(".")[0].partition("[")[0] for n in found if n != RETURN}
+        of = [*(p for p in apart.forms if p in roots), *([RETURN] if RETURN in found else [])]
+    answer: dict[str, Any] = {}
+    for name in of:
+        if name == RETURN:
+            answer[name] = found[RETURN] if apart.result is None else apart.result_of(found[RETURN])
+            continue
+        path = apart._asked(name, "of")
+        floats = apart.floats(path[1], path[2])
+        held = {n: found.get(n, copy.copy(given.get(n))) for n in floats}
+        zeros = {n: make_zero(v) for n, v in zip(apart.paths, apart.values(args)) if held.get(n, 0) is None}
+        answer[name] = apart.gathered(path, args, {**held, **zeros})
+    return answer

@@ -1,0 +1,121 @@
+"""What wrt, of and outputs mean where arguments are structures: the flat names of the floats in them.
+
+    wrt=("state.inner", "p")     ->   ("state_inner_u", "state_inner_v", "p_k")
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.infer.types import FLOAT, NONE, Type, array
+from s2sad.interface.value_calls import selection_of
+from s2sad.interface.selection import RETURN
+from s2sad.pytree import Form, PyTree, is_held, leaves, reached, steps
+from s2sad.dispatch.cache import ProgramVersion
+
+Path = tuple[str, Form, str]            # what the caller asked for, what it is, its path in one spelling
+
+
+class Carrier:
+    """What a differentiated function carries: wrt, of and engine."""
+
+    def __init__(self, selection: tuple[Any, Any, str]):
+        self.__s2sad_selection__ = selection
+
+    @classmethod
+    def overridden(cls, f: Any, wrt: Any, of: Any, engine: str | None) -> Carrier:
+        """What f carries, where nothing else was said."""
+        carried = selection_of(f)
+        return cls((wrt if wrt is not None else carried[0], of if of is not None else carried[1],
+                    engine if engine is not None else carried[2]))
+
+
+class FlatSelection:
+    """What is asked of one function for arguments of one make; `names` are its flat names by path, `cells` those of
+    arrays of one element."""
+    forms: dict[str, Form]
+    names: dict[str, str]
+    paths: dict[str, str]
+    cells: frozenset[str]
+    plain: tuple[str, ...]          # the parameters that the kernel's text takes for floats
+    state: ProgramVersion
+    title: str
+
+    def asked(self, names: Sequence[str] | None, what: str) -> list[Path]:
+        """What names mean: a parameter, or a part of one; by default every parameter that holds a float."""
+        if names is None:
+            return [(p, f, p) for p, f in self.forms.items() if self.floats(f, p)]
+        return [self._asked(n, what) for n in names]
+
+    def independents(self) -> list[str]:
+        """The parameters that a gradient is with respect to where nobody says: structures that hold a float, and
+        others by the kernel's text."""
+        return [p for p, form in self.forms.items()
+                if (self.floats(form, p) if isinstance(form, PyTree) else p in self.plain and form != NONE)]
+
+    def _asked(self, name: str, what: str) -> Path:
+        keys = steps(name)
+        root = str(keys[0]) if keys else name
+        if keys is None or root not in self.forms:
+            raise _refused(f"{what} names '{name}', which is no parameter of '{self.title}'",
+                           f"its parameters are {', '.join(self.forms)}")
+        found = reached(self.forms[root], root, keys[1:])
+        if found is None:
+            parts = [path for path, _ in leaves(self.forms[root], root)]
+            raise _refused(f"{what} names '{name}', and '{root}' has no such part",
+                           f"its parts are {', '.join(parts[:12])}{', ...' if len(parts) > 12 else ''}")
+        return name, *found
+
+    def floats(self, form: Form, path: str) -> list[str]:
+        """The flat names of the floats in something."""
+        return [self.names[p] for p, t in leaves(form, path) if is_held(t) and (
+            t.is_inexact or t.is_number and self.names[p] in self.state.floats)]
+
+    def flat_names(self, paths: Sequence[Path], what: str) -> tuple[str, ...]:
+        """The flat names of what was asked for."""
+        found: list[str] = []
+        for name, form, path in paths:
+            own = self.floats(form, path)
+            if isinstance(form, PyTree) and not own:
+                raise _refused(f"{what} names '{name}', which holds no float")
+            found += own or [self.names.get(path, path)]
+        return tuple(dict.fromkeys(found))
+
+    def carried(self, f: Any) -> tuple[list[Path] | None, Carrier]:
+        """What a differentiated function carries: its wrt, and all of it in flat names."""
+        wrt, of, engine = selection_of(f)
+        inputs = None if wrt is None else self.asked(wrt, "wrt")
+        return inputs, Carrier((None if inputs is None else self.flat_names(inputs, "wrt"), self.outputs(of), engine))
+
+    def outputs(self, of: Sequence[str] | None) -> tuple[str, ...] | None:
+        """The flat names of outputs: of a structure what is written."""
+        if of is None:
+            return None
+        found: list[str] = [RETURN] if RETURN in of else []
+        for path in self.asked([n for n in of if n != RETURN], "of"):
+            found += self.written(path)
+        return tuple(dict.fromkeys(found))
+
+    def written(self, path: Path) -> list[str]:
+        """The floats in something that the kernel writes; a leaf of its own is given as it is."""
+        name, form, spelling = path
+        if isinstance(form, Type):
+            return [self.names.get(spelling, spelling)]
+        found = [n for n in self.floats(form, spelling) if n in self._summary.written]
+        if not found:
+            raise _refused(f"'{name}' is no output of '{self.title}', which writes no float in it")
+        return found
+
+    @cached_property
+    def _summary(self) -> Any:
+        """What the kernel writes."""
+        kinds = [t for p, f in self.forms.items() for _, t in leaves(f, p) if is_held(t)]
+        types = [array(t.dtype, 1) if n in self.cells else FLOAT if n in self.state.floats and t.is_number else t
+                 for n, t in zip(self.paths, kinds)]
+        return self.state.summary(tuple(types))
+
+
+def _refused(message: str, remedy: str = "") -> S2sadError:
+    return S2sadError(Diagnostic("S401", message, help=remedy))

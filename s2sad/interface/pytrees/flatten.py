@@ -1,0 +1,269 @@
+"""The arguments of one call with structures as arrays and numbers, and the way back.
+
+The flat program is made once for what the arguments are made of (`normalize.fields`); everything behind it knows arrays
+and numbers only.
+"""
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from s2sad.dispatch import artifacts
+from s2sad.dispatch.artifacts import ReadRecord
+from s2sad.dispatch.arguments import bind, misfit
+from s2sad.dispatch.deferred import compiler
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.interface.pytrees.flat_selection import FlatSelection, Path
+from s2sad.infer.types import FLOAT, Type
+from s2sad.interface.value_calls import selection_of
+from s2sad.interface.selection import RETURN
+from s2sad.pytree import (
+    Form, PyTree, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, part_of, places_of, step, steps,
+    without_lengths,
+)
+from s2sad.dispatch.cache import ProgramVersion
+
+_NUMBERS = (int, float, np.integer, np.floating, complex)
+_PLAIN = frozenset((np.ndarray, float, complex, int, bool, np.float64, type(None), str))
+Holder = tuple[str, str, Any, "str | int"]
+
+
+def flattened(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
+    """How a call with structures is taken apart; None if there is none among f's arguments and it asks for none."""
+    if any(isinstance(d, tuple) for d in state.kernel.defaults.values()):
+        args = bind(state.kernel, args)
+    if not state.asks and (_PLAIN.issuperset(map(type, args)) or not any(map(is_structure, args))):
+        return None
+    args = bind(state.kernel, args)
+    forms = tuple(without_lengths(form_of(v, n)) for n, v in zip(state.parameters, args))
+    key = ("flattened", forms)
+    found = state.entries.get(key)
+    if found is None or not found.current():
+        found = state.entries[key] = Flattened(state, forms)
+    if not found.methods:
+        found.state.arrays = state.arrays
+    return found
+
+
+def taken_apart(state: ProgramVersion, f: Any, args: Sequence[Any], keywords: Mapping[str, Any] | None = None
+                ) -> tuple[ProgramVersion, list[Any], tuple[Any, Any, str]]:
+    """The state and the values to work with, flat where there are structures, and what f carries in its names."""
+    values = bind(state.kernel, args, keywords)
+    apart = flattened(state, values)
+    if apart is None:
+        return state, values, selection_of(f)
+    return apart.state, apart.values(values), apart.carried(f)[1].__s2sad_selection__
+
+
+class Flattened(FlatSelection):
+    """The flat program for arguments of one make, and the way there and back."""
+
+    def __init__(self, state: ProgramVersion, forms: tuple[Form, ...]):
+        self.forms = dict(zip(state.parameters, forms))
+        self.title, self.plain = state.kernel.name, state.kernel.independents
+        self.methods: list[Any] = []
+        kept = artifacts.flat_of(state.reading, forms)
+        if kept is None:
+            self._take_apart(state, forms)
+        else:
+            kernel, self.paths, self.cells, self.result, self._classes, address = kept
+            reading = ReadRecord(kernel, False, state.reading.arrays, {}, state.guards, address)
+            self.state = ProgramVersion(reading, state.function, True, lambda: self._program(state, forms))
+        self.names = {path: name for name, path in self.paths.items()}
+
+    def _take_apart(self, state: ProgramVersion, forms: tuple[Form, ...]) -> None:
+        """Has it done by the compiler, and kept for other processes, where no function of a class is called."""
+        flat, self.methods, self._classes = compiler().taken_apart(
+            state.program, state.function, forms, state.guards.varying)
+        self.cells, self.paths = flat.cells, flat.paths
+        self.result = None if flat.result is None else compiler().result_form(flat.result)
+        program = flat.program
+        kernel = program.kernels[program.entry]
+        address = None if self.methods else artifacts.keep_flat(
+            state.reading, forms, kernel, self.paths, self.cells, self.result, self._classes)
+        self.state = ProgramVersion(ReadRecord(kernel, False, program.arrays, {}, program.guards, address),
+                                    state.function,
+                                    True).with_program(program)
+
+    @staticmethod
+    def _program(state: ProgramVersion, forms: tuple[Form, ...]) -> Any:
+        return compiler().taken_apart(state.program, state.function, forms, state.guards.varying)[0].program
+
+    def restated(self, state: ProgramVersion) -> Flattened:
+        """The flat program of another reading of the function, with what was derived of this one."""
+        found = Flattened(state, tuple(self.forms.values()))
+        found.state.derive_as(self.state)
+        return found
+
+    def current(self) -> bool:
+        """Whether the arguments' classes are what they were, and what functions of theirs read from outside."""
+        return self._classes.hold() and (not self.methods or self.state.guards.hold())
+
+    # -- there ---------------------------------------------------------------------------------------------------------
+
+    def values(self, args: Sequence[Any]) -> list[Any]:
+        """The flat arguments; a number that the kernel assigns is an array of one element."""
+        found: list[Any] = []
+        if self.cells:
+            self._apart(args)
+
+        def add(path: str, kind: Type, leaf: Any) -> None:
+            if is_held(kind):
+                value = float(leaf) if kind == FLOAT else leaf
+                found.append(np.array([value]) if self.names[path] in self.cells else value)
+        for (parameter, form), value in zip(self.forms.items(), args):
+            mapped(form, value, parameter, add)
+        return found
+
+    def _apart(self, args: Sequence[Any]) -> None:
+        """Refuses a field that is given twice and assigned: each name would have its own number."""
+        seen: dict[tuple[int, str | int], str] = {}
+        for name, _, holder, key in self.holders(args, True):
+            first = seen.setdefault((id(holder), key), name)
+            if name != first and {name, first} & self.cells:
+                raise S2sadError(Diagnostic("S404", f"'{self.paths[first]}' and '{self.paths[name]}' are one field of "
+                                            "one object, and it is assigned", help="pass a copy of one of them"))
+
+    def holders(self, args: Sequence[Any], every: bool = False) -> Iterator[Holder]:
+        """The cells, or every leaf, each with the structure that holds it, its kind and the key there."""
+        for (parameter, form), value in zip(self.forms.items(), args):
+            yield from self.held(form, value, parameter, every)
+
+    def write_back(self, args: Sequence[Any], flat: Mapping[str, Any]) -> None:
+        """Gives the fields that the kernel assigns what their cells hold."""
+        for name, kind, holder, key in self.holders(args):
+            assign_part(kind, holder, key, flat[name][0].item())
+
+    def held(self, form: Form, value: Any, path: str, every: bool = False) -> Iterator[Holder]:
+        """The cells in one argument."""
+        for key, item in zip(form.keys, form.items) if isinstance(form, PyTree) else ():
+            assert isinstance(form, PyTree)
+            inner = step(form, path, key)
+            if isinstance(item, PyTree):
+                yield from self.held(item, part_of(form.kind, value, key), inner, every)
+            elif self.names.get(inner) in (self.names.values() if every else self.cells):
+                yield self.names[inner], form.kind, value, key
+
+    @contextmanager
+    def told(self) -> Iterator[None]:
+        """Errors name what the caller wrote: state.u, not state_u."""
+        try:
+            yield
+        except S2sadError as error:
+            other = {n: p for n, p in self.paths.items() if n != p}
+            if not other:
+                raise
+            pattern = re.compile(r"\b(" + "|".join(map(re.escape, sorted(other, key=len, reverse=True))) + r")\b")
+
+            def said(text: str) -> str:
+                return pattern.sub(lambda m: other[m[1]], text)
+            raise S2sadError(*(replace(d, message=said(d.message), note=said(d.note), help=said(d.help))
+                               for d in error.diagnostics)) from None
+
+    # -- back ----------------------------------------------------------------------------------------------------------
+
+    def gathered(self, path: Path, args: Sequence[Any], found: Mapping[str, Any]) -> Any:
+        """A part of the arguments with what was found in place of its floats; everything else as it is."""
+        _, form, spelling = path
+        return mapped(form, self.part(path, args), spelling, lambda p, kind, leaf: self._back(p, kind, leaf, found))
+
+    def _back(self, path: str, kind: Type, leaf: Any, found: Mapping[str, Any]) -> Any:
+        name = self.names.get(path, "")
+        if name not in found or not is_held(kind):
+            return leaf
+        return found[name][0].item() if name in self.cells else found[name]
+
+    def part(self, path: Path, args: Sequence[Any]) -> Any:
+        """The value of a part of the arguments."""
+        root, *keys = steps(path[2]) or ("",)
+        form, value = self.forms[str(root)], args[list(self.forms).index(str(root))]
+        for key in keys:
+            assert isinstance(form, PyTree)
+            value, form = part_of(form.kind, value, key), form.items[form.keys.index(key)]
+        return value
+
+    def spread(self, path: Path, given: Any, what: str, values: Mapping[str, Any]) -> dict[str, Any]:
+        """A shadow, seed or tangent of something, by flat names; it must be of the same make."""
+        name, form, spelling = path
+        if not fits(form, given):
+            what_form = "an array or a number" if isinstance(form, Type) else str(form)
+            raise misfit(f"the {what} of '{name}' is of type {type(given).__name__} or has other parts: '{name}' is "
+                         f"{what_form}", f"make one with s2sad.make_zero({name})")
+        floats, fixed = set(self.floats(form, spelling)), {self.names[p] for p in places_of(form, spelling)}
+        found: dict[str, Any] = {}
+
+        def add(path: str, kind: Type, leaf: Any) -> None:
+            flat = self.names.get(path, path)
+            if flat in fixed and not np.array_equal(leaf, values[flat]):
+                raise misfit(f"the {what} of '{name}' has its entries at other places than '{name}'",
+                             f"make one with s2sad.make_zero({name})")
+            if flat in floats:
+                found[flat] = _cell_seed(leaf, values[flat], name, path) if flat in self.cells else leaf
+        mapped(form, given, spelling, add)
+        return found
+
+    # -- results -------------------------------------------------------------------------------------------------------
+
+    def result_seed(self, seed: Any) -> Any:
+        """The seed of a structure that the kernel returns, as that of a tuple: None for what is no float."""
+        found = self.result_leaves(seed)
+        kinds = self._summary.results
+        return tuple(s if t.is_inexact else None for s, t in zip(found, kinds)) if len(kinds) > 1 else found
+
+    def result_leaves(self, seed: Any) -> Any:
+        """A structure that is like what the kernel returns, as a tuple."""
+        assert self.result is not None
+        if not fits(self.result, seed):
+            raise misfit(f"the seed of 'return' is of type {type(seed).__name__} or has other parts: the result is "
+                         f"{self.result}", "give a structure of the same make")
+        found: list[Any] = []
+        mapped(self.result, seed, RETURN, lambda path, kind, leaf: found.append(leaf) if is_held(kind) else None)
+        return found[0] if len(found) == 1 else tuple(found)
+
+    def result_of(self, returned: Any) -> Any:
+        """What the kernel returns, put together."""
+        assert self.result is not None
+        count = sum(is_held(t) for _, t in leaves(self.result, RETURN))
+        remaining = iter(returned if count > 1 else (returned,))
+        return _built(self.result, remaining)
+
+    def calling(self, function: Callable[..., Any], args: Sequence[Any]) -> Callable[..., Any]:
+        """The function, which takes structures like args, as one of flat arguments."""
+        def called(*flat: Any) -> Any:
+            by_name = dict(zip(self.paths, flat))
+            own = [self.gathered((p, form, p), args, by_name) for p, form in self.forms.items()]
+            returned = function(*own)
+            for name, kind, holder, key in self.holders(own):
+                by_name[name][0] = part_of(kind, holder, key)
+            return returned if self.result is None else self.result_leaves(returned)
+        return called
+
+
+def _built(form: Form, remaining: Iterator[Any]) -> Any:
+    """A structure whose leaves are given in order."""
+    if isinstance(form, Type):
+        found = next(remaining) if is_held(form) else None
+        return float(found) if type(found) is np.float64 else found
+    items = [_built(i, remaining) for i in form.items]
+    if form.kind == "named" and form.made is not None:
+        return tuple.__new__(form.made, items)  # pyright: ignore[reportArgumentType]
+    if form.kind == "dict":
+        return dict(zip(form.keys, items))
+    if form.kind == "record" and form.made is not None:
+        new = object.__new__(form.made)
+        for key, item in zip(form.keys, items):
+            object.__setattr__(new, str(key), item)
+        return new
+    return items if form.kind == "list" else tuple(items)
+
+
+def _cell_seed(given: Any, like: np.ndarray, name: str, path: str) -> np.ndarray:
+    if isinstance(given, (bool, np.bool_)) or not isinstance(given, _NUMBERS[:4 + np.iscomplexobj(like)]):
+        raise misfit(f"the part '{path}' of what was given for '{name}' is of type {type(given).__name__}, not a float",
+                     "give a float")
+    return np.array([given], like.dtype)

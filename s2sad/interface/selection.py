@@ -1,0 +1,228 @@
+"""What is differentiated with respect to what: defaults, and the refusal of names that cannot be meant."""
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from s2sad.dispatch.arguments import misfit
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.infer.types import Type, misfit_of
+from s2sad.results import Structure, leaves, nested
+from s2sad.unwrap import python_function
+
+RETURN = "return"
+Wrt = str | int | Iterable[str | int] | None
+
+
+@dataclass(frozen=True)
+class ReturnedValues:
+    """The returned values: `floats` are the positions that have derivatives, `own` those that are no written
+    argument, `aliases` the written argument at each other position, `arguments` the argument at each that has one;
+    `nest` tells how they are put into tuples."""
+    types: tuple[Type, ...]
+    floats: tuple[int, ...]
+    own: tuple[int, ...]
+    aliases: dict[int, str]
+    arguments: dict[int, str]
+    nest: Structure = None
+
+    @classmethod
+    def of(cls, summary: Any) -> ReturnedValues:
+        types = tuple(summary.results)
+        floats = tuple(k for k, t in enumerate(types) if t.is_inexact)
+        aliases = {k: name for k, name in summary.returned.items() if k in floats and name in summary.written}
+        return cls(types, floats, tuple(k for k in floats if k not in aliases), aliases, dict(summary.returned),
+                   summary.structure)
+
+    def with_aliases(self, returned: Any, values: dict[str, Any]) -> Any:
+        """What the function returned, with the caller's own arrays where it returned an argument."""
+        if self.nest is None:
+            return values[self.arguments[0]] if self.arguments else returned
+        items = [values[self.arguments[k]] if k in self.arguments else v for k, v in enumerate(leaves(returned))]
+        return nested(items, self.nest)
+
+    def structure(self, by_place: dict[int, Any]) -> Any:
+        """The tangent of the returned value: as the value is, 0.0 where it depends on nothing, None where no float."""
+        items = tuple(by_place.get(k, 0.0) if k in self.floats else None for k in range(len(self.types)))
+        return nested(items, self.nest) if items else None
+
+
+def places(names: Sequence[str]) -> tuple[int, ...]:
+    """The positions of the results that are named "return 0", "return 1", ..."""
+    return tuple(int(name.partition(" ")[2]) for name in names)
+
+
+def structured(results: ReturnedValues, seed: Any, seeded: Sequence[int]) -> dict[int, Any]:
+    """The seed of the returned value by position: a tuple of the same length for a tuple, None where `seeded` lacks
+    the position."""
+    if results.nest is None:
+        return {0: seed}
+    seed = in_a_row(seed, results.nest)
+    for place, item in enumerate(seed):
+        if place not in seeded and item is not None:
+            raise misfit(f"the seed of 'return' has a value at {place}, where the result is no float",
+                         "give None there")
+    return {place: seed[place] for place in seeded}
+
+
+def in_a_row(seed: Any, structure: Structure) -> list[Any]:
+    """The parts of a seed in a row; None stands for a tuple in which nothing is a float."""
+    if structure is None:
+        return [seed]
+    if seed is not None and (not isinstance(seed, (tuple, list)) or len(seed) != len(structure)):
+        kind = type(seed).__name__
+        what = f"a {kind} of {len(seed)}" if isinstance(seed, (tuple, list)) else f"of type {kind}"
+        raise misfit(f"the seed of 'return' is {what}, the result is a tuple of {len(structure)}",
+                     "give a tuple of the same length, with None for what is no float")
+    parts = seed if seed is not None else (None,) * len(structure)
+    return [part for item, inner in zip(parts, structure) for part in in_a_row(item, inner)]
+
+
+def number_seed(seed: Any, name: str = RETURN, is_complex: bool = False) -> float | complex:
+    """The seed of a float or complex result, or the tangent of such an argument."""
+    if isinstance(seed, np.ndarray) and not seed.ndim:     # what NumPy gives where a contraction leaves no axis
+        seed = seed[()]
+    if is_complex and isinstance(seed, complex):
+        return np.complex128(seed)
+    if isinstance(seed, (bool, np.bool_)) or not isinstance(seed, (int, float, np.integer, np.floating)):
+        wanted = "a complex number" if is_complex else "a float"
+        raise misfit(f"the seed of '{name}' is of type {type(seed).__name__}, not {wanted}", f"give {wanted}")
+    return np.complex128(seed) if is_complex else float(seed)
+
+
+def result_seed(seed: Any, kind: Type) -> Any:
+    """The seed of a result: a float, or a private copy of an array of the result's dtype and rank; whether it has the
+    result's shape shows when that is there."""
+    if kind.is_number:
+        return number_seed(seed, is_complex=kind.is_complex)
+    remedy = f"give an array of {kind.dtype} with {kind.rank} {'axis' if kind.rank == 1 else 'axes'}"
+    if not isinstance(seed, np.ndarray):
+        raise misfit(f"the seed of '{RETURN}' is of type {type(seed).__name__}, the result is an array", remedy)
+    if seed.dtype != kind.dtype or seed.ndim != kind.rank:
+        raise misfit(f"the seed of '{RETURN}' is an array of {seed.dtype} of shape {seed.shape}, the result one of "
+                     f"{kind.dtype} with {kind.rank} {'axis' if kind.rank == 1 else 'axes'}", remedy)
+    if (found := misfit_of(seed, "seed")) is not None:
+        raise misfit(f"the seed of '{RETURN}' {found[0]}", remedy)
+    return np.array(seed, order="C")
+
+
+def array_seed(name: str, given: Any, like: np.ndarray) -> np.ndarray:
+    """A private copy of an array seed, which must have the dtype and shape of its output."""
+    if not isinstance(given, np.ndarray):
+        raise misfit(f"the seed of '{name}' is of type {type(given).__name__}, its output is an array",
+                     f"give an array of {like.dtype} of shape {like.shape}")
+    if given.dtype != like.dtype or given.shape != like.shape:
+        raise misfit(f"the seed of '{name}' is an array of {given.dtype} of shape {given.shape}, its output one of "
+                     f"{like.dtype} of shape {like.shape}", f"give an array of {like.dtype} of shape {like.shape}")
+    if (found := misfit_of(given, "seed")) is not None:
+        raise misfit(f"the seed of '{name}' {found[0]}", f"give an array of {like.dtype} of shape {like.shape}")
+    return np.array(given, order="C")
+
+
+def names_of(chosen: Wrt, f: Any, what: str = "wrt") -> tuple[str, ...] | None:
+    """One name or several as a tuple; a position among f's parameters stands for its name."""
+    if chosen is None or isinstance(chosen, str):
+        return None if chosen is None else (chosen,)
+    several = chosen if isinstance(chosen, Iterable) and not isinstance(chosen, np.ndarray) else (chosen,)
+    return tuple(_name_at(n, f, what) for n in several)
+
+
+def _name_at(place: Any, f: Any, what: str) -> str:
+    if isinstance(place, str):
+        return place
+    if isinstance(place, bool) or not isinstance(place, (int, np.integer)):
+        word = type(place).__name__
+        raise _refused(f"{what} holds {'an' if word[0] in 'aeiou' else 'a'} {word}",
+                       'give names of parameters, or their positions: "x", 0, ("x", "y")')
+    function = python_function(f)
+    names = list(inspect.signature(function).parameters) if function is not None else []
+    if not -len(names) <= place < len(names):
+        raise _refused(f"{what} names the parameter at {place}, and '{getattr(function, '__name__', f)}' has "
+                       f"{len(names)}", f"its parameters are {', '.join(names)}")
+    return names[place]
+
+
+def selected_wrt(function: str, parameters: Sequence[str], types: Sequence[Type],
+                 wrt: tuple[str, ...] | None) -> tuple[str, ...]:
+    """The independents in the order of the signature; default: every float array and float scalar."""
+    kinds = dict(zip(parameters, types))
+    if wrt is None:
+        found = tuple(p for p in parameters if kinds[p].is_inexact)
+        if not found:
+            raise _refused(f"'{function}' was given no float to differentiate with respect to", *_unreal(kinds))
+        return found
+    for name in wrt:
+        if name not in kinds:
+            raise _refused(f"wrt names '{name}', which is no parameter of '{function}'",
+                           f"its parameters are {', '.join(parameters)}")
+        if not kinds[name].is_inexact:
+            raise _refused(f"wrt names '{name}', which is {_described(kinds[name])}", _remedy(name, kinds[name]))
+    return tuple(p for p in parameters if p in wrt)
+
+
+def selected_of(function: str, parameters: Sequence[str], types: Sequence[Type], summary: Any,
+                of: tuple[str, ...] | None) -> tuple[str, ...]:
+    """The dependents: names of written float arrays, in order, then "return" for results of their own; a returned
+    argument goes by its name."""
+    results = ReturnedValues.of(summary)
+    written = [p for p, t in zip(parameters, types) if p in summary.written and t.is_inexact and t.is_array]
+    if of is None:
+        found = (*written, *((RETURN,) if results.own else ()))
+        if not found:
+            integers = {p: t for p, t in zip(parameters, types) if p in summary.written}
+            raise _refused(f"'{function}' has nothing to differentiate: it writes no float array and returns no float",
+                           *_unreal(integers))
+        return found
+    for name in of:
+        _check_output(function, name, dict(zip(parameters, types)), written, summary.written, results)
+    wanted = set(of)
+    if RETURN in of:
+        wanted.update(results.aliases.values())
+        if not results.own:
+            wanted.discard(RETURN)
+    return (*(p for p in written if p in wanted), *((RETURN,) if RETURN in wanted else ()))
+
+
+def _check_output(function: str, name: str, kinds: dict[str, Type], floats: Sequence[str], written: Sequence[str],
+                  results: ReturnedValues) -> None:
+    known = [*floats, *([RETURN] if results.floats else [])]
+    remedy = f"its outputs are {', '.join(known)}" if known else ""
+    if name == RETURN:
+        if not results.floats:
+            raise _refused(f"'{function}' returns no float", remedy)
+    elif name not in kinds:
+        raise _refused(f"'{name}' is no output of '{function}'", remedy)
+    elif name not in written:
+        raise _refused(f"'{name}' is no output of '{function}', which does not write it", remedy)
+    elif name not in floats:
+        raise _refused(f"the output '{name}' of '{function}' is {_described(kinds[name])}", _remedy(name, kinds[name]))
+
+
+def _described(type_: Type) -> str:
+    if type_.is_array:
+        return f"an array of {type_.dtype}"
+    if type_.is_integer:
+        return "a bool" if type_.dtype == "bool" else "an integer"
+    return {"none": "None", "text": "a str"}.get(type_.kind, f"of type {type_}")
+
+
+def _unreal(kinds: dict[str, Type]) -> tuple[str, str]:
+    """Of the first argument that may have been meant to hold floats: what to give instead, and what it is."""
+    for name, type_ in kinds.items():
+        if (type_.is_array or type_.is_integer) and type_.dtype != "bool":
+            return _remedy(name, type_), f"'{name}' is {_described(type_)}"
+    return "", ""
+
+
+def _remedy(name: str, type_: Type) -> str:
+    if type_.is_array:
+        return f"pass {name}.astype(float) if it holds real quantities"
+    return "give a float (3.0, not 3) if it is a real quantity" if type_.is_integer else ""
+
+
+def _refused(message: str, remedy: str = "", note: str = "") -> S2sadError:
+    return S2sadError(Diagnostic("S401", message, note=note, help=remedy))

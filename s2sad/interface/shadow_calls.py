@@ -1,0 +1,83 @@
+"""Calls with shadows that the caller owns: `f.adjoint(...)` and `f.tangent(...)`.
+
+One instance serves all later calls with arguments of the same types. Nothing is written before everything fits.
+"""
+from __future__ import annotations
+
+from typing import Any
+
+from s2sad.dispatch.arguments import coerced, shadow, written_argument
+from s2sad.dispatch.executable import HIDDEN
+from s2sad.run.exceptions import CAUGHT
+from s2sad.interface.selection import RETURN, result_seed
+from s2sad.interface.shadow_signature import arranged
+from s2sad.dispatch.cache import ProgramVersion
+
+
+class ShadowCall:
+    """A prepared `f.adjoint(...)` or `f.tangent(...)`: the positions of its arguments are known."""
+
+    def __init__(self, state: ProgramVersion, mode: str, args: tuple[Any, ...], selection: tuple[Any, Any, str]):
+        self.state = state
+        self.variant, self.layout, values = arranged(state, mode, args, selection)
+        by_name = dict(zip(state.parameters, values))
+        self.types = state.types(values)
+        written = state.summary(self.types).written
+        for name, value in by_name.items():
+            if name in written:
+                written_argument(name, value)
+        self._hidden = [k for k, p in enumerate(self.variant.parameters) if p.name.startswith(HIDDEN)]
+        self._hidden_written = any(self.variant.parameters[k].name in written for k in self._hidden)
+        self._fitted(args, by_name)
+        self._coercions = self._conversions(args)
+        arguments = self._arguments(args)
+        self.variant.checked(arguments)
+        state.first_run(values, self.variant.engine)
+        self.variant.prepare(arguments)
+        self._direct = not self._coercions and not self._hidden
+        bare = self.variant.engine == "numba" and not any(p.type.is_array for p in self.variant.seeds)
+        self._call = self.variant.function if bare else self._plain
+
+    def __call__(self, args: tuple[Any, ...]) -> Any:
+        variant = self.variant
+        arguments = args if self._direct else self._arguments(args)
+        shared = variant.checked(arguments)
+        if self._hidden_written:
+            assert isinstance(arguments, list)  # hidden arguments are never direct
+            outside = self.state.outside(self.types)
+            for k in self._hidden:
+                arguments[k] = outside[variant.parameters[k].name]
+        try:
+            return variant.apart(arguments, shared) if shared else self._call(*arguments)
+        except CAUGHT as error:
+            raise variant.failures.meaning(error) from None
+
+    def _plain(self, *arguments: Any) -> Any:
+        """Under NumPy a number may come back as a NumPy scalar; the seed of an array may not fit."""
+        return self.variant.run(arguments) or None
+
+    def _conversions(self, args: tuple[Any, ...]) -> list[tuple[int, Any]]:
+        found = []
+        for k, value in enumerate(args):
+            role, name = self.layout[k] if k < len(self.layout) else ("seed", RETURN)
+            how = coerced(name, value, role != "primal" or name in self.state.floats)
+            if how is not None:
+                found.append((k, how))
+        return found
+
+    def _arguments(self, args: tuple[Any, ...]) -> list[Any]:
+        arguments = list(args)
+        for k, how in self._coercions:
+            arguments[k] = how(arguments[k])
+        hidden = self.state.arrays_by_name() if self._hidden else {}
+        for k in self._hidden:
+            arguments.insert(k, hidden[self.variant.parameters[k].name])
+        return arguments
+
+    def _fitted(self, args: tuple[Any, ...], values: dict[str, Any]) -> None:
+        names = [p.name for p in self.variant.parameters if not p.name.startswith(HIDDEN)]
+        for k, (role, primal) in enumerate(self.layout):
+            if role == "shadow":
+                shadow(names[k], args[k], primal, values[primal])
+        for seed, p in zip(args[len(self.layout):], self.variant.seeds):
+            result_seed(seed, p.type)

@@ -1,0 +1,189 @@
+"""Calls of derivatives on values: bound, copied where the function may write, with shadows of their own.
+
+One instance serves all later calls with arguments of the same types; what a driver costs beside the compiled call is
+spent here.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from s2sad.dispatch.arguments import admitted, bind, coerced, misfit
+from s2sad.diagnostics import Diagnostic, S2sadError, warn
+from s2sad.dispatch.executable import Executable
+from s2sad.infer.types import NONE
+from s2sad.program import Request
+from s2sad.interface.selection import (
+    RETURN, ReturnedValues, array_seed, number_seed, places, result_seed, selected_of, selected_wrt, structured,
+)
+from s2sad.dispatch.cache import ProgramVersion, lying, own
+
+_ONE = {RETURN: 1.0}
+
+
+def selection_of(f: Any) -> tuple[tuple[str, ...] | None, tuple[str, ...] | None, str]:
+    """The wrt, of and engine that a differentiated function carries; a plain one takes the defaults."""
+    return getattr(f, "__s2sad_selection__", (None, None, "auto"))
+
+
+class PreparedCall:
+    """Arguments of known types, bound, and copied where the function may write; one instance per compiled call."""
+
+    def __init__(self, state: ProgramVersion, f: Any, args: tuple[Any, ...]):
+        self.state, self.names, self.engine = state, state.parameters, selection_of(f)[2]
+        bound = bind(state.kernel, args)
+        self.tail = [admitted(n, v, n in state.floats) for n, v in zip(self.names[len(args):], bound[len(args):])]
+        self.coercions = [(k, how) for k, (n, v) in enumerate(zip(self.names, args))
+                          if (how := coerced(n, v, n in state.floats)) is not None]
+        values = self.values_of(args)
+        self.types = state.types(values)
+        self.summary = state.summary(self.types)
+        self.results = ReturnedValues.of(self.summary)
+        self.written = [k for k, n in enumerate(self.names)
+                        if n in self.summary.written and isinstance(values[k], np.ndarray)]
+        self._apart = state.apart(self.types)
+        if self._apart is not None:
+            self._apart(values)
+        self._ready = False
+
+    def values_of(self, args: Sequence[Any]) -> list[Any]:
+        values = [*args, *self.tail]
+        for k, how in self.coercions:
+            values[k] = how(values[k])
+        return values
+
+    def private(self, args: Sequence[Any]) -> list[Any]:
+        """The values, with copies of what the function may write."""
+        values = self.values_of(args)
+        if self._apart is not None:
+            self._apart(values)
+        if self.summary.contiguous:
+            lying(self.summary, dict(zip(self.names, values)))
+        for k in self.written:
+            values[k] = own(values[k])
+        return values
+
+    def called(self, variant: Executable, values: Mapping[str, Any], shadows: Mapping[str, Any],
+               seeds: Sequence[Any] = ()) -> tuple[Any, ...]:
+        """Calls the derivative; the first time it is compiled, and the primal run with bounds checks."""
+        arguments = variant.assemble(values, shadows, seeds, self.state.outside(self.types))
+        if not self._ready:
+            self.state.first_run([values[n] for n in self.names], self.engine)
+            variant.prepare(arguments)
+            self._ready = True
+        return variant.run(arguments)
+
+    def variant(self, mode: str, wrt: tuple[str, ...], of: tuple[str, ...], with_primal: bool = False) -> Executable:
+        return self.state.variant(Request(mode, self.types, wrt, of, with_primal=with_primal), self.engine)
+
+
+class ReverseCall(PreparedCall):
+    """A prepared `vjp` or `gradient`."""
+
+    def __init__(self, state: ProgramVersion, f: Any, args: tuple[Any, ...], outputs: tuple[str, ...],
+                 wrt: tuple[str, ...] | None, with_value: bool = False):
+        super().__init__(state, f, args)
+        name = state.kernel.name
+        chosen = wrt if wrt is not None else selection_of(f)[0]
+        kinds = dict(zip(self.names, self.types))
+        if chosen is None and with_value:
+            wrt = tuple(n for n in state.kernel.independents if kinds[n].is_inexact) or None
+        self.wrt = selected_wrt(name, self.names, self.types, wrt if chosen is None else chosen)
+        self.alone = len(self.wrt) == 1 and (
+            chosen is not None or sum(kinds[n] != NONE for n in state.kernel.independents) <= 1)
+        if with_value and (len(self.results.types) != 1 or not self.results.types[0].is_float
+                           or self.results.types[0].is_array):
+            raise _no_float(name, self.results)
+        if not outputs:
+            raise misfit(f"no seed was given for '{name}'", "give a dict by output name, as {\"return\": 1.0}")
+        self.of = selected_of(name, self.names, self.types, self.summary, outputs)
+        self.rv = self.variant("adjoint", self.wrt, self.of, with_value)
+        self.seed_places = places([p.primal for p in self.rv.seeds])
+        independent = self.rv.generated.facts.get("independent", ())
+        self.in_vain = tuple(n for n in self.wrt if chosen is not None and n in independent)
+
+    def run(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[Any, ...]]:
+        values, shadows, given = self.arranged(args, seeds)
+        return shadows, self.called(self.rv, values, shadows, given)
+
+    def arranged(self, args: Sequence[Any], seeds: Mapping[str, Any]
+                 ) -> tuple[dict[str, Any], dict[str, Any], list[Any]]:
+        """The values and the shadows by name, and the seeds of results."""
+        values = dict(zip(self.names, self.private(args)))
+        by_place = self._result_seeds(seeds.get(RETURN)) if RETURN in seeds else {}
+        shadows = {}
+        for name in self.rv.shadows:
+            seed = None if name not in self.of else seeds.get(name)
+            shadows[name] = (np.zeros(values[name].shape, values[name].dtype) if seed is None
+                             else array_seed(name, seed, values[name]))
+        for place, name in self.results.aliases.items():
+            if place in by_place:
+                shadows[name] += array_seed(RETURN, by_place.pop(place), values[name])
+        return values, shadows, [by_place.get(k, 0.0) for k in self.seed_places]
+
+    def gradients(self, shadows: dict[str, Any], returned: tuple[Any, ...]) -> dict[str, Any]:
+        scalars = dict(zip(self.rv.generated.returns, returned))
+        for name in self.in_vain:
+            warn(f"no output asked for of '{self.state.kernel.name}' depends on '{name}': its gradient is zero")
+        return {name: shadows[name] if name in shadows else scalars[name] for name in self.wrt}
+
+    def vjp(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> dict[str, Any]:
+        shadows, returned = self.run(args, seeds)
+        return self.gradients(shadows, returned)
+
+    def value_and_gradient(self, args: Sequence[Any]) -> tuple[Any, Any]:
+        shadows, returned = self.run(args, _ONE)
+        found = self.gradients(shadows, returned)
+        return returned[0], found[self.wrt[0]] if self.alone else found
+
+    def _result_seeds(self, seed: Any) -> dict[int, Any]:
+        """The seeds of the results, by position."""
+        given = structured(self.results, seed, self.results.floats)
+        for place in self.results.own:
+            given[place] = result_seed(given[place], self.results.types[place])
+        return given
+
+
+class ForwardCall(PreparedCall):
+    """A prepared `jvp`."""
+
+    def __init__(self, state: ProgramVersion, f: Any, args: tuple[Any, ...], inputs: tuple[str, ...],
+                 of: tuple[str, ...] | None):
+        super().__init__(state, f, args)
+        name = state.kernel.name
+        self.wrt = selected_wrt(name, self.names, self.types, inputs)
+        self.of = selected_of(name, self.names, self.types, self.summary, of if of is not None else selection_of(f)[1])
+        self.asked = of if of is not None else (*(n for n in self.of if n != RETURN),
+                                                *((RETURN,) if self.results.floats else ()))
+        self.fv = self.variant("tangent", self.wrt, self.of)
+
+    def arranged(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The values and the tangents by name."""
+        values = dict(zip(self.names, self.private(args)))
+        shadows = {}
+        for name in self.fv.shadows:
+            value, given = values[name], tangents.get(name)
+            if isinstance(value, np.ndarray):
+                shadows[name] = np.zeros(value.shape, value.dtype) if given is None else array_seed(name, given, value)
+            else:
+                shadows[name] = number_seed(given, name, isinstance(value, complex))
+        return values, shadows
+
+    def jvp(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> dict[str, Any]:
+        values, shadows = self.arranged(args, tangents)
+        returned = self.called(self.fv, values, shadows)
+        found: dict[int, Any] = dict(zip(places(self.fv.generated.returns), returned))
+        for place, name in self.results.aliases.items():
+            found[place] = shadows[name]
+        outputs = {name: shadows[name] for name in self.asked if name != RETURN}
+        if RETURN in self.asked:
+            outputs[RETURN] = self.results.structure(found)
+        return outputs
+
+
+def _no_float(name: str, results: ReturnedValues) -> S2sadError:
+    described = ", ".join(map(str, results.types)) or "nothing"
+    return S2sadError(Diagnostic("S401", f"a gradient needs a function that returns one float; '{name}' returns "
+                                 f"{described}", help="use s2sad.vjp, which takes a seed for each output"))

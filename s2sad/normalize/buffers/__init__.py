@@ -1,0 +1,1 @@
+"""Buffers: which array every name is a part of, through rebindings, branches, loops and swaps."""

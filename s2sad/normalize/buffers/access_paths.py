@@ -1,0 +1,363 @@
+"""access_paths: what an array expression names: its base array and all of its subscripts.
+
+Used by `views`, which keeps what every name stands for. Guards that an expression needs go before its statement.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from s2sad import rules
+from s2sad.diagnostics import Report
+from s2sad.infer.affine import Affine
+from s2sad.infer.inference import Typing
+from s2sad.infer.signatures.laws import FITTING, INNER
+from s2sad.infer.shapes import Shapes
+from s2sad.infer.slice_extents import is_whole, stand_apart
+from s2sad.infer.types import INT, Type
+from s2sad.naming import Names
+from s2sad.normalize.buffers.allocations import Allocations
+from s2sad.normalize.array_anf import is_function
+from s2sad.normalize.shape_guards import equal, matching
+from s2sad.evaluate.expressions.hoist import constant_index
+from s2sad.normalize.buffers.compose_subscripts import composed, is_new
+from s2sad.tree import (
+    AST, Attribute, BinOp, Call, Constant, List, Name, Slice, Subscript, Tuple, assign, at, attribute, call, call_name,
+    const, copy, dump, index, indices, mult, name, names, rebuild, substitute, tuple_of, walk,
+)
+
+View = tuple[str, tuple[AST, ...]]
+AMBIGUOUS: View = ("", ())
+
+
+class AccessPaths:
+    """What the names of one function stand for where a statement is."""
+
+    def __init__(self, types: Mapping[str, Type], typing: Typing, free: Names, report: Report, bound: list[str],
+                 shapes: Shapes):
+        self.types, self.typing, self.free, self.report, self.shapes = types, typing, free, report, shapes
+        self.before: list[AST] = []
+        self.loops = self.testing = False               # `testing`: in the test of a while, which has no place before
+        self.seen: dict[str, View] = {}
+        self.tuples: dict[str, AST] = {}
+        self.parameters: set[str] = set()
+        self.bound = bound
+        self.depth = 0
+        self.versions: set[str] = set()
+        self.home: dict[str, int] = {}                  # how many loops are around an allocation
+        self.allocations = Allocations(typing, report, shapes)
+
+    def viewed(self, node: AST) -> View | None:
+        """The base and the indices that an array expression names, or None if it names no array."""
+        if isinstance(node, Name):
+            if not self.typing.of(node).is_array:
+                return None
+            view = self.seen.get(node.id)
+            if view is None and node.id.startswith("array."):
+                return node.id, ()
+            if view is None or view == AMBIGUOUS:
+                self.report.error("S201", f"'{self.free.said(node.id)}' may stand for different arrays here", node,
+                                  help="copy into one array with x[...] = ..., or use two names")
+                return None
+            return view
+        if isinstance(node, Subscript):
+            inner = self.viewed(node.value)
+            if inner is None:
+                return None
+            if self.picks_from_part(node, inner):
+                inner = (self.copied(node.value), ())
+            added = [self.part(s) for s in indices(node)]
+            if self.loops and not self.testing and self.typing.of(node).is_array:
+                added = [self.frozen(s, "place") if self.is_sought(s) else s for s in added]
+            return inner[0], self.composed(inner, added, node)
+        return None
+
+    def is_sought(self, subscript: AST) -> bool:
+        """Whether a number is asked of an array, `np.argmax(x)`: a loop over a row asks once, before it."""
+        return not isinstance(subscript, Slice) and self.typing.of(subscript).is_number and any(
+            isinstance(n, Call) and any(self.typing.of(a).is_array for a in n.args) for n in walk(subscript))
+
+    def picks_from_part(self, node: Subscript, view: View) -> bool:
+        """Whether arrays pick elements of a part of an array that slices take: it is copied first."""
+        picks = any(self.typing.of(s).is_array for s in indices(node) if not isinstance(s, (Slice, Constant)))
+        return picks and any(isinstance(s, Slice) or is_new(s) for s in view[1])
+
+    def copied(self, part: AST) -> str:
+        """A name for a copy of a part of an array."""
+        held = self.typing.declare(self.free.fresh("part"), self.typing.of(part))
+        made = self.allocations.allocate(held, self.typing.of(part), call("numpy.copy", self.resolve(part)), part)
+        self.seen[held] = (held, ())
+        self.before += made
+        return held
+
+    def part(self, subscript: AST) -> AST:
+        """A subscript with views resolved; the bounds of a slice stay what they are now."""
+        if isinstance(subscript, Name) and self.typing.of(subscript).is_array:
+            return self.whole(subscript)
+        if not isinstance(subscript, Slice):
+            return self.resolve(subscript)
+        parts = (subscript.lower, subscript.upper, subscript.step)
+        return self.frozen(Slice(*(p and self.resolve(p) for p in parts)), "bound")
+
+    def frozen(self, subscript: AST, wanted: str) -> AST:
+        """A subscript as an expression that stays what it is now; what may change gets a name before."""
+        return self._frozen(subscript, wanted, {})
+
+    def _frozen(self, subscript: AST, wanted: str, known: dict[str, str]) -> AST:
+        """The same; `known` are the names that the bounds of a slice have got, so that `i:i + 1` takes one element."""
+        if isinstance(subscript, Slice):
+            parts = (subscript.lower, subscript.upper, subscript.step)
+            return Slice(*(p and self._frozen(p, wanted, known) for p in parts))
+        simple = not any(isinstance(n, (Subscript, Call)) for n in walk(subscript))
+        if simple and all(self.bound.count(n) <= 1 for n in names(subscript)) or self.lasts(subscript):
+            return subscript
+        counters = [n for n in names(subscript) if n in self.shapes.counters]
+        if simple and set(counters) == {n for n in names(subscript) if self.bound.count(n) > 1}:
+            for n in counters:
+                if n not in known:
+                    known[n] = self.named_now(name(n), wanted)
+                    self.shapes.counters = {**self.shapes.counters, known[n]: self.shapes.counters[n]}
+            return substitute(subscript, {n: name(known[n]) for n in counters})
+        return name(self.named_now(subscript, wanted))
+
+    def named_now(self, value: AST, wanted: str) -> str:
+        """A name for an integer as it is now."""
+        held = self.typing.declare(self.free.fresh(wanted), INT)
+        self.before.append(assign(held, value))
+        self.shapes.values = {**self.shapes.values, held: None}
+        return held
+
+    def lasts(self, node: AST) -> bool:
+        """Whether an expression is made of sizes of arrays that are bound once: they stay what they are."""
+        if isinstance(node, BinOp):
+            return self.lasts(node.left) and self.lasts(node.right)
+        asked = isinstance(node, Subscript) and isinstance(node.value, Attribute) and node.value.attr == "shape"
+        return isinstance(node, Constant) or asked and self.depth == 0 and all(
+            self.bound.count(n) <= 1 for n in names(node))
+
+    def composed(self, view: View, added: list[AST], node: AST) -> tuple[AST, ...]:
+        """The subscripts of a view's part, trailing whole axes left out."""
+        def refuse(what: str) -> None:
+            self.report.error("S201", what, node, help="take the part from the array itself, or write a loop")
+        if not view[1] and len(added) == 1 and _is_full(added[0]):
+            return ()
+        if any(self.typing.of(s).is_array for s in (*view[1], *added) if not isinstance(s, Slice)):
+            if any(isinstance(s, Slice) or is_new(s) or self.typing.of(s).is_array for s in view[1]):
+                refuse("elements picked from a part of an array")
+            elif stand_apart([*view[1], *added], self.typing):
+                refuse("subscripts that pick elements on both sides of a slice")
+            return (*view[1], *added)
+        if all(not isinstance(s, Slice) and not is_new(s) and not _is_full(s) for s in (*view[1], *added)):
+            return (*view[1], *added)
+        found = composed(self.shapes, name(view[0]), list(view[1]), added, refuse)
+        while found and is_whole(found[-1]) and not any(map(is_new, found)) and len(found) > 1 and \
+                not isinstance(found[-2], Slice):
+            found.pop()
+        if all(map(is_whole, found)):
+            return ()
+        self.shapes.of(index(name(view[0]), *found))  # asks for the guards under which its slices are exact
+        return tuple(found)
+
+    def whole(self, array: Name) -> AST:
+        """An array of subscripts: a name; what names a part of an array is copied before."""
+        base, subscripts = self.viewed(array) or AMBIGUOUS
+        if subscripts and base and not self.testing:
+            kind = self.typing.of(array)
+            held = self.typing.declare(self.free.fresh("places"), kind)
+            self.before += self.allocations.allocate(held, kind, index(name(base), *map(copy, subscripts)), array)
+            return name(held)
+        if subscripts or base == "":
+            self.report.error("S201", "a part of an array as a subscript", array,
+                              help="copy it before: places = x[...].copy()")
+        return name(base or array.id)
+
+    def place(self, target: AST) -> Subscript:
+        base, subscripts = self.viewed(target) or AMBIGUOUS
+        if not base and not self.report.found:
+            self.report.error("S201", "an element of something that is no array is written", target,
+                              help="make it an array: np.zeros(n), or np.array([...])")
+        if base.startswith("array."):
+            self.report.error("S201", f"the global array '{base[6:]}' is written", target,
+                              help="pass it as an argument")
+        new = index(name(base), *([self.kept(s, base, target) for s in subscripts] or (const(...),)))
+        return at(new, target) if hasattr(target, "lineno") else new
+
+    def kept(self, subscript: AST, base: str, target: AST) -> AST:
+        """A subscript of a store; an array of integers that picks what is stored into itself is copied before."""
+        kind = self.typing.of(subscript) if isinstance(subscript, Name) and subscript.id == base else None
+        if kind is None or not kind.is_array or kind.dtype == "bool":
+            return subscript
+        held = self.typing.declare(self.free.fresh("places"), kind)
+        self.before += self.allocations.allocate(held, kind, call("numpy.copy", name(base)), target)
+        return name(held)
+
+    def is_region(self, place: Subscript) -> bool:
+        return self.typing.of(place).is_array
+
+    def load(self, place: Subscript) -> AST:
+        subscripts = indices(place)
+        return name(place.value.id) if _is_full(subscripts[0]) and len(subscripts) == 1 else copy(place)
+
+    def resolve(self, node: AST) -> AST:
+        def change(n: AST) -> AST | None:
+            if isinstance(n, Name) and n.id in self.tuples:
+                return copy(self.tuples[n.id])
+            if isinstance(n, Subscript) and isinstance(n.value, Name) and n.value.id in self.tuples:
+                return self.item(self.tuples[n.value.id], n)
+            if isinstance(n, Subscript) and isinstance(n.value, (Tuple, List)):
+                return self.item(self.resolve(n.value), n)
+            if isinstance(n, Subscript) and isinstance(n.value, Attribute) and self.typing.of(n.value.value).is_array:
+                return _item(self.attribute(n.value) or n.value, self.resolve(n.slice))
+            if isinstance(n, Attribute) and self.typing.of(n.value).is_array:
+                return self.attribute(n)
+            if isinstance(n, Call) and isinstance(n.func, Attribute):
+                return self.method(n)
+            if call_name(n) == "builtins.len" and self.typing.of(n.args[0]).is_array:
+                return self.shape_of(n.args[0], 0) if self.prefix(n.args[0]) else None
+            if isinstance(n, (Name, Subscript)) and (view := self.viewed(n)) is not None:
+                base, subscripts = view
+                return at(index(name(base), *map(copy, subscripts)) if subscripts else name(base), n) \
+                    if hasattr(n, "lineno") else index(name(base), *subscripts) if subscripts else name(base)
+            return None
+        made = rebuild(node, change)
+        if any(isinstance(side, (Tuple, List)) for n in walk(made) if isinstance(n, BinOp) for side in (n.left, n.right)
+               if self.typing.of(n.left).is_array or self.typing.of(n.right).is_array):
+            self.report.error("S201", "an array meets a tuple or list that is spelled out", node,
+                              help="make it an array: np.array([...])")
+        self.before += self.operands_fit(made)
+        return made
+
+    def item(self, value: AST, node: Subscript) -> AST:
+        """An item of what is spelled out; a variable picks a number from an array of them."""
+        position = constant_index(node)
+        items = getattr(value, "elts", [])
+        if position is not None and -len(items) <= position < len(items):
+            return copy(items[position])
+        if items and not self.testing and all(self.typing.of(i).is_number for i in items):
+            whole = call("numpy.array", List(list(map(copy, items))))
+            kind = self.typing.of(whole)
+            held = self.typing.declare(self.free.fresh("items"), kind)
+            self.before += self.allocations.allocate(held, kind, whole, node)
+            return index(name(held), self.resolve(node.slice))
+        if isinstance(value, List) or any(self.typing.of(i).is_float or self.typing.of(i).is_array for i in items):
+            what = "list" if isinstance(value, List) else "tuple"
+            self.report.error("S201", f"an item of a {what} that is spelled out is picked by a variable", node,
+                              help="make it an array: np.array([...])[k]")
+            return const(0.0)
+        return _item(value, self.resolve(node.slice))
+
+    def operands_fit(self, node: AST) -> list[AST]:
+        """Guards that the arrays in an operand of a function of whole arrays fit each other."""
+        functions = [n for n in walk(node) if isinstance(n, Call) and rules.find_array(call_name(n)) is not None]
+        operands = [a for n in functions for a in n.args]
+        fitting = [guard for n in functions for guard in self.entries_fit(n)]
+        return fitting + [guard for o in operands if len({dump(p) for p in array_operands(o, self.typing)}) > 1
+                for guard in self.allocations.operands_fit(o, self.shapes.of(o))]
+
+    def entries_fit(self, node: Call) -> list[AST]:
+        """Guards that the operands of a function fit each other, where its law says how."""
+        rule = rules.find_array(call_name(node))
+        assert rule is not None
+        given, made = rule.arguments(node), []
+        sparse = "sparse" in rule.law
+        for pair in FITTING.get(rule.law, ()) if sparse or self.loops else ():     # NumPy tells by itself
+            first, second = (self.size_along(given[p], axis) for p, axis in pair)
+            if self.shapes.same(first, second):
+                continue
+            written = [copy(given[p]) if size is None else self.shapes.extent(size)
+                       for (p, _), size in zip(pair, (first, second))]
+            if not any(self.typing.of(w).is_array for w in written):
+                made.append((matching if sparse else equal)(written[0], written[1]))
+            if first is not None and second is not None:
+                self.shapes.unify(first, second)
+        return made
+
+    def size_along(self, node: AST, axis: int) -> Affine | None:
+        """The size of an operand along an axis, or a number."""
+        rank = self.typing.of(node).rank
+        if not rank:
+            return self.shapes.size(node)
+        return self.shapes.of(node)[-min(rank, 2) if axis == INNER else axis]
+
+    def prefix(self, node: AST) -> int:
+        return len((self.viewed(node) or AMBIGUOUS)[1])
+
+    def shape_of(self, node: AST, axis: int) -> AST:
+        base, subscripts = self.viewed(node) or ("_", ())
+        if not any(isinstance(x, Slice) or is_new(x) or self.typing.of(x).is_array for x in subscripts):
+            return index(attribute(name(base), "shape"), const(axis + len(subscripts)))
+        size = self.shapes.of(index(name(base), *subscripts))[axis]
+        if size is None:
+            self.report.error("S201", "the size of a part of an array whose bounds change", node,
+                              help="give the bounds names that are bound once")
+            return const(0)
+        return self.shapes.extent(size)
+
+    def attribute(self, node: Attribute) -> AST | None:
+        skip, rank = self.prefix(node.value), self.typing.of(node.value).rank
+        base = name((self.viewed(node.value) or ("_", ()))[0])
+        if node.attr == "ndim":
+            return const(rank)
+        if node.attr == "size" and skip:
+            sizes = [self.shape_of(node.value, k) for k in range(rank)]
+            product = sizes[0]
+            for size in sizes[1:]:
+                product = mult(product, size)
+            return product
+        if node.attr == "shape" and skip:
+            return tuple_of(*(self.shape_of(node.value, k) for k in range(rank)))
+        if node.attr in ("shape", "size", "dtype"):
+            return attribute(base, node.attr)
+        self.report.error("S201", f"the attribute '{node.attr}' of an array", node, help="write a loop")
+        return base
+
+    def method(self, node: Call) -> AST | None:
+        assert isinstance(node.func, Attribute)
+        if node.func.attr == "copy":
+            return call("numpy.copy", self.resolve(node.func.value))
+        self.report.error("S201", f"the method '{node.func.attr}'", node, help="write it as a loop")
+        return const(0.0)
+
+    def checks(self, place: Subscript, value: AST) -> list[AST]:
+        """Guards that the arrays of a whole-array statement fit what it stores into."""
+        whole = self.load(place)
+        made: list[AST] = []
+        for part in [value] if is_function(value) else array_operands(value, self.typing):
+            if self.typing.of(part).rank > self.typing.of(place).rank:
+                self.report.error("S203", f"a {self.typing.of(part)} does not fit into a {self.typing.of(place)}",
+                                  place, help="the shapes must be equal, or of length 1 where they differ")
+                continue
+            made += self.allocations.fitting(whole, part)
+        return list({dump(m): m for m in made}.values())
+
+
+def is_whole_place(place: Subscript) -> bool:
+    """Whether a place is all of its array."""
+    return all(map(is_whole, indices(place)))
+
+
+def array_operands(node: AST, typing: Typing) -> list[AST]:
+    """The array references (whole or partly indexed) that an elementwise expression reads, outermost only."""
+    if isinstance(node, (Name, Subscript)) and typing.of(node).is_array:
+        return [node]
+    if isinstance(node, (Attribute, Name, Constant, Subscript)) or isinstance(node, Call) and typing.of(node).is_number:
+        return []   # what is asked of a whole array is no matter of its shape
+    children = [c for f in node._fields for c in _children(getattr(node, f, None))]
+    return [part for c in children for part in array_operands(c, typing)]
+
+
+def _children(value: object) -> list[AST]:
+    if isinstance(value, list):
+        return [v for v in value if isinstance(v, AST)]
+    return [value] if isinstance(value, AST) else []
+
+
+def _is_full(node: AST) -> bool:
+    if isinstance(node, Slice):
+        return node.lower is None and node.upper is None and node.step is None
+    return isinstance(node, Constant) and node.value is Ellipsis
+
+
+def _item(value: AST, position: AST) -> AST:
+    if isinstance(value, Tuple) and isinstance(position, Constant):
+        return copy(value.elts[position.value])
+    return index(copy(value), position)

@@ -1,0 +1,169 @@
+"""Allocations in their two normal forms: `np.empty`/`np.zeros` of a shape, and the same of an array's shape.
+
+    w = np.ones(n)                  w = np.empty(n)
+                                    w[...] = 1.0
+    w = np.array([a, b])            w = np.empty(2)
+                                    w[0] = a
+                                    w[1] = b
+    w = 2.0 * u + v                 w = np.empty_like(u)
+                                    w[...] = 2.0 * u + v
+"""
+from __future__ import annotations
+
+from s2sad.diagnostics import Report
+from s2sad.infer.inference import Typing
+from s2sad.infer.signatures.laws import ONE, Shape
+from s2sad.infer.shapes import Shapes, shape_expression
+from s2sad.infer.types import Type
+from s2sad.normalize.array_anf import is_function
+from s2sad.normalize.shape_guards import equal, written
+from s2sad.tree import (
+    AST, Assign, Attribute, Call, List, Name, Subscript, Tuple, assign, attribute, call, call_name,
+    children, const, dump, index, name, tuple_of, walk,
+)
+
+_FILLS = {"numpy.ones": 1.0, "numpy.ones_like": 1.0}
+_SHAPED = {"numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full"}
+_LIKE = {"numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full_like"}
+_COPIES = {"numpy.copy", "numpy.array", "numpy.asarray", "numpy.ascontiguousarray"}
+ALLOCATING = _SHAPED | _LIKE | _COPIES
+
+
+class Allocations:
+    """Makes allocations of one function and remembers which arrays have one shape."""
+
+    def __init__(self, typing: Typing, report: Report, shapes: Shapes):
+        self.typing, self.report, self.shapes = typing, report, shapes
+
+    def allocate(self, target: str, kind: Type, value: AST, place: AST) -> list[AST]:
+        """The statements that bind `target` to a new array holding `value` (an expression with resolved views)."""
+        function = call_name(value)
+        args = value.args if isinstance(value, Call) else []
+        if function in _SHAPED:
+            return self._shaped(target, kind, function, args)
+        if function in _LIKE:
+            made: list[AST] = [self.empty_like(target, kind, args[0], "zeros" if "zeros" in function else "empty")]
+            fill = const(_FILLS[function]) if function in _FILLS else args[1] if function == "numpy.full_like" else None
+            return made + ([] if fill is None else [assign(index(name(target), const(...)), fill)])
+        if function in _COPIES and isinstance(args[0], (List, Tuple)):
+            return self._listed(target, kind, args[0])
+        if function in _COPIES:
+            value = args[0]
+        return self._filled(target, kind, value, place)
+
+    def _filled(self, target: str, kind: Type, value: AST, place: AST) -> list[AST]:
+        """An array of the shape of an expression, holding it."""
+        shape = self.shapes.of(value)
+        if not self.typing.of(value).is_array or None in shape:
+            self.report.error("S201", f"an array made by {call_name(value) or 'this expression'}", place,
+                              help="allocate it with np.empty and write it in a loop")
+            return []
+        guards = self.reshaped(value) if is_function(value) else self.operands_fit(value, shape)
+        model = next((n for n in walk(value) if isinstance(n, Name) and self.typing.of(n) == kind
+                      and self.shapes.of(n) == shape), None)
+        made = call("numpy.empty_like", model) if model is not None else call(
+            "numpy.empty", shape_expression(self.shapes, shape), *dtype_of(kind))
+        self.shapes.allocated(target, shape)
+        return [*guards, assign(target, made), assign(index(name(target), const(...)), value)]
+
+    def reshaped(self, value: AST) -> list[AST]:
+        """Guards that the sizes which a reshape is given are not negative."""
+        if call_name(value) != "numpy.reshape":
+            return []
+        return [written(s) for s in self.shapes.may_be_left(value.args[1])]
+
+    def operands_fit(self, value: AST, shape: Shape) -> list[AST]:
+        """Guards that the arrays of an elementwise expression have the shape, or length 1."""
+        found: list[AST] = []
+        parts = [n for n in _outermost(value, self.typing)]
+        model = next((p for p in parts if self.shapes.of(p) == shape), None)
+        for part in parts:
+            found += self.fitting(model, part) if model is not None else self.fits(shape, part)
+        return list({dump(m): m for m in found}.values())
+
+    def fitting(self, whole: AST, part: AST) -> list[AST]:
+        """Guards that an array expression fits into another one."""
+        a, b = self.shapes.of(whole), self.shapes.of(part)
+        plain = isinstance(whole, Name) and isinstance(part, Name) and len(a) == len(b)
+        unknown = [(x, y) for x, y in zip(a, b) if not self.shapes.same(x, y)] if plain else []
+        if plain and len(unknown) == len(a) and all(x is not None and y is not None and ONE not in (x, y)
+                                                    for x, y in unknown):
+            for x, y in unknown:
+                if x is not None and y is not None:
+                    self.shapes.unify(x, y)
+            return [equal(attribute(whole, "shape"), attribute(part, "shape"))]
+        return self.fits(a, part)
+
+    def fits(self, shape: Shape, part: AST) -> list[AST]:
+        made: list[AST] = []
+        found = self.shapes.of(part)
+        for x, y in zip(shape[len(shape) - len(found):], found):
+            if x is None or y is None:
+                self.report.error("S201", "the size of this part of an array changes", part,
+                                  help="give its bounds names that are bound once")
+            elif y != ONE and not self.shapes.same(x, y):
+                made.append(equal(self.shapes.extent(x), self.shapes.extent(y)))
+                self.shapes.unify(x, y)
+        return made
+
+    def _shaped(self, target: str, kind: Type, function: str, args: list[AST]) -> list[AST]:
+        shape = tuple_of(*args[0].elts) if isinstance(args[0], List) else args[0]
+        if isinstance(shape, Tuple) and len(shape.elts) == 1:
+            shape = shape.elts[0]
+        self.known(target, shape)
+        start = "numpy.zeros" if function == "numpy.zeros" else "numpy.empty"
+        made: list[AST] = [assign(target, call(start, shape, *dtype_of(kind)))]
+        if function in _FILLS or function == "numpy.full":
+            fill = const(_FILLS[function]) if function in _FILLS else args[1]
+            made.append(assign(index(name(target), const(...)), fill))
+        return made
+
+    def known(self, target: str, shape: AST) -> None:
+        """Notes the shape that an array is allocated in, where its sizes stay what they are."""
+        found = self.shapes.asked_for(shape)
+        if found is not None:
+            self.shapes.allocated(target, found)
+
+    def empty_like(self, target: str, kind: Type, model: AST, start: str) -> Assign:
+        """`target = np.empty_like(model)`, or by shape where the model is a part or has another dtype."""
+        shape = self.shapes.of(model)
+        if isinstance(model, Name) and self.typing.of(model).dtype == kind.dtype:
+            self.shapes.allocated(target, shape)
+            return assign(target, call(f"numpy.{start}_like", model))
+        if None in shape:
+            self.report.error("S201", "an array in the shape of a part whose bounds change", model,
+                              help="give the bounds names that are bound once")
+        made = assign(target, call(f"numpy.{start}", shape_expression(self.shapes, shape), *dtype_of(kind)))
+        self.shapes.allocated(target, shape)
+        return made
+
+    def _listed(self, target: str, kind: Type, value: AST) -> list[AST]:
+        entries: list[tuple[list[AST], AST]] = []
+        sizes: list[int] = []
+
+        def visit(node: AST, at: list[AST]) -> None:
+            if isinstance(node, (List, Tuple)):
+                sizes[len(at):len(at) + 1] = [len(node.elts)]
+                for k, item in enumerate(node.elts):
+                    visit(item, [*at, const(k)])
+            else:
+                entries.append((at, node))
+        visit(value, [])
+        shape = const(sizes[0]) if len(sizes) == 1 else tuple_of(*map(const, sizes))
+        self.known(target, shape)
+        return [assign(target, call("numpy.empty", shape, *dtype_of(kind))),
+                *(assign(index(name(target), *at), item) for at, item in entries)]
+
+
+def _outermost(node: AST, typing: Typing) -> list[AST]:
+    """The arrays and parts of arrays that an elementwise expression reads."""
+    if isinstance(node, (Name, Subscript)):
+        return [node] if typing.of(node).is_array else []
+    if isinstance(node, Attribute) or not typing.of(node).is_array:
+        return []
+    return [part for child in children(node) for part in _outermost(child, typing)]
+
+
+def dtype_of(kind: Type) -> list[AST]:
+    """The argument for the dtype of an allocation, none for float64."""
+    return [] if kind.dtype == "float64" else [name(f"numpy.{kind.dtype}" if kind.dtype != "bool" else "numpy.bool_")]

@@ -1,0 +1,278 @@
+"""loop_carried: a name that a loop binds to one array after another stands for one buffer, which is filled.
+
+Used by `views`. Requires structured form and types; establishes that a name stands for one array wherever turns of a
+loop meet.
+
+    v = u                           v_1 = np.empty_like(u)
+    for s in range(n):              v_1[...] = u
+        out = np.empty_like(v)      for s in range(n):
+        ...                             out = np.empty_like(v_1)
+        v = out                         ...
+                                        assert v_1.shape == out.shape
+                                        v_1[...] = out
+
+A name's own array is its buffer where no other name stands for it, and is filled where it is bound if its old content
+is not used any more. NumPy binds names and copies nothing: where a store would tell (`aliases`), it is refused.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from s2sad.infer.affine import Affine
+from s2sad.infer.signatures.laws import ONE, Shape
+from s2sad.infer.shapes import least_of, shape_expression
+from s2sad.infer.types import array
+from s2sad.normalize.buffers.allocations import ALLOCATING, dtype_of
+from s2sad.normalize.buffers.joins import Joins, merged
+from s2sad.evaluate.completion import FALL, endless, completion
+from s2sad.normalize.shape_guards import forwards, inside
+from s2sad.normalize.buffers.access_paths import AMBIGUOUS, View
+from s2sad.normalize.single_assignment import breaks
+from s2sad.tree import (
+    AST, Assert, Assign, AugAssign, BinOp, Break, Call, For, If, Name, Subscript, While, assign, at, call, call_name,
+    const, copy, dump, index, name, names, stored_names, walk,
+)
+
+Tail = dict[str, str]                   # the buffers of a loop, by the names that stand for them
+CHANGES = "'{}' may change its size from one iteration to the next"
+
+
+class LoopCarried(Joins):
+    """What names stand for in and after loops."""
+    unset: set[str]                     # names of arrays that are bound before they are read, as the flags tell
+    late: dict[str, Shape | None]       # buffers of such names in the loops here, and their shapes
+    bound_at: dict[str, AST]            # the statement that has last bound a name of an array
+    writes: Callable[[Call], Sequence[int]]
+    altered: set[str]                   # names whose arrays the loop here writes in place
+    left: list[dict[str, View]]         # what names stand for at the breaks of the loop here
+
+    def buffer(self, identifier: str, place: AST, origin: AST, near: set[str]) -> tuple[str, list[AST]]:
+        """The array that a name stands for from here on, and the statements that make it; `near` are the names that are
+        used later."""
+        base, subscripts = self.seen[identifier]
+        if not subscripts and base in self.home and not self.held(base, near - {identifier}, self.seen):
+            return base, []
+        made = self.version(identifier)
+        kind = self.types[identifier]
+        value = index(name(base), *map(copy, subscripts)) if subscripts else name(base)
+        statements = self.allocations.allocate(made, array(kind.dtype, kind.rank), value, origin)
+        self.home[made] = self.depth
+        self.typing.declare(made, kind)
+        self.aliases.copied(base, made, True)
+        return made, statements
+
+    def fills_buffer(self, identifier: str, value: AST, statement: AST) -> bool:
+        """Whether what a name is bound to may go straight into the buffer that it stands for: nothing that is used
+        later stands for what was there, the size is known to be the same, and no store could take the new array for
+        one that the buffer may have been before."""
+        buffer = self.buffers.get(identifier)
+        if buffer is None or self.seen.get(identifier) != (buffer, ()) or call_name(value) in ALLOCATING:
+            return False
+        if identifier in self.altered and self.aliases.is_shared(buffer):
+            return False
+        near = self.references.after[id(statement)] - {identifier}
+        shapes = self.shapes.of(name(buffer)), self.shapes.of(value)
+        return all(map(self.shapes.same, *shapes)) and not self.held(buffer, near, self.seen)
+
+    # -- loops -------------------------------------------------------------------------------------------------------
+
+    def loop(self, statement: For | While) -> list[AST]:
+        head, after = self.references.head[id(statement)], self.references.after[id(statement)]
+        inside = [t.id for s in walk(statement.body) if isinstance(s, Assign) for t in s.targets
+                  if isinstance(t, Name) and t.id in self.types and self.types[t.id].is_array]
+        bounds = self.resolve(statement.iter) if isinstance(statement, For) else None
+        before, start = dict(self.seen), []
+        test = set(names(statement.test)) if isinstance(statement, While) else set()
+        buffers: Tail = {}
+        for n in dict.fromkeys(inside):
+            if self.seen.get(n, AMBIGUOUS) != AMBIGUOUS and n in head | after | test:
+                buffers[n], made = self.buffer(n, statement, statement, head | after | test)
+                start += made
+        self.aliases.begin(buffers.values(), {*self.home, *self.parameters}, stored_names(statement))
+        self.seen = {n: AMBIGUOUS if n in inside else v for n, v in self.seen.items()}
+        self.seen |= {n: (b, ()) for n, b in buffers.items()}
+        outer_buffers, self.buffers = self.buffers, buffers
+        outer_altered, self.altered = self.altered, self.stored_into(statement)
+        late = {n: self.version(n) for n in dict.fromkeys(inside) if n in self.unset & after}
+        outer, self.late = self.late, dict.fromkeys(late.values())
+        outer_left, self.left = self.left, []
+        self.depth += 1
+        new = self.turn(statement, bounds, buffers | late)
+        self.depth -= 1
+        start += self.started(late, statement)
+        self.late, self.buffers, self.altered = outer, outer_buffers, outer_altered
+        self.seen, self.left = _agreed([*self.left, *([] if endless(statement) else [self.seen])]), outer_left
+        self.aliases.end()
+        lost = set(buffers.values())    # filled again since another name came to stand for them
+        counter = statement.target.id if isinstance(statement, For) else ""     # has no value after its loop
+        self.seen = {n: v if (n not in inside or n not in before and v[0] not in lost) and counter not in names(
+            list(v[1])) else AMBIGUOUS for n, v in self.seen.items()}
+        self.seen |= {n: (b, ()) for n, b in [*buffers.items(), *late.items()]}
+        return [*start, new]
+
+    def stored_into(self, loop: AST) -> set[str]:
+        """The names whose arrays a loop writes, as far as its text shows it: in stores, in calls, through views."""
+        found: set[str] = set()
+        for node in walk(loop):
+            if isinstance(node, AugAssign):
+                found |= {node.target.id} if isinstance(node.target, Name) else set(names(node.target))
+            elif isinstance(node, Assign) and isinstance(node.targets[0], Subscript):
+                found |= set(names(node.targets[0].value))
+            elif isinstance(node, Call) and (call_name(node) or "").startswith("user."):
+                found |= {n for k in self.writes(node) for n in names(node.args[k])}
+        while True:
+            grown = {n for node in walk(loop) if isinstance(node, Assign) and found & set(names(node.targets[0]))
+                     and not isinstance(node.value, (BinOp, Call)) for n in names(node.value)} - found
+            if not grown:
+                return found
+            found |= grown
+
+    def started(self, late: Tail, origin: AST) -> list[AST]:
+        """The allocations of arrays that a loop may bind, and that are used after it, in the sizes that they have."""
+        made: list[AST] = []
+        for n, buffer in list(late.items()):
+            shape = self.late[buffer]
+            if shape is None:
+                del late[n]
+            elif all(d is not None and self.is_older(d) for d in shape):
+                sizes = shape_expression(self.shapes, shape)
+                self.shapes.allocated(buffer, shape)
+                self.home[buffer] = self.depth
+                made.append(assign(buffer, call("numpy.empty", sizes, *dtype_of(self.typing.table[buffer]))))
+            else:
+                self.report.error("S201", "an array of a size that a loop makes is returned from inside it",
+                                  self.bound_at.get(n, origin), help="bind it to a name, break, and return it after")
+        return made
+
+    def turn(self, statement: For | While, bounds: AST | None, buffers: Tail) -> AST:
+        """The loop itself."""
+        if isinstance(statement, While):
+            self.testing = True
+            test = self.resolve(statement.test)
+            self.testing = False
+            return While(test, self.block(statement.body, buffers), [])
+        counters = dict(self.shapes.counters)
+        if statement.target.id not in stored_names(statement.body):
+            self.shapes.counters |= least_of(statement)
+        new = For(statement.target, bounds, self.block(statement.body, buffers), [], None)
+        self.shapes.counters = counters
+        return new
+
+    def block(self, block: list[AST], tail: Tail | None = None) -> list[AST]:
+        new: list[AST] = []
+        known = dict(self.shapes.equal)
+        for position, statement in enumerate(block):
+            outer, self.before = self.before, []
+            self.shapes.serial += 1
+            last = tail is not None and position == len(block) - 1
+            if isinstance(statement, Break):
+                self.left.append(dict(self.seen))
+                made = [*self.filled(tail or {}, statement), statement]
+            elif last and isinstance(statement, If) and breaks(statement):
+                made, tail = [self.parting(statement, tail or {})], None
+            else:
+                made = self.statement(statement)
+            new += [at(s, statement) for s in [*self.before, *self.required(statement), *made]]
+            self.before = outer
+            tail = None if isinstance(statement, Break) else tail
+        if tail:
+            outer, self.before = self.before, []
+            made = self.filled(tail, block[-1])
+            new += [at(s, block[-1]) for s in [*self.before, *self.required(block[-1]), *made]]
+            self.before = outer
+        self.ended, self.shapes.equal = self.shapes.equal, known
+        return new
+
+    def required(self, origin: AST) -> list[AST]:
+        """Guards that slices which start from the end start inside."""
+        needed, self.shapes.required = self.shapes.required, []
+        text = self.report.source.line(origin.lineno).strip() if needed else ""
+        steps, self.shapes.stepping = self.shapes.stepping, []
+        guards = [*(forwards(self.shapes.expression(form)) for form in steps),
+                  *(inside(self.shapes.expression(form), text) for form in needed)]
+        return list({dump(g): g for g in guards}.values())
+
+    def parting(self, statement: If, tail: Tail) -> If:
+        """The branch at the end of a loop's body of which a side leaves the loop."""
+        test, before = self.resolve(statement.test), dict(self.seen)
+        body = self.block(statement.body, tail) if statement.body else []
+        first, self.seen = self.seen, dict(before)
+        orelse = self.block(statement.orelse, tail) if statement.orelse else self.block([], None)
+        if tail and not statement.orelse:
+            self.seen = before
+            orelse = [at(s, statement) for s in self.filled(tail, statement)]
+        stays = [FALL in completion(arm) for arm in (statement.body, statement.orelse)]
+        self.seen = merged(first, self.seen, True) if all(stays) else first if stays[0] else self.seen
+        return If(test, body, orelse)
+
+    def filled(self, buffers: Tail, origin: AST) -> list[AST]:
+        """The buffers take what their names stand for, all at once."""
+        moves: list[tuple[str, str, View]] = []
+        for n, made in buffers.items():
+            if made in self.late and n not in self.seen:
+                continue
+            view = self.seen.get(n, AMBIGUOUS)
+            if view == AMBIGUOUS:
+                self.viewed(at(name(n), self.bound_at.get(n, origin)))
+                continue
+            self.aliases.moved(made, view[0])
+            if made in self.late and self.late[made] is None:
+                shape = self.shapes.of(index(name(view[0]), *map(copy, view[1])) if view[1] else name(view[0]))
+                self.late[made] = tuple(d and self.shapes.reduced(d) for d in shape)
+                self.typing.declare(made, array(self.types[n].dtype, self.types[n].rank))
+                self.shapes.allocated(made, shape)
+            if view != (made, ()):
+                moves.append((n, made, view))
+        self.aliases.meet()
+        return self.moved(moves, origin)
+
+    def moved(self, moves: list[tuple[str, str, View]], origin: AST) -> list[AST]:
+        made: list[AST] = []
+        while moves:
+            ready = next((m for m in moves if all(other is m or other[2][0] != m[1] for other in moves)), None)
+            if ready is None:           # they go round: what the first one is filled over is held
+                n, buffer, _ = moves[0]
+                kind = array(self.types[n].dtype, self.types[n].rank)
+                held = self.typing.declare(self.free.fresh(f"{n}_before"), kind)
+                made += self.allocations.allocate(held, self.typing.table[held], name(buffer), origin)
+                self.home[held] = self.depth
+                moves = [(m, b, (held, v[1]) if v[0] == buffer else v) for m, b, v in moves]
+                continue
+            moves.remove(ready)
+            made += self.fill(*ready, origin)
+        return made
+
+    def fill(self, identifier: str, buffer: str, view: View, origin: AST) -> list[AST]:
+        place = index(name(buffer), const(...))
+        value = index(name(view[0]), *map(copy, view[1])) if view[1] else name(view[0])
+        if not all(map(self.may_last, self.shapes.of(name(buffer)), self.shapes.of(value))):
+            self.report.error("S201", CHANGES.format(self.free.said(identifier)),
+                              self.bound_at.get(identifier, origin),
+                              help="give arrays of different sizes different names, or copy into one: x[...] = ...")
+            return []
+        checks = self.checks(place, value)
+        said = const(CHANGES.format(self.free.said(identifier)))
+        checks = [Assert(c.test, said) if isinstance(c, Assert) else c for c in checks]
+        value = self.apart(place, value, checks, origin)
+        return [*checks, assign(place, value)]
+
+    def may_last(self, filled: Affine | None, size: Affine | None) -> bool:
+        """Whether the size that an array has at the end of a turn may be the one that it had before: it is known to be,
+        or nothing that it is made of changes in the loop."""
+        if filled is None or size is None or size == ONE != filled:
+            return False
+        apart = self.shapes.reduced(size).plus(self.shapes.reduced(filled), -1)
+        if not apart.terms:
+            return apart.constant == 0
+        return self.is_older(size)
+
+    def is_older(self, size: Affine) -> bool:
+        """Whether a size is made of what is from before the loop."""
+        return all(self.aliases.is_older(n, self.typing.table[n].is_array)
+                   for symbol, _ in self.shapes.reduced(size).terms for n in names(self.shapes.atoms[symbol]))
+
+
+def _agreed(ends: list[dict[str, View]]) -> dict[str, View]:
+    """What names stand for behind a loop: what they do wherever it may end, of those places where they are bound."""
+    return {n: view if all(repr(seen.get(n, view)) == repr(view) for seen in ends) else AMBIGUOUS
+            for end in ends for n, view in end.items()}

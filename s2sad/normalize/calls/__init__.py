@@ -1,0 +1,1 @@
+"""Calls of the user's functions: inlining, destination passing, specialization for aliases, path conditions."""

@@ -1,0 +1,37 @@
+"""callee_units: every call of a kernel names the unit for its arguments: for their types, and for those that are one
+array.
+
+    def change(x, y):
+        x[0] = x[0] * y[1]
+
+    def f(x, y):        def f(x, y):
+        change(x, x)        change_2(x)
+        change(y, x)        change(y, x)
+
+Requires resolved views; establishes that a call names what is called.
+"""
+from __future__ import annotations
+
+from functools import cache
+
+from s2sad.infer.shapes import shapes_of
+from s2sad.normalize.calls.alias_specialization import shared
+from s2sad.normalize.calls.path_conditions import path_conditions
+from s2sad.normalize.context import NormalContext
+from s2sad.tree import Call, FunctionDef, call_name, copy, name, walk
+
+
+def callee_units(function: FunctionDef, context: NormalContext) -> FunctionDef:
+    """The function with such calls; arguments that may share elements are refused."""
+    new, typing, callees = copy(function), context.typing, context.callees
+    places = cache(lambda: path_conditions(new.body, shapes_of(function, typing)))
+    for node in walk(new.body):
+        if not isinstance(node, Call) or not (call_name(node) or "").startswith("user."):
+            continue
+        unit = callees.of_call(node, typing)
+        pairs = shared(node, unit.summary.written, typing, places, context.report)
+        if pairs:
+            node.args = [a for k, a in enumerate(node.args) if all(k != gone for gone, _ in pairs)]
+            unit = callees.unit(unit.kernel.name, tuple(map(typing.argument, node.args)), pairs)
+        node.func = name(f"user.{unit.title}")
+    return new

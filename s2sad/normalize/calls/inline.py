@@ -1,0 +1,311 @@
+"""inline: a function of the user's that returns an array is written out where it is called.
+
+    def smooth(u):
+        out = np.zeros_like(u)
+        for i in range(1, u.size - 1):
+            out[i] = 0.5 * (u[i - 1] + u[i + 1])
+        return out
+
+    def f(v: "float64[:]"):     def f(v):
+        s = smooth(v)               out = np.zeros_like(v)
+        return s[1]                 for i in range(1, v.size - 1):
+                                        out[i] = 0.5 * (v[i - 1] + v[i + 1])
+                                    s = out
+                                    return s[1]
+
+Requires structured form; establishes it for a kernel whose calls return no array. What the function's names share with
+the caller's (an argument that is written, a view that is returned) then follows from the statements. Its names are made
+new where the caller has them; a parameter that it never binds is what it is given. Functions that return numbers only,
+or nothing, stay functions, and so do those that can be given what they fill (`given_results`).
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from s2sad.blocks import with_blocks
+from s2sad.diagnostics import Report, Source
+from s2sad.infer.inference import Typing
+from s2sad.infer.types import FLOAT, Type
+from s2sad.naming import Names
+from s2sad.normalize.calls.destination_passing import (
+    DestinationVersion, OwnedResults, destination_passing, into, placed,
+)
+from s2sad.normalize.context import NormalContext
+from s2sad.normalize.live_range_splitting import split_live_ranges
+from s2sad.normalize.buffers.argument_rotation import rotated
+from s2sad.program import Kernel, Program
+from s2sad.tree import (
+    AST, Assign, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, Name, Not, NotEq, Return, Store, Tuple,
+    UnaryOp, While, assign, at, call_name, copy, function, name, names, rebuild, stored_names, tuple_of,
+    walk,
+)
+
+Structured = Callable[[Kernel, Names, Program], FunctionDef]
+
+
+class Helpers:
+    """The functions of a program in structured form, and the types of what they return."""
+
+    def __init__(self, program: Program, structured: Structured):
+        self.program, self._structured = program, structured
+        self._trees: dict[str, FunctionDef] = {}
+        self._results: dict[tuple[str, tuple[Type, ...]], tuple[Type, ...]] = {}
+        self._own: dict[tuple[str, tuple[Type, ...]], OwnedResults] = {}
+        self._given: dict[tuple[str, tuple[Type, ...]], DestinationVersion | None] = {}
+
+    def given(self, kernel: str, types: tuple[Type, ...]) -> DestinationVersion | None:
+        """The function that writes what this one returns, if it stays a function."""
+        if (kernel, types) not in self._given:
+            self._given[kernel, types] = destination_passing(
+                self.program.kernels[kernel], self.own(kernel, types), self.results(kernel, types), self.program)
+        return self._given[kernel, types]
+
+    def own(self, kernel: str, types: tuple[Type, ...]) -> OwnedResults:
+        """What a function returns of its own."""
+        if (kernel, types) not in self._own:
+            tree = self.tree(kernel)
+            tree, typing = self.typing(tree, dict(zip((p.id for p in tree.args.args), types)), self.program.kernels[
+                kernel].source, Names(n.id for n in walk(tree) if isinstance(n, Name)))
+            self._own[kernel, types] = OwnedResults(tree, typing, lambda called: self.shapes(called, typing))
+        return self._own[kernel, types]
+
+    def shapes(self, called: Call, typing: Typing) -> list[AST | None]:
+        """The shapes of what a call returns, of its arguments."""
+        kernel = self.program.kernels[_called(called)]
+        if kernel.own is not None:
+            return []
+        found = self.own(kernel.name, tuple(map(typing.argument, called.args)))
+        arguments = dict(zip((p.id for p in found.tree.args.args), called.args))
+        return [None if s is None else placed(s, arguments) for s in found.shapes]
+
+    def tree(self, kernel: str) -> FunctionDef:
+        if kernel not in self._trees:
+            self._trees[kernel] = self._structured(self.program.kernels[kernel], Names(), self.program)
+        return self._trees[kernel]
+
+    def typing(self, tree: FunctionDef, types: Mapping[str, Type], source: Source,
+               free: Names) -> tuple[FunctionDef, Typing]:
+        """The function with a name for each life of one, and the types of its names, as far as they are known; what is
+        wrong is said when it is prepared."""
+        values = {**self.program.constants, **self.program.arrays}
+        tree, table = split_live_ranges(tree, types, self.results, Report(source), values, free)
+        return tree, Typing({**table, **types}, self.results, Report(source), values)
+
+    def written(self, kernel: str, types: tuple[Type, ...]) -> FunctionDef:
+        """The function as it is written out for arguments of these types."""
+        tree, source = self.tree(kernel), self.program.kernels[kernel].source
+        free = Names(n.id for n in walk(tree) if isinstance(n, Name))
+        tree, typing = self.typing(tree, dict(zip((p.id for p in tree.args.args), types)), source, free)
+        return rotated(tree, typing, free, within=True)
+
+    def results(self, kernel: str, types: tuple[Type, ...]) -> tuple[Type, ...]:
+        """The types of what a function returns for arguments of these types."""
+        key = (kernel, types)
+        own = self.program.kernels[kernel].own
+        if own is not None and "primal" in own.functions:
+            return (FLOAT,) * own.returns  # it is not read
+        if key not in self._results:
+            tree = self.tree(kernel)
+            given = dict(zip((p.id for p in tree.args.args), types))
+            tree, typing = self.typing(tree, given, self.program.kernels[kernel].source, Names(
+                n.id for n in walk(tree) if isinstance(n, Name)))
+            self._results[key] = tuple(map(typing.of, returned(tree)))
+        return self._results[key]
+
+
+def inline(tree: FunctionDef, context: NormalContext) -> FunctionDef:
+    """The function without calls that return arrays; its source has those of what was written into it."""
+    types, free, source, helpers = context.given, context.names, context.kernel.source, context.helpers
+    pass_ = _Inline(free, source, helpers)
+    while any(map(_called, walk(tree.body))):
+        tree, pass_.typing = helpers.typing(tree, types, source, free)
+        pass_.changed = False
+        new = copy(tree)
+        new.body = pass_.block(tree.body)
+        if not pass_.changed:
+            break
+        tree = new
+    context.kernel = replace(context.kernel, source=pass_.source)
+    context.report = Report(pass_.source)
+    return _handed_back(tree, pass_.held)
+
+
+def returned(tree: FunctionDef) -> list[AST]:
+    """What a function in structured form returns, in order."""
+    last = tree.body[-1] if tree.body else None
+    value = last.value if isinstance(last, Return) else None
+    return [] if value is None else list(value.elts) if isinstance(value, Tuple) else [value]
+
+
+def _called(node: AST) -> str:
+    """The user's function that a node calls, or ""."""
+    room, _, kernel = (call_name(node) or "").partition(".")
+    return kernel if room == "user" else ""
+
+
+class _Inline:
+    """The statements of one function; `changed` if a call was written out."""
+    typing: Typing
+
+    def __init__(self, free: Names, source: Source, helpers: Helpers):
+        self.free, self.source, self.helpers = free, source, helpers
+        self.changed = False
+        self.held: dict[str, str] = {}          # names of parameters, with the arguments that they are bound to
+
+    def block(self, block: list[AST]) -> list[AST]:
+        return [made for statement in block for made in self.statement(statement)]
+
+    def statement(self, statement: AST) -> list[AST]:
+        if isinstance(statement, (For, If, While)):
+            return [with_blocks(statement, self.block)]
+        value = statement.value if isinstance(statement, (Assign, Expr)) else None
+        if value is None or not _called(value) or not any(t.is_array for t in self.typing.call_results(value)):
+            return [statement]
+        if self.helpers.program.kernels[_called(value)].own is not None:
+            return [statement]  # its derivative is the user's own, whatever it returns
+        self.changed = True
+        given = self.helpers.given(_called(value), tuple(map(self.typing.argument, value.args)))
+        return self.written_out(statement, value) if given is None else self.filled(statement, value, given)
+
+    def filled(self, statement: Assign | Expr, called: Call, given: DestinationVersion) -> list[AST]:
+        """A call that writes what the function returns, and the arrays that it writes it into."""
+        parameters = [p.id for p in self.helpers.tree(_called(called)).args.args]
+        arguments: dict[str, AST] = {}
+        before: list[AST] = []
+        for parameter, argument in zip(parameters, called.args):
+            arguments[parameter] = argument
+            if not isinstance(argument, (Name, Constant)):
+                arguments[parameter] = name(held := self.free.numbered(parameter))
+                before.append(at(assign(held, argument), statement))
+        fresh = self.bound_by(statement, len(given.results), set(names(list(arguments.values())))) or [
+            self.free.numbered(result) for result, _ in given.results]
+        values = list(map(name, fresh))
+        last = at(Return(values[0] if len(values) == 1 else tuple_of(*values)), statement)
+        return [*before, *into(statement, called, given, arguments, fresh), *self.results(statement, last)]
+
+    def bound_by(self, statement: Assign | Expr, count: int, read: set[str]) -> list[str]:
+        """The names that a call is bound to, if they are no names of its arguments."""
+        target = statement.targets[0] if isinstance(statement, Assign) else None
+        bound = [t.id for t in getattr(target, "elts", [target]) if isinstance(t, Name)]
+        return bound if len(set(bound)) == count and not read & set(bound) else []
+
+    def written_out(self, statement: Assign | Expr, called: Call) -> list[AST]:
+        """The function's statements in place of a call of it."""
+        kernel = _called(called)
+        types = tuple(map(self.typing.argument, called.args))
+        tree = self.placed(self.helpers.written(kernel, types), self.helpers.program.kernels[kernel].source)
+        bound, parameters = set(stored_names(tree.body)), [p.id for p in tree.args.args]
+        given: dict[str, AST] = {}
+        before: list[AST] = []
+        for parameter, argument in zip(parameters, called.args):
+            if parameter not in bound and isinstance(argument, (Name, Constant)):
+                given[parameter] = argument
+            else:
+                held = self.free.numbered(parameter)
+                given[parameter] = name(held)
+                if isinstance(argument, Name):
+                    self.held[held] = argument.id
+                before.append(at(assign(held, argument), statement))
+        local = [n for n in dict.fromkeys([*bound, *names(tree.body)]) if n not in given]
+        given |= {n: name(self.free.numbered(n)) for n in sorted(local, key=_first_place(tree))}
+        body = _decided([_renamed(s, given) for s in tree.body])
+        last = body.pop()
+        assert isinstance(last, Return)  # it returns an array
+        return [*before, *body, *self.results(statement, last)]
+
+    def placed(self, tree: FunctionDef, source: Source) -> FunctionDef:
+        """A copy whose places are lines of the source of the whole."""
+        new = copy(tree)
+        self.source, added = self.source.holding(source)
+        for node in walk(new):
+            if added and getattr(node, "lineno", None) is not None:
+                node.lineno += added
+                node.end_lineno = node.end_lineno and node.end_lineno + added
+        return new
+
+    def results(self, statement: Assign | Expr, last: Return) -> list[AST]:
+        """The names that the call is bound to are bound to what is returned, all at once."""
+        if isinstance(statement, Expr):
+            return []
+        target = statement.targets[0]
+        bound = list(target.elts) if isinstance(target, Tuple) else [target]
+        values = returned(function("_", [], [last])) if isinstance(target, Tuple) else [last.value]
+        made: list[AST] = []
+        for place, value in enumerate(values):
+            if {t.id for t in bound[:place]} & set(names(value)):
+                held = [self.free.numbered(t.id) for t in bound]
+                made = [assign(h, v) for h, v in zip(held, values)]
+                values = [name(h) for h in held]
+                break
+        # an argument that is handed back under its own name stays what it is
+        made += [assign(t, v) for t, v in zip(bound, values) if not _is_same(t, v)]
+        return [at(s, last) for s in made]
+
+
+def _handed_back(tree: FunctionDef, held: Mapping[str, str]) -> FunctionDef:
+    """The function without the names of parameters that are only bound to an argument, which takes the result: inside
+    them nothing else binds the argument."""
+    stored = [n.id for n in walk(tree.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
+    moves = [(s.targets[0], s.value.id) for s in walk(tree.body)
+             if isinstance(s, Assign) and isinstance(s.value, Name) and s.value.id in held]
+    same = {h: name(a) for h, a in held.items() if stored.count(h) == 1 and any(v == h for _, v in moves) and all(
+        isinstance(t, Name) and t.id == a for t, v in moves if v == h)}
+    if not same:
+        return tree
+
+    def without(block: list[AST]) -> list[AST]:
+        return [with_blocks(s, without) for s in block if not (
+            isinstance(s, Assign) and _is_same(s.targets[0], s.value))]
+    new = copy(tree)
+    new.body = without([_renamed(s, same) for s in tree.body])
+    return new
+
+
+def _is_same(target: AST, value: AST) -> bool:
+    return isinstance(target, Name) and isinstance(value, Name) and target.id == value.id
+
+
+def _renamed(node: AST, given: Mapping[str, AST]) -> AST:
+    def change(n: AST) -> AST | None:
+        if not isinstance(n, Name) or n.id not in given:
+            return None
+        new = copy(given[n.id])
+        if isinstance(new, Name):
+            new.ctx = n.ctx
+        for field in ("lineno", "col_offset", "end_lineno", "end_col_offset"):
+            setattr(new, field, getattr(n, field, None))
+        return new
+    return rebuild(node, change)
+
+
+def _decided(block: list[AST]) -> list[AST]:
+    """The block without the branches that are not for what is given: `"x" == "z"`."""
+    made: list[AST] = []
+    for statement in block:
+        taken = _truth(statement.test) if isinstance(statement, If) else None
+        made += [with_blocks(statement, _decided)] if taken is None else _decided(
+            statement.body if taken else statement.orelse)
+    return made
+
+
+def _truth(test: AST) -> bool | None:
+    """What a test of written numbers and strings says."""
+    if isinstance(test, UnaryOp) and isinstance(test.op, Not):
+        inner = _truth(test.operand)
+        return None if inner is None else not inner
+    if not isinstance(test, Compare) or len(test.ops) != 1 or not isinstance(test.ops[0], (Eq, NotEq)):
+        return test.value if isinstance(test, Constant) and isinstance(test.value, bool) else None
+    sides = (test.left, test.comparators[0])
+    if not all(isinstance(s, Constant) for s in sides):
+        return None
+    return (sides[0].value == sides[1].value) == isinstance(test.ops[0], Eq)
+
+
+def _first_place(tree: FunctionDef) -> Callable[[str], int]:
+    """The order of names in a function's text."""
+    order: dict[str, int] = {}
+    for node in walk(tree.body):
+        if isinstance(node, Name):
+            order.setdefault(node.id, len(order))
+    return lambda identifier: order.get(identifier, 0)

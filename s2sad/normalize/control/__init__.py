@@ -1,0 +1,1 @@
+"""Control flow: one exit, return variables, peeled iterations, conditional values."""

@@ -1,0 +1,113 @@
+"""conditional_values: `np.where` of numbers becomes a branch, and so does `or` or `and` that gives a float.
+
+    y[i] = 2.0 * np.where(c, a, b)      if c:
+                                            choice = a
+                                        else:
+                                            choice = b
+                                        y[i] = 2.0 * choice
+    y[i] = x[i] or 1.0                  if x[i] != 0.0:
+                                            y[i] = x[i]
+                                        else:
+                                            y[i] = 1.0
+
+Requires structured form and types; establishes that the `numpy.where` left are of arrays, or in the test of a while
+loop. NumPy computes both sides and takes one of them, so only the one that is taken is computed here.
+"""
+from __future__ import annotations
+
+from functools import reduce
+
+from s2sad.infer.inference import Typing
+from s2sad.infer.promotion import promote
+from s2sad.naming import Names
+from s2sad.normalize.context import NormalContext
+from s2sad.tree import (
+    AST, Assign, AugAssign, BoolOp, Expr, For, FunctionDef, If, Name, NotEq, Or, Return, While, assign, at,
+    call_name, compare, const, copy, name, rebuild, walk, with_body,
+)
+
+
+def conditional_values(function: FunctionDef, context: NormalContext) -> FunctionDef:
+    """The function with such branches; the types of the names that it makes are added to the table."""
+    typing, names = context.typing, context.names
+    return with_body(function, _ConditionalValues(typing, names, _held_twice(function)).block(function.body))
+
+
+def _held_twice(function: FunctionDef) -> set[str]:
+    """Names of one choice that is added to in place: NumPy gives an array without axes, which both names stand for."""
+    bound = [(s.targets[0].id, s.value) for s in walk(function.body)
+             if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
+    held = {n for n, value in bound if call_name(value) == "numpy.where"}
+    copies: set[str] = set()
+    while True:
+        more = {n for n, value in bound if isinstance(value, Name) and value.id in held | copies} - copies
+        if not more:
+            break
+        copies |= more
+    added = {s.target.id for s in walk(function.body) if isinstance(s, AugAssign) and isinstance(s.target, Name)}
+    return held if copies and added & (held | copies) else set()
+
+
+class _ConditionalValues:
+    def __init__(self, typing: Typing, names: Names, kept: set[str]):
+        self.typing, self.names, self.kept = typing, names, kept
+
+    def block(self, block: list[AST]) -> list[AST]:
+        return [at(made, statement) for statement in block for made in self.statement(statement)]
+
+    def statement(self, statement: AST) -> list[AST]:
+        before: list[AST] = []
+        if isinstance(statement, If):
+            test = self.pure(statement.test, before)
+            return [*before, If(test, self.block(statement.body), self.block(statement.orelse))]
+        if isinstance(statement, While):
+            return [While(statement.test, self.block(statement.body), [])]
+        if isinstance(statement, For):
+            bounds = self.pure(statement.iter, before)
+            return [*before, For(statement.target, bounds, self.block(statement.body), [], None)]
+        if isinstance(statement, Assign) and self.chooses(statement.value):
+            if isinstance(statement.targets[0], Name) and statement.targets[0].id in self.kept:
+                return [statement]
+            return self.into(statement.targets[0], statement.value)
+        if isinstance(statement, (Assign, AugAssign, Expr, Return)) and statement.value is not None:
+            new = copy(statement)
+            new.value = self.pure(statement.value, before)
+            return [*before, new]
+        return [statement]
+
+    def chooses(self, node: AST) -> bool:
+        if isinstance(node, BoolOp):
+            return self.typing.of(node).is_inexact and all(self.typing.of(v).is_number for v in node.values)
+        return call_name(node) == "numpy.where" and len(node.args) == 3 and not node.keywords and all(
+            self.typing.of(a).is_number for a in node.args)
+
+    def pure(self, node: AST, before: list[AST]) -> AST:
+        """The expression with names for its choices; the branches that bind them are added to `before`."""
+        def change(part: AST) -> AST | None:
+            if not self.chooses(part):
+                return None
+            sides = part.values if isinstance(part, BoolOp) else part.args[1:]
+            made = self.typing.declare(self.names.fresh("choice"), reduce(promote, map(self.typing.of, sides)))
+            before.extend(self.into(name(made), part))
+            return at(name(made), part)
+        return rebuild(node, change)
+
+    def into(self, target: AST, node: AST) -> list[AST]:
+        """The statements that leave a choice in a name or an element."""
+        before: list[AST] = []
+        if isinstance(node, BoolOp):
+            first, *others = node.values
+            rest = BoolOp(node.op, others) if len(others) > 1 else others[0]
+            test, sides = compare(copy(first), NotEq(), const(0)), [first, rest]
+            sides = sides if isinstance(node.op, Or) else sides[::-1]
+        else:
+            test, *sides = node.args
+        test = self.pure(test, before)
+        return [*before, If(test, *(self.side(target, a) for a in sides))]
+
+    def side(self, target: AST, value: AST) -> list[AST]:
+        if self.chooses(value):
+            return self.into(target, value)
+        before: list[AST] = []
+        left = self.pure(value, before)
+        return [*before, assign(copy(target), left)]

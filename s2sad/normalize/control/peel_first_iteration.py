@@ -1,0 +1,120 @@
+"""peel_first_iteration: a number that becomes an array in a loop is one in its first trip alone, which stands before
+it.
+
+    acc = 0.0                       acc = 0.0
+    for k in range(n):              assert 0 < n, "..."
+        acc += w[k] * x             acc = acc + w[0] * x
+                                    for k in range(1, n):
+                                        acc += w[k] * x
+
+Requires structured form. It is asked of the names that have several types, where nothing else told these apart: those
+that are bound to a written number, and added to before anything else is done with them.
+"""
+from __future__ import annotations
+
+from s2sad.infer.signatures.laws import whole_number
+from s2sad.naming import Names
+from s2sad.normalize.shape_guards import trips
+from s2sad.tree import (
+    AST, Assign, AugAssign, Break, Constant, For, FunctionDef, If, Name, While, add, assign, at, binary, call,
+    call_name, const, copy, name, names, stored_names, substitute,
+)
+
+
+def peel_first_iteration(function: FunctionDef, confused: set[str], free: Names) -> FunctionDef | None:
+    """The function in that form; None if it is as it was."""
+    made = _FirstIterations(confused, free)
+    body = made.block(function.body, set())
+    return at(FunctionDef(*[body if f == "body" else getattr(function, f) for f in function._fields]),
+              function) if made.changed else None
+
+
+class _FirstIterations:
+    """A walk in the order of execution; `numbers` are the confused names that hold a written number."""
+
+    def __init__(self, confused: set[str], free: Names):
+        self.confused, self.free, self.changed = confused, free, False
+
+    def block(self, block: list[AST], numbers: set[str]) -> list[AST]:
+        return [at(made, s) for s in block for made in self.statement(s, numbers)]
+
+    def statement(self, statement: AST, numbers: set[str]) -> list[AST]:
+        if isinstance(statement, If):
+            sides = set(numbers), set(numbers)
+            new = If(statement.test, *(self.block(b, s) for b, s in zip((statement.body, statement.orelse), sides)))
+            numbers &= sides[0] & sides[1]
+            return [new]
+        if isinstance(statement, (For, While)):
+            return self.loop(statement, numbers)
+        new = statement
+        if isinstance(statement, AugAssign) and isinstance(statement.target, Name) and statement.target.id in numbers:
+            self.changed = True     # a number is never added to in place
+            word = statement.target.id
+            new = assign(word, binary(name(word), statement.op, statement.value))
+        numbers -= set(stored_names(statement))
+        target = statement.targets[0] if isinstance(statement, Assign) else None
+        if isinstance(target, Name) and target.id in self.confused and _is_number(statement.value):
+            numbers.add(target.id)
+        return [new]
+
+    def loop(self, loop: For | While, numbers: set[str]) -> list[AST]:
+        begun = isinstance(loop, For) and not _is_left(loop.body) and any(_begins(loop.body, n) for n in numbers)
+        bounds = self.bounds(loop) if isinstance(loop, For) and begun else None
+        before: list[AST] = []
+        if isinstance(loop, For) and bounds is not None:
+            self.changed = True
+            held, (start, stop, step) = bounds
+            guard = [] if isinstance(start, Constant) and isinstance(stop, Constant) else [trips(start, stop, step)]
+            first = substitute(loop.body, {loop.target.id: start})   # a counter is bound by its loop alone
+            before = [*held, *guard, *self.block(first, numbers)]
+            rest = call("builtins.range", add(copy(start), const(step)) if not isinstance(start, Constant) else
+                        const(start.value + step), copy(stop), *([const(step)] if step != 1 else []))
+            loop = For(loop.target, rest, loop.body, [], None)
+        numbers -= set(stored_names([loop]))
+        body = self.block(loop.body, set())
+        new = For(loop.target, loop.iter, body, [], None) if isinstance(loop, For) else While(loop.test, body, [])
+        return [*before, new]
+
+    def bounds(self, loop: For) -> tuple[list[AST], tuple[AST, AST, int]] | None:
+        """What holds the bounds while the loop runs, and start, stop and step; None for other loops, or if none is run
+        for certain."""
+        args = list(loop.iter.args) if call_name(loop.iter) == "builtins.range" else []
+        start, stop = [const(0), *args][:2] if len(args) == 1 else [*args, None, None][:2]
+        step = whole_number(args[2]) if len(args) > 2 else 1
+        if start is None or stop is None or not step or not isinstance(loop.target, Name):
+            return None
+        first, last = whole_number(start), whole_number(stop)
+        if first is not None and last is not None:
+            return ([], (const(first), const(last), step)) if range(first, last, step) else None
+        changed = stored_names([loop])
+        held: list[AST] = []
+        stay: list[AST] = []
+        for bound, word in ((start, "start"), (stop, "stop")):
+            stays = whole_number(bound) is not None or isinstance(bound, Name) and bound.id not in changed
+            if not stays:
+                held.append(assign(self.free.fresh(word), bound))
+            stay.append(bound if stays else name(held[-1].targets[0].id))
+        return held, (stay[0], stay[1], step)
+
+
+def _begins(block: list[AST], word: str) -> bool:
+    """Whether the first that is done with a name is to add to it, in this block or first in a loop of it."""
+    for statement in block:
+        if word in names(statement) or word in stored_names(statement):
+            if isinstance(statement, For):
+                return not _is_left(statement.body) and word not in names(statement.iter) and _begins(
+                    statement.body, word)
+            target = statement.targets[0] if isinstance(statement, Assign) else getattr(statement, "target", None)
+            reads = isinstance(statement, AugAssign) or isinstance(statement, Assign) and word in names(
+                statement.value)
+            return isinstance(target, Name) and target.id == word and reads
+    return False
+
+
+def _is_left(block: list[AST]) -> bool:
+    """Whether a loop with this body is left by a break."""
+    return any(isinstance(s, Break) or isinstance(s, If) and _is_left([*s.body, *s.orelse]) for s in block)
+
+
+def _is_number(node: AST) -> bool:
+    return isinstance(node, Constant) and type(node.value) in (int, float, complex)

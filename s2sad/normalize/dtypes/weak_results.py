@@ -1,0 +1,106 @@
+"""weak_results: which numbers that functions of the user's return have a dtype for NumPy (infer/weak_types.py), and
+which of their float32 arrays would be float64 for the numbers that they are given.
+
+    y = scaled(x, p[0])         def scaled(x, s):
+                                    return np.sum((x * s) ** 2)         x: float32, p: float64: refused
+
+A function is made for types, in which a number of NumPy's and Python's own are one.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from s2sad.diagnostics import Report
+from s2sad.infer.inference import Typing
+from s2sad.infer.weak_types import WEAK, Strong, together
+from s2sad.infer.types import Type
+from s2sad.naming import Names
+from s2sad.normalize.calls.inline import Helpers, returned
+from s2sad.normalize.context import NormalContext
+from s2sad.normalize.dtypes.float32_promotion import float32_promotion, has_singles, mixtures
+from s2sad.tree import Call, FunctionDef, Name, call_name, walk
+
+
+Read = tuple[FunctionDef, Typing]
+
+
+def weak_results(function: FunctionDef, context: NormalContext) -> FunctionDef:
+    """The function with what NumPy would compute in float64 there; what its callees would is refused."""
+    strengths = WeakResults(context.helpers, context.typing, context.known)
+    wider = float32_promotion(function, context.typing, strengths.results)
+    if wider is None:
+        strengths.refuse(function, context.pending)
+    return wider or function
+
+
+def has_float32(context: NormalContext) -> bool:
+    """Whether anything is of float32."""
+    return context.singles or any(t.dtype == "float32" for t in context.typing.table.values())
+
+
+@dataclass
+class KnownResults:
+    """What has been found of functions, by their names and the types, and the dtypes, that they are given."""
+    read: dict[tuple[str, tuple[Type, ...]], Read] = field(default_factory=dict)
+    results: dict[tuple[str, tuple[Type, ...], tuple[str, ...]], tuple[str, ...]] = field(default_factory=dict)
+
+
+class WeakResults:
+    """What the functions say that are called where `typing` has the types."""
+
+    def __init__(self, helpers: Helpers, typing: Typing, known: KnownResults):
+        self.helpers, self.typing, self.known = helpers, typing, known
+
+    def results(self, node: Call, given: list[str]) -> tuple[str, ...]:
+        """The dtypes of the numbers that a call returns."""
+        found = self.called(node)
+        if found is None:
+            return (WEAK,) * len(self.typing.call_results(node))
+        tree, typing = found
+        key = (*self.key(node), tuple(given))
+        if key not in self.known.results:
+            strong = Strong(tree, typing, self.inside(typing).results, _given(tree, given))
+            self.known.results[key] = tuple(map(strong.of, returned(tree)))
+        return self.known.results[key]
+
+    def inside(self, typing: Typing) -> WeakResults:
+        return WeakResults(self.helpers, typing, self.known)
+
+    def key(self, node: Call) -> tuple[str, tuple[Type, ...]]:
+        return (call_name(node) or "").partition(".")[2], tuple(map(self.typing.argument, node.args))
+
+    def called(self, node: Call) -> Read | None:
+        """The function that a call calls, and its types; None if it is not read."""
+        kernel, types = key = self.key(node)
+        given = self.helpers.program.kernels.get(kernel)
+        if given is None or given.own is not None:
+            return None
+        if key not in self.known.read:
+            tree = self.helpers.tree(kernel)
+            free = Names(n.id for n in walk(tree) if isinstance(n, Name))
+            self.known.read[key] = self.helpers.typing(
+                tree, dict(zip((p.id for p in tree.args.args), types)), given.source, free)
+        return self.known.read[key]
+
+    def refuse(self, function: FunctionDef, report: Report) -> None:
+        """Reports calls whose function computes with another dtype for what it is given."""
+        strong = Strong(function, self.typing, self.results)
+        for node in walk(function.body):
+            if not isinstance(node, Call) or not (call_name(node) or "").startswith("user."):
+                continue
+            numbers = [WEAK if self.typing.of(a).is_array else strong.of(a) for a in node.args]
+            found = self.called(node) if together([*numbers, "float32"]) == "float64" else None
+            if found is None or not has_singles(*found):
+                continue
+            inner = self.inside(found[1]).results
+            if mixtures(*found, inner, _given(found[0], numbers)) > mixtures(*found, inner, {}):
+                report.error("S201", "a number of NumPy's with 64 bits makes float64 of float32 arrays in "
+                             f"'{found[0].name}'", node, help="give it a Python number: float(p[0]), int(k[0])")
+
+
+def _given(tree: FunctionDef, dtypes: list[str]) -> dict[str, str]:
+    """The dtypes of a function's parameters that have one."""
+    return {p.id: d for p, d in zip(tree.args.args, dtypes) if d}
+
+
+__all__ = ["KnownResults", "WeakResults"]

@@ -1,0 +1,1 @@
+"""Calls of NumPy and SciPy in canonical form: one spelling, positional arguments, options as names with a rule."""

@@ -1,0 +1,253 @@
+"""einsum: products summed over named axes are products and sums.
+
+    def f(a: "float64[:, :]", x: "float64[:]"):         def f(a, x):
+        return np.sum(np.einsum("ij,j->i", a, x))           return np.sum(np.einsum.matmul(a, x))
+
+`contracted` requires structured form, `batched` and `undotted` types too. A letter twice in one operand, but for the
+diagonal of a matrix, is left, to be refused.
+"""
+from __future__ import annotations
+
+from functools import reduce
+from itertools import permutations
+
+from s2sad.infer.inference import Typing
+from s2sad.infer.signatures.laws import paired_axes
+from s2sad.normalize.context import NormalContext
+from s2sad.passes import Context
+from s2sad.tree import (
+    AST, Call, Constant, FunctionDef, Slice, at, call, call_name, const, copy, index, mult, rebuild, tuple_of,
+    with_body, walk,
+)
+
+_BATCH = "abcdefgh"
+_OPEN = "ABCDEF"
+_LETTERS = "ijklmnop"
+_LAST = {"numpy.dot": 2, "numpy.inner": 1}      # sum over the last axis of the first, and the last or last but one
+REPEATING = "numpy.einsum.matmul"
+_PRODUCTS = {"numpy.matmul", REPEATING, "numpy.tensordot", "numpy.outer", *_LAST}
+
+
+def einsum(function: FunctionDef, context: Context) -> FunctionDef:
+    """The function with each `np.einsum` whose subscripts are written out as such products."""
+    def change(node: AST) -> AST | None:
+        if call_name(node) != "numpy.einsum" or len(node.args) < 2 or any(k.arg != "optimize" for k in node.keywords):
+            return None
+        subscripts, *operands = node.args
+        if not isinstance(subscripts, Constant) or not isinstance(subscripts.value, str):
+            return None
+        inputs, output = _letters(subscripts.value)
+        twice = [len(part) == 2 and part[0] == part[1] for part in inputs]
+        if len(inputs) == len(operands):    # the diagonals of matrices
+            operands = [call("numpy.diagonal", o) if t else o for o, t in zip(operands, twice)]
+            inputs = [part[0] if t else part for part, t in zip(inputs, twice)]
+        made = contraction(inputs, output, [rebuild(o, change) for o in operands], REPEATING)
+        return None if made is None else at(made, node)
+    return with_body(function, [rebuild(statement, change) for statement in function.body])
+
+
+def undotted(function: FunctionDef, context: NormalContext) -> FunctionDef:
+    """The function with each `np.einsum` over operands of known ranks whose subscripts leave axes open, `...`; itself
+    if there is none."""
+    typing = context.typing
+    found: list[AST] = []
+
+    def change(node: AST) -> AST | None:
+        subscripts = node.args[0] if call_name(node) == "numpy.einsum" and node.args else None
+        text = subscripts.value if isinstance(subscripts, Constant) else None
+        if not isinstance(text, str) or "..." not in text:
+            return None
+        kinds = list(map(typing.of, node.args[1:]))
+        spelled = _spelled_out(text, [k.rank for k in kinds]) if all(k.is_array for k in kinds) else None
+        if spelled is None:
+            return None
+        found.append(node)
+        return at(Call(node.func, [const(spelled), *(rebuild(a, change) for a in node.args[1:])], node.keywords), node)
+    new = copy(function)
+    new.body = [rebuild(statement, change) for statement in function.body]
+    return einsum(new, context) if found else function
+
+
+def _spelled_out(subscripts: str, ranks: list[int]) -> str | None:
+    """The subscripts with letters for `...`, of the last axes the same for all operands.
+
+    >>> _spelled_out("...i,ij->...j", [3, 2]), _spelled_out("...i,...i", [2, 1])
+    ('ABi,ij->ABj', 'Ai,i->A')
+    """
+    text = subscripts.replace(" ", "").replace("...", ".")
+    given, arrow, output = text.partition("->")
+    inputs = given.split(",")
+    if len(inputs) != len(ranks):
+        return None
+    open_axes = [r - len(i.replace(".", "")) for i, r in zip(inputs, ranks)]
+    most = max((n for i, n in zip(inputs, open_axes) if "." in i), default=0)
+    if min(open_axes) < 0 or most > len(_OPEN) or any(n and "." not in i for i, n in zip(inputs, open_axes)):
+        return None
+    if not arrow:
+        output = "." + "".join(sorted(c for c in set(given) - {",", "."} if given.count(c) == 1))
+    letters = _OPEN[:most]
+    spelled = [i.replace(".", letters[most - n:]) for i, n in zip(inputs, open_axes)]
+    return ",".join(spelled) + "->" + output.replace(".", letters)
+
+
+def batched(function: FunctionDef, context: NormalContext) -> FunctionDef:
+    """The function with each product of stacks of matrices, and each over named axes, as products and sums."""
+    typing = context.typing
+    context.guarded |= any(call_name(n) == REPEATING for n in walk(function.body))
+    def change(node: AST) -> AST | None:
+        if not isinstance(node, Call) or call_name(node) not in _PRODUCTS or len(node.args) != 2:
+            return None
+        if call_name(node) == REPEATING:
+            plain = at(_repeated(node, typing), node)
+            return rebuild(plain, change)
+        ranks = [typing.of(a).rank for a in node.args]
+        if call_name(node) == "numpy.outer":
+            return _raveled(node, ranks, [rebuild(a, change) for a in node.args])
+        if call_name(node) == "numpy.tensordot":
+            return tensor_product(node, ranks, [rebuild(a, change) for a in node.args])
+        if call_name(node) == "numpy.dot" and min(ranks) < 1 <= max(ranks):
+            return at(mult(*(rebuild(a, change) for a in node.args)), node)
+        if max(ranks) < 3 or min(ranks) < 1:
+            return None
+        if call_name(node) in _LAST:
+            axes = tuple_of(const(ranks[0] - 1), const(max(ranks[1] - _LAST[call_name(node) or ""], 0)))
+            product = at(call("numpy.tensordot", *node.args, axes=axes), node)
+            return tensor_product(product, ranks, [rebuild(a, change) for a in node.args])
+        outer = _BATCH[:max(ranks) - 2]
+        left, right = ("j" if r == 1 else outer[len(outer) - (r - 2):] + own for r, own in zip(ranks, ("ij", "jk")))
+        output = outer + ("i" if ranks[0] > 1 else "") + ("k" if ranks[1] > 1 else "")
+        made = contraction([left, right], output, [rebuild(a, change) for a in node.args])
+        return None if made is None else at(made, node)
+    return with_body(function, [rebuild(statement, change) for statement in function.body])
+
+
+def _raveled(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:
+    """`np.outer` of all elements."""
+    if max(ranks) < 2 or min(ranks) < 1:
+        return None
+    return at(Call(node.func, [call("numpy.ravel", o) if r > 1 else o for o, r in zip(operands, ranks)], []), node)
+
+
+def tensor_product(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:
+    """`np.tensordot` over written axes."""
+    pairs = paired_axes({k.arg: k.value for k in node.keywords}.get("axes"), ranks)
+    if pairs is None or sum(ranks) - len(pairs) > len(_LETTERS):
+        return None
+    left = list(_LETTERS[:ranks[0]])
+    right = list(_LETTERS[ranks[0]:sum(ranks)])
+    for a, b in pairs:
+        right[b] = left[a]
+    output = "".join(c for c in (*left, *right) if (c in left) != (c in right))
+    made = contraction(["".join(left), "".join(right)], output, operands)
+    return None if made is None else at(made, node)
+
+
+def _letters(subscripts: str) -> tuple[list[str], str]:
+    """The letters of the operands and of the result.
+
+    >>> _letters("ij, jk")
+    (['ij', 'jk'], 'ik')
+    """
+    given, arrow, output = subscripts.replace(" ", "").partition("->")
+    inputs = given.split(",")
+    return inputs, output if arrow else "".join(sorted(c for c in set(given) - {","} if given.count(c) == 1))
+
+
+def contraction(inputs: list[str], output: str, operands: list[AST], matmul: str = "numpy.matmul") -> AST | None:
+    """The product of the operands, summed over the letters that the output lacks; None if it has no such form.
+    `matmul` is the function for matrices: that of `np.einsum` alone repeats axes of length 1."""
+    letters = "".join(dict.fromkeys("".join(inputs)))
+    plain = all(len(set(part)) == len(part) and part.isalpha() for part in inputs) and len(set(output)) == len(output)
+    if not plain or not set(output) <= set(letters) or len(inputs) != len(operands) or len(letters) > 6:
+        return None
+    if len(operands) == 2:
+        made = _matrix_product(inputs, output, operands, matmul) or _matrix_product(
+            inputs[::-1], output, operands[::-1], matmul)
+        if made is not None:
+            return made
+    if len(operands) > 2 and (made := _pairwise(inputs, output, operands, matmul)) is not None:
+        return made
+    order = _order(inputs, output, letters)
+    if order is None:       # the axes of some operand are put in an order that all have
+        order = output + "".join(c for c in letters if c not in output)
+        places = [[part.index(c) for c in order if c in part] for part in inputs]
+        operands = [_moved(o, p) for o, p in zip(operands, places)]
+        inputs = ["".join(c for c in order if c in part) for part in inputs]
+    product = reduce(mult, (_spread(part, order, operand) for part, operand in zip(inputs, operands)))
+    axes = [const(k) for k, c in enumerate(order) if c not in output]
+    if not axes:
+        return product
+    return call("numpy.sum", product) if not output else call(
+        "numpy.sum", product, axis=axes[0] if len(axes) == 1 else tuple_of(*axes))
+
+
+def _pairwise(inputs: list[str], output: str, operands: list[AST], matmul: str) -> AST | None:
+    """The first two operands first: no larger array is made than the two have."""
+    later = {*"".join(inputs[2:]), *output}
+    middle = "".join(c for c in dict.fromkeys(inputs[0] + inputs[1]) if c in later)
+    first = contraction(inputs[:2], middle, operands[:2], matmul)
+    return None if first is None else contraction([middle, *inputs[2:]], output, [first, *operands[2:]], matmul)
+
+
+def _matrix_product(inputs: list[str], output: str, operands: list[AST], matmul: str) -> AST | None:
+    """The product of two matrices or vectors over the one letter that both have."""
+    both = set(inputs[0]) & set(inputs[1])
+    left, right = (part.replace(c, "") for part in inputs for c in both) if len(both) == 1 else ("", "")
+    if len(both) != 1 or max(map(len, inputs)) > 2 or output != left + right:
+        return None
+    a, b = operands
+    a = call("numpy.transpose", a) if len(inputs[0]) == 2 and inputs[0][0] in both else a
+    b = call("numpy.transpose", b) if len(inputs[1]) == 2 and inputs[1][1] in both else b
+    return call(matmul, a, b)
+
+
+def _repeated(node: Call, typing: Typing) -> AST:
+    """The matrix product of `np.einsum`, in which an axis of length 1 is as long as the other one."""
+    alone = [typing.argument(x) for x in node.args]
+    places = [_summed(x, typing, last) for x, last in zip(node.args, (True, False))]
+    single = [axis in kind.ones for kind, (_, axis) in zip(map(typing.argument, (x for x, _ in places)), places)]
+    if single[0] == single[1]:
+        return call("numpy.matmul", *node.args)
+    factors = [index(x, *(const(0) if k == axis else Slice(None, None, None) for k in range(kind.rank))) if one else
+               call("numpy.sum", x, **({"axis": const(axis)} if kind.rank > 1 else {}))
+               for (x, axis), one, kind in zip(places, single, alone)]
+    return call("numpy.outer", *factors) if all(k.rank == 2 for k in alone) else mult(*factors)
+
+
+def _summed(operand: AST, typing: Typing, last: bool) -> tuple[AST, int]:
+    """The array that an operand is or transposes, and which axis of it is summed over."""
+    rank = typing.of(operand).rank
+    axis = rank - 1 if last else max(rank - 2, 0)
+    if call_name(operand) == "numpy.transpose" and len(operand.args) == 1:
+        return operand.args[0], rank - 1 - axis
+    return operand, axis
+
+
+def _order(inputs: list[str], output: str, letters: str) -> str | None:
+    """An order of all letters in which the output's are in their order, and each operand's, or reversed."""
+    orders = [o for o in map("".join, permutations(letters)) if _within(output, o)]
+    straight = next((o for o in orders if all(_within(part, o) for part in inputs)), None)
+    turned = (o for o in orders if all(_within(part, o) or _within(part[::-1], o) for part in inputs))
+    return straight or next(turned, None)
+
+
+def _moved(operand: AST, places: list[int]) -> AST:
+    """The operand with its axes in another order."""
+    if places == sorted(places):
+        return operand
+    if len(places) == 2:
+        return call("numpy.transpose", operand)
+    return call("numpy.moveaxis", operand, tuple_of(*map(const, places)), tuple_of(*map(const, range(len(places)))))
+
+
+def _within(part: str, order: str) -> bool:
+    return "".join(c for c in order if c in part) == part
+
+
+def _spread(part: str, order: str, operand: AST) -> AST:
+    """The operand with its axes where the order has them."""
+    if not _within(part, order):
+        operand = call("numpy.transpose", operand)
+    if len(part) == len(order):
+        return operand
+    return index(operand, *(Slice(None, None, None) if c in part else const(None) for c in order))

@@ -1,0 +1,269 @@
+"""What functions are made of that ask for places, an order or a selection, or that store through places."""
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from s2sad.infer.signatures.laws import axes_of
+from s2sad.normalize.library.expansions.templates import (
+    NOT_AS_MANY, WEIGHTS, CallArguments, empty, guard, lines, part, size, sizes, zeros,
+)
+from s2sad.tree import List, Tuple, call
+
+_SIGNS = {"add": "+=", "subtract": "-=", "multiply": "*=", "divide": "/="}
+
+
+def _nest(counters: list[str], bounds: list[str], body: list[str]) -> list[str]:
+    """Loops around a body, which is not indented."""
+    heads = [f"{'    ' * k}for {c} in range({b}):" for k, (c, b) in enumerate(zip(counters, bounds))]
+    return [*heads, *("    " * len(counters) + line for line in body)]
+
+
+def _counters(rank: int, first: int = 0) -> list[str]:
+    return [f"place{k}" for k in range(first, first + rank)]
+
+
+# -- stores ----------------------------------------------------------------------------------------------------------
+
+def _stored(asked: CallArguments, function: str) -> str:
+    """One store for each place, also where one is named twice; the values are what they were before."""
+    if asked.type("places").dtype == "bool" and asked.rank("places"):
+        return _where(asked, function)
+    given = [asked.let("places", node) for node in asked.items("places")] if isinstance(
+        asked.arguments["places"], Tuple) else ["places"]
+    arrays = [g for g in given if asked.rank(g)]
+    left = asked.rank("x") - len(given) + (1 if arrays else 0)
+    values = "held" if asked.rank("values") else "values"
+    taken = f"{values}[place]" if arrays and asked.rank("values") == left else values
+    cell = f"x[{', '.join(f'{g}[place]' if g in arrays else g for g in given)}]"
+    store = f"{cell} {_SIGNS[function]} {taken}" if function in _SIGNS else (
+        f"{cell} = numpy.{function}({cell}, {taken})")
+    before = ["held = numpy.copy(values)"] if values == "held" else []
+    if not arrays:
+        return lines(*before, store)
+    fits = [guard(f"{size(g, 0)} == {size(arrays[0], 0)}", NOT_AS_MANY) for g in arrays[1:]]
+    fits += [guard(f"{size('held', 0)} == {size(arrays[0], 0)}", NOT_AS_MANY)] if taken != values else []
+    return lines(*before, *fits, f"for place in range({size(arrays[0], 0)}):", f"    {store}")
+
+
+def _where(asked: CallArguments, function: str) -> str:
+    """A store into what a mask picks, which names no element twice."""
+    before, values = (["held = numpy.copy(values)"], "held") if asked.rank("values") else ([], "values")
+    store = f"x[places] {_SIGNS[function]} {values}" if function in _SIGNS else (
+        f"x[places] = numpy.{function}(x[places], {values})")
+    return lines(*before, store)
+
+
+def _fill_diagonal(asked: CallArguments) -> str:
+    count = f"min({size('x', 0)}, {size('x', 1)})"
+    if not asked.rank("values"):
+        return lines(f"for place in range({count}):", "    x[place, place] = values")
+    fits = guard(f"{size('held', 0)} >= {count}", "np.fill_diagonal with fewer values than the diagonal has")
+    return lines("held = numpy.copy(values)", fits, f"for place in range({count}):",
+                 "    x[place, place] = held[place]")
+
+
+# -- places ----------------------------------------------------------------------------------------------------------
+
+def _nonzero(asked: CallArguments) -> str:
+    return lines("count = numpy.count_nonzero(x)", f"result = runtime.places(x, count, {asked.number('part') or 0})")
+
+
+def _triangle_places(asked: CallArguments, bounds: tuple[str, str]) -> str:
+    low, high = (b.format(m="m" if asked.given("m") else "n") for b in bounds)
+    value = "row" if asked.number("part") == 0 else "column"
+    walk = ["for row in range(n):", f"    for column in range({low}, {high}):"]
+    return lines("count = 0", *walk, "        count += 1", f"result = {empty(['count'], 'int64')}", "taken = 0",
+                 *walk, f"        result[taken] = {value}", "        taken += 1")
+
+
+def _sizes(asked: CallArguments) -> list[str]:
+    """The sizes that a shape has."""
+    node = asked.arguments["shape"]
+    if isinstance(node, (Tuple, List)):
+        return [asked.let("size", s) for s in node.elts]
+    return [f"shape[{k}]" for k in range(len(asked.type("shape").items))]
+
+
+def _unravel_index(asked: CallArguments) -> str:
+    found = _sizes(asked)
+    number = asked.number("part") or 0
+    below = " * ".join(f"({s})" for s in found[number + 1:])
+    left = f"place // ({below})" if below else "place"
+    return f"result = {left} % {found[number]}" if number else f"result = {left}"
+
+
+def _indices(asked: CallArguments) -> str:
+    found = _sizes(asked)
+    count = len(found)
+    counters = _counters(count)
+    taken = ", ".join(counters)
+    if asked.given("part"):
+        return lines(f"result = {empty(found, 'int64')}",
+                     *_nest(counters, found, [f"result[{taken}] = {counters[asked.number('part') or 0]}"]))
+    return lines(f"result = {empty([str(count), *found], 'int64')}", *_nest(counters, found, [
+        f"result[{k}, {taken}] = {c}" for k, c in enumerate(counters)]))
+
+
+def _meshgrid(asked: CallArguments) -> str:
+    vectors = [v for v in "xyz" if asked.given(v)] if asked.given("z") else ["x", "y"]
+    order = list(range(len(vectors)))
+    if asked.text("indexing") == "xy":
+        order[:2] = [1, 0]
+    number = asked.number("part") or 0
+    taken = ", ".join(":" if k == number else "None" for k in order)
+    return lines(f"result = {empty([size(vectors[k], 0) for k in order], asked.type(vectors[number]).dtype)}",
+                 f"result[{', '.join([':'] * len(order))}] = {vectors[number]}[{taken}]")
+
+
+# -- order -----------------------------------------------------------------------------------------------------------
+
+def _along(rank: int, axis: int, taken: str) -> str:
+    """Subscripts with counters but along one axis."""
+    return ", ".join(taken if k == axis else f"place{k}" for k in range(rank))
+
+
+def _others(array: str, rank: int, axis: int) -> tuple[list[str], list[str]]:
+    kept = [k for k in range(rank) if k != axis]
+    return [f"place{k}" for k in kept], [size(array, k) for k in kept]
+
+
+def _sort(asked: CallArguments) -> str:
+    """The elements in their order: each gains what its place in the result gains."""
+    rank = asked.rank("x")
+    if not asked.given("axis") and rank > 1:
+        return lines("flat = numpy.ravel(x)", "result = numpy.sort(flat)")
+    axis = asked.axis(rank) if asked.given("axis") else 0
+    if rank == 1:
+        return lines("order = numpy.argsort(x)", "result = x[order]")
+    counters, bounds = _others("x", rank, axis)
+    row = _along(rank, axis, ":")
+    return lines(f"result = {empty(sizes('x', rank), asked.type('x').dtype)}", *_nest(counters, bounds, [
+        f"row = numpy.copy(x[{row}])", "order = numpy.argsort(row)", f"result[{row}] = row[order]"]))
+
+
+def _argsort(asked: CallArguments) -> str:
+    rank = asked.rank("x")
+    kind = ", kind='mergesort'" if asked.given("kind") else ""
+    axis = asked.axis(rank)
+    counters, bounds = _others("x", rank, axis)
+    row = _along(rank, axis, ":")
+    return lines(f"result = {empty(sizes('x', rank), 'int64')}", *_nest(counters, bounds, [
+        f"row = numpy.copy(x[{row}])", f"order = numpy.argsort(row{kind})", f"result[{row}] = order"]))
+
+
+def _nan_to_num(asked: CallArguments) -> str:
+    largest = "3.4028234663852886e+38" if asked.type("x").dtype == "float32" else "1.7976931348623157e+308"
+    high, low = ("posinf" if asked.given("posinf") else largest, "neginf" if asked.given("neginf") else f"-{largest}")
+    return lines(f"high = numpy.where(x > {largest}, {high}, x)", f"low = numpy.where(x < -{largest}, {low}, high)",
+                 "result = numpy.where(numpy.isnan(x), nan, low)")
+
+
+def _taken(asked: CallArguments) -> str:
+    node = asked.arguments["places"]
+    rank = asked.rank("x")
+    before = []
+    if isinstance(node, (List, Tuple)):
+        asked.arguments["spelled"] = call("numpy.array", node)
+        before = ["taken = spelled"]
+    elif asked.rank("places"):
+        before = ["taken = numpy.copy(places)"]
+    whole = "taken" if before else "places"
+    if not asked.given("axis") and rank > 1:
+        return lines(*before, "flat = numpy.ravel(x)", f"result = flat[{whole}]")
+    axis = asked.axis(rank) if asked.given("axis") else 0
+    return lines(*before, f"result = {part('x', axis, whole)}")
+
+
+def _take_along_axis(asked: CallArguments) -> str:
+    rank = asked.rank("x")
+    axis = (axes_of(asked.arguments["axis"], rank) or (0,))[0]
+    counters = _counters(rank)
+    found = _along(rank, axis, f"places[{', '.join(counters)}]")
+    message = "np.take_along_axis with places for another number of rows: repeat them"
+    fits = [guard(f"{size('places', k)} == {size('x', k)}", message) for k in range(rank) if k != axis]
+    return lines(*fits, f"result = {empty(sizes('places', rank), asked.type('x').dtype)}", *_nest(
+        counters, sizes("places", rank), [f"result[{', '.join(counters)}] = x[{found}]"]))
+
+
+def _median(asked: CallArguments) -> str:
+    rank = asked.rank("x")
+    if rank > 1 and not asked.given("axis"):
+        return lines("flat = numpy.ravel(x)", "result = numpy.median(flat)")
+    axis = asked.axis(rank) if asked.given("axis") else 0
+    n = size("x", axis)
+    low, high = part("sorted_x", axis, f"({n} - 1) // 2"), part("sorted_x", axis, f"{n} // 2")
+    return lines(f"sorted_x = numpy.sort(x, axis={axis})", *_unless_nan(asked, axis, f"0.5 * ({low} + {high})"))
+
+
+def _unless_nan(asked: CallArguments, axis: int, text: str) -> list[str]:
+    """A value between elements in order, nan where one is: nans come last."""
+    last = part("sorted_x", axis, f"{size('x', axis)} - 1")
+    if asked.rank("x") == 1:
+        return [f"if {last} != {last}:", f"    result = {last}", "else:", f"    result = {text}"]
+    return [f"middle = {text}", f"result = numpy.where({last} != {last}, {last}, middle)"]
+
+
+def _quantile(asked: CallArguments, scale: str) -> str:
+    """Linear between the two neighbours in order."""
+    rank = asked.rank("x")
+    name = "quantile" if scale == "1.0" else "percentile"
+    if rank > 1 and not asked.given("axis"):
+        return lines("flat = numpy.ravel(x)", f"result = numpy.{name}(flat, q)")
+    axis = asked.axis(rank) if asked.given("axis") else 0
+    low, high = part("sorted_x", axis, "below"), part("sorted_x", axis, "above")
+    return lines(f"sorted_x = numpy.sort(x, axis={axis})", f"last = {size('x', axis)} - 1",
+                 f"level = q / {scale} * last", "below = int(level)", "above = min(below + 1, last)",
+                 "between = level - below", *_unless_nan(asked, axis, f"{low} + between * ({high} - {low})"))
+
+
+def _sought(asked: CallArguments) -> str:
+    return f"result = runtime.sought(a, v, {asked.text('side') == 'right'})"
+
+
+def _extreme_place(asked: CallArguments, function: str) -> str:
+    rank = asked.rank("x")
+    if rank == 1:
+        return f"result = numpy.{function}(x)"
+    axis = asked.axis(rank)
+    counters, bounds = _others("x", rank, axis)
+    return lines(f"result = {empty(bounds, 'int64')}", *_nest(counters, bounds, [
+        f"row = numpy.copy(x[{_along(rank, axis, ':')}])", f"result[{', '.join(counters)}] = numpy.{function}(row)"]))
+
+
+# -- selection -------------------------------------------------------------------------------------------------------
+
+def _select(asked: CallArguments) -> str:
+    """The first condition that holds."""
+    pairs = list(zip(asked.items("conditions"), asked.items("choices")))
+    found = asked.let("choice", asked.arguments["default"])
+    text = found
+    for condition, choice in reversed(pairs):
+        text = f"numpy.where({asked.let('condition', condition)}, {asked.let('choice', choice)}, {text})"
+    return f"result = {text}"
+
+
+def _bincount(asked: CallArguments) -> str:
+    weighted = asked.given("weights")
+    fits = [guard(f"{size('weights', 0)} == {size('x', 0)}", WEIGHTS)] if weighted else []
+    return lines(*fits, "count = minlength", f"for place in range({size('x', 0)}):",
+                 "    count = max(count, x[place] + 1)",
+                 f"result = {zeros(['count'], 'float64' if weighted else 'int64')}",
+                 f"for place in range({size('x', 0)}):",
+                 f"    result[x[place]] += {'weights[place]' if weighted else '1'}")
+
+
+PLACES: dict[str, Callable[[CallArguments], str]] = {
+    **{f"numpy.{f}.at": lambda asked, f=f: _stored(asked, f) for f in (*_SIGNS, "maximum", "minimum")},
+    "numpy.searchsorted.each": _sought, "numpy.argmax.along": lambda asked: _extreme_place(asked, "argmax"),
+    "numpy.argmin.along": lambda asked: _extreme_place(asked, "argmin"),
+    "numpy.argsort.along": _argsort, "numpy.fill_diagonal": _fill_diagonal, "numpy.nonzero": _nonzero,
+    "numpy.sort": _sort, "numpy.nan_to_num": _nan_to_num,
+    "numpy.take": _taken,
+    "numpy.take_along_axis": _take_along_axis, "numpy.select": _select, "numpy.meshgrid": _meshgrid,
+    "numpy.indices": _indices, "numpy.unravel_index": _unravel_index, "numpy.bincount": _bincount,
+    "numpy.triu_indices": lambda asked: _triangle_places(asked, ("max(0, row + k)", "{m}")),
+    "numpy.tril_indices": lambda asked: _triangle_places(asked, ("0", "max(0, min({m}, row + k + 1))")),
+    "numpy.diag_indices": lambda asked: "result = numpy.arange(n)",
+    "numpy.median": _median, "numpy.percentile": lambda asked: _quantile(asked, "100.0"),
+    "numpy.quantile": lambda asked: _quantile(asked, "1.0"),
+}

@@ -1,0 +1,138 @@
+"""What statistics are made of that pass over nans, of several variables, of parts in a row, and polynomials."""
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from s2sad.normalize.library.expansions.templates import CallArguments, empty, guard, lines, part, size, sizes, zeros
+from s2sad.normalize.library.expansions.reductions import options_of, root_of
+from s2sad.tree import List, Tuple, call
+
+_NONE = "numpy.where(numpy.isnan(x), 0.0, 1.0)"
+
+
+# -- nans passed over ------------------------------------------------------------------------------------------------
+
+def _nan_extreme(asked: CallArguments, function: str) -> str:
+    """nan where there is nothing but nans."""
+    options, bound = options_of(asked, asked.rank("x")), "-numpy.inf" if function == "max" else "numpy.inf"
+    found = [f"there = numpy.where(numpy.isnan(x), {bound}, x)", f"counted = numpy.sum({_NONE}{options})",
+             f"found = numpy.{function}(there{options})"]
+    if _is_number(asked):
+        return lines(*found, "if counted == 0.0:", "    result = numpy.nan", "else:", "    result = found")
+    return lines(*found, "result = numpy.where(counted == 0.0, numpy.nan, found)")
+
+
+def _is_number(asked: CallArguments) -> bool:
+    rank = asked.rank("x")
+    return not asked.given("axis") or len(asked.axes(rank)) == rank and not asked.true("keepdims")
+
+
+def _nan_var(asked: CallArguments, result: str = "result") -> str:
+    options = options_of(asked, asked.rank("x"))
+    kept = options if "keepdims" in options or not options else f"{options}, keepdims=True"
+    ddof, rank, kind = asked.number("ddof") or 0, asked.rank("x"), asked.type("x").dtype
+    count = f"numpy.sum(counted{options})" if not ddof else f"numpy.maximum(numpy.sum(counted{options}) - {ddof}, 0.0)"
+    return lines("there = numpy.where(numpy.isnan(x), 0.0, x)", f"counted = {empty(sizes('x', rank), kind)}",
+                 f"counted[...] = {_NONE}",
+                 f"middle = numpy.sum(there{kept}) / numpy.sum(counted{kept})",
+                 "apart = numpy.where(numpy.isnan(x), 0.0, x - middle)",
+                 f"{result} = numpy.sum(apart * apart{options}) / {count}")
+
+
+def _nan_std(asked: CallArguments) -> str:
+    return lines(_nan_var(asked, "squared"), root_of(asked, "squared"))
+
+
+def _nan_running(asked: CallArguments) -> str:
+    axis = f", axis={asked.axis(asked.rank('x'))}" if asked.given("axis") else ""
+    return lines("there = numpy.where(numpy.isnan(x), 0.0, x)", f"result = numpy.cumsum(there{axis})")
+
+
+# -- parts one after the other ---------------------------------------------------------------------------------------
+
+def _parts_added(asked: CallArguments) -> str:
+    """From each place to the next one, the element itself if that is none further."""
+    axis, rank = asked.axis(asked.rank("x")), asked.rank("x")
+    if isinstance(asked.arguments["places"], (List, Tuple)):
+        asked.arguments["places"] = call("numpy.array", asked.arguments["places"])
+    whole = sizes("x", rank)
+    whole[axis] = "held_places.shape[0]"
+    return lines("held_places = numpy.copy(places)", f"result = {zeros(whole, asked.type('x').dtype)}",
+                 "for place in range(held_places.shape[0]):", "    start = held_places[place]",
+                 f"    stop = {size('x', axis)}", "    if place + 1 < held_places.shape[0]:",
+                 "        stop = max(start + 1, held_places[place + 1])", "    for entry in range(start, stop):",
+                 f"        {part('result', axis, 'place')} += {part('x', axis, 'entry')}")
+
+
+# -- several variables -----------------------------------------------------------------------------------------------
+
+def _cov(asked: CallArguments) -> str:
+    ddof = asked.number("ddof") if asked.given("ddof") else int(not asked.true("bias"))
+    if asked.rank("m") == 1 and not asked.given("y"):
+        return lines(f"row = {_wide(asked, 'm')}", f"result = numpy.var(row, ddof={ddof})")
+    return lines(*_rows(asked, "cov"),
+                 f"result = numpy.matmul(apart, numpy.transpose(apart)) / max(rows.shape[1] - {ddof}, 0)")
+
+
+def _corrcoef(asked: CallArguments) -> str:
+    return lines(*_rows(asked, "corrcoef"),
+                 "products = numpy.matmul(apart, numpy.transpose(apart))", "scale = numpy.sqrt(numpy.diag(products))",
+                 "result = numpy.clip(products / scale[:, None] / scale[None, :], -1.0, 1.0)")
+
+
+def _rows(asked: CallArguments, function: str) -> list[str]:
+    """The variables in rows, without their means; of one NumPy gives a number."""
+    if asked.given("y"):
+        found = [f"rows = numpy.stack([{_wide(asked, 'm')}, {_wide(asked, 'y')}])"]
+    else:
+        rows = asked.true("rowvar")
+        given = f"{size('m', 0 if rows else 1)} != 1"
+        found = [guard(given, f"np.{function} of one variable is a number: give it as an array with one axis"),
+                 f"held = {_wide(asked, 'm')}", f"rows = {'held' if rows else 'numpy.transpose(held)'}"]
+    return [*found, "apart = rows - numpy.mean(rows, axis=1, keepdims=True)"]
+
+
+def _wide(asked: CallArguments, operand: str) -> str:
+    """An operand as float64, which NumPy computes these in."""
+    return operand if asked.type(operand).dtype == "float64" else f"numpy.astype({operand}, dtype=numpy.float64)"
+
+
+# -- polynomials -----------------------------------------------------------------------------------------------------
+
+def _polyfit(asked: CallArguments) -> str:
+    """Least squares of powers, each column by its length, as NumPy has it."""
+    return lines("points = x + 0.0", "powers = numpy.vander(points, N=deg + 1)",
+                 "scale = numpy.sqrt(numpy.sum(powers * powers, axis=0))", "columns = powers / scale",
+                 "values = y + 0.0", "found = runtime.least_squares(columns, values)", "result = found / scale")
+
+
+def _polyder(asked: CallArguments) -> str:
+    return lines(f"count = max({size('p', 0)} - 1, 0)", f"result = {empty(['count'], asked.type('p').dtype)}",
+                 "for place in range(count):", "    result[place] = p[place] * (count - place)")
+
+
+def _polyint(asked: CallArguments) -> str:
+    n = size("p", 0)
+    return lines(f"result = {zeros([f'{n} + 1'], 'float64')}", f"for place in range({n}):",
+                 f"    result[place] = p[place] / ({n} - place)")
+
+
+def _polymul(asked: CallArguments) -> str:
+    fits = [guard(f"{size(p, 0)} == 1 or {p}[0] != 0", "np.polymul leaves leading zeros out: write np.convolve")
+            for p in "ab"]
+    return lines(*fits, "result = numpy.convolve(a, b)")
+
+
+def _geomspace(asked: CallArguments) -> str:
+    kept = "" if asked.true("endpoint") else ", endpoint=False"
+    return lines(guard("start > 0 and stop > 0", "np.geomspace between numbers above 0"),
+                 f"powers = numpy.linspace(numpy.log(start), numpy.log(stop), num=num{kept})",
+                 "result = numpy.exp(powers)")
+
+
+STATISTICS: dict[str, Callable[[CallArguments], str]] = {
+    "numpy.nanmax": lambda asked: _nan_extreme(asked, "max"), "numpy.nanmin": lambda asked: _nan_extreme(asked, "min"),
+    "numpy.nanvar": _nan_var, "numpy.nanstd": _nan_std, "numpy.nancumsum": _nan_running,
+    "numpy.add.reduceat": _parts_added, "numpy.cov": _cov, "numpy.corrcoef": _corrcoef, "numpy.polyfit": _polyfit,
+    "numpy.polyder": _polyder, "numpy.polyint": _polyint, "numpy.polymul": _polymul, "numpy.geomspace": _geomspace,
+}

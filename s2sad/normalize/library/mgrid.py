@@ -1,0 +1,103 @@
+"""mgrid: NumPy's grids by slices are those of ranges.
+
+    def f(x, n):
+        i, j = np.mgrid[0:n, 0:n]
+        return np.sum(x[:n] * i * j)
+becomes
+
+    def f(x, n):
+        i, j = np.meshgrid(np.arange(0, n, 1), np.arange(0, n, 1), indexing="ij")
+        return np.sum(x[:n] * i * j)
+
+Requires resolved names. A step that is an imaginary number is how many there are. All axes have one type: they are
+floats if one bound is; where bounds have names, that of another axis counts as 0 times it.
+"""
+from __future__ import annotations
+
+from s2sad.evaluate.scope import KernelScope
+from s2sad.tree import (
+    AST, Attribute, BinOp, Constant, Div, FunctionDef, Mult, Name, Slice, Subscript, Tuple, UnaryOp, USub, add, at,
+    call, call_name, const, copy, dump, index, indices, keyword, mult, rebuild, tuple_of, walk,
+)
+
+_OPEN, _FULL = "numpy.ogrid", "numpy.mgrid"
+
+
+def mgrid(function: FunctionDef, scope: KernelScope) -> FunctionDef:
+    """The function without them; what cannot be told goes into the report."""
+    def change(node: AST) -> AST | None:
+        if not isinstance(node, Subscript) or not isinstance(node.value, Name) or node.value.id not in (_OPEN, _FULL):
+            return None
+        made = _made(node)
+        if made is None:
+            scope.refuse(node, f"a grid by np.{node.value.id[6:]} of other slices than one to three with ends",
+                         help="write np.meshgrid(x, y, indexing='ij'), of ranges that have names")
+        return None if made is None else at(made, node)
+    new = copy(function)
+    new.body = [rebuild(statement, change) for statement in new.body]
+    return new
+
+
+def _made(node: Subscript) -> AST | None:
+    slices = [s for s in indices(node) if isinstance(s, Slice) and s.upper is not None]
+    if len(slices) != len(indices(node)) or not 1 <= len(slices) <= 3:
+        return None
+    counted = [_count(s) for s in slices]
+    if any(c is not None and not isinstance(c, int) for c in counted):
+        return None
+    floats = any(k is not None for k in counted) or any(isinstance(n, Constant) and isinstance(
+        n.value, float) for s in slices for n in walk(s))
+    axes = [_axis(s, c, floats) if floats else _with_others(s, slices) for s, c in zip(slices, counted)]
+    if not isinstance(node.slice, Tuple):
+        return axes[0]
+    if node.value.id == _OPEN:
+        whole = Slice(None, None, None)
+        return tuple_of(*(index(a, *[whole if j == k else const(None) for j in range(len(axes))])
+                          for k, a in enumerate(axes))) if len(axes) > 1 else None
+    if len(axes) == 1:
+        return None
+    grid = call("numpy.meshgrid", *axes)
+    grid.keywords = [keyword("indexing", const("ij"))]
+    return grid
+
+
+def _count(part: Slice) -> int | float | None:
+    """How many numbers a slice asks for by an imaginary step; None if the step is a step."""
+    step = part.step.operand if isinstance(part.step, UnaryOp) and isinstance(part.step.op, USub) else part.step
+    value = step.value if isinstance(step, Constant) else None
+    if not isinstance(value, complex):
+        return None
+    return int(value.imag) if value.imag == int(value.imag) and value.real == 0.0 else value.imag
+
+
+def _with_others(part: AST, slices: list[AST]) -> AST:
+    """An axis of bounds that have names: it is of floats if one of another axis is."""
+    made, own = _axis(part, None, False), {dump(n) for n in _bounds(part)}
+    for bound in (b for other in slices for b in _bounds(other)):
+        if dump(bound) not in own and not isinstance(bound, Constant) and not _is_size(bound):
+            own.add(dump(bound))
+            made = add(made, mult(const(0), copy(bound)))
+    return made
+
+
+def _bounds(part: AST) -> list[AST]:
+    return [b for b in (part.lower, part.upper, part.step) if b is not None]
+
+
+def _is_size(bound: AST) -> bool:
+    """Whether a bound is an integer, as its text shows."""
+    if isinstance(bound, BinOp):
+        return not isinstance(bound.op, Div) and _is_size(bound.left) and _is_size(bound.right)
+    if isinstance(bound, UnaryOp):
+        return _is_size(bound.operand)
+    shape = bound.value if isinstance(bound, Subscript) else bound
+    return call_name(bound) == "builtins.len" or isinstance(shape, Attribute) and shape.attr in (
+        "shape", "size") or isinstance(bound, Constant) and isinstance(bound.value, int)
+
+
+def _axis(part: AST, count: int | float | None, floats: bool) -> AST:
+    start, step = part.lower or const(0), part.step or const(1)
+    if count is not None:
+        return call("numpy.linspace", start, part.upper, const(count))
+    made = call("numpy.arange", start, part.upper, step)
+    return BinOp(made, Mult(), const(1.0)) if floats else made

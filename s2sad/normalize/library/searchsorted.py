@@ -1,0 +1,38 @@
+"""searchsorted: places that are sought for each element of an array are functions of their own.
+
+    np.searchsorted(t, v)       np.searchsorted.each(t, v)      where v is an array
+    np.argsort(a, axis=0)       np.argsort.along(a, axis=0)     for the engine that compiles loops
+
+Requires structured form and types. `pieces` writes them out.
+"""
+from __future__ import annotations
+
+from s2sad import rules
+from s2sad.infer.inference import Typing
+from s2sad.normalize.context import NormalContext
+from s2sad.tree import AST, Call, FunctionDef, at, call, call_name, name, rebuild, with_body
+
+
+def searchsorted(function: FunctionDef, context: NormalContext) -> FunctionDef:
+    """The function with those functions under their own names; `loops` if orders are sought row by row, too."""
+    typing, loops = context.typing, context.in_loops
+    def change(node: AST) -> AST | None:
+        made = _each(node, typing, loops) if isinstance(node, Call) else None
+        return None if made is None else at(rebuild(made, change), node)
+    return with_body(function, [rebuild(statement, change) for statement in function.body])
+
+
+def _each(node: Call, typing: Typing, loops: bool) -> AST | None:
+    called = call_name(node)
+    if called == "numpy.searchsorted" and len(node.args) > 1 and typing.of(node.args[1]).is_array:
+        return _bound(node, "numpy.searchsorted.each")
+    if called == "numpy.argsort" and node.args and (rank := typing.of(node.args[0]).rank):
+        if rank == 1 and any(k.arg == "axis" for k in node.keywords):
+            return call(called, node.args[0], **{str(k.arg): k.value for k in node.keywords if k.arg != "axis"})
+        return _bound(node, "numpy.argsort.along") if rank > 1 and loops else None
+    return None
+
+
+def _bound(node: Call, function: str) -> Call | None:
+    rule = rules.find_array(function)
+    return rules.bound(rule, at(Call(name(function), node.args, node.keywords), node)) if rule else None

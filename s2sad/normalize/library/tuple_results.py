@@ -1,0 +1,233 @@
+"""tuple_results: of a function of matrices that gives a tuple, each part that is taken is a function of its own.
+
+Requires structured form. A part that has no rule is left as it is, to be refused.
+
+    def f(a: "float64[:, :]"):          def f(a):
+        q, r = np.linalg.qr(a)              Q = orthogonal_part(a)
+        return np.sum(q) + r[0, 0]          R = triangular_part(a)
+                                            q = Q
+                                            r = R
+                                            return np.sum(q) + r[0, 0]
+
+`part` is no option of NumPy's: it is what the pieces of these functions ask for.
+"""
+from __future__ import annotations
+
+from s2sad.infer.signatures.laws import whole_number
+from s2sad.naming import Names
+from s2sad.passes import Context
+from s2sad.tree import (
+    AST, Assign, Attribute, AugAssign, Call, Constant, FunctionDef, Name, NotEq, Store, Subscript, assign, at, call,
+    call_name, compare, const, copy, head_copy, keyword, name, rebuild, tuple_of, walk,
+)
+
+# the functions of the parts, with the names that NumPy gives the parts
+_PARTS: dict[str, dict[str, str]] = {
+    "numpy.linalg.slogdet": {"sign": "runtime.det_sign", "logabsdet": "runtime.log_det"},
+    "numpy.linalg.eigh": {"eigenvalues": "numpy.linalg.eigvalsh", "eigenvectors": "runtime.eigenvectors"},
+    "numpy.linalg.svd": {"U": "numpy.linalg.svd.left", "S": "runtime.singular_values", "Vh": "numpy.linalg.svd.right"},
+    "numpy.linalg.qr": {"Q": "runtime.orthogonal_part", "R": "runtime.triangular_part"},
+    "numpy.linalg.lstsq": {"solution": "runtime.least_squares"},
+}
+# functions of which each part is the function with its number
+_NUMBERED = frozenset({f"numpy.{f}" for f in (
+    "nonzero where meshgrid indices unravel_index split array_split hsplit vsplit gradient triu_indices tril_indices "
+    "diag_indices histogram unique").split()})
+_PAIRS = frozenset({"numpy.triu_indices", "numpy.tril_indices", "numpy.diag_indices"})
+_MOST = 16
+_MASK = "mask"  # all parts as one subscript
+_OPERANDS = {"numpy.linalg.lstsq": 2}
+_REDUCED = {"U": "runtime.left_vectors", "S": "runtime.singular_values", "Vh": "runtime.right_vectors"}
+_COMPLETE = {"Q": "numpy.linalg.qr.orthogonal", "R": "numpy.linalg.qr.triangular"}
+_NONE = {"numpy.linalg.lstsq": "rcond"}
+
+
+def tuple_results(function: FunctionDef, context: Context) -> FunctionDef:
+    """The function with those parts."""
+    free = context.names
+    new = copy(function)
+    new.body = [rebuild(statement, _as_function) for statement in function.body]
+    new.body = _TupleResults(new, free).block(new.body)
+    return new
+
+
+def _as_function(node: AST) -> AST | None:
+    """`x.nonzero()` as a function."""
+    method = isinstance(node, Call) and isinstance(node.func, Attribute) and node.func.attr == "nonzero"
+    return at(call("numpy.nonzero", rebuild(node.func.value, _as_function)), node) if method else None
+
+
+def parted(node: AST) -> dict[str, str]:
+    """The functions of the parts of a call, {} if it is none that gives a tuple or its options are not the default."""
+    called = call_name(node) or ""
+    if called in _NUMBERED and (called != "numpy.where" or len(node.args) == 1 and not node.keywords):
+        word = called.rpartition(".")[2]
+        masked = {_MASK: "mask"} if _picks(node) or called in _PAIRS else {}
+        return {f"{word}_{k}": called for k in range(_count(node))} | masked
+    if called not in _PARTS:
+        return {}
+    written = _option(node)
+    if called == "numpy.linalg.svd" and written in (("full_matrices", False), ("full_matrices", True)):
+        return _PARTS[called] if written[1] else _REDUCED
+    if called == "numpy.linalg.qr" and written in (("mode", "reduced"), ("mode", "complete")):
+        return _PARTS[called] if written[1] == "reduced" else _COMPLETE
+    left = [k for k in node.keywords if k.arg != _NONE.get(called) or not _is_none(k.value)]
+    extra = node.args[_OPERANDS.get(called, 1):]
+    plain = not left and all(called in _NONE and _is_none(a) for a in extra) and len(extra) <= 1
+    return _PARTS[called] if plain and len(node.args) >= _OPERANDS.get(called, 1) else {}
+
+
+def _count(node: AST) -> int:
+    """How many parts a call has, `_MOST` if that is not known; 0 for the values of `np.unique` alone, or with flags
+    that are not written out, which have no type."""
+    if call_name(node) == "numpy.unique":
+        asked = sum(str(k.arg).startswith("return_") and getattr(k.value, "value", None) is True for k in node.keywords)
+        return asked + 1 if asked else 0
+    return 2 if call_name(node) == "numpy.histogram" else _MOST
+
+
+def _option(node: AST) -> tuple[str, object] | None:
+    """The one option of a decomposition, and how it is written."""
+    if not isinstance(node, Call) or len(node.args) + len(node.keywords) != 2 or not node.args:
+        return None
+    if node.keywords:
+        return str(node.keywords[0].arg), getattr(node.keywords[0].value, "value", None)
+    first = "full_matrices" if call_name(node) == "numpy.linalg.svd" else "mode"
+    return first, getattr(node.args[1], "value", None)
+
+
+def _picks(node: AST) -> bool:
+    """Whether the parts of a call are the places where an array is not 0."""
+    return call_name(node) in ("numpy.nonzero", "numpy.where")
+
+
+def _is_none(node: AST) -> bool:
+    return isinstance(node, Constant) and node.value is None
+
+
+class _TupleResults:
+    def __init__(self, function: FunctionDef, free: Names):
+        self.free = free
+        self.held, self.unread, self.calls = _held(function)
+        self.names = {n: {part: free.fresh(part) for part in found} for n, found in self.held.items()}
+
+    def block(self, block: list[AST]) -> list[AST]:
+        return [made for statement in block for made in self.statement(statement)]
+
+    def statement(self, statement: AST) -> list[AST]:
+        if id(statement) in self.unread:
+            return []
+        target = statement.targets[0] if isinstance(statement, Assign) else None
+        if isinstance(target, Name) and target.id in self.held:
+            value = self.changed(statement.value)
+            return [at(assign(self.names[target.id][part], _call(value, part, made)), statement)
+                    for part, made in self.held[target.id].items()]
+        if hasattr(statement, "body"):
+            new = head_copy(statement)
+            for field in statement._fields:
+                inner = getattr(statement, field)
+                if field in ("body", "orelse"):
+                    setattr(new, field, self.block(inner))
+                elif isinstance(inner, AST):
+                    setattr(new, field, self.changed(inner))
+            return [new]
+        return [self.changed(statement)]
+
+    def changed(self, node: AST) -> AST:
+        return rebuild(node, self.part)
+
+    def part(self, node: AST) -> AST | None:
+        if _values_alone(node):
+            return at(call("runtime.singular_values", self.changed(node.args[0])), node)
+        if _triangle_alone(node):
+            return at(call("runtime.triangular_part", self.changed(node.args[0])), node)
+        asked = _asked(node)
+        if asked is None:
+            return None
+        value, key = asked
+        if isinstance(value, Name) and value.id in self.held:
+            held, called = self.names[value.id], self.calls[value.id]
+            known = parted(called)
+            found: AST = tuple_of(*(name(held[p]) for p in list(known)[:2])) if _both(called, key) else name(
+                held[_named(known, key)])
+        else:
+            known = parted(value)
+            part = _named(known, key)
+            if not part:
+                return None
+            called = self.changed(value)
+            found = tuple_of(*(_call(called, p, known[p]) for p in list(known)[:2])) if _both(value, key) else _call(
+                called, part, known[part])
+        return at(Subscript(self.changed(node.value), found, node.ctx) if key == _MASK else found, node)
+
+
+def _both(node: AST, key: int | str) -> bool:
+    """Whether a call gives two arrays of places, both of which a subscript is."""
+    return key == _MASK and call_name(node) in _PAIRS
+
+
+def _values_alone(node: AST) -> bool:
+    """Whether a call is `np.linalg.svd(a, compute_uv=False)`."""
+    if call_name(node) != "numpy.linalg.svd" or len(node.args) != 1:
+        return False
+    return [(k.arg, getattr(k.value, "value", None)) for k in node.keywords] == [("compute_uv", False)]
+
+
+def _triangle_alone(node: AST) -> bool:
+    """Whether a call is `np.linalg.qr(a, mode="r")`."""
+    return call_name(node) == "numpy.linalg.qr" and _option(node) == ("mode", "r")
+
+
+def _call(value: AST, part: str, function: str) -> AST:
+    if part == _MASK:
+        return at(compare(copy(value.args[0]), NotEq(), const(0)), value)
+    if function in _NUMBERED:
+        number = keyword("part", const(int(part.rpartition("_")[2])))
+        function = "numpy.nonzero" if function == "numpy.where" else function
+        return at(Call(name(function), list(map(copy, value.args)), [*map(copy, value.keywords), number]), value)
+    operands = value.args[:_OPERANDS.get(call_name(value) or "", 1)]
+    return at(call(function, *map(copy, operands)), value)
+
+
+def _asked(node: AST) -> tuple[AST, int | str] | None:
+    """What a part is taken of, and its number or name."""
+    if isinstance(node, Subscript) and (number := whole_number(node.slice)) is not None:
+        return node.value, number
+    if isinstance(node, Subscript) and (
+            isinstance(node.slice, Name) or _picks(node.slice) or call_name(node.slice) in _PAIRS):
+        return node.slice, _MASK
+    return (node.value, node.attr) if isinstance(node, Attribute) else None
+
+
+def _named(found: dict[str, str], key: int | str) -> str:
+    """The name of a part, "" if there is none that has a function."""
+    if not isinstance(key, str):
+        known = [part for part in found if part != _MASK]
+        key = known[key] if (-len(known) if len(known) < _MOST else 0) <= key < len(known) else ""
+    return key if found.get(key) else ""
+
+
+def _held(function: FunctionDef) -> tuple[dict[str, dict[str, str]], set[int], dict[str, AST]]:
+    """The names bound once, to such a call, of which only parts with a function are read, with those parts; the
+    statements that bind parts that are never read; and the calls."""
+    nodes = list(walk(function.body))
+    calls = {s.targets[0].id: s.value for s in nodes
+             if isinstance(s, Assign) and isinstance(s.targets[0], Name) and parted(s.value)}
+    stores = [n.id for n in nodes if isinstance(n, Name) and isinstance(n.ctx, Store)]
+    loads = [n.id for n in nodes if isinstance(n, Name) and not isinstance(n.ctx, Store)]
+    loads += [n.target.id for n in nodes if isinstance(n, AugAssign) and isinstance(n.target, Name)]
+    unread = {id(s.value): id(s) for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)
+              and s.targets[0].id not in loads}
+    asked = [(id(n), *a) for n in nodes if (a := _asked(n)) and isinstance(a[0], Name)]
+    made, dropped = {}, set()
+    for held, called in calls.items():
+        found = parted(called)
+        uses = [(node, key) for node, value, key in asked if value.id == held]
+        left = {unread[node] for node, _ in uses if node in unread}
+        taken = {_named(found, key) for node, key in uses if node not in unread}
+        if _MASK in taken and call_name(called) in _PAIRS:
+            taken = taken - {_MASK} | set(list(found)[:2])
+        if stores.count(held) == 1 and "" not in taken and loads.count(held) == len(uses):
+            made[held] = {part: f for part, f in found.items() if part in taken}
+            dropped |= left
+    return made, dropped, calls

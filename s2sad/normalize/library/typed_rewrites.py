@@ -1,0 +1,180 @@
+"""typed_rewrites: what a spelling leaves open is decided by types.
+
+    def f(z: "complex128[:]", x):
+        return x[0] * np.sum(z * z.conj()).real + x.item(1)
+becomes
+
+    def f(z, x):
+        return x[0] * np.real(np.sum(z * np.conj(z))) + x[1]
+
+Requires structured form and types; changes no type.
+"""
+from __future__ import annotations
+
+from functools import reduce
+
+from s2sad.infer.inference import Typing
+from s2sad.infer.signatures.laws import axes_of, whole_number, written_slice
+from s2sad.infer.scalar_reductions_types import NORM, SPREAD, reduced_number
+from s2sad.infer.types import UNKNOWN, Type
+from s2sad.normalize.context import NormalContext
+from s2sad.rules import find_array
+from s2sad.tree import (
+    AST, Add, Attribute, BinOp, Call, Compare, Constant, FloorDiv, FunctionDef, In, Is, IsNot, List, Mod, Mult,
+    Name, NotIn, Slice, Sub, Subscript, Tuple, at, attribute, call, call_name, const, copy, index, mult, rebuild,
+    tuple_of, with_body,
+)
+
+CONJUGATING = ("conj", "conjugate")     # methods
+_REDUCING = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
+
+
+def start() -> Constant:
+    """The 0 that Python's sum begins with."""
+    return Constant(0, "start")
+
+
+def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef:
+    typing = context.typing
+    def change(node: AST) -> AST | None:
+        if isinstance(node, BinOp) and isinstance(node.op, Add) and isinstance(
+                node.left, Constant) and node.left.kind == "start":
+            right = rebuild(node.right, change)
+            return at(BinOp(Constant(0, None), Add(), right), node) if typing.of(node.right).dtype == "bool" else right
+        if isinstance(node, Call) and isinstance(node.func, Attribute) and node.func.attr in CONJUGATING:
+            kind, inner = typing.of(node.func.value), rebuild(node.func.value, change)
+            return inner if kind.is_array and not kind.is_complex else at(call("numpy.conj", inner), node)
+        if isinstance(node, BinOp) and (made := _with_array(node, typing)) is not None:
+            return rebuild(made, change)
+        if isinstance(node, Compare) and (made := _compared(node, typing)) is not None:
+            return rebuild(made, change)
+        if isinstance(node, Call) and isinstance(node.func, Attribute) and node.func.attr == "item":
+            return _item(node, typing.of(node.func.value), [rebuild(n, change) for n in [node.func.value, *node.args]])
+        if isinstance(node, Subscript) and isinstance(node.slice, Slice) and isinstance(node.value, Attribute):
+            return _sizes(node, typing)
+        if call_name(node) == "builtins.abs" and len(node.args) == 1 and typing.of(node.args[0]).is_array:
+            return at(call("numpy.abs", rebuild(node.args[0], change)), node)
+        if call_name(node) == "numpy.reshape" and (made := _spread(node, typing)) is not None:
+            return made
+        if call_name(node) in ("numpy.size", "numpy.ndim") and (made := _asked(node, typing)) is not None:
+            return rebuild(made, change)
+        if isinstance(node, Call) and (rule := find_array(call_name(node))) is not None and (
+                len(node.args) == len(rule.operands) == 1) and (
+                reduced_number(rule.name, typing.of(node.args[0]), rule.arguments(node)) != UNKNOWN):
+            return _of_number(node, rule.name, rebuild(node.args[0], change),
+                              exact=typing.of(node) == typing.of(node.args[0]))
+        if call_name(node) == "numpy.prod" and (made := _one_by_one(node, typing)) is not None:
+            return rebuild(made, change)
+        if call_name(node) in _REDUCING and node.args and call_name(inner := node.args[0]) == "numpy.astype":
+            kind = typing.of(inner.args[0])
+            if kind.is_array and kind.dtype == typing.of(inner).dtype == "float64":
+                return rebuild(at(Call(node.func, [inner.args[0], *node.args[1:]], node.keywords), node), change)
+        return None
+    return with_body(function, [rebuild(statement, change) for statement in function.body])
+
+
+def _asked(node: Call, typing: Typing) -> AST | None:
+    """The size of an array, along an axis if one is given, or the number of its axes, which is 0 for a number."""
+    given = [*node.args, *(k.value for k in node.keywords if k.arg in ("a", "axis"))]
+    kind = typing.of(given[0]) if given else UNKNOWN
+    if len(given) != len(node.args) + len(node.keywords) or not (kind.is_array or kind.is_number):
+        return None
+    if call_name(node) == "numpy.ndim" and len(given) == 1:
+        return at(const(kind.rank), node)
+    if call_name(node) == "numpy.ndim" or kind.is_number or not isinstance(given[0], (Name, Subscript)):
+        return at(const(1), node) if kind.is_number and len(given) == 1 else None
+    axis = whole_number(given[1]) if len(given) == 2 else 0
+    if len(given) > 2 or axis is None or not -kind.rank <= axis < kind.rank:
+        return None
+    return at(attribute(given[0], "size") if len(given) == 1 else index(
+        attribute(given[0], "shape"), const(axis % kind.rank)), node)
+
+
+def _one_by_one(node: Call, typing: Typing) -> AST | None:
+    """A product along several written axes as products along each, the last first."""
+    given = {str(k.arg): k.value for k in node.keywords}
+    axes = axes_of(given["axis"], typing.of(node.args[0]).rank) if isinstance(given.get("axis"), Tuple) else None
+    if axes is None or len(node.args) != 1:
+        return None
+    made = node.args[0]
+    for axis in reversed(axes):
+        made = at(call("numpy.prod", made, **{**given, "axis": const(axis)}), node)
+    return made
+
+
+def _of_number(node: Call, reduction: str, value: AST, exact: bool) -> AST:
+    """A reduction of a number without it: a spread is nothing, but NaN where the number is not finite."""
+    if reduction in SPREAD:
+        return at(BinOp(value, Sub(), copy(value)), node)
+    if reduction == NORM:
+        return at(call("builtins.abs", value), node)
+    return value if exact else at(call("builtins.float", value), node)
+
+
+def _with_array(node: BinOp, typing: Typing) -> AST | None:
+    """The operation of an array with an array of the numbers that are spelled out."""
+    sides = [node.left, node.right]
+    for side, other in (sides, sides[::-1]):
+        if isinstance(node.op, (Add, Mult)) and isinstance(side, (List, Tuple)) and typing.of(other).is_array and (
+                typing.of(node).is_array):
+            made = at(call("numpy.array", side), side)
+            return at(BinOp(*((made, node.op, other) if side is node.left else (other, node.op, made))), node)
+    return None
+
+
+def _compared(node: Compare, typing: Typing) -> AST | None:
+    """The comparison of an array with an array of the numbers that are spelled out."""
+    if len(node.ops) > 1 or isinstance(node.ops[0], (In, Is, IsNot, NotIn)):
+        return None
+    sides = [node.left, node.comparators[0]]
+    if not any(isinstance(s, (List, Tuple)) for s in sides):
+        return None
+    if any(typing.of(s).is_number for s in sides):
+        typing.report.error("S201", "a number is compared with a list or tuple that is spelled out", node,
+                            help="make it an array: np.array([...])")
+    if not any(typing.of(s).is_array for s in sides):
+        return None
+    left, right = (at(call("numpy.array", s), s) if isinstance(s, (List, Tuple)) else s for s in sides)
+    return at(Compare(left, node.ops, [right]), node)
+
+
+def _sizes(node: Subscript, typing: Typing) -> AST | None:
+    """The sizes that a written slice of a shape picks."""
+    shape, part = node.value, written_slice(node.slice)
+    kind = typing.of(shape.value) if shape.attr == "shape" else None
+    if part is None or kind is None or not kind.is_array:
+        return None
+    return at(tuple_of(*(index(copy(shape), const(k)) for k in range(kind.rank)[part])), node)
+
+
+def _spread(node: Call, typing: Typing) -> AST | None:
+    """An array of one axis, or a part of one, as a column, a row, or as it is."""
+    if len(node.args) != 2 or node.keywords or not isinstance(node.args[0], (Name, Subscript)):
+        return None
+    operand, shape = node.args
+    kind = typing.of(operand)
+    sizes = [whole_number(s) for s in (shape.elts if isinstance(shape, Tuple) else [shape])]
+    whole = Slice(None, None, None)
+    spread = {(-1,): [whole], (-1, 1): [whole, const(None)], (1, -1): [const(None), whole]}.get(tuple(sizes))
+    return at(index(operand, *spread), node) if spread and kind.is_array and kind.rank == 1 else None
+
+
+def _item(node: Call, kind: Type, parts: list[AST]) -> AST | None:
+    """The one element of an array, or that at a place in the order of rows."""
+    if node.keywords or len(parts) > 2 or not (kind.is_array or kind.is_number):
+        return None
+    value, *places = parts
+    if places and kind.rank > 1:
+        places = _unraveled(value, places[0], kind.rank)
+    return at(index(value, *(places or [const(0)] * kind.rank)), node) if kind.is_array else value
+
+
+def _unraveled(array: AST, place: AST, rank: int) -> list[AST]:
+    """The subscripts of an element by its number in the order of rows; one below 0 counts from the end."""
+    sizes = [index(attribute(copy(array), "shape"), const(k)) for k in range(rank)]
+    found: list[AST] = []
+    for k in range(rank):
+        below = reduce(mult, map(copy, sizes[k + 1:])) if k + 1 < rank else None
+        part = copy(place) if below is None else BinOp(copy(place), FloorDiv(), below)
+        found.append(BinOp(part, Mod(), sizes[k]) if k else part)
+    return found

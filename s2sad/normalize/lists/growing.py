@@ -1,0 +1,316 @@
+"""growing: lists that grow by `append` become arrays that are filled, after `comprehensions` and `lasting`.
+
+    def f(x, n):                                def f(x, n):
+        u = [x[0]]                                  u = list(1 + len(range(n)))
+        for k in range(n):                          u[0] = x[0]
+            u.append(np.sin(u[-1]) * x[k])          u_count = 1
+        return u[-1]                                for k in range(n):
+                                                        u[k + 1] = np.sin(u[u_count - 1]) * x[k]
+                                                        u_count += 1
+                                                    return u[u_count - 1]
+
+Requires resolved names. `builtins.list(count)` is an array whose type follows from what is stored (`infer`); `rows`
+allocates it. How often a list can grow must be known where it is made: else it is refused.
+"""
+from __future__ import annotations
+
+from functools import reduce
+
+from s2sad.infer.call_types import LISTED, MARKS, live
+from s2sad.evaluate.loops.comprehensions import HELP, comprehensions, marked
+from s2sad.evaluate.loops.negative_indices import negative_indices, place as place_of
+from s2sad.evaluate.loops.list_repetition import list_repetition
+from s2sad.evaluate.expressions.hoist import impure
+from s2sad.normalize.lists.capacity import changed, made_late, only_after
+from s2sad.evaluate.effects import parameters
+from s2sad.evaluate.loops.row_aliases import COPIED, row_aliases
+from s2sad.evaluate.loops.escaping_lists import has_sizes, escaping_lists
+from s2sad.normalize.lists.index_intervals import IndexIntervals
+from s2sad.evaluate.scope import KernelScope
+from s2sad.evaluate.loops.list_iteration import list_iteration
+from s2sad.tree import (
+    AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If,
+    List, ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, add, assign, at,
+    augment, call, call_name, const, copy, head_copy, index, indices, name, names, rebuild, rename, stored_names,
+    sub, substitute, walk,
+)
+
+_READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
+
+_ANEW = ("pick its elements by written numbers, or in loops through it, and give it no second name; or allocate an "
+         "array before and fill it in a for loop")
+_EXTREME = {"builtins.max": "numpy.max", "builtins.min": "numpy.min"}      # of one list
+
+
+def growing(function: FunctionDef, scope: KernelScope) -> FunctionDef:
+    """The function without such lists and comprehensions."""
+    function = list_repetition(list_iteration(function), scope)
+    nodes = list(walk(function.body))
+    if not escaping_lists(function) and not any(
+            isinstance(n, (ListComp, GeneratorExp)) or _appended(n) or call_name(n) == LISTED for n in nodes):
+        _refuse_named_rows(function, scope)
+        return function
+    new = made_late(comprehensions(_bound_once(function, scope), scope), scope, _appended)
+    scope.report.finish()
+    scope.begin(new)
+    _refuse_named_rows(new, scope)
+    alone = {s.targets[0].id for s in walk(new.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)}
+    return _GrowingLists(new, scope, [n for n in escaping_lists(new) if n in alone],
+                         {_appended(n) for n in nodes}).function()
+
+
+def _refuse_named_rows(function: FunctionDef, scope: KernelScope) -> None:
+    for store in row_aliases(function, _appended):
+        scope.refuse(store, "a list holds another list that is written, not a copy of it", help=COPIED)
+
+
+def _bound_once(function: FunctionDef, scope: KernelScope) -> FunctionDef:
+    """The function in which a list's name that stands for something else from some statement on, as after
+    `us = np.array(us)`, is another name from there on."""
+    new = copy(function)
+    grown = {n for s in walk(function.body) if (n := _appended(s)) is not None}
+    made: set[str] = set()
+    for k in range(len(function.body)):
+        statement = new.body[k]
+        target = statement.targets[0] if isinstance(statement, Assign) and len(statement.targets) == 1 else None
+        if not isinstance(target, Name):
+            continue
+        if target.id in made and not any(_appended(n) == target.id for s in new.body[k:] for n in walk(s)):
+            other = scope.fresh(target.id)
+            new.body = [*new.body[:k], at(assign(other, statement.value), statement),
+                        *(rename(s, {target.id: other}) for s in new.body[k + 1:])]
+        elif isinstance(statement.value, ListComp) or isinstance(statement.value, List) and target.id in grown:
+            made.add(target.id)
+    return new
+
+
+def _appended(node: AST) -> str | None:
+    """The name that `name.append(x)` appends to."""
+    call_ = node.value if isinstance(node, Expr) else None
+    if isinstance(call_, Call) and isinstance(call_.func, Attribute) and call_.func.attr == "append" and isinstance(
+            call_.func.value, Name) and len(call_.args) == 1 and not call_.keywords:
+        return call_.func.value.id
+    return None
+
+
+class _GrowingLists:
+    def __init__(self, tree: FunctionDef, scope: KernelScope, picked: list[str], appended: set[str | None]):
+        self.tree, self.scope, self.picked, self.ranged = tree, scope, picked, IndexIntervals(tree)
+        self.appended = appended        # names that the text appends to, not a comprehension
+        self.order = {id(n): k for k, n in enumerate(walk(tree.body))}
+        self.plain = _as_arrays(tree)
+        self.made: dict[str, Assign] = {}
+        self.counts: dict[str, str] = {}
+
+    def function(self) -> FunctionDef:
+        empty = {s.targets[0].id: s for s in walk(self.tree.body) if isinstance(s, Assign) and call_name(
+            s.value) == LISTED}
+        grown = dict.fromkeys([*self.picked, *(n for s in walk(self.tree.body) if (n := _appended(s)) is not None)])
+        self.made |= empty
+        self.counts |= {n: self.scope.fresh(f"{n}_count") for n in empty}
+        for found in grown:
+            bound = [s for s in walk(self.tree.body) if isinstance(s, Assign) and any(
+                isinstance(t, Name) and t.id == found for t in s.targets)]
+            stores = [n for n in walk(self.tree.body) if isinstance(n, Name) and n.id == found
+                      and isinstance(n.ctx, Store)]
+            if len(bound) != 1 or len(stores) != 1 or len(bound[0].targets) != 1 or not isinstance(
+                    bound[0].value, (List, Tuple) if found in self.picked else List):
+                self.refuse_bound_anew(found)
+                continue
+            self.made[found] = bound[0]
+            self.counts[found] = self.scope.fresh(f"{found}_count")
+        self.scope.report.finish()
+        new = copy(self.tree)
+        new.body = self.block(self.tree.body, [])
+        return new
+
+    def block(self, block: list[AST], loops: list[AST]) -> list[AST]:
+        return [at(made, s) for s in block for made in self.statement(s, loops)]
+
+    def refuse_bound_anew(self, found: str) -> None:
+        place = next(s for s in walk(self.tree.body) if _appended(s) == found)
+        if found in self.appended:
+            self.scope.refuse(place, f"append to {found!r}, which is not bound once, to a list",
+                              help="bind it once, as [] or as a list of what it starts with")
+        else:
+            self.scope.refuse(place, f"{found!r} is a list that a comprehension binds anew", help=_ANEW)
+
+    def statement(self, statement: AST, loops: list[AST]) -> list[AST]:
+        appended = _appended(statement)
+        if appended in self.made:
+            count = self.counts[appended]
+            item = statement.value.args[0]
+            item = marked(item)
+            place = self.counted(appended, loops) or name(count)
+            return [assign(index(name(appended), place), self.read(item)), augment(count, Add(), const(1))]
+        target = statement.targets[0] if isinstance(statement, Assign) else None
+        if isinstance(target, Subscript) and isinstance(target.value, Name) and target.value.id in self.made:
+            return [assign(self.read(target), self.read(marked(statement.value)))]
+        bound = next((n for n, s in self.made.items() if s is statement), None)
+        if bound is not None:
+            return self.start(bound, statement)
+        new = head_copy(statement)
+        for field in statement._fields:
+            inner = getattr(statement, field)
+            if field in ("body", "orelse"):
+                setattr(new, field, self.block(inner, [*loops, statement]))
+            elif isinstance(inner, AST):
+                setattr(new, field, self.read(inner))
+            elif isinstance(inner, list):
+                setattr(new, field, [self.read(i) if isinstance(i, AST) else i for i in inner])
+        return [new]
+
+    def counted(self, appended: str, loops: list[AST]) -> AST | None:
+        """The place of an append by its loop's counter, where each iteration appends once and nothing else does."""
+        inner = [node for node in loops if not any(n is self.made[appended] for n in walk(node))]
+        loop = inner[0] if len(inner) == 1 and isinstance(inner[0], For) else None
+        alone = len(self.appends(self.tree.body, appended, [])) == 1
+        if loop is None or not alone or call_name(loop.iter) != "builtins.range" or len(loop.iter.args) != 1:
+            return None
+        jumps = any(isinstance(n, (Break, Continue, Return)) for n in walk(loop.body))
+        if jumps or not isinstance(loop.target, Name) or loop.target.id in stored_names(loop.body):
+            return None
+        first = len(self.made[appended].value.elts)
+        return add(name(loop.target.id), const(first)) if first else name(loop.target.id)
+
+    def start(self, bound: str, statement: Assign) -> list[AST]:
+        """The array in place of the list, as large as the list can become, with what it starts with."""
+        if call_name(statement.value) == LISTED:
+            count = statement.value.args[0]
+            return [assign(self.counts[bound], count), assign(bound, call(LISTED, name(self.counts[bound])))]
+        items = list(map(marked, statement.value.elts))
+        first: list[AST] = []
+        if bound in self.picked and not has_sizes(items[0]) and call_name(items[0]) not in MARKS:
+            items[0] = self.scope.held(items[0], f"{bound}_first", first)      # whose sizes `rows` takes
+        made: list[AST] = [*first, assign(bound, call(LISTED, self.most(bound, statement)))]
+        made += [assign(index(name(bound), const(k)), self.read(item)) for k, item in enumerate(items)]
+        return [*made, assign(self.counts[bound], const(len(items)))]
+
+    def most(self, bound: str, statement: Assign) -> AST:
+        """How long the list can become, as an expression where it is made."""
+        size: AST = const(len(statement.value.elts))
+        for loops in self.appends(self.tree.body, bound, []):
+            inner = [node for node in loops if not any(n is statement for n in walk(node))]
+            inner = [node for node in inner if not isinstance(node, If)]
+            lengths = [self.length(inner[:k + 1], statement) for k in range(len(inner))]
+            if None in lengths or not only_after(statement, self.tree.body, _appended):
+                self.scope.refuse(statement, f"how long {bound!r} becomes is not known where it is made", help=HELP)
+                return const(0)
+            term = reduce(lambda a, b: BinOp(a, Mult(), b), lengths) if lengths else const(1)
+            size = term if isinstance(size, Constant) and size.value == 0 else add(size, term)
+        return size
+
+    def appends(self, block: list[AST], bound: str, around: list[AST]) -> list[list[AST]]:
+        """What is around each append to a list."""
+        found = [around for s in block if _appended(s) == bound]
+        for s in block:
+            for field in ("body", "orelse"):
+                if hasattr(s, field):
+                    found += self.appends(getattr(s, field), bound, [*around, s])
+        return found
+
+    def length(self, loops: list[AST], statement: Assign) -> AST | None:
+        """How often the last of the loops runs at most, if that is known at a statement before them."""
+        loop = loops[-1]
+        found = _length(self.widest(loop.iter)) if isinstance(loop, For) else None
+        if found is None or changed(found, statement, loops, self.tree.body, self.scope.memory):
+            return None
+        return found if self.lasts(found, statement) else None
+
+    def widest(self, iterable: AST) -> AST:
+        """A range that goes from or to a counter of another loop, as wide as it becomes."""
+        args = [copy(a) for a in getattr(iterable, "args", [])]
+        if call_name(iterable) != "builtins.range" or len(args) > 2:
+            return iterable
+        if len(args) == 2 and self.ranged.from_start(args[0]) and not isinstance(args[0], Constant):
+            args[0] = const(0)
+        stops = {n: s for n in names(args[-1]) if (s := self.stop(n)) is not None}
+        plain = isinstance(args[-1], Name) or isinstance(args[-1], BinOp) and isinstance(
+            args[-1].op, (Add, Sub)) and isinstance(args[-1].right, Constant)
+        return call("builtins.range", *args[:-1], substitute(args[-1], stops) if plain else args[-1])
+
+    def stop(self, identifier: str) -> AST | None:
+        """What the counter of one loop stays below."""
+        loops = [s for s in walk(self.tree.body) if isinstance(s, For) and identifier in stored_names(s.target)]
+        if self.ranged.least(identifier) is None or len(loops) != 1:
+            return None
+        return self.widest(loops[0].iter).args[-1]
+
+    def lasts(self, found: AST, statement: Assign) -> bool:
+        """Whether what an expression reads is bound before a statement, once."""
+        for n in names(found):
+            stores = [m for m in walk(self.tree.body) if isinstance(m, Name) and m.id == n and isinstance(m.ctx, Store)]
+            if len(stores) > (n not in parameters(self.tree)) or any(
+                    self.order[id(m)] > self.order[id(statement)] for m in stores):
+                return False
+        return True
+
+    # -- reading -----------------------------------------------------------------------------------------------------
+
+    def read(self, node: AST) -> AST:
+        return rebuild(node, self.change)
+
+    def change(self, node: AST) -> AST | None:
+        if isinstance(node, Subscript) and isinstance(node.value, Name) and node.value.id in self.made:
+            return self.element(node)
+        if call_name(node) == "builtins.len" and isinstance(node.args[0], Name) and node.args[0].id in self.made:
+            return at(name(self.counts[node.args[0].id]), node)
+        if call_name(node) in _EXTREME and len(node.args) == 1 and not node.keywords and isinstance(
+                node.args[0], Name) and node.args[0].id in self.made:
+            items = index(node.args[0], Slice(None, name(self.counts[node.args[0].id]), None))
+            return at(call(_EXTREME[call_name(node) or ""], items), node)
+        if isinstance(node, Attribute) and isinstance(node.value, Name) and node.value.id in self.made:
+            self.scope.refuse(node, f"the method {node.attr!r} of a list", help="a list may grow by append and be read")
+            return copy(node)
+        if isinstance(node, Name) and node.id in self.made:
+            if isinstance(node.ctx, Store):
+                return None
+            if id(node) not in self.plain:
+                self.scope.refuse(node, f"the list {node.id!r} is used as a list",
+                                  help="make it an array with np.array")
+            return at(index(name(node.id), Slice(None, name(self.counts[node.id]), None)), node)
+        return None
+
+    def element(self, node: Subscript) -> AST:
+        """An element of a list, counted from the end where its place is a negative number."""
+        place, count = indices(node)[0], name(self.counts[node.value.id])
+        if len(indices(node)) > 1 or isinstance(place, Slice):
+            self.scope.refuse(node, "a part of a list", help=HELP)
+        if isinstance(place, UnaryOp) and isinstance(place.op, USub) and isinstance(place.operand, Constant):
+            found: AST = sub(count, place.operand)
+        else:
+            found = self.read(place)
+            if not self.ranged.from_start(place):
+                found = place_of(found, copy(count)) if impure(found) else negative_indices(found, copy(count))
+        return at(index(live(node.value, copy(count)) if isinstance(node.ctx, Store) else node.value, found), node)
+
+
+def _as_arrays(tree: FunctionDef) -> set[int]:
+    """The names that stand where a list is as good as an array of its items."""
+    found: set[int] = set()
+    for node in walk(tree.body):
+        called = call_name(node) or ""
+        if called.startswith("numpy.") or called in _READING or called in MARKS:
+            given = [*node.args, *(k.value for k in node.keywords)]
+            found |= {id(n) for g in given for n in (g.elts if isinstance(g, (Tuple, List)) else [g])}
+        elif isinstance(node, For):
+            found.add(id(node.iter))
+        elif isinstance(node, Subscript):
+            found |= {id(n) for n in indices(node)}
+    return found
+
+
+def _length(iterable: AST) -> AST | None:
+    """How long a sequence is, as an expression."""
+    called, args = call_name(iterable), getattr(iterable, "args", [])
+    if called == "builtins.range":
+        plain = len(args) == 1 and isinstance(args[0], (Constant, Subscript, Attribute))
+        return copy(args[0]) if plain else call("builtins.len", copy(iterable))
+    if called in ("builtins.enumerate", "builtins.reversed") and args:
+        return _length(args[0])
+    if called == "builtins.zip" and args:
+        found = [_length(a) for a in args]
+        return None if None in found else found[0] if len(found) == 1 else call("builtins.min", *found)
+    if isinstance(iterable, (Name, Subscript)):
+        return call("builtins.len", copy(iterable))
+    return None

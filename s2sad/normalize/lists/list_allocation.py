@@ -1,0 +1,161 @@
+"""list_allocation: the arrays in place of lists are allocated.
+
+    def f(x, n):                            def f(x, n):
+        rows = []                               rows = np.empty((len(range(n)), x.shape[0]))
+        for k in range(n):                      rows_count = 0
+            rows.append(x[:] * k)               for k in range(n):
+        return rows[0][1] + rows[-1][0]             rows[k] = x[:] * k
+                                                    rows_count += 1
+                                                return rows[0][1] + rows[rows_count - 1][0]
+
+Requires structured form and types. A row's sizes are those of an array in what is stored first, which must be there
+where the list is made, itself or, as a name that is bound anew in a loop, another array of these sizes: a row
+of other sizes is an error when it is stored. A list holds arrays themselves, not copies: where one is written, it is a
+view or refused (`views_in_lists`).
+"""
+from __future__ import annotations
+
+from s2sad import rules
+from s2sad.diagnostics import Report
+from s2sad.infer.inference import Typing
+from s2sad.infer.signatures.laws import whole_number
+from s2sad.infer.call_types import LISTED, stored_into
+from s2sad.normalize.context import NormalContext
+from s2sad.normalize.lists.element_types import element_types
+from s2sad.normalize.buffers.allocations import dtype_of
+from s2sad.evaluate.effects import Memory
+from s2sad.normalize.lists.row_shapes import RowShapes, written_sizes
+from s2sad.normalize.lists.lists_of_views import lists_of_views
+from s2sad.tree import (
+    AST, Assign, Constant, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, assign, at, attribute, call,
+    call_name, children, const, copy, index, indices, rebuild, tuple_of, walk,
+)
+
+
+_KEEPING = ("numpy.cumsum", "numpy.cumprod", "numpy.sort")     # of the sizes of their argument, if it has as many axes
+_SHAPED = ("numpy.zeros", "numpy.ones", "numpy.empty", "numpy.full")
+
+
+def list_allocation(function: FunctionDef, context: NormalContext) -> FunctionDef:
+    """The function with those allocations; what cannot be allocated goes into the report."""
+    typing, program, writes, report = context.typing, context.program, context.written, context.report
+    if not any(call_name(n) == LISTED for n in walk(function.body)):
+        return function
+    memory = Memory(rebuild(function, lambda n: call("numpy.empty", const(0)) if call_name(n) == LISTED else None),
+                    program)
+    context.lists = _lists_of(function)
+    element_types(function, typing, writes, report)
+    function = lists_of_views(function, typing, memory, writes, report)
+    pass_ = _ListAllocation(function, typing, report)
+    return rebuild(function, pass_.change)
+
+
+def _lists_of(function: FunctionDef) -> frozenset[str]:
+    """The names in whose place arrays are allocated."""
+    return frozenset(s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(
+        s.targets[0], Name) and call_name(s.value) == LISTED)
+
+
+class _ListAllocation:
+    def __init__(self, function: FunctionDef, typing: Typing, report: Report):
+        self.function, self.typing, self.report = function, typing, report
+        nodes = list(walk(function.body))
+        self.order = {id(n): k for k, n in enumerate(nodes)}
+        self.bound = [s for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
+        self.made = {s.targets[0].id: s for s in self.bound if call_name(s.value) == LISTED}
+        self.computed = RowShapes(function, typing)
+        self.stores = [s for s in nodes if isinstance(s, Assign) and stored_into(s.targets[0], self.made)]
+
+    def change(self, node: AST) -> AST | None:
+        if not isinstance(node, Assign) or call_name(node.value) != LISTED:
+            return None
+        listed, kind = node.targets[0].id, self.typing.of(node.targets[0])
+        count = node.value.args[0]
+        first = next((s.value for s in self.stores if stored_into(s.targets[0], [listed])), None)
+        sizes = None if first is None else self.sizes(first, kind.rank - 1, node, 0)
+        if sizes is None and first is not None and self.typing.of(first).rank == kind.rank - 1:
+            sizes = self.computed.of(first, lambda n: self.there(n, node))
+        if sizes is None:
+            self.report.error("S201", f"the sizes of the rows of {listed!r} are not known where the list is made", node,
+                              help="allocate an array before and fill it in a for loop")
+            return copy(node)
+        shape = tuple_of(copy(count), *sizes) if sizes else copy(count)
+        return at(assign(listed, call("numpy.empty", shape, *dtype_of(kind))), node)
+
+    def sizes(self, value: AST, rank: int, place: AST, depth: int) -> list[AST] | None:
+        """The sizes of an expression with so many axes, from an array in it that is there before a statement."""
+        if rank == 0:
+            return []
+        if depth > 8 or self.typing.of(value).rank != rank:
+            return None
+        if isinstance(value, Name) and value.id in self.made:
+            return [copy(self.made[value.id].value.args[0])] if rank == 1 and self.there(
+                self.made[value.id].value, place) else None
+        if call_name(value) == "numpy.array" and isinstance(value.args[0], (List, Tuple)):
+            return list(map(const, written_sizes(value.args[0])))
+        if call_name(value) == "numpy.stack" and isinstance(value.args[0], (List, Tuple)) and value.args[0].elts and [
+                whole_number(k.value) for k in value.keywords] == [0]:
+            inner = self.sizes(value.args[0].elts[0], rank - 1, place, depth + 1)
+            return None if inner is None else [const(len(value.args[0].elts)), *inner]
+        if call_name(value) == "numpy.transpose" and len(value.args) == 1:
+            inner = self.sizes(value.args[0], rank, place, depth + 1)
+            return None if inner is None else inner[::-1]
+        if call_name(value) == "numpy.linalg.solve":
+            return self.sizes(value.args[1], rank, place, depth + 1)
+        if isinstance(value, (Name, Subscript)):
+            return self.of_part(value, rank, place, depth)
+        if call_name(value) in _SHAPED:
+            shape = value.args[0]
+            parts = list(shape.elts) if isinstance(shape, Tuple) else [shape]
+            return list(map(copy, parts)) if len(parts) == rank and self.there(shape, place) and all(
+                self.typing.of(p).is_number for p in parts) else None
+        rule = rules.find_array(call_name(value))
+        if rule is not None and rule.law != "same" and rule.name not in _KEEPING:
+            return self.of_product(value, rank, place, depth) if rule.law in ("matmul", "dot") else None
+        for child in children(value):
+            if self.typing.of(child).is_array and (found := self.sizes(child, rank, place, depth)) is not None:
+                return found
+        return None
+
+    def of_product(self, value: AST, rank: int, place: AST, depth: int) -> list[AST] | None:
+        """The sizes of a product of matrices and vectors: the rows of the first, the columns of the second."""
+        made: list[AST] = []
+        for operand, axis in zip(value.args, (0, -1)):
+            inner = self.typing.of(operand).rank
+            found = self.sizes(operand, inner, place, depth + 1) if inner == 2 else []
+            if found is None or inner > 2:
+                return None
+            made += [found[axis]] if found else []
+        return made if len(made) == rank else None
+
+    def of_part(self, value: AST, rank: int, place: AST, depth: int) -> list[AST] | None:
+        base = value.value if isinstance(value, Subscript) else value
+        subscripts = indices(value) if isinstance(value, Subscript) else []
+        if not isinstance(base, Name):
+            return None
+        if isinstance(value, Subscript) and base.id in self.made and isinstance(subscripts[0], Slice):
+            return self.sizes(base, rank, place, depth + 1)
+        if any(isinstance(s, (Slice, Constant)) and getattr(s, "value", None) in (None, Ellipsis) or self.typing.of(
+                s).is_array or self.typing.of(s).kind == "unknown" for s in subscripts):
+            return None
+        if self.there(base, place) or not subscripts and self.is_bound_before(base.id, place):
+            return [index(attribute(base, "shape"), const(len(subscripts) + k)) for k in range(rank)]
+        made = [s.value for s in self.bound if s.targets[0].id == base.id]
+        return self.sizes(made[0], rank, place, depth + 1) if made and not subscripts else None
+
+    def is_bound_before(self, identifier: str, place: AST) -> bool:
+        """Whether a name stands for an array before a statement, which a row that it stands for later has to fit."""
+        return any(isinstance(s, Assign) and isinstance(s.targets[0], Name) and s.targets[0].id == identifier
+                   and self.order[id(s)] < self.order[id(place)] for s in self.function.body)
+
+    def there(self, node: AST, place: AST) -> bool:
+        """Whether all names of an expression are bound before a statement, each once."""
+        parameters = {p.id for p in self.function.args.args}
+        for n in walk(node):
+            if isinstance(n, Name) and "." not in n.id:
+                stores = [m for m in walk(self.function.body) if isinstance(m, Name) and m.id == n.id
+                          and isinstance(m.ctx, Store)]
+                early = n.id in parameters or stores and all(self.order[id(m)] < self.order[id(place)] for m in stores)
+                if not early or len(stores) > 1:
+                    return False
+        return True

@@ -1,0 +1,1 @@
+"""Whole-array statements as loops over elements, and allocations outside of loops."""

@@ -1,0 +1,194 @@
+"""element_of: one element of a whole-array expression, by its position.
+
+    u[1:-1] + c * v[:, None]        at i, j     u[i + 1, j] + c * v[i]
+    np.roll(u, 1, axis=0)           at i, j     u[(i - 1) % u.shape[0], j]
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import reduce
+
+from s2sad import rules
+from s2sad.infer.inference import Typing
+from s2sad.infer.signatures.laws import ONE, moved_axes, whole_number
+from s2sad.infer.shapes import Shapes
+from s2sad.infer.slice_extents import is_step, spelled
+from s2sad.tree import (
+    AST, Attribute, BinOp, Call, Constant, FloorDiv, Mod, Name, Slice, Subscript, Tuple, add, call_name,
+    const, copy, index, indices, mult, name, rebuild, sub,
+)
+
+
+class Elements:
+    """Elements of the expressions of one function; positions are integer expressions, one for each axis."""
+
+    def __init__(self, typing: Typing, shapes: Shapes):
+        self.typing, self.shapes = typing, shapes
+        self.walked: dict[str, list[AST]] = {}  # where the mask of the statement, by its name, is walked
+
+    def element(self, node: AST, positions: list[AST]) -> AST:
+        """The element of an expression at these positions; what is no array stays as it is."""
+        def change(n: AST) -> AST | None:
+            if not self.typing.of(n).is_array:
+                asked = isinstance(n, (Subscript, Attribute, Name)) or call_name(n) == "builtins.len"
+                return copy(n) if asked else None
+            if isinstance(n, Name):
+                return self.load(n, [Slice(None, None, None)] * self.typing.of(n).rank, positions)
+            if isinstance(n, Subscript):
+                return self.load(n.value, self.shapes.full(indices(n), self.typing.of(n.value).rank), positions)
+            moved = _MOVED.get(call_name(n) or "")
+            return moved(self, n, positions) if moved else None
+        return rebuild(node, change)
+
+    def load(self, base: AST, subscripts: list[AST], positions: list[AST]) -> AST:
+        """The element of a part of an array."""
+        assert isinstance(base, Name)
+        arrays = [k for s in subscripts if not isinstance(s, Slice) and (k := self.typing.of(s)).is_array]
+        masked = any(a.dtype == "bool" for a in arrays)
+        picked = 0 if not arrays else 1 if masked else max(a.rank for a in arrays)
+        waiting = positions[len(positions) - picked - sum(isinstance(s, Slice) or _is_new(s) for s in subscripts):]
+        held: list[AST] | None = None
+        made: list[AST] = []
+        for subscript in subscripts:
+            if _is_new(subscript):
+                waiting = waiting[1:]
+            elif not isinstance(subscript, Slice) and (kind := self.typing.of(subscript)).is_array:
+                if held is None:
+                    held, waiting = waiting[:picked], waiting[picked:]
+                made += map(copy, self.walked[subscript.id]) if masked else [
+                    self.element(subscript, held[picked - kind.rank:])]
+            elif isinstance(subscript, Slice):
+                made.append(self.cell(base.id, len(made), subscript, waiting[0]))
+                waiting = waiting[1:]
+            else:
+                made.append(copy(subscript))
+        return index(name(base.id), *made)
+
+    def cell(self, base: str, axis: int, part: Slice, position: AST) -> AST:
+        """The index on one axis of the element at a position of a slice; of a single one whatever the position."""
+        size = self.shapes.own(base, axis)
+        shapes = self.shapes.here(part, size)
+        span = shapes.span(part, size)
+        assert span is not None, "the bounds of a slice are names and numbers"
+        start, _, step = span
+        if shapes.sliced(part, shapes.of(name(base))[axis]) == ONE:
+            return self.shapes.expression(start, reduced=False)
+        form = self.shapes.size(position)
+        if form is None:
+            moved = position if is_step(step, 1) else mult(position, spelled(step))
+            return copy(moved) if not start.terms and not start.constant else add(
+                self.shapes.expression(start, reduced=False), copy(moved))
+        return self.shapes.expression(self.shapes.moved(self.shapes.reduced(start), form, step))
+
+    def size_of(self, node: AST, axis: int) -> AST:
+        """The size of an axis of an array or a part of one."""
+        if isinstance(node, Name):
+            return self.shapes.expression(self.shapes.own(node.id, axis), reduced=False)
+        size = self.shapes.of(node)[axis]
+        assert size is not None
+        return self.shapes.expression(size)
+
+
+def _is_new(node: AST) -> bool:
+    return isinstance(node, Constant) and node.value is None
+
+
+# -- functions that move elements about ------------------------------------------------------------------------------
+
+def _roll(elements: Elements, node: AST, positions: list[AST]) -> AST:
+    arguments = _arguments(node)
+    x, shift, axis = arguments["x"], arguments["shift"], arguments["axis"]
+    moved = list(positions)
+    sizes = [elements.size_of(x, k) for k in range(len(positions))]
+    if _is_new(axis) and len(positions) > 1:
+        back = BinOp(_back(_number(positions, sizes), shift), Mod(), reduce(mult, map(copy, sizes)))
+        return elements.element(x, _places(back, sizes))
+    k = (whole_number(axis) or 0) % len(positions)
+    moved[k] = BinOp(_back(moved[k], shift), Mod(), sizes[k])
+    return elements.element(x, moved)
+
+
+def _back(position: AST, shift: AST) -> AST:
+    number = whole_number(shift)
+    return add(position, const(-number)) if number is not None and number < 0 else sub(position, copy(shift))
+
+
+def _number(positions: list[AST], sizes: list[AST]) -> AST:
+    """The number of an element in the order of rows."""
+    found = positions[0]
+    for position, size in zip(positions[1:], sizes[1:]):
+        found = add(mult(found, copy(size)), position)
+    return found
+
+
+def _places(number: AST, sizes: list[AST]) -> list[AST]:
+    """Where the element with a number in the order of rows lies."""
+    found: list[AST] = []
+    for size in reversed(sizes[1:]):
+        found.insert(0, BinOp(copy(number), Mod(), copy(size)))
+        number = BinOp(number, FloorDiv(), copy(size))
+    return [number, *found]
+
+
+def _flip(elements: Elements, node: AST, positions: list[AST]) -> AST:
+    x, axis = _arguments(node)["x"], _arguments(node)["axis"]
+    rank = len(positions)
+    axes = range(rank) if isinstance(axis, Constant) and axis.value is None else [
+        (whole_number(a) or 0) % rank for a in _listed(axis)]
+    moved = [sub(sub(elements.size_of(x, k), const(1)), p) if k in axes else p for k, p in enumerate(positions)]
+    return elements.element(x, moved)
+
+
+def _transpose(elements: Elements, node: AST, positions: list[AST]) -> AST:
+    return elements.element(node.args[0], positions[::-1])
+
+
+def _moveaxis(elements: Elements, node: AST, positions: list[AST]) -> AST:
+    order = moved_axes(_arguments(node), len(positions)) or []
+    return elements.element(node.args[0], [positions[order.index(k)] for k in range(len(positions))])
+
+
+def _outer(elements: Elements, node: AST, positions: list[AST]) -> AST:
+    a, b = node.args
+    return mult(elements.element(a, positions[:1]), elements.element(b, positions[1:]))
+
+
+def _reshape(elements: Elements, node: AST, positions: list[AST]) -> AST:
+    """By way of the number of an element in the order of rows."""
+    x = node.args[0]
+    shape = elements.shapes.of(node)
+    kept = [(p, s) for p, s in zip(positions, shape) if s != ONE]
+    inner = [k for k, s in enumerate(elements.shapes.of(x)) if s != ONE]
+    moved: list[AST] = [const(0)] * elements.typing.of(x).rank
+    if len(kept) == len(inner) == 1:
+        moved[inner[0]] = kept[0][0]
+        return elements.element(x, moved)
+    number = kept[0][0] if kept else const(0)
+    for position, size in kept[1:]:
+        assert size is not None
+        number = add(mult(number, elements.shapes.expression(size)), position)
+    for k in reversed(inner):
+        moved[k] = number if k == inner[0] else BinOp(copy(number), Mod(), elements.size_of(x, k))
+        number = BinOp(number, FloorDiv(), elements.size_of(x, k))
+    return elements.element(x, moved)
+
+
+def _arguments(node: AST) -> dict[str, AST]:
+    rule = rules.find_array(call_name(node))
+    assert rule is not None and isinstance(node, Call)
+    return rule.arguments(node)
+
+
+def _listed(node: AST) -> list[AST]:
+    return list(node.elts) if isinstance(node, Tuple) else [node]
+
+
+_MOVED: Mapping[str, Callable[[Elements, AST, list[AST]], AST]] = {
+    "numpy.roll": _roll, "numpy.flip": _flip, "numpy.transpose": _transpose, "numpy.moveaxis": _moveaxis,
+    "numpy.reshape": _reshape, "numpy.ravel": _reshape, "numpy.outer": _outer,
+}
+
+
+def moves(node: AST) -> bool:
+    """Whether an expression is a call of a function that only moves elements about (or multiplies them one by one)."""
+    return call_name(node) in _MOVED

@@ -1,0 +1,76 @@
+"""shape_guards: what generated code asserts of sizes, with what to do where it does not hold.
+
+    x[n - 5:] *= 2.0                assert n - 5 >= 0, "a slice starts before ..."
+                                    x[n - 5:] *= 2.0
+    u += v                          assert u.shape == v.shape, "shapes that differ ..."
+                                    u += v
+"""
+from __future__ import annotations
+
+from s2sad.tree import AST, Assert, Constant, Eq, Gt, GtE, Lt, attribute, compare, const, copy
+
+INSIDE = "a slice reaches out of its array, where NumPy takes less: bound it by max(..., 0) or min(..., n)"
+EQUAL = "shapes differ: a length of 1 repeats only where it is written, as in x[:, None] or x[:1], or an argument's"
+
+ROWS = ("an array of another size than the others is put into a list, whose arrays have one size: give arrays of "
+        "different sizes different names")
+TRIPS = "a loop in which a number becomes an array has no trip: start with an array, np.zeros(...), not with a number"
+COUNTS = "a bound of a slice counts from the end, where parts of an array are to lie side by side: give it from 0"
+CONTIGUOUS = ("an array that is reshaped and written is not contiguous, where NumPy writes a copy: pass "
+              "np.ascontiguousarray(...), or write it as a loop")
+FORWARDS = "the step of a slice is not positive, where it is not a written number: write a loop"
+EXCHANGED = "names swap arrays of different sizes in a branch: swap what arrays of one size hold"
+LEFT = "a size of np.reshape is negative: write -1 where it stands, or bind it to a name of its own: n = -1"
+ELEMENTS = "an array is reshaped to another number of elements: give np.reshape sizes that multiply to its own"
+SPARSE = "a sparse matrix and what it meets differ in size"
+
+
+def matching(a: AST, b: AST) -> Assert:
+    """The guard that a size is that of a sparse matrix."""
+    return Assert(compare(a, Eq(), b), const(SPARSE))
+
+
+def equal(a: AST, b: AST) -> Assert:
+    """The guard that two shapes, or two sizes, are equal."""
+    return Assert(compare(a, Eq(), b), const(EQUAL))
+
+
+def as_many(a: AST, b: AST) -> Assert:
+    """The guard that a reshape leaves the number of elements as it is."""
+    return Assert(compare(a, Eq(), b), const(ELEMENTS))
+
+
+def of_one_size(guard: AST) -> AST:
+    """A guard that two sizes are equal, where an array is put into a list."""
+    same = isinstance(guard, Assert) and isinstance(guard.msg, Constant) and guard.msg.value == EQUAL
+    return Assert(guard.test, const(ROWS)) if same else guard
+
+
+def trips(start: AST, stop: AST, step: int) -> Assert:
+    """The guard that a loop has a trip."""
+    return Assert(compare(copy(start), Lt() if step > 0 else Gt(), copy(stop)), const(TRIPS))
+
+
+def inside(room: AST, text: str) -> Assert:
+    """The guard that there is room in an array for a slice of a statement, with the first line of its text."""
+    return Assert(compare(room, GtE(), const(0)), const(f"{INSIDE}: {text}"))
+
+
+def contiguous(array: AST) -> Assert:
+    """The guard that an array lies in memory element after element, so that NumPy reshapes it without a copy."""
+    return Assert(attribute(attribute(array, "flags"), "c_contiguous"), const(CONTIGUOUS))
+
+
+def forwards(rest: AST) -> Assert:
+    """The guard that the step of a slice is positive."""
+    return Assert(compare(rest, GtE(), const(0)), const(FORWARDS))
+
+
+def counts(size: AST) -> Assert:
+    """The guard that what the bounds of slices are made of is not negative: parts of an array lie side by side then."""
+    return Assert(compare(copy(size), GtE(), const(0)), const(COUNTS))
+
+
+def written(size: AST) -> Assert:
+    """The guard that a size of a reshape is one, not -1 for what is left."""
+    return Assert(compare(copy(size), GtE(), const(0)), const(LEFT))

@@ -1,0 +1,27 @@
+"""type_table: the types of all names, once it is clear what contradicts itself.
+
+Requires structured form (`declared_types`), one name a binding (`inferred_types`); establishes `context.typing`, whose
+table the passes that make names add to. Changes nothing.
+"""
+from __future__ import annotations
+
+from s2sad.infer.inference import inference
+from s2sad.normalize.context import NormalContext
+from s2sad.tree import FunctionDef
+
+
+def reported_types(function: FunctionDef, context: NormalContext) -> None:
+    """From here on what an expression contradicts is said when its type is asked for."""
+    context.typing = context.typed(context.typing.table, context.report)
+
+
+def declared_types(function: FunctionDef, context: NormalContext) -> None:
+    """Says what contradicts itself among the types, where no check has said more."""
+    context.report.found += context.pending.found
+    context.typing = context.typed(context.typing.table, context.report, final=True)
+
+
+def inferred_types(function: FunctionDef, context: NormalContext) -> None:
+    """The types of the names that `single_assignment` has made."""
+    table = inference(function, context.given, context.callees.call_types, context.report, context.typing.constants)
+    context.typing = context.typed(table, context.report)

@@ -1,0 +1,172 @@
+"""contiguity: which arrays lie in memory element after element, in C's order, where NumPy reshapes without a copy.
+
+Requires structured form in which functions of whole arrays stand alone. What NumPy makes keeps the order of what it is
+made from; a parameter lies as the caller has it, which is a guard's to ask.
+
+    f = np.ravel(u)                 assert u.flags.c_contiguous, "an array is reshaped and written ..."
+    f[0] = 1.0                      f = np.ravel(u)
+                                    f[0] = 1.0
+
+An order that is asked for, as in `np.copy(u, order="F")`, goes before that; one other than C's is that of a copy.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence, Set
+
+from s2sad import rules
+from s2sad.infer.inference import Typing
+from s2sad.infer.signatures.laws import whole_number
+from s2sad.infer.slice_extents import is_whole
+from s2sad.normalize.context import NormalContext
+from s2sad.normalize.shape_guards import contiguous
+from s2sad.tree import (
+    AST, Assign, BinOp, Call, Constant, FunctionDef, Name, Slice, Store, Subscript, UnaryOp, at, call_name, copy,
+    indices, name, walk,
+)
+
+Asked = Callable[[Call], Sequence[int]]
+_MADE = {f"numpy.{f}" for f in "zeros empty ones full dot outer eye arange linspace".split()}
+_ALIKE = {f"numpy.{f}" for f in ("zeros_like", "empty_like", "ones_like", "full_like", "copy", "array")}
+_KEEPING = {f"numpy.{f}" for f in ("asarray", "ascontiguousarray", "reshape", "ravel")}
+_TURNING = {f"numpy.{f}" for f in (
+    "transpose", "flip", "fliplr", "flipud", "rot90", "squeeze", "swapaxes", "moveaxis", "expand_dims", "atleast_1d",
+    "atleast_2d", "broadcast_to", "diagonal", "diag", "split", "array_split", "hsplit", "vsplit", "real", "imag")}
+
+
+class Contiguity:
+    """What the parameters of one function, as it is written, must be for its arrays to lie so; `moved` are names of
+    arrays that stand for others in NumPy, which may lie otherwise: lists' items, a called function's results."""
+
+    def __init__(self, function: FunctionDef, typing: Typing, moved: Set[str] = frozenset()):
+        self.typing, self.moved = typing, moved
+        self.parameters = {p.id for p in function.args.args}
+        self.bound: dict[str, list[AST | None]] = {}
+        for statement in walk(function.body):
+            target = statement.targets[0] if isinstance(statement, Assign) else None
+            for n in walk(target) if target is not None else ():
+                if isinstance(n, Name) and isinstance(n.ctx, Store):
+                    self.bound.setdefault(n.id, []).append(statement.value if n is target else None)
+        self._known: dict[str, frozenset[str] | None] = {}
+
+    def same(self, identifier: str, other: str) -> None:
+        """Another name is bound to what a name is bound to."""
+        self.bound[other] = self.bound.get(identifier, [None])
+
+    def needs(self, node: AST) -> frozenset[str] | None:
+        """The parameters that must lie so for an array to do; None if it may not even then."""
+        if isinstance(node, Name):
+            return self._name(node.id)
+        if isinstance(node, Subscript):
+            return self.needs(node.value) if self._leads(node) else self._fresh(node) if self._picks(node) else None
+        called = call_name(node)
+        if called is None:
+            plain = isinstance(node, (BinOp, UnaryOp))
+            return self._elementwise(node) if plain else None
+        if called in _MADE or called in _ALIKE or called in _KEEPING:
+            return self._made(called, node)
+        if called == "numpy.matmul":    # of stacks, and what einsum becomes, is ordered as the operands are
+            return frozenset() if self.typing.of(node).rank < 2 else self._elementwise(node)
+        if called in _TURNING or called.startswith("user."):
+            return None
+        return self._elementwise(node) if rules.find_array(called) is None else self._fresh(node)
+
+    def _made(self, called: str, node: Call) -> frozenset[str] | None:
+        """What is made lies in the order that is asked for, and else as NumPy has it, or as what it is made from."""
+        order = asked_order(node)
+        if order == "C" or called == "numpy.ascontiguousarray" or called in _MADE and order == "K":
+            return frozenset()
+        inner = node.args[0]
+        if order != "K":
+            return self._fresh(node)
+        if not self.typing.of(inner).is_array or not isinstance(inner, (Name, Subscript, Call, BinOp, UnaryOp)):
+            return frozenset()
+        fresh = None if called in _KEEPING else self._fresh(node)
+        return fresh if fresh is not None else self.needs(inner) if called in _KEEPING else self._ordered(inner)
+
+    def _name(self, identifier: str) -> frozenset[str] | None:
+        if identifier not in self._known:
+            found: frozenset[str] | None = frozenset({identifier} & self.parameters)
+            if identifier in self.moved:
+                return self._fresh(name(identifier))
+            if not found and identifier not in self.bound:
+                return None
+            self._known[identifier] = found     # where it is made from itself
+            for value in self.bound.get(identifier, ()):
+                inner = None if value is None else self.needs(value)
+                found = None if found is None or inner is None else found | inner
+            self._known[identifier] = found
+        return self._known[identifier]
+
+    def _fresh(self, node: AST) -> frozenset[str] | None:
+        """Of what a function makes anew is known how it lies where it has one axis."""
+        return frozenset() if self.typing.of(node).rank <= 1 else None
+
+    def _elementwise(self, node: AST) -> frozenset[str] | None:
+        """An expression's array has its axes in the order of its operands'."""
+        if (found := self._fresh(node)) is not None:
+            return found
+        found = frozenset()
+        parts = [*node.args] if isinstance(node, Call) else [node.operand] if isinstance(node, UnaryOp) else [
+            node.left, node.right] if isinstance(node, BinOp) else None
+        for part in parts if parts is not None else ():
+            if self.typing.of(part).is_array:
+                inner = self._ordered(part)
+                if inner is None:
+                    return None
+                found |= inner
+        return found if parts else None
+
+    def _ordered(self, node: AST) -> frozenset[str] | None:
+        """The same for an array's axes to be in the order of how far their elements lie apart."""
+        plain = isinstance(node, Subscript) and not self._picks(node)
+        return self._ordered(node.value) if plain else self.needs(node)
+
+    def _picks(self, node: Subscript) -> bool:
+        return any(not isinstance(s, Slice) and self.typing.of(s).is_array for s in indices(node))
+
+    def _leads(self, node: Subscript) -> bool:
+        """Whether a subscript takes what lies together: numbers first, a slice of one axis, then all of the others."""
+        if self._picks(node):
+            return False
+        sliced = False
+        for subscript in indices(node):
+            if isinstance(subscript, Constant) and subscript.value is None or is_whole(subscript) and sliced:
+                continue
+            if not isinstance(subscript, Slice):
+                if sliced:
+                    return False
+                sliced = isinstance(subscript, Constant) and subscript.value is Ellipsis
+            elif sliced or subscript.step is not None and whole_number(subscript.step) != 1:
+                return False
+            sliced = sliced or isinstance(subscript, Slice)
+        return True
+
+
+def asked_order(node: Call) -> str:
+    """The order in memory that a call asks for: "C", "F", "K" for what it has by itself; "" if it is not certain."""
+    given = [k.value for k in node.keywords if k.arg == "order"]
+    written = given[0].value if given and isinstance(given[0], Constant) else "" if given else None
+    return "K" if written is None else known if (known := str(written).upper()) in ("C", "F", "K") else ""
+
+
+def contiguous_arguments(function: FunctionDef, context: NormalContext) -> None:
+    """Adds the parameters that must lie so for the arguments of kernels that ask for it; what may not is reported."""
+    found, whole, report = context.contiguous, context.contiguity, context.report
+    for node in walk(function.body):
+        if isinstance(node, Call) and (call_name(node) or "").startswith("user."):
+            called = context.callees.of_call(node, context.typing)
+            for argument in (node.args[k] for k in called.contiguous):
+                needed = whole.needs(argument)
+                if needed is None:
+                    report.error("S201", "an array that the function reshapes and writes may not be contiguous here: "
+                                 "NumPy would write a copy", argument,
+                                 help="give it a copy that np.zeros(...) allocates, or write it as a loop")
+                found |= needed or set()
+
+
+def contiguity_guards(function: FunctionDef, context: NormalContext) -> FunctionDef:
+    """The function with a guard for each parameter that must lie so."""
+    needed = context.contiguous
+    new = copy(function)
+    new.body = [*(at(contiguous(name(p.id)), function) for p in function.args.args if p.id in needed), *new.body]
+    return new

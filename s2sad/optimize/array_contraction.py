@@ -1,0 +1,177 @@
+"""array_contraction: an array whose elements are produced and consumed in one iteration becomes a scalar.
+
+An array of the function's own that one nest alone references, always at the element of its iteration, is contracted:
+
+    for i in range(n):                  for i in range(n):
+        w_bar[i] += g[i]                    w_bar_here = 0.0
+        x_bar[i] += a * w_bar[i]            w_bar_here += g[i]
+        w_bar[i] = 0.0                      x_bar[i] += a * w_bar_here
+
+and where one nest increments an array of zeros and the next one clears it, the increment becomes a store and the clear
+goes:
+
+    for i in range(n):                  for i in range(n):
+        w_bar[i] += g[i]                    w_bar[i] = g[i]
+    for i in range(n):                  for i in range(n):
+        x_bar[i] += w_bar[i]                x_bar[i] += w_bar[i]
+        w_bar[i] = 0.0
+
+*Requires* nests that loop fusion has made. *Establishes* the same values.
+"""
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+
+from s2sad.liveness import base_name
+from s2sad.blocks import with_blocks
+from s2sad.infer.types import Type
+from s2sad.naming import Names
+from s2sad.optimize.loop_bounds import bound_names, counter_offset
+from s2sad.optimize.iteration_spaces import IterationSpaces
+from s2sad.optimize.loop_nests import Nest
+from s2sad.tree import (
+    AST, Assign, Attribute, AugAssign, Call, Constant, FunctionDef, If, Name, Sub, Subscript, assign, at, augment,
+    call_name, const, copy, dump, indices, name, names, negate, rebuild, walk,
+)
+
+_LIKE = {"numpy.empty_like", "numpy.zeros_like"}
+_ALLOCATORS = {"numpy.empty", "numpy.zeros"} | _LIKE
+
+
+class Contractible:
+    """The arrays of one function that may be contracted."""
+
+    def __init__(self, function: FunctionDef, extents: IterationSpaces, types: Mapping[str, Type], free: Names):
+        self.free = free
+        self.numbers: dict[str, str] = {}   # the array of which a number is an element
+        parameters = {p.id for p in function.args.args}
+        self.allocators = {n.targets[0].id: call_name(n.value) or "" for n in function.body if isinstance(n, Assign)
+                     and isinstance(n.targets[0], Name) and call_name(n.value) in _ALLOCATORS}
+        places = Counter(base_name(n) for n in walk(function.body) if isinstance(n, Subscript)
+                         and isinstance(n.value, Name))
+        mentions = Mentions(function.body)
+        self.places = {a: places[a] for a in self.allocators if a in extents.fixed and a not in parameters
+                       and a in types
+                       and types[a].dtype == "float64" and mentions.only_by_elements(a, bound=1)}
+
+    def contract(self, nests: list[Nest], extents: IterationSpaces) -> None:
+        """Contracts arrays in the bodies of the nests of one block."""
+        using: dict[str, list[Nest]] = {}
+        for nest in nests:
+            for array in {base_name(n) for n in walk(nest.body) if isinstance(n, Subscript)}:
+                using.setdefault(array, []).append(nest)
+        for array, total in self.places.items():
+            users = [(nest, _references(array, nest.body)) for nest in using.get(array, ())]
+            if sum(len(places) for _, places in users) != total or any(
+                    len({dump(p.slice) for p in places}) > 1 for _, places in users):
+                continue
+            if len(users) == 1:
+                self.contract_to_scalar(array, *users[0])
+            elif len(users) == 2 and self.allocators[array].startswith("numpy.zeros"):
+                self.drop_clear(array, users[0][0], users[1][0], extents)
+
+    def is_produced_for(self, first: list[AST], second: list[AST]) -> bool:
+        """Whether one body produces an array that only the other one consumes, at the same element."""
+        for array, total in self.places.items():
+            given, taken = _references(array, first), _references(array, second)
+            if given and taken and len(given) + len(taken) == total and len(
+                    {dump(p.slice) for p in (*given, *taken)}) == 1 and _is_fill(
+                    next(s for s in first if _references(array, [s])), array):
+                return True
+        return False
+
+    def contract_to_scalar(self, array: str, nest: Nest, places: list[Subscript]) -> None:
+        """Replaces an array of one nest by a scalar."""
+        if bound_names(nest.body) & set(names(places[0].slice)):
+            return
+        using = [s for s in nest.body if _references(array, [s])]
+        body, before = list(nest.body), []
+        if not _is_fill(using[0], array):
+            if not self.allocators[array].startswith("numpy.zeros") or not _is_clear(using[-1]):
+                return
+            body = [s for s in body if s is not using[-1]]
+            before = [0.0]
+        here = self.free.fresh(f"{array}_here")
+        self.numbers[here] = array
+
+        def change(node: AST) -> AST | None:
+            return name(here) if isinstance(node, Subscript) and base_name(node) == array else None
+        nest.body = [at(assign(here, const(v)), using[0]) for v in before] + [
+            _with_scalar_target(rebuild(s, change)) if any(s is u for u in using) else s for s in body]
+
+    def drop_clear(self, array: str, first: Nest, second: Nest, extents: IterationSpaces) -> None:
+        """Makes the increment in the first nest a store, where the second nest clears the array."""
+        fills = next(s for s in first.body if _references(array, [s]))
+        clears = [s for s in second.body if _references(array, [s])][-1]
+        if not isinstance(fills, AugAssign) or not _is_clear(clears) or _references(array, [fills.value]) or not (
+                isinstance(fills.target, Subscript)) or _iteration_region(array, first) is None:
+            return
+        if _iteration_region(array, first) != _iteration_region(array, second) or not extents.are_equal(
+                first.trip_counts, second.trip_counts):
+            return
+        value = negate(copy(fills.value)) if isinstance(fills.op, Sub) else copy(fills.value)
+        first.body = [at(assign(copy(fills.target), value), s) if s is fills else s for s in first.body]
+        second.body = [s for s in second.body if s is not clears]
+
+
+def _references(array: str, body: list[AST]) -> list[Subscript]:
+    return [n for n in walk(body) if isinstance(n, Subscript) and base_name(n) == array]
+
+
+def _is_fill(statement: AST, array: str) -> bool:
+    """Whether a statement stores into the array and does not read it."""
+    return isinstance(statement, Assign) and isinstance(statement.targets[0], Subscript) and base_name(
+        statement.targets[0]) == array and not _references(array, [statement.value])
+
+
+def _is_clear(statement: AST) -> bool:
+    """Whether a statement stores zero."""
+    return isinstance(statement, Assign) and isinstance(statement.targets[0], Subscript) and isinstance(
+        statement.value, Constant) and type(statement.value.value) is float and statement.value.value == 0.0
+
+
+def _iteration_region(array: str, nest: Nest) -> list[tuple[int, int]] | None:
+    """For every axis the loop that runs along it and its first index; None if a subscript is not a counter plus a
+    constant."""
+    found: list[tuple[int, int]] = []
+    for subscript in indices(_references(array, nest.body)[0]):
+        walked = [(k, shift + nest.starts[k].constant) for k, counter in enumerate(nest.counters)
+                  if (shift := counter_offset(subscript, counter)) is not None]
+        found += walked
+        if not walked:
+            return None
+    return found if sorted(k for k, _ in found) == list(range(len(nest.counters))) else None
+
+
+def _with_scalar_target(statement: AST) -> AST:
+    """The statement as a binding of the scalar in place of a store of an element."""
+    if isinstance(statement, If):
+        return with_blocks(statement, lambda block: list(map(_with_scalar_target, block)))
+    if isinstance(statement, AugAssign) and isinstance(statement.target, Name):
+        return at(augment(statement.target.id, statement.op, statement.value), statement)
+    if isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
+        return at(assign(statement.targets[0].id, statement.value), statement)
+    return statement
+
+
+class Mentions:
+    """How often each name is mentioned in a body, and how often as an array of which an element or the shape is read.
+    """
+
+    def __init__(self, body: list[AST]):
+        self.names: Counter[str] = Counter()
+        self.places: Counter[str] = Counter()
+        for node in walk(body):
+            if isinstance(node, Name):
+                self.names[node.id] += 1
+            elif isinstance(node, (Subscript, Attribute)) or isinstance(node, Call) and call_name(node) in _LIKE:
+                holder = node.args[0] if isinstance(node, Call) else node.value
+                self.places[holder.id if isinstance(holder, Name) else ""] += 1
+
+    def only_by_elements(self, array: str, bound: int = 0) -> bool:
+        """Whether an array is mentioned by its elements and its shape only, apart from `bound` bindings of its name."""
+        return self.places[array] + bound == self.names[array]
+
+
+__all__ = ["Mentions", "Contractible"]

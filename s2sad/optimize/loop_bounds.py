@@ -1,0 +1,114 @@
+"""loop_bounds: counted loops and affine forms of their bounds and subscripts, for the loop transformations.
+
+Forms are over names and shapes that a loop does not change; an expression that is not affine has the form None.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping, Set
+from dataclasses import dataclass
+
+from s2sad.infer.affine import Affine, combined
+from s2sad.analyze.dependence import range_parts
+from s2sad.liveness import targets
+from s2sad.simplify.algebra import add_constant, simplify_index
+from s2sad.tree import (
+    AST, Assign, Attribute, AugAssign, BinOp, Constant, For, If, Name, Subscript, UnaryOp, USub, call_name, copy, dump,
+    is_comment, names, stored_names, walk,
+)
+
+
+@dataclass(frozen=True)
+class CountedLoop:
+    """A loop over a range with step 1 or -1 and invariant bounds."""
+    counter: str
+    start: AST
+    stop: AST
+    step: int
+
+    def upwards(self) -> list[AST]:
+        """The arguments of the range of the same counters with step 1."""
+        if self.step > 0:
+            return range_arguments([copy(self.start), copy(self.stop)])
+        return range_arguments([
+            simplify_index(add_constant(copy(bound), 1), integers=True) for bound in (self.stop, self.start)])
+
+    def ends(self, first: int = 0, last: int = 0) -> tuple[Affine, Affine] | None:
+        """The least and the greatest counter, without the given numbers of first and last iterations."""
+        start, stop = affine(self.start), affine(self.stop)
+        if start is None or stop is None:
+            return None
+        if self.step > 0:
+            return start.shift(first), stop.shift(-1 - last)
+        return stop.shift(1 + last), start.shift(-first)
+
+
+def counted_loop(loop: AST) -> CountedLoop | None:
+    """The bounds of a loop over a range, None if its body changes them or its step is neither 1 nor -1."""
+    if not isinstance(loop, For) or call_name(loop.iter) != "builtins.range":
+        return None
+    start, stop, step = range_parts(loop)
+    fixed = {loop.target.id, *names([start, stop])}
+    if step not in (1, -1) or fixed & set(bound_names(loop.body)):
+        return None
+    return CountedLoop(loop.target.id, start, stop, step)
+
+
+def range_arguments(bounds: list[AST]) -> list[AST]:
+    """The arguments of `range` for two bounds: a start of 0 is left out."""
+    first = bounds[0]
+    return bounds[1:] if len(bounds) == 2 and isinstance(first, Constant) and first.value == 0 else bounds
+
+
+def bound_names(block: list[AST]) -> set[str]:
+    """The names that a block binds."""
+    return set(stored_names(block))
+
+
+def affine(node: AST) -> Affine | None:
+    """The affine form of an integer expression over names, sizes and shapes."""
+    if isinstance(node, Constant):
+        return Affine((), node.value) if type(node.value) is int else None
+    if isinstance(node, UnaryOp) and isinstance(node.op, USub):
+        inner = affine(node.operand)
+        return None if inner is None else inner.times(-1)
+    if isinstance(node, Name):
+        return Affine.symbol(node.id)
+    shape = node.value if isinstance(node, Subscript) and isinstance(node.slice, Constant) else node
+    if isinstance(shape, Attribute) and isinstance(shape.value, Name) and shape.attr in ("shape", "size"):
+        return Affine.symbol(dump(node))
+    if not isinstance(node, BinOp):
+        return None
+    return combined(node.op, affine(node.left), affine(node.right))
+
+
+def substitute_symbol(form: Affine, counter: str, by: Affine) -> Affine:
+    """The form with a form in place of a symbol."""
+    factor = dict(form.terms).get(counter, 0)
+    return form.plus(Affine.symbol(counter), -factor).plus(by, factor)
+
+
+def is_nonnegative(form: Affine | None, least: Mapping[str, int]) -> bool:
+    """Whether a form is at least 0 if every counter is at least its bound in `least`."""
+    if form is None or any(c < 0 or s not in least for s, c in form.terms):
+        return False
+    return form.constant + sum(c * least[s] for s, c in form.terms) >= 0
+
+
+def counter_offset(node: AST, counter: str) -> int | None:
+    """The constant d of a subscript `counter + d`; None for any other one."""
+    form = affine(node)
+    return form.constant if form is not None and form.terms == ((counter, 1),) else None
+
+
+def is_loop_free(block: list[AST], writing: Set[str] = frozenset()) -> bool:
+    """Whether a block has only bindings, stores and branches of these, and calls none of the functions `writing`, which
+    write arrays."""
+    return all(is_comment(s) or isinstance(s, (Assign, AugAssign)) and not any(call_name(n) in writing for n in walk(s))
+               or isinstance(s, If) and is_loop_free(s.body, writing) and is_loop_free(s.orelse, writing)
+               for s in block)
+
+
+def stored_elements(block: list[AST]) -> list[Subscript]:
+    """The elements that the statements of a block store into, or increment."""
+    return [t for s in walk(block) if isinstance(s, (Assign, AugAssign)) for t in targets(s)
+            if isinstance(t, Subscript)]

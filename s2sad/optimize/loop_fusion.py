@@ -1,0 +1,213 @@
+"""loop_fusion: adjacent nests over one iteration space become one nest.
+
+    for i in range(s.shape[0]):             for i in range(s.shape[0]):
+        s[i] = u[i] + u[i + 1]                  s[i] = u[i] + u[i + 1]
+    for i in range(1, u.shape[0]):              v[i + 1] = s[i] * u[i + 1]
+        v[i] = s[i - 1] * u[i]
+
+*Requires* a finished derivative for Numba (`primal_contraction` fuses nests of a kernel). *Establishes* the same values
+with one pass through memory; `array_contraction` then contracts what nothing else reads. Fusion is legal where an array
+that one nest writes is referenced by the other at the element of the same iteration only, and no scalar flows between
+iterations, except sums whose order is free. (Kennedy, McKinley, 1993.)
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping, Set
+from s2sad.liveness import base_name, targets
+from s2sad.blocks import with_blocks
+from s2sad.infer.types import Type
+from s2sad.naming import Names
+from s2sad.simplify.algebra import add_constant, simplify_index
+from s2sad.optimize.loop_bounds import bound_names, counted_loop, counter_offset, stored_elements
+from s2sad.optimize.iteration_spaces import IterationSpaces
+from s2sad.optimize.loop_nests import Nest, perfect_nest
+from s2sad.optimize.array_contraction import Mentions, Contractible
+from s2sad.simplify.context import DerivativeContext
+from s2sad.tree import (
+    AST, Add, Assert, Assign, Attribute, AugAssign, Break, FunctionDef, If, Name, Return, Sub, Subscript, copy, dump,
+    indices, is_comment, name, names, rebuild, walk,
+)
+
+CHANGES_ROUNDING = False
+
+_MOST_STATEMENTS, _MOST_PAIRS = 48, 60
+
+
+def loop_fusion(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
+    """The function with its nests joined."""
+    context.names = Names({n.id for n in walk(function) if isinstance(n, Name)} | set(context.types))
+    return fused(function, context.numbers, context.types, context.names, context.writing)
+
+
+def fused(function: FunctionDef, sums: Set[str], types: Mapping[str, Type], free: Names,
+          writing: Set[str] = frozenset()) -> FunctionDef:
+    """The function with its nests joined; `sums` are numbers whose gains come in any order, `writing`
+    the functions that write arrays."""
+    new = copy(function)
+    extents = IterationSpaces(function, writing)
+    new.body = LoopFusion(extents, sums, Contractible(function, extents, types, free)).block(function.body)
+    return new
+
+
+class LoopFusion:
+    """The pass over one function; `only_producers` fuses only a producer of an array with its one consumer."""
+
+    def __init__(self, extents: IterationSpaces, sums: Set[str], between: Contractible, only_producers: bool = False):
+        self.extents, self.sums, self.between, self.only_producers = extents, sums, between, only_producers
+        self.asserted: dict[tuple[str, ...],
+                            list[Assert]] = {}   # what every iteration has asserted, by the loops around
+        self.enclosing: tuple[str, ...] | None = ()                # their bounds; None inside of a branch
+
+    def nested(self, statement: AST) -> AST:
+        """A statement with its blocks fused. A loop that runs only if another one has run may rely on that one's
+        assertions, since sizes do not change."""
+        bounds, outer, known = counted_loop(statement), self.enclosing, dict(self.extents.equal)
+        fixed = bounds is not None and all(
+            self.extents.form(b) is not None for b in (bounds.start, bounds.stop)) and not any(
+            isinstance(n, (Break, Return)) for n in walk(statement))
+        self.enclosing = (*outer, dump(bounds.upwards())) if bounds and fixed and outer is not None else None
+        for assertion in self.asserted.get(self.enclosing, []) if self.enclosing else []:
+            self.extents.assume(assertion)
+        new = with_blocks(statement, self.block)
+        if self.enclosing:
+            self.asserted.setdefault(self.enclosing, []).extend(s for s in statement.body if isinstance(s, Assert))
+        self.extents.equal, self.enclosing = known, outer
+        return new
+
+    def block(self, block: list[AST]) -> list[AST]:
+        made: list[AST | Nest] = []
+        last: int | None = None     # where the nest before stands; behind it are assertions and comments
+        known = dict(self.extents.equal)
+        for statement in block:
+            self.extents.assume(statement)
+            nest = perfect_nest(statement, self.extents)
+            if nest is None:
+                made.append(self.nested(statement))
+                between = is_comment(statement) or last is not None and _may_be_crossed(statement, made[last])
+                last = last if between else None
+                continue
+            first = made[last] if last is not None else None
+            both = self.fused(first, nest) if isinstance(first, Nest) else None
+            if last is not None and both:
+                del made[last]
+            made.append(both or nest)
+            last = len(made) - 1
+        self.between.contract([n for n in made if isinstance(n, Nest)], self.extents)
+        self.extents.equal = known
+        return [s.with_body(s.body) if isinstance(s, Nest) else s for s in made]
+
+    def fused(self, first: Nest, second: Nest) -> Nest | None:
+        """Two nests as one, with the counters of the first; None if fusion is not legal or not worth it. An array that
+        is only produced for the second nest has no size of its own: then the second nest's bounds are kept."""
+        runs = list(map(self.extents.canonical, first.trip_counts))
+        size = _statement_count(first.body) + _statement_count(second.body)
+        if runs != second.trip_counts or size > _MOST_STATEMENTS:
+            return None
+        if {*bound_names(first.body), *first.counters} & second.bounds or bound_names(second.body) & first.bounds:
+            return None
+        if self.only_producers and first.starts == second.starts:
+            given, body = _with_counters_of(second, first), second.body
+            first = Nest(second.loops, second.starts, second.trip_counts, given or [])
+        else:
+            given, body = first.body, _with_counters_of(first, second)
+        if given is None or body is None or not self.is_legal(first, body) or _alias_pairs(
+                [*first.body, *body]) > _MOST_PAIRS:
+            return None
+        if self.only_producers and not self.between.is_produced_for(first.body, body):
+            return None
+        return Nest(first.loops, first.starts, first.trip_counts, [*first.body, *body])
+
+    def is_legal(self, first: Nest, body: list[AST]) -> bool:
+        """Whether each iteration of the second nest may run right after that of the first."""
+        arrays = _subscripted_arrays(first.body) | _subscripted_arrays(body)
+        for array in sorted(arrays):
+            if not self.is_legal_for(array, first, body):
+                return False
+        if any(array not in self.extents.own for array in arrays):
+            return False
+        shared = (bound_names(first.body) & _upward_exposed(body)) | (bound_names(body) & _upward_exposed(first.body))
+        return all(n in self.sums and _is_accumulator(n, [*first.body, *body]) for n in shared - arrays)
+
+    def is_legal_for(self, array: str, first: Nest, body: list[AST]) -> bool:
+        """Whether an array that one nest writes is referenced by the other at the same element only, or not at all."""
+        places = [[n for n in walk(b) if isinstance(n, Subscript) and base_name(n) == array]
+                  for b in (first.body, body)]
+        if not any(base_name(t) == array for t in stored_elements([*first.body, *body])):
+            return True
+        if not all(places):
+            return Mentions([*first.body, *body]).only_by_elements(array)
+        texts = {dump(indices(p)) for found in places for p in found}
+        subscripts = indices(places[0][0])
+        counters = [next((c for c in first.counters if counter_offset(s, c) is not None), None) for s in subscripts]
+        bound = bound_names(first.body) | bound_names(body)
+        return (len(texts) == 1 and set(first.counters) <= set(counters) and not bound & set(names(subscripts))
+                and Mentions([*first.body, *body]).only_by_elements(array))
+
+
+def _may_be_crossed(statement: AST, nest: AST | Nest) -> bool:
+    """Whether a nest may move behind a statement: an assertion that reads nothing that the nest binds or stores."""
+    if not isinstance(statement, Assert) or not isinstance(nest, Nest):
+        return False
+    sizes = {id(n.value) for n in walk(statement) if isinstance(n, Attribute)}
+    read = {n.id for n in walk(statement) if isinstance(n, Name) and id(n) not in sizes}
+    return not read & {*bound_names(nest.body), *nest.counters, *(base_name(t) for t in stored_elements(nest.body))}
+
+
+def _with_counters_of(nest: Nest, other: Nest) -> list[AST] | None:
+    """The body of another nest in terms of a nest's counters; None if these names mean something else there."""
+    if any(a != b and a in names(other.body) for a, b in zip(nest.counters, other.counters)):
+        return None
+    there = {b: simplify_index(add_constant(name(a), t.constant - s.constant), integers=True)
+             for a, b, s, t in zip(nest.counters, other.counters, nest.starts, other.starts)}
+
+    def change(node: AST) -> AST | None:
+        return copy(there[node.id]) if isinstance(node, Name) and node.id in there else None
+    return [simplify_index(rebuild(s, change), integers=False) for s in other.body]
+
+
+def _statement_count(body: list[AST]) -> int:
+    return sum(isinstance(s, (Assign, AugAssign)) for s in walk(body))
+
+
+def _subscripted_arrays(body: list[AST]) -> set[str]:
+    return {base_name(n) for n in walk(body) if isinstance(n, Subscript) and isinstance(n.value, Name)}
+
+
+def _upward_exposed(body: list[AST]) -> set[str]:
+    """The names that a body may read before it binds them."""
+    found: set[str] = set()
+    sure: set[str] = set()
+
+    def visit(block: list[AST], always: bool) -> None:
+        for statement in block:
+            if isinstance(statement, If):
+                found.update(set(names(statement.test)) - sure)
+                visit(statement.body, False)
+                visit(statement.orelse, False)
+            elif isinstance(statement, (Assign, AugAssign)):
+                read = set(names(statement.value))
+                for target in targets(statement):
+                    read |= set(names(target)) if isinstance(target, Subscript) or isinstance(
+                        statement, AugAssign) else set()
+                found.update(read - sure)
+                if always:
+                    sure.update(t.id for t in targets(statement) if isinstance(t, Name))
+    visit(body, True)
+    return found
+
+
+def _is_accumulator(identifier: str, body: list[AST]) -> bool:
+    """Whether a body only increments a number."""
+    increments = sum(isinstance(s, AugAssign) and isinstance(s.op, (Add, Sub)) and isinstance(s.target, Name)
+                and s.target.id == identifier for s in walk(body))
+    return increments == sum(isinstance(n, Name) and n.id == identifier for n in walk(body))
+
+
+def _alias_pairs(body: list[AST]) -> int:
+    """How many pairs of arrays the compiler's run-time alias test compares before the vectorized loop."""
+    written = {base_name(t) for t in stored_elements(body)}
+    others = _subscripted_arrays(body) - written
+    return len(written) * (len(written) - 1) // 2 + len(written) * len(others)
+
+
+__all__ = ["LoopFusion", "fused", "loop_fusion"]

@@ -1,0 +1,317 @@
+"""What the names of a file mean, without running it: imports, functions and plain constants at module level.
+
+Statements are followed in order, as Python would run them on import. A name that is bound under a condition, in a
+loop or by an expression that is not constant arithmetic is known, but unusable, and says so.
+"""
+from __future__ import annotations
+
+import builtins
+import os
+from typing import Any
+
+from s2sad import tree
+from s2sad.read.capture import source_of
+from s2sad.read.constant_folding import folded
+from s2sad.read.source_text import parsed, read_text
+from s2sad.read.namespaces import NamespaceScope
+from s2sad.read.outside_values import (
+    AST, Captured, UserFunctionValue, Namespace, NumberTable, Library, LibraryScope, Meaning, NotConstant, Number,
+    Numbers, ModuleValue, Unusable, dotted, is_number, is_numbers, value_meaning,
+)
+
+LIBRARIES = ("numpy", "math", "scipy", "numba", "s2sad", "builtins", "itertools")
+
+
+class FileModule:
+    """A file's module-level names and what they mean; also the scope of its functions."""
+
+    def __init__(self, path: str, cache: dict[str, FileModule]):
+        self.path, self.cache = path, cache
+        cache[os.path.realpath(path)] = self
+        self.name = os.path.splitext(os.path.basename(path))[0]
+        text = read_text(path)
+        self.source = source_of(path, text)
+        self.meanings: dict[str, Meaning | _Member] = {}
+        self.definitions: list[str] = []
+        module = parsed(self.source, text)
+        for statement in module.body:
+            self._follow(statement)
+        for node in tree.walk(module):
+            if type(node).__name__ == "Global":
+                for name in node.names:
+                    self.meanings[name] = Unusable("changed by a function through 'global'", _PASS_IT)
+            word = _changed(node)
+            if isinstance(self.meanings.get(word), (Namespace, NumberTable, Numbers)):
+                self.meanings[word] = Unusable("changed after it was made", _PASS_IT)
+
+    def lookup(self, name: str) -> Meaning | None:
+        meaning = self.meanings.get(name)
+        if isinstance(meaning, _Member):
+            meaning = self.meanings[name] = meaning.found()
+        if meaning is None and hasattr(builtins, name):
+            return Library(f"builtins.{name}")
+        return meaning
+
+    def known(self) -> list[str]:
+        return list(self.meanings)
+
+    def is_being_imported(self, name: str) -> bool:
+        """Whether a name is what an import of this file is looking for just now: imports may go round in circles."""
+        meaning = self.meanings.get(name)
+        return isinstance(meaning, _Member) and meaning.is_under_way
+
+    def imported(self, module: str, level: int, name: str | None) -> Meaning:
+        """What an import in a function of the file binds."""
+        return _Member(self, module, level, name).found()
+
+    # -- statements ---------------------------------------------------------------------------------------------------
+
+    def _follow(self, statement: AST) -> None:
+        kind = type(statement).__name__
+        if kind in ("FunctionDef", "AsyncFunctionDef"):
+            self.definitions.append(statement.name)
+            self.meanings[statement.name] = UserFunctionValue(statement.name, ("file", self.path, statement.lineno),
+                                                              f"{self.name}.{statement.name}", FileFunction(self,
+                                                                                                            statement))
+            if any(self._gives(d) for d in statement.decorator_list):
+                self.meanings[statement.name] = _GIVEN
+        elif kind == "Expr" and isinstance(statement.value, tree.Call) and self._gives(statement.value):
+            first = statement.value.args[0] if statement.value.args else None
+            text = first.value if isinstance(first, tree.Constant) and isinstance(first.value, str) else ""
+            name = first.id if isinstance(first, tree.Name) else text.partition("(")[0].rpartition(".")[2]
+            if name in self.meanings:
+                self.meanings[name] = _GIVEN
+        elif kind == "ClassDef":
+            self.meanings[statement.name] = Unusable("a class", "pass its fields as arguments, numbers and arrays")
+        elif kind == "Import":
+            self._import(statement)
+        elif kind == "ImportFrom":
+            self._import_from(statement)
+        elif kind in ("Assign", "AnnAssign") and statement.value is not None:
+            targets = statement.targets if kind == "Assign" else [statement.target]
+            self._assign(targets, statement.value)
+        elif kind in ("Try", "TryStar"):
+            self._try(statement)
+        else:
+            self._unclear(statement, "set under a condition, in a loop or by more than an assignment")
+
+    def _gives(self, node: AST) -> bool:
+        """Whether a decorator or a call gives a function a derivative of its own."""
+        path = dotted(self.path_meaning(node.func if isinstance(node, tree.Call) else node))
+        return path in ("s2sad.rule", "s2sad.nondifferentiable")
+
+    def _try(self, statement: AST) -> None:
+        """`try: from numba import prange / except ImportError: ...` means what it imports."""
+        before = dict(self.meanings)
+        for inner in statement.body:
+            self._follow(inner)
+        imported = {n for n, m in self.meanings.items() if before.get(n) is not m
+                    and any(_binds(i, n) for i in statement.body if type(i).__name__.startswith("Import"))}
+        for part in (*statement.handlers, *statement.orelse, *statement.finalbody):
+            self._unclear(part, "set under a condition", imported)
+
+    def _unclear(self, node: AST, why: str, except_for: set[str] | frozenset[str] = frozenset()) -> None:
+        for name in _bound(node):
+            if name not in except_for:
+                self.meanings[name] = Unusable(why, _PASS_IT)
+
+    def _assign(self, targets: list[AST], value: AST) -> None:
+        for target in targets:
+            if isinstance(target, (tree.Tuple, tree.List)) and isinstance(value, (tree.Tuple, tree.List)) \
+                    and len(target.elts) == len(value.elts):
+                meanings = [self._value(item, each) for item, each in zip(target.elts, value.elts)]
+                pairs = list(zip(target.elts, meanings))
+            else:
+                pairs = [(target, self._value(target, value))]
+            for item, meaning in pairs:
+                if isinstance(item, tree.Name):
+                    self.meanings[item.id] = meaning
+                else:
+                    self._unclear(item, "not set by a plain assignment")
+
+    def _value(self, target: AST, value: AST) -> Meaning:
+        name = target.id if isinstance(target, tree.Name) else ""
+        alias = self.path_meaning(value)
+        if isinstance(alias, Number):
+            return Number(name, alias.value)
+        if alias is not None:
+            return alias
+        if isinstance(value, tree.Call):
+            maker = self.path_meaning(value.func) or (self._value(target, value.func)
+                                                      if isinstance(value.func, tree.Call) else None)
+            if maker is not None and dropped_decorator(dotted(maker) or ""):
+                inner = self.path_meaning(value.args[0]) if len(value.args) == 1 else None
+                return inner if isinstance(inner, UserFunctionValue) else maker
+        try:
+            return self._holding(name, self.folded(value))
+        except NotConstant:
+            return Unusable("not constant arithmetic, and the file is read without being run", _PASS_IT)
+
+    def _holding(self, name: str, value: Any) -> Meaning:
+        return Namespace(name, NamespaceScope(name, value, self._holding), "a dict") if isinstance(value, dict) else \
+            value_meaning(name, value)
+
+    def folded(self, node: AST) -> Any:
+        """The value of a constant expression, or of a tuple or list of such; raises NotConstant for any other."""
+        if isinstance(node, (tree.Tuple, tree.List)):
+            found = tuple(map(self.folded, node.elts))
+            if not is_numbers(found):
+                raise NotConstant
+            return found
+        if isinstance(node, tree.Dict) and node.keys and all(
+                isinstance(k, tree.Constant) and isinstance(k.value, str) for k in node.keys):
+            return {k.value: self.folded(v) for k, v in zip(node.keys, node.values)}
+        return folded(node, self.path_meaning)
+
+    def path_meaning(self, node: AST) -> Meaning | None:
+        """The meaning of a name or dotted path, None for anything else."""
+        if isinstance(node, tree.Name):
+            return self.lookup(node.id)
+        if isinstance(node, tree.Attribute):
+            base = self.path_meaning(node.value)
+            return base.scope.lookup(node.attr) if isinstance(base, ModuleValue) else None
+        return None
+
+    # -- imports ------------------------------------------------------------------------------------------------------
+
+    def _import(self, statement: AST) -> None:
+        for alias in statement.names:
+            if alias.asname:
+                self.meanings[alias.asname] = _Member(self, alias.name, 0, None)
+            else:
+                # `import a.b` binds a, from which b is reached
+                self.meanings[alias.name.partition(".")[0]] = _Member(self, alias.name.partition(".")[0], 0, None)
+
+    def _import_from(self, statement: AST) -> None:
+        for alias in statement.names:
+            if alias.name != "*":
+                self.meanings[alias.asname or alias.name] = _Member(self, statement.module or "", statement.level or 0,
+                                                                    alias.name)
+                continue
+            space = self.space(statement.module or "", statement.level or 0)
+            for name in space.scope.known():
+                if not name.startswith("_"):
+                    self.meanings[name] = _Member(self, statement.module or "", statement.level or 0, name)
+
+    def space(self, module: str, level: int) -> ModuleValue:
+        """An imported module: a library's, a file beside this one (or in its package), or a foreign one."""
+        if not level and module.partition(".")[0] in LIBRARIES:
+            return ModuleValue(module, LibraryScope(module))
+        path = next((p for folder in self._folders(level) if (p := _file(folder, module))), None)
+        if path is None:
+            return ModuleValue(module, LibraryScope("." * level + module))
+        found = self.cache.get(os.path.realpath(path)) or FileModule(path, self.cache)
+        return ModuleValue(module, PackageScope(found))
+
+    def _folders(self, level: int) -> list[str]:
+        folder = os.path.dirname(self.path)
+        if level:
+            return [os.path.join(folder, *[".."] * (level - 1))]
+        folders = [folder]
+        while os.path.exists(os.path.join(folder, "__init__.py")) and folder != os.path.dirname(folder):
+            folder = os.path.dirname(folder)
+            folders.append(folder)
+        return folders
+
+
+_GIVEN = Unusable("given a derivative of its own, in a file that is read without being run",
+                  "ask for the derivative in Python, where the file is imported")
+_PASS_IT = "pass it to the kernel as an argument, or write it at module level as a plain number"
+
+
+class PackageScope:
+    """The names of an imported file, not those of builtins; a package's files are reached as attributes, too: by the
+    package itself, which imports them with `from . import helpers`."""
+
+    def __init__(self, module: FileModule):
+        self.module = module
+
+    def lookup(self, name: str) -> Meaning | None:
+        if name in self.module.meanings and not self.module.is_being_imported(name):
+            return self.module.lookup(name)
+        if os.path.basename(self.module.path) == "__init__.py":
+            path = _file(os.path.dirname(self.module.path), name)
+            if path:
+                cache = self.module.cache
+                return ModuleValue(name, PackageScope(cache.get(os.path.realpath(path)) or FileModule(path, cache)))
+        return None
+
+    def known(self) -> list[str]:
+        return self.module.known()
+
+
+class _Member:
+    """An imported name, looked up when it is first used: imports may go round in circles."""
+
+    def __init__(self, importer: FileModule, module: str, level: int, name: str | None):
+        self.importer, self.module, self.level, self.name = importer, module, level, name
+        self.is_under_way = False
+
+    def found(self) -> Meaning:
+        self.is_under_way = True
+        try:
+            space = self.importer.space(self.module, self.level)
+            if self.name is None:
+                return space
+            if not isinstance(space.scope, PackageScope) and (self.level or self.module):
+                inner = self.importer.space(f"{self.module}.{self.name}".lstrip("."), self.level)   # without __init__
+                if isinstance(inner.scope, PackageScope):
+                    return inner
+            return space.scope.lookup(self.name) or Unusable(f"not in the module '{space.name}'", "correct the import")
+        finally:
+            self.is_under_way = False
+
+
+class FileFunction:
+    """A definition in a file that is not run."""
+
+    def __init__(self, module: FileModule, definition: AST):
+        self.module, self.definition = module, definition
+
+    def captured(self) -> Captured:
+        def default(parameter: str, node: AST) -> Any:
+            value = folded(node, self.module.path_meaning) if isinstance(node, tree.List) else self.module.folded(node)
+            if value is None or isinstance(value, str) or is_number(value) or is_numbers(value, tuple):
+                return value
+            raise NotConstant(self.module.path_meaning(node))
+        return Captured(self.definition.name, self.definition, self.module.source, self.module, default)
+
+
+def dropped_decorator(path: str) -> bool:
+    """Whether a decorator, by its dotted path, leaves the function's meaning alone: Numba's jit, all of s2sad's, and
+    those of a class's functions."""
+    root, _, rest = path.partition(".")
+    of_class = path in ("builtins.classmethod", "builtins.property", "builtins.staticmethod")
+    return root == "s2sad" or of_class or (root == "numba" and rest.rpartition(".")[2] in ("jit", "njit"))
+
+
+def _file(folder: str, module: str) -> str | None:
+    base = os.path.join(folder, *module.split(".")) if module else folder
+    paths = (base + ".py", os.path.join(base, "__init__.py"))
+    return next((p for p in paths[not module:] if os.path.isfile(p)), None)
+
+
+def _changed(node: AST) -> str:
+    """The name of what a statement stores an item in, or calls a method of that may change it."""
+    is_store = isinstance(node, (tree.Subscript, tree.Attribute)) and not isinstance(node.ctx, tree.Load)
+    base = node if is_store else node.value.func if isinstance(node, tree.Expr) and isinstance(
+        node.value, tree.Call) and isinstance(node.value.func, tree.Attribute) else None
+    while isinstance(base, (tree.Subscript, tree.Attribute)):
+        base = base.value
+    return base.id if isinstance(base, tree.Name) else ""
+
+
+def _binds(statement: AST, name: str) -> bool:
+    return any((alias.asname or alias.name.partition(".")[0]) == name for alias in statement.names)
+
+
+def _bound(node: AST) -> list[str]:
+    """The names that a statement may bind in its module, at any depth outside functions."""
+    kind = type(node).__name__
+    if kind in ("FunctionDef", "AsyncFunctionDef", "ClassDef"):
+        return [node.name]
+    if kind in ("Import", "ImportFrom"):
+        return [alias.asname or alias.name.partition(".")[0] for alias in node.names]
+    if isinstance(node, tree.Name):
+        return [node.id] if isinstance(node.ctx, tree.Store) else []
+    return [name for child in tree.children(node) for name in _bound(child)]

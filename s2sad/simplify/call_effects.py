@@ -1,0 +1,72 @@
+"""What the functions of a module that is being made read and write."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from s2sad.differentiate.callee_derivatives import POP, PUSH
+from s2sad.infer.inference import Typing
+from s2sad.liveness import Liveness, base_name, targets
+from s2sad.tree import Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, names, walk
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Of a function that was made: the positions of arrays that it reads and writes, and whether it may be dropped."""
+    reads: frozenset[int]
+    writes: frozenset[int]
+    pure: bool
+    arrays: frozenset[int] = frozenset()
+
+
+@dataclass
+class Effects:
+    """The effects of the functions of a module that is being made."""
+    table: dict[str, Effect] = field(default_factory=dict)
+
+    def of(self, called: Call) -> Effect | None:
+        room, _, title = (call_name(called) or "").partition(".")
+        return self.table.get(title) if room == "user" else None
+
+    def writes(self, called: Call) -> list[str]:
+        effect = self.of(called)
+        if call_name(called) in (PUSH, POP):
+            return [base_name(called.args[0])]
+        if effect is None:
+            return []
+        return [b for k, a in enumerate(called.args) if k in effect.writes and (b := base_name(a))]
+
+    def unread(self, called: Call) -> set[str]:
+        effect = self.of(called)
+        if effect is None:
+            return set()
+        bases = [(k, base_name(a)) for k, a in enumerate(called.args) if k in effect.arrays]
+        read = {b for k, b in bases if k in effect.reads}
+        for position, argument in enumerate(called.args):
+            if position not in effect.arrays:
+                read |= set(names(argument))
+            elif isinstance(argument, Subscript):
+                read |= set(names(argument.slice))
+        return {b for _, b in bases if b} - read
+
+    def pure(self, called: Call) -> bool:
+        effect = self.of(called)
+        return (call_name(called) or "") != "builtins.print" and (effect is None or effect.pure)
+
+    def add(self, function: FunctionDef, typing: Typing) -> None:
+        """Registers a finished function."""
+        parameters = [p.id for p in function.args.args]
+        live = Liveness(function, set(), self.writes, self.pure, strong=False, unread=self.unread)
+        reads = {k for k, p in enumerate(parameters) if p in live.start}
+        written: set[str] = set()
+        pure = True
+        for node in walk(function.body):
+            if isinstance(node, (Assign, AugAssign)):
+                written |= {base_name(t) for t in targets(node) if isinstance(t, Subscript)}
+                written |= {base_name(node.target)} if isinstance(node, AugAssign) else set()
+            if isinstance(node, Call):
+                written |= set(self.writes(node))
+                pure = pure and self.pure(node)
+            pure = pure and not isinstance(node, (Assert, Raise))
+        arrays = frozenset(k for k, p in enumerate(parameters) if typing.table[p].is_array)
+        self.table[function.name] = Effect(
+            frozenset(reads), frozenset(k for k in arrays if parameters[k] in written), pure, arrays)

@@ -1,0 +1,54 @@
+"""What calls of units write, what depends on what in them, and which are not run again."""
+from __future__ import annotations
+
+from s2sad.liveness import base_name, targets
+from s2sad.analyze.uses import owns_result
+from s2sad.differentiate.callee_derivatives import is_kernel_call
+from s2sad.tree import AST, Assign, AugAssign, Call, Expr, FunctionDef, Subscript, call_name, walk
+from s2sad.units.unit import Unit
+
+
+class Calls:
+    """Calls of units that are made, by their titles."""
+    titled: dict[str, Unit]
+
+    def called(self, node: Call) -> Unit | None:
+        room, _, title = (call_name(node) or "").partition(".")
+        return self.titled.get(title) if room == "user" else None
+
+    def runs_once(self, node: Call) -> bool:
+        """Whether a kernel's call is not run again by a reverse sweep: its derivative is the user's own."""
+        unit = self.called(node)
+        return unit is not None and unit.once
+
+    def call_writes(self, node: Call) -> list[str]:
+        """The arrays that a call may write."""
+        unit = self.called(node)
+        return [] if unit is None else [base_name(node.args[p]) for p in unit.summary.written]
+
+    def call_edges(self, node: Call) -> list[tuple[int, int | str]]:
+        unit = self.called(node)
+        return [] if unit is None else list(unit.summary.edges)
+
+    def writes(self, statement: AST) -> list[AST]:
+        """The array places that a statement itself overwrites."""
+        found: list[AST] = [t for t in targets(statement) if isinstance(t, Subscript)]
+        if is_kernel_call(statement) and (unit := self.called(statement.value)) is not None:
+            found += [statement.value.args[p] for p in unit.summary.written]
+        return found
+
+    def seen_after(self, statement: AST) -> bool:
+        """Whether a statement's adjoint runs in the state that it leaves: it solves for what it writes."""
+        unit = self.called(statement.value) if is_kernel_call(statement) else None
+        return owns_result(statement) if unit is None else bool(unit.kernel.residual)
+
+
+def written_arrays(tree: FunctionDef, calls: Calls) -> set[str]:
+    """The arrays whose elements a function may write."""
+    found: set[str] = set()
+    for statement in walk(tree.body):
+        if isinstance(statement, (Assign, AugAssign)):
+            found |= {base_name(t) for t in targets(statement) if isinstance(t, Subscript)}
+        if isinstance(statement, (Assign, AugAssign, Expr)) and is_kernel_call(statement):
+            found |= set(calls.call_writes(statement.value))
+    return found

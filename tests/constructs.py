@@ -1,0 +1,95 @@
+"""The constructs of texts for Numba, and the cases of tests/compiled.txt, which Numba compiles so that each is.
+
+A construct is a form of a statement, an operator with the types of its operands, a subscript with those of its indices,
+or a function with those of its arguments, as they are when Python runs the text. What the compiler emits in any case is
+compiled in one at least: `python -m tests.constructs` runs all cases and chooses anew, `python -m tests.constructs
+tests/test_corpus.py -k lists` only among those, and leaves the others as they stand.
+"""
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+
+LIST = Path(__file__).parent / "compiled.txt"
+HEAD = "# What Numba compiles, by case, with the constructs that it is chosen for: python -m tests.constructs\n"
+
+
+@cache
+def listed() -> dict[str, frozenset[str]]:
+    """The cases that Numba compiles, each with what it is chosen for."""
+    found: dict[str, set[str]] = {}
+    for line in LIST.read_text().splitlines() if LIST.exists() else ():
+        if line.startswith("    "):
+            found[next(reversed(found))].add(line.strip())
+        elif line and not line.startswith("#"):
+            found[line] = set()
+    return {case: frozenset(constructs) for case, constructs in found.items()}
+
+
+@cache
+def _compiled() -> frozenset[str]:
+    return frozenset().union(*listed().values())
+
+
+def check(case: str, found: set[str]) -> None:
+    """What a case emits is compiled somewhere, and the case is what it was chosen for."""
+    unheard = sorted(found - _compiled())
+    gone = sorted(listed().get(case, frozenset()) - found)
+    assert not unheard and not gone, (
+        f"{case} emits what no case of tests/compiled.txt does: {unheard}; listed there for it, and not emitted: "
+        f"{gone}; write the list anew: python -m tests.constructs")
+
+
+def write(folder: str, case: str, found: set[str]) -> None:
+    """Adds what a case emits to this process's file."""
+    with Path(folder, f"{os.getpid()}.json").open("a") as file:
+        file.write(json.dumps([case, sorted(found)]) + "\n")
+
+
+def read(folder: str) -> dict[str, set[str]]:
+    """What was written there, by case."""
+    emitted: dict[str, set[str]] = {}
+    for path in Path(folder).glob("*.json"):
+        for line in path.read_text().splitlines():
+            case, constructs = json.loads(line)
+            emitted.setdefault(case, set()).update(constructs)
+    return emitted
+
+
+def chosen(emitted: dict[str, set[str]], kept: dict[str, frozenset[str]]) -> dict[str, set[str]]:
+    """Cases that together emit everything, most constructs for their size first; `kept` are chosen already."""
+    found = {case: set(constructs) for case, constructs in kept.items()}
+    left = set().union(*emitted.values()) - set().union(*found.values())
+    cases = sorted(emitted)
+    while left:
+        best = max(cases, key=lambda c: len(emitted[c] & left) / (20 + len(emitted[c])))
+        found[best] = emitted[best] & left
+        left -= found[best]
+    return found
+
+
+def write_list(found: dict[str, set[str]]) -> None:
+    """Writes tests/compiled.txt."""
+    lines = [HEAD, *(f"{case}\n" + "".join(f"    {c}\n" for c in sorted(found[case])) for case in sorted(found))]
+    LIST.write_text("".join(lines))
+
+
+def main(arguments: list[str]) -> int:
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "pytest", "-q", "-k", "loops", "--constructs", folder]
+        done = subprocess.run([*command, *(arguments or ["tests/test_corpus.py"])], check=False)
+        emitted = read(folder)
+    kept = {case: c for case, c in listed().items() if case not in emitted} if arguments else {}
+    found = chosen(emitted, kept)
+    write_list(found)
+    print(f"{len(emitted)} cases, {len(found)} of them compiled for {len(set().union(*found.values()))} constructs")
+    return done.returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,102 @@
+"""Short idioms: the largest of a list, newaxis by its name, a call that is returned, comprehensions as arguments."""
+from __future__ import annotations
+
+import numpy as np
+from numpy import newaxis
+
+from tests.corpus import Case
+
+X = np.array([0.3, 1.1, 0.7])
+GRID = np.linspace(0.0, 1.0, 3)
+
+
+def extremes(x):
+    h = []
+    for i in range(x.size):
+        h.append(x[i] ** 2)
+        if i == 1:
+            h.append(max(h) * 0.5 + min(h))
+    return max(h) * min(h) + h[2]
+
+
+def axes(x):
+    g = GRID
+    return (x[:, newaxis] * np.sin(x)[newaxis, :] * g).sum()
+
+
+def halved(q, k):
+    q[0] = q[1] ** k
+    if k > 2:
+        return
+    q[1] = q[2] * 2.0
+
+
+def passed_on(q):
+    return halved(q, 2)
+
+
+def returned(q):
+    if q[0] > 5.0:
+        return passed_on(q)
+    q[2] = q[0] * q[1]
+    return passed_on(q)
+
+
+def norm(v):
+    return np.sqrt(v @ v)
+
+
+def changed(v):
+    v[0] = v[0] * 2.0
+    return v.sum()
+
+
+def arguments(x):
+    return norm(np.array([x[i] - x[i - 1] for i in range(1, 3)])) * norm(np.array([v ** 2 for v in x]))
+
+
+def in_order(x):
+    z = x * 1.0
+    s = changed(z) * norm(np.array([v ** 2 for v in z])) + z[0] * changed(z)
+    return s - sum(v * z[0] for v in z) * changed(z) + max([v ** 2 for v in z])
+
+
+def stored(x):
+    x[0] = 2.0
+    return x[1]
+
+
+def beside_a_call(x):
+    z = x * 1.0
+    return stored(z) + np.sum(np.array([v * v for v in z])) * z[0]
+
+
+def calls_inside(x):
+    z = x * 1.0
+    return z[0] * sum(changed(z) * i for i in range(2)) + norm(np.array([changed(z) for _ in range(2)])) * z[0]
+
+
+KERNELS = [extremes, axes, arguments, in_order, beside_a_call, calls_inside]
+
+
+def maybe(x):
+    s = 0.0
+    while sum(v for v in x) + s < 5.0:
+        s += x[0]
+    return s if s > 0.0 else norm(np.array([v for v in x]))
+
+
+def cases():
+    # idioms
+    for kernel in KERNELS:
+        yield Case(kernel, (X,), ("x",))
+    # a call that returns nothing
+    yield Case(returned, (X,), ("q",), ("q",))
+    yield Case(passed_on, (X.astype("float32"),), ("q",), ("q",))
+    # sizes and types
+    yield Case(axes, (X[:1],), ("x",))
+    yield Case(extremes, (X.astype("float32"),), ("x",))
+    yield Case(maybe, (X,), refused=(
+        "S201 at `(v for v in x)`: a comprehension in the test of a loop, or in what may not be evaluated: bind it "
+        "to a name in a statement of its own before\nS201 at `[v for v in x]`: a comprehension in the test of a "
+        "loop, or in what may not be evaluated: bind it to a name in a statement of its own before"))

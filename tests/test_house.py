@@ -1,0 +1,92 @@
+"""The house keeps its order: rooms that can be surveyed, names that occur once, and passes that show what they do."""
+from __future__ import annotations
+
+import inspect
+import sys
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from s2sad.passes import each
+from tests.documents import ROOT
+from tests.pictures import LISTS, Picture, document, functions, pictures, wrong
+from tests.rooms import layers
+
+PACKAGE = ROOT / "s2sad"
+# passes whose docstring has no picture yet, in the order of their lists
+LEFT = (
+    "flat_returns", "itertools_loops", "chained_assignment", "literal_concatenation", "static_options",
+    "tables", "slice_names", "tuple_names", "single_target", "counted_loops", "canonical_calls", "unsettled",
+    "type_tests", "inline", "undecided", "tuple_arguments", "coalesce_names", "requested_dtypes",
+    "copies_in_tuples", "undotted", "weak_results", "operand_types", "complex_support", "own_derivatives",
+    "declared_types", "overflow", "array_literals", "conditional_values", "batched", "searchsorted",
+    "differentiable", "unsupported_views", "contiguous_arguments", "unsupported_lists", "contiguity_guards",
+    "callee_units", "scatter", "check_known", "scalarize_final", "conditional_numbers", "complex_division",
+    "wide_accumulators", "dead_code", "array_anf_added", "initialize_accumulators", "dead_stores",
+    "copy_coalescing", "merge_branches", "split_temporaries", "forward_substitution", "algebra",
+    "if_conversion", "combine_increments", "copy_elision", "common_subexpressions", "remove_marks",
+    "share_temporaries", "wide_numbers", "blocked_products", "index_set_splitting", "loop_memoization",
+    "loop_fusion", "vectorize", "vector_math", "strength_reduction", "unguarded_division", "extremum_scatter",
+)
+# passes whose docstring does not say yet what it establishes
+UNSAID = ("mgrid", "growing", "scipy_linalg", "scipy_solvers", "tuple_results", "einsum",
+          "typed_rewrites", "list_allocation", "lu",)
+# passes that leave facts in the context and the tree as it is
+FACTS = ("reported_types", "inferred_types", "primal_form", "same_primal")
+# rooms in which modules have the names of what they are for, as other modules have
+CONVENTIONS = ("infer/signatures", "normalize/library/expansions", "rules", "runtime")
+
+
+def modules() -> Iterator[Path]:
+    yield from (p.relative_to(PACKAGE) for p in PACKAGE.rglob("*.py"))
+
+
+def test_no_two_modules_share_a_name():
+    found: defaultdict[str, list[Path]] = defaultdict(list)
+    for path in modules():
+        if path.parent.as_posix() not in CONVENTIONS and path.stem not in ("__init__", "context"):
+            found[path.stem].append(path)
+    assert {n: list(map(str, paths)) for n, paths in found.items() if len(paths) > 1} == {}
+
+
+def test_no_folder_is_large():
+    folders: defaultdict[Path, int] = defaultdict(int)
+    for path in modules():
+        folders[path.parent] += 1
+    assert {str(f): n for f, n in folders.items() if n > 30} == {}
+
+
+def test_the_contract_has_few_layers():
+    assert len(layers()) <= 23
+
+
+def test_the_names_of_passes_are_their_stages():
+    titles = [step.title for passes in LISTS[:1] + LISTS[4:6] + LISTS[7:] for step in each(passes)]
+    assert len(titles) == len(set(titles))
+
+
+@pytest.mark.parametrize("function", functions(), ids=lambda f: f.__name__)
+def test_a_pass_says_what_it_requires_and_establishes(function: Callable[..., Any]):
+    said = f"{sys.modules[function.__module__].__doc__} {inspect.getdoc(function)}".lower()
+    complete = "requires" in said and any(word in said for word in ("establish", "changes nothing"))
+    assert complete or function.__name__ in LEFT + UNSAID
+
+
+def shown() -> Iterator[Any]:
+    for function in functions():
+        for number, picture in enumerate(pictures(document(function))):
+            yield pytest.param(function, picture, id=f"{function.__name__}-{number}")
+
+
+@pytest.mark.parametrize(("function", "picture"), list(shown()))
+def test_a_picture_shows_what_the_pass_does(function: Callable[..., Any], picture: Picture):
+    said = wrong(function, picture)
+    assert not said, said
+
+
+def test_every_pass_has_a_picture():
+    missing = [f.__name__ for f in functions() if not any(True for _ in pictures(document(f)))]
+    assert [n for n in missing if n not in FACTS] == list(LEFT)
