@@ -70,7 +70,7 @@ def main(kernel: str, clocked: bool) -> None:
     events = importlib.import_module("numba.core.event")
     recorder = events.RecordingListener()
     events.register("numba:compile", recorder)
-    clocks = {name: _clocked("s2sad.compiler", name) for name in STEPS} if clocked else {}
+    clocks = {name: _clocked("s2sad.dispatch.compiler", name) for name in STEPS} if clocked else {}
     with_compiler = perf_counter()
     clocks["prepare"] = _clocked("s2sad.run.compiled", "prepare")
     call = _call(kernel, numpy, s2sad)

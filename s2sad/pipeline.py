@@ -29,8 +29,7 @@ from s2sad.infer.types import Type, of_value
 from s2sad.evaluate.argument_binding import result_structure
 from s2sad.normalize.calls.global_arrays import global_arrays, hidden_name
 from s2sad.evaluate.expressions.specialize_options import specialize_options
-from s2sad.program import Generated, Parameter, Program, Request
-from s2sad.results import EntrySummary
+from s2sad.program import EntrySummary, Generated, Parameter, Program, Request
 from s2sad.run.user_functions_in_numba import compilable
 from s2sad.naming import Names
 from s2sad.passes import Watch, run, unwatched

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.guards import ABSENT, class_attribute, taken
+from s2sad.live_objects.guards import ABSENT, class_attribute, taken
 from s2sad.infer.types import DTYPES, FLOAT, INT, Type, misfit_of, of_value
 
 LARGEST = 512                           # leaves: longer lists of numbers are arrays

@@ -15,7 +15,7 @@ from s2sad import (
     ReverseWithPrimal, S2sadError, S2sadWarning, autodiff, differentiate, gradient, jvp, make_zero, pipeline,
     value_and_gradient, vjp,
 )
-from s2sad.side_table import forget
+from s2sad.live_objects.side_table import forget
 from tests import called_kernels as kernels
 
 

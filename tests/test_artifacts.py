@@ -15,7 +15,7 @@ import s2sad
 from s2sad.dispatch import artifacts
 from s2sad import pipeline, read
 from s2sad.diagnostics import warn_once
-from s2sad.registry import GIVEN
+from s2sad.live_objects.registry import GIVEN
 from s2sad.run import store
 from s2sad.rules.rule import TABLE
 
@@ -349,6 +349,11 @@ def test_what_is_no_entry_is_a_miss(planted, processes, monkeypatch):
     slope(processes.fresh().f, 2.0)
     monkeypatch.setattr(store, "get", lambda key, kind="data": planted)
     assert slope(processes.fresh().f, 2.0) == 540.0
+
+
+def test_every_module_of_the_package_is_part_of_the_key():
+    package = Path(s2sad.__file__).parent
+    assert [path for path, *_ in artifacts._package_files()] == sorted(map(str, package.rglob("*.py")))
 
 
 def test_numbers_come_back_as_they_were():

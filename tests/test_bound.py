@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from s2sad.unwrap import python_function
+from s2sad.live_objects.unwrap import python_function
 from tests.derivatives import check_derivatives
 
 ENGINES = ("numpy", "numba")

@@ -15,7 +15,7 @@ import pytest
 
 import s2sad
 from s2sad import read
-from s2sad.guards import ABSENT, Guards, recording, same, taken
+from s2sad.live_objects.guards import ABSENT, Guards, recording, same, taken
 from s2sad.run.compiled import available
 
 THIS = sys.modules[__name__]

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import s2sad
-from s2sad import S2sadWarning, diagnostics, differentiate, gradient, progress
-from s2sad.progress import Working
+from s2sad import S2sadWarning, diagnostics, differentiate, gradient
+from s2sad.run import progress
+from s2sad.run.progress import Working
 from s2sad.run import compiled
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.registry import ROOM, imported
+from s2sad.live_objects.registry import ROOM, imported
 from s2sad.rules.rule import RESULT
 from s2sad.tree import AST, Attribute, Call, Name
 

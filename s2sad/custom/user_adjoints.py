@@ -12,8 +12,8 @@ from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.read.capture import capture
-from s2sad.unwrap import python_function
-from s2sad.registry import RegisteredRule, RegisteredDerivative, RuleText
+from s2sad.live_objects.unwrap import python_function
+from s2sad.live_objects.registry import RegisteredRule, RegisteredDerivative, RuleText
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Constant, FunctionDef, Name, Return, Slice, Subscript, Tuple, indices, walk,
 )

@@ -9,10 +9,10 @@ from s2sad.custom.user_adjoints import UserDerivative, written
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.custom.partials import Partials, dotted
 from s2sad.read.capture import capture
-from s2sad.unwrap import python_function
-from s2sad.registry import GIVEN, ROOM, RegisteredRule, imported
+from s2sad.live_objects.unwrap import python_function
+from s2sad.live_objects.registry import GIVEN, ROOM, RegisteredRule, imported
 from s2sad.rules.rule import TABLE, Rule, divides, number
-from s2sad.tracebacks import public
+from s2sad.run.tracebacks import public
 from s2sad.tree import Call, Name, expression, names
 
 __all__ = ["nondifferentiable", "rule"]

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from s2sad.differentiate.request import Derivative, DerivativeRequest
 from s2sad.infer.types import Type
 from s2sad.naming import Names
-from s2sad.registry import RegisteredDerivative
+from s2sad.live_objects.registry import RegisteredDerivative
 from s2sad.tree import AST, Expr, FunctionDef, Return, assign, call, const, function, name, tuple_of
 
 

@@ -26,15 +26,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from s2sad.diagnostics import warn_once
-from s2sad.guards import ABSENT, STEPS, Guards, VaryingNumber, layout, reached, recording, taken
+from s2sad.diagnostics import HOME, warn_once
+from s2sad.live_objects.guards import ABSENT, STEPS, Guards, VaryingNumber, layout, reached, recording, taken
 from s2sad.infer.types import Type
-from s2sad.program import Generated, TextGuard, Kernel, Parameter, SourcePlace, Request
-from s2sad.registry import GIVEN
-from s2sad.results import EntrySummary
+from s2sad.program import EntrySummary, Generated, Kernel, Parameter, Request, SourcePlace, TextGuard
+from s2sad.live_objects.registry import GIVEN
 from s2sad.run import store
 from s2sad.pytree import PyTree
-from s2sad.unwrap import fingerprint
+from s2sad.live_objects.unwrap import fingerprint
 
 T = TypeVar("T")
 ENABLED = True
@@ -310,8 +309,14 @@ def _of_code(code: CodeType) -> str:
 
 @cache
 def _package() -> str:
-    """What this package is: the names, times and sizes of its files."""
-    files, waiting = [], [os.path.dirname(__file__)]
+    """What this package is: its files, and the versions of what they use."""
+    said = repr((_package_files(), platform.python_version(), np.__version__))
+    return hashlib.sha256(said.encode()).hexdigest()
+
+
+def _package_files() -> list[tuple[str, int, int]]:
+    """The paths, times and sizes of this package's modules."""
+    files, waiting = [], [HOME]
     while waiting:
         with os.scandir(waiting.pop()) as entries:
             for entry in entries:
@@ -319,8 +324,7 @@ def _package() -> str:
                     waiting.append(entry.path)
                 elif entry.name.endswith(".py"):
                     files.append((entry.path, entry.stat().st_mtime_ns, entry.stat().st_size))
-    said = repr((sorted(files), platform.python_version(), np.__version__))
-    return hashlib.sha256(said.encode()).hexdigest()
+    return sorted(files)
 
 
 def _surroundings() -> str:

@@ -15,22 +15,21 @@ import numpy as np
 from s2sad.dispatch import artifacts
 from s2sad.dispatch.artifacts import ReadRecord
 from s2sad.dispatch.arguments import float_parameters, types as types_of
-from s2sad.compiler_lock import COMPILER_LOCK
+from s2sad.run.compiler_lock import COMPILER_LOCK
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.dispatch.executable import HIDDEN, Executable
-from s2sad.guards import Guards, Path, VaryingNumber, current, recording
+from s2sad.live_objects.guards import Guards, Path, VaryingNumber, current, recording
 from s2sad.infer.types import Type
-from s2sad.unwrap import by_position, python_function
-from s2sad.program import Program, Request
-from s2sad.progress import Working
-from s2sad.registry import GIVEN, RegisteredRule
-from s2sad.results import EntrySummary
+from s2sad.live_objects.unwrap import by_position, python_function
+from s2sad.program import EntrySummary, Program, Request
+from s2sad.run.progress import Working
+from s2sad.live_objects.registry import GIVEN, RegisteredRule
 from s2sad.run.compiled import chosen, compiled, interpreting, prepare, quiet
 from s2sad.run.exceptions import CAUGHT
 from s2sad.run.module_loader import owned
 from s2sad.run.overlap import Check, Slot
-from s2sad.side_table import side_table
+from s2sad.live_objects.side_table import side_table
 
 _KEPT = 16      # states: values that go back and forth find theirs again
 _CHANGES = 4    # of a number from outside: from then on it is an argument

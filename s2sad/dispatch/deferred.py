@@ -5,10 +5,10 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from s2sad import compiler as the_compiler
+    from s2sad.dispatch import compiler as the_compiler
 
 
 def compiler() -> the_compiler:  # pyright: ignore[reportGeneralTypeIssues]
-    """The module `s2sad.compiler`, with all that it needs."""
-    found: Any = importlib.import_module("s2sad.compiler")
+    """The module `s2sad.dispatch.compiler`, with all that it needs."""
+    found: Any = importlib.import_module("s2sad.dispatch.compiler")
     return found

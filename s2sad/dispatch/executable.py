@@ -10,7 +10,7 @@ import numpy as np
 
 from s2sad.dispatch.deferred import compiler
 from s2sad.program import Generated, Parameter
-from s2sad.registry import RegisteredRule
+from s2sad.live_objects.registry import RegisteredRule
 from s2sad.run.compiled import compiled, prepare
 from s2sad.run.exceptions import CAUGHT, ExceptionMeanings
 from s2sad.run.module_loader import load, owned

@@ -18,7 +18,7 @@ from s2sad.emit.user_style import manners
 from s2sad.emit.paste import pasted
 from s2sad.emit.dotted_names import BUILTINS, SPECIAL, literal, module_spelling
 from s2sad.emit.outside_uses import OutsideUses
-from s2sad.registry import ROOM
+from s2sad.live_objects.registry import ROOM
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 
 from s2sad.evaluate.effects import bindings
 from s2sad.evaluate.scope import KernelScope
-from s2sad.program import Kernel, Program
-from s2sad.results import Structure, leaves
+from s2sad.program import Kernel, Program, Structure, leaves
 from s2sad.tree import AST, Call, Constant, IfExp, List, Name, Return, Tuple, call_name, literal, walk
 
 

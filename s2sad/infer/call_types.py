@@ -11,7 +11,7 @@ from s2sad.infer.signatures.dispatch_by_name import piece_type
 from s2sad.infer.promotion import CASTS, dtype_of, listed, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, UNKNOWN, Type, array
 from s2sad.rules.composed import LAW as PIECES
-from s2sad.registry import ROOM
+from s2sad.live_objects.registry import ROOM
 from s2sad.tree import AST, Attribute, Call, Constant, List, Name, Slice, Subscript, Tuple, call_name, index
 
 LISTED = "builtins.list"

@@ -7,7 +7,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 
-from s2sad.bounded_arithmetic import is_bounded
+from s2sad.infer.bounded_arithmetic import is_bounded
 from s2sad.infer.affine import Affine, combined
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import ONE, Shape, whole_number

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from s2sad.guards import VaryingNumber
+from s2sad.live_objects.guards import VaryingNumber
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,7 @@ from s2sad.interface.activities import Active, Annotation, BatchDuplicated, Dupl
 from s2sad.dispatch.arguments import INEXACT, admitted, bind, coerced, make_zero, misfit, shadow, written_argument
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.dispatch.executable import Executable
-from s2sad.results import leaves
-from s2sad.program import Request
+from s2sad.program import Request, leaves
 from s2sad.interface.selection import (
     RETURN, ReturnedValues, array_seed, places, result_seed, selected_of, selected_wrt, structured,
 )

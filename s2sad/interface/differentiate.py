@@ -15,12 +15,12 @@ from s2sad.interface.pytrees import flat_autodiff as with_structures, flattened,
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import selection_of
 from s2sad.program import Request
-from s2sad.unwrap import given_functions
+from s2sad.live_objects.unwrap import given_functions
 from s2sad.run.compiled import chosen
 from s2sad.interface.selection import ReturnedValues, Wrt, names_of, selected_of, selected_wrt
 from s2sad.interface.shadow_calls import ShadowCall
 from s2sad.pytree import is_structure
-from s2sad.tracebacks import public, shortened
+from s2sad.run.tracebacks import public, shortened
 from s2sad.dispatch.cache import ProgramVersion, derivatives_of
 
 __all__ = ["Differentiated", "autodiff", "differentiate"]

@@ -14,8 +14,8 @@ from s2sad.interface.pytrees import flat_drivers as with_structures, flattened
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
 from s2sad.interface.selection import RETURN, Wrt, names_of
-from s2sad.unwrap import given_functions
-from s2sad.tracebacks import public
+from s2sad.live_objects.unwrap import given_functions
+from s2sad.run.tracebacks import public
 from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
 
 __all__ = ["gradient", "jvp", "make_zero", "value_and_gradient", "vjp"]

@@ -18,7 +18,7 @@ from functools import cached_property, reduce
 from types import CodeType, FunctionType
 from typing import Any
 
-from s2sad.unwrap import given, python_function
+from s2sad.live_objects.unwrap import given, python_function
 
 
 class Decorated(ABC):

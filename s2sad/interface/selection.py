@@ -11,8 +11,8 @@ import numpy as np
 from s2sad.dispatch.arguments import misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, misfit_of
-from s2sad.results import Structure, leaves, nested
-from s2sad.unwrap import python_function
+from s2sad.program import Structure, leaves, nested
+from s2sad.live_objects.unwrap import python_function
 
 RETURN = "return"
 Wrt = str | int | Iterable[str | int] | None

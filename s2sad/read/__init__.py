@@ -20,14 +20,14 @@ from typing import Any
 
 from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.guards import Guards, Path, reached, recording
+from s2sad.live_objects.guards import Guards, Path, reached, recording
 from s2sad.program import Program
 from s2sad.read.capture import name_of, not_a_function
-from s2sad.unwrap import python_function
+from s2sad.live_objects.unwrap import python_function
 from s2sad.read.linker import Linker
 from s2sad.read.outside_values import UserFunctionValue
 from s2sad.read.file_module import FileModule
-from s2sad.registry import GIVEN
+from s2sad.live_objects.registry import GIVEN
 
 __all__ = ["functions", "load", "load_file", "python_function"]
 

@@ -17,10 +17,10 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
-from s2sad.guards import taken
+from s2sad.live_objects.guards import taken
 from s2sad.read.live_module import LiveScope, defaults_of
 from s2sad.read.outside_values import AST, Captured, kind_of
-from s2sad.unwrap import fingerprint, given, python_function
+from s2sad.live_objects.unwrap import fingerprint, given, python_function
 
 _FUTURE = functools.reduce(int.__or__, (getattr(__future__, n).compiler_flag for n in __future__.all_feature_names))
 # line ends to str.splitlines, but not to Python: replaced by blanks as wide in UTF-8

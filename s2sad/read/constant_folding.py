@@ -8,7 +8,7 @@ from typing import Any
 import numpy
 
 from s2sad import tree
-from s2sad.bounded_arithmetic import BITS, is_bounded, operation
+from s2sad.infer.bounded_arithmetic import BITS, is_bounded, operation
 from s2sad.read.outside_values import AST, Library, Meaning, NotConstant, Number, StringValue, is_number, library_value
 
 _CALLS = ("builtins.abs", "builtins.float", "builtins.int", "builtins.max", "builtins.min", "builtins.round")

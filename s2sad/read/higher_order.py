@@ -17,11 +17,11 @@ from types import FunctionType
 
 from s2sad import tree
 from s2sad.diagnostics import S2sadError
-from s2sad.guards import taken
+from s2sad.live_objects.guards import taken
 from s2sad.read.capture import capture
 from s2sad.read.outside_values import AST, Captured, UserFunctionValue, Library, NotConstant, library_value
 from s2sad.read.lambda_lifting import EnclosingNames, NestedFunction
-from s2sad.unwrap import given as given_before
+from s2sad.live_objects.unwrap import given as given_before
 from s2sad.read.unique_names import unique_names
 from s2sad.tree import Call, FunctionDef
 

@@ -24,7 +24,7 @@ from s2sad.read.resolve import Resolved, resolve
 from s2sad.read.shape_assignment import shape_assignment
 from s2sad.read.list_returns import list_returns
 from s2sad.read.single_tuples import single_tuples
-from s2sad.registry import GIVEN, RegisteredDerivative
+from s2sad.live_objects.registry import GIVEN, RegisteredDerivative
 
 
 _PYTHON = os.path.dirname(os.__file__)

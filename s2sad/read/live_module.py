@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy
 
-from s2sad.guards import ABSENT, VaryingNumber, reached, taken
+from s2sad.live_objects.guards import ABSENT, VaryingNumber, reached, taken
 from s2sad.read import namespaces
 from s2sad.read.outside_values import (
     AST, Array, UserFunctionValue, Namespace, Library, LibraryScope, Meaning, NotConstant, Number, ModuleValue,
     StringValue, Unusable, is_numbers, kind_of, library_path, value_meaning,
 )
-from s2sad.unwrap import named_function
-from s2sad.registry import GIVEN, ROOM
+from s2sad.live_objects.unwrap import named_function
+from s2sad.live_objects.registry import GIVEN, ROOM
 
 
 class LiveScope:

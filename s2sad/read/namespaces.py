@@ -11,7 +11,7 @@ import types
 from collections.abc import Callable
 from typing import Any
 
-from s2sad.guards import ABSENT, class_attribute, reached, taken
+from s2sad.live_objects.guards import ABSENT, class_attribute, reached, taken
 from s2sad.read.outside_values import Meaning, Unusable
 from s2sad.pytree import record_fields
 

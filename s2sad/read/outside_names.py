@@ -13,7 +13,7 @@ from s2sad.read.outside_values import (
     AST, BUILTIN_CALLS, Array, UserFunctionValue, Namespace, NumberTable, Library, Matrix, Meaning, Number, Numbers,
     Record, ModuleValue, StringValue, Unusable, dotted, library_value,
 )
-from s2sad.registry import GIVEN, ROOM
+from s2sad.live_objects.registry import GIVEN, ROOM
 from s2sad.rules.spellings import is_scipy
 
 Identify = Callable[["UserFunctionValue | Number | Array | Record"], str]

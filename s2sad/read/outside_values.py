@@ -11,9 +11,9 @@ from typing import Any, Protocol
 
 import numpy
 
-from s2sad.bounded_arithmetic import BITS, is_bounded
+from s2sad.infer.bounded_arithmetic import BITS, is_bounded
 from s2sad.diagnostics import Source
-from s2sad.guards import taken
+from s2sad.live_objects.guards import taken
 from s2sad.rules.spellings import is_scipy
 from s2sad.pytree import SPARSE, record_fields, sparse_format
 from s2sad.tree import AST, FunctionDef

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad import tree
-from s2sad.bounded_arithmetic import BITS, is_bounded
+from s2sad.infer.bounded_arithmetic import BITS, is_bounded
 from s2sad.diagnostics import Report
 from s2sad.tree import AST
 

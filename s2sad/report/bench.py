@@ -24,7 +24,7 @@ from s2sad.report.slopes import ReferenceSlopes, Slopes, reason
 from s2sad.report.subject import split, vector_of
 from s2sad.report.timing import Times, on_one_core, sampled, seconds
 from s2sad.interface.selection import RETURN, ReturnedValues, Wrt
-from s2sad.tracebacks import public
+from s2sad.run.tracebacks import public
 
 _STEPS, _FORWARD = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10), 1e-8
 _COMPARED, _PATIENCE = 6, 20.0      # derivatives that are compared, and seconds that the reference may take about

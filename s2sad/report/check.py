@@ -15,10 +15,10 @@ from s2sad.report.parting import wrong_adjoint, wrong_tangent
 from s2sad.report.question import BenchQuestion
 from s2sad.report.subject import Subject, flat, split, vector_of
 from s2sad.rules import constant_result
-from s2sad.registry import ROOM
+from s2sad.live_objects.registry import ROOM
 from s2sad.run.compiled import bounds_checked
 from s2sad.interface.selection import Wrt
-from s2sad.tracebacks import public
+from s2sad.run.tracebacks import public
 
 
 _VERDICTS = {True: "&#10003; agrees", False: "&#10007; parts"}

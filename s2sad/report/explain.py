@@ -10,17 +10,17 @@ from typing import Any
 from s2sad import pipeline
 from s2sad.dispatch.arguments import admitted
 from s2sad.interface.pytrees import Carrier, taken_apart
-from s2sad.guards import current
+from s2sad.live_objects.guards import current
 from s2sad.normalize.calls.global_arrays import hidden_arrays
 from s2sad.program import Program, Request
-from s2sad.unwrap import given_functions
+from s2sad.live_objects.unwrap import given_functions
 from s2sad.report.findings import Findings, FoundPlace, findings, in_words
 from s2sad.report.listing import Listing, listings
 from s2sad.report.page import page
 from s2sad.report.sizes import sizes_of
 from s2sad.run.compiled import chosen
 from s2sad.interface.selection import Wrt, names_of, selected_of, selected_wrt
-from s2sad.tracebacks import public
+from s2sad.run.tracebacks import public
 from s2sad.dispatch.cache import derivatives_of
 
 

@@ -16,7 +16,7 @@ from s2sad.interface.value_calls import ForwardCall, ReverseCall
 from s2sad.program import Request
 from s2sad.run.compiled import chosen
 from s2sad.interface.selection import ReturnedValues, Wrt, names_of, selected_of, selected_wrt
-from s2sad.unwrap import by_position, given_functions
+from s2sad.live_objects.unwrap import by_position, given_functions
 from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
 
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from s2sad.rules import composed, constant, elementwise, linalg, reductions, shaping, sparse, transforms
 from s2sad.rules.array import ArrayRule, bound, find_array
-from s2sad.registry import ROOM
+from s2sad.live_objects.registry import ROOM
 from s2sad.rules.power import power_partial
 from s2sad.rules.rule import TABLE, Rule
 

@@ -23,7 +23,7 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError, warn_once
-from s2sad.progress import Working
+from s2sad.run.progress import Working
 from s2sad.run.interrupts import interruptible
 from s2sad.run.interpreter import DTYPES, interpreted
 from s2sad.run.module_loader import load

@@ -18,7 +18,7 @@ from collections.abc import Collection
 from types import CodeType, ModuleType
 from typing import Any
 
-from s2sad.compiler_lock import COMPILER_LOCK
+from s2sad.run.compiler_lock import COMPILER_LOCK
 from s2sad.run import store
 
 _OWN = itertools.count(1)

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from s2sad.diagnostics import Report, S2sadError
-from s2sad.guards import taken
+from s2sad.live_objects.guards import taken
 from s2sad.infer.types import FLOAT, Type
 from s2sad.program import Program
 from s2sad.read.linker import header_of
-from s2sad.registry import GIVEN, ROOM, RegisteredRule
+from s2sad.live_objects.registry import GIVEN, ROOM, RegisteredRule
 from s2sad.rules import constant_result
 from s2sad.run.special_functions import register, used
 from s2sad.tree import Call, call_name, walk

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from s2sad.bounded_arithmetic import is_bounded
+from s2sad.infer.bounded_arithmetic import is_bounded
 from s2sad.infer.types import Type
 from s2sad.simplify.context import DerivativeContext
 from s2sad.simplify.signs import normalize_increment, normalize_signs

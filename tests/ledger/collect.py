@@ -18,11 +18,12 @@ from typing import Any
 import pytest
 
 import s2sad
-from s2sad import S2sadError, compiler, pipeline, read
+from s2sad import S2sadError, pipeline, read
+from s2sad.dispatch import compiler
 from s2sad.dispatch import cache
 from s2sad.interface.pytrees import spelled_types
 from s2sad.program import Program, Request
-from s2sad.side_table import remembered
+from s2sad.live_objects.side_table import remembered
 from tests import derivatives
 from tests.ledger.identity import described, digest
 from tests.ledger.registered import Registered, paths_of

@@ -13,7 +13,7 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 import s2sad
-from s2sad.registry import GIVEN
+from s2sad.live_objects.registry import GIVEN
 from tests.ledger.store import is_foreign
 
 Call = tuple[str, tuple[Any, ...], dict[str, Any], Any, dict[str, Any], tuple[str, ...]]

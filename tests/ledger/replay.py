@@ -14,9 +14,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from s2sad import S2sadError, compiler, pipeline, read
+from s2sad import S2sadError, pipeline, read
+from s2sad.dispatch import compiler
 from s2sad.blocks import with_blocks
-from s2sad.compiler import entry_kernel, taken_apart
+from s2sad.dispatch.compiler import entry_kernel, taken_apart
 from s2sad.emit.module import module_text
 from s2sad.program import Program, Request
 from s2sad.interface.selection import selected_of

@@ -16,7 +16,7 @@ from __future__ import annotations
 from s2sad.evaluate.argument_binding import bound_arguments, result_structure, user_call
 from s2sad.evaluate.mutating_calls import changed, stored_out
 from s2sad.evaluate.scope import KernelScope, atomic
-from s2sad.results import leaves, nested
+from s2sad.program import leaves, nested
 from s2sad.tree import (
     AST, And, Attribute, BoolOp, Call, Compare, Constant, If, IfExp, Name, Not, Slice, Starred, Subscript, Tuple,
     USub, UnaryOp, assign, children, const, copy, dump, expr, index, indices, keyword, name, names, rebuild, tuple_of,

@@ -18,7 +18,7 @@ from functools import cache
 from typing import Any
 
 from s2sad import rules
-from s2sad.bounded_arithmetic import operation
+from s2sad.infer.bounded_arithmetic import operation
 from s2sad.infer.signatures.laws import whole_number
 from s2sad.evaluate.call_graph import calls
 from s2sad.evaluate.effects import parameters

@@ -11,7 +11,7 @@ from s2sad.evaluate.argument_binding import result_count, result_structure, user
 from s2sad.evaluate.expressions.hoist import bound_call, hoist, hoist_all, impure, into, operands, replace_operands
 from s2sad.evaluate.effects import STABLE
 from s2sad.evaluate.scope import KernelScope, atomic
-from s2sad.results import leaves, nested
+from s2sad.program import leaves, nested
 from s2sad.tree import (
     AST, Attribute, Constant, If, IfExp, List, Name, Starred, Subscript, Tuple, assign, const, copy, index,
     name, names, stored_names, tuple_of,

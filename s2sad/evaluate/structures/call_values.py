@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 from s2sad.diagnostics import Report
-from s2sad.guards import class_attribute
+from s2sad.live_objects.guards import class_attribute
 from s2sad.infer.types import UNKNOWN
 from s2sad.evaluate.argument_binding import bound_arguments, user_call
 from s2sad.evaluate.structures.static_tests import NO

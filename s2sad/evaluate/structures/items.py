@@ -11,7 +11,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, ClassVar
 
-from s2sad.bounded_arithmetic import operation
+from s2sad.infer.bounded_arithmetic import operation
 from s2sad.diagnostics import Report
 from s2sad.evaluate.structures.literal_arguments import Nest, by_item
 from s2sad.evaluate.structures.iterated_structures import late_comprehension

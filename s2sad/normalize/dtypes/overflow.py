@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from s2sad.bounded_arithmetic import operation
+from s2sad.infer.bounded_arithmetic import operation
 from s2sad.infer.inference import Typing, is_inverted
 from s2sad.infer.signatures.laws import whole_number
 from s2sad.normalize.context import NormalContext

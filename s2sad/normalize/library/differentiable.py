@@ -14,7 +14,7 @@ from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.dtypes.operand_types import OperandTypes
-from s2sad.registry import ROOM
+from s2sad.live_objects.registry import ROOM
 from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Call, Constant, Expr, FunctionDef, Raise, Subscript, UnaryOp, USub,

@@ -15,7 +15,7 @@ from typing import Any
 
 from s2sad import pipeline, read
 from s2sad.dispatch.arguments import float_parameters
-from s2sad.cli_parser import COMMANDS, RUNNING, command_parser
+from s2sad.cli.parser import COMMANDS, RUNNING, command_parser
 from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, Report, S2sadError
 from s2sad.interface.pytrees.spelled_types import form_spelled, listed, named, spelled_out
@@ -33,7 +33,7 @@ from s2sad.report.stages import ROOMS, STAGES, stages
 from s2sad.run import store
 from s2sad.run.compiled import chosen
 from s2sad.pytree import Form
-from s2sad.tracebacks import internal
+from s2sad.run.tracebacks import internal
 from s2sad.interface.selection import selected_of, selected_wrt
 
 

@@ -17,8 +17,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from types import CodeType, FunctionType, MethodType
 from typing import Any
 
-from s2sad.guards import STEPS, class_attribute, reached, taken
-from s2sad.side_table import remembered, side_table
+from s2sad.live_objects.guards import STEPS, class_attribute, reached, taken
+from s2sad.live_objects.side_table import remembered, side_table
 
 STEPS["function"] = lambda value: lambda *_: named_function(value)
 STEPS["kernel"] = lambda function: lambda *_: given(function)[0]

@@ -17,7 +17,8 @@ from s2sad.diagnostics import HOME, Diagnostic, S2sadError
 
 P = ParamSpec("P")
 R = TypeVar("R")
-_COMPILER = {"pipeline.py", "read", "normalize", "infer", "analyze", "differentiate", "simplify", "emit", "units"}
+_COMPILER = {"pipeline.py", "passes.py", "read", "evaluate", "normalize", "infer", "analyze", "differentiate",
+             "simplify", "optimize", "emit", "units"}
 
 
 def public(function: Callable[P, R]) -> Callable[P, R]:

@@ -11,15 +11,14 @@ from types import FunctionType
 from typing import Any
 
 from s2sad import pipeline, read
-from s2sad.guards import Guards, Path, recording, same
+from s2sad.live_objects.guards import Guards, Path, recording, same
 from s2sad.infer.independents import independents, usable_as_floats
 from s2sad.infer.types import NONE, UNKNOWN, of_value
 from s2sad.evaluate.structures.call_values import Unread
 from s2sad.evaluate.structures.fields import Flat, asks, fields
 from s2sad.evaluate.structures.groups import StructureValue, nothing
-from s2sad.program import Generated, Kernel, Program, Request
+from s2sad.program import EntrySummary, Generated, Kernel, Program, Request
 from s2sad.read.capture import not_a_function
-from s2sad.results import EntrySummary
 from s2sad.run.user_functions_in_numba import compiled_in, given_of, held_to_numbers, uncompiled
 from s2sad.run.user_derivatives import looked_at
 from s2sad.pytree import Form, PyTree
