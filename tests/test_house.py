@@ -20,10 +20,10 @@ PACKAGE = ROOT / "s2sad"
 LEFT = (
     "flat_returns", "itertools_loops", "chained_assignment", "literal_concatenation", "static_options",
     "tables", "slice_names", "tuple_names", "single_target", "counted_loops", "canonical_calls", "unsettled",
-    "type_tests", "inline", "undecided", "tuple_arguments", "coalesce_names", "requested_dtypes",
-    "copies_in_tuples", "undotted", "weak_results", "operand_types", "complex_support", "own_derivatives",
+    "type_tests", "inline", "undecided", "tuple_arguments", "requested_dtypes",
+    "undotted", "weak_results", "operand_types", "complex_support", "own_derivatives",
     "declared_types", "overflow", "array_literals", "conditional_values", "batched", "searchsorted",
-    "differentiable", "unsupported_views", "contiguous_arguments", "unsupported_lists", "contiguity_guards",
+    "differentiable", "contiguous_arguments", "contiguity_guards",
     "callee_units", "scatter", "check_known", "scalarize_final", "conditional_numbers", "complex_division",
     "wide_accumulators", "dead_code", "array_anf_added", "initialize_accumulators", "dead_stores",
     "copy_coalescing", "merge_branches", "split_temporaries", "forward_substitution", "algebra",

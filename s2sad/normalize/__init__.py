@@ -18,8 +18,7 @@ from s2sad.normalize.anf import anf
 from s2sad.normalize.array_anf import array_anf
 from s2sad.normalize.buffers.argument_rotation import argument_rotation
 from s2sad.normalize.buffers.resolve_views import resolve_views
-from s2sad.normalize.buffers.swap_contents import swap_contents
-from s2sad.normalize.buffers.tail_duplication import tail_duplication
+from s2sad.normalize.buffers.shared_buffers import swap_contents, tail_duplication
 from s2sad.normalize.calls.callee_units import callee_units
 from s2sad.normalize.calls.inline import inline
 from s2sad.normalize.calls.tuple_arguments import tuple_arguments
@@ -46,12 +45,10 @@ from s2sad.normalize.library.scipy_solvers import scipy_solvers
 from s2sad.normalize.library.searchsorted import searchsorted
 from s2sad.normalize.library.tuple_results import tuple_results
 from s2sad.normalize.library.typed_rewrites import typed_rewrites
-from s2sad.normalize.lists.coalesce_names import coalesce_names
-from s2sad.normalize.lists.copies_in_tuples import copies_in_tuples
 from s2sad.normalize.lists.growing import growing
 from s2sad.normalize.lists.list_allocation import list_allocation
+from s2sad.normalize.lists.list_elements import coalesce_names, copies_in_tuples, unsupported_lists
 from s2sad.normalize.lists.list_operators import list_operators
-from s2sad.normalize.lists.unsupported_lists import unsupported_lists
 from s2sad.normalize.live_range_splitting import live_range_splitting
 from s2sad.normalize.loops.hoist_allocations import hoist_allocations
 from s2sad.normalize.loops.scalarize import scalarize, scatter
@@ -59,7 +56,7 @@ from s2sad.normalize.single_assignment import single_assignment
 from s2sad.normalize.type_table import declared_types, inferred_types, reported_types
 from s2sad.normalize.views.coherence import coherence
 from s2sad.normalize.views.contiguity import contiguity_guards, contiguous_arguments
-from s2sad.normalize.views.unsupported_views import unsupported_views
+from s2sad.normalize.views.view_aliases import unsupported_views
 from s2sad.evaluate.scope import KernelScope
 from s2sad.passes import Alternative, Context, Pass, Passes, Repeat, run
 from s2sad.program import Kernel, Program

@@ -21,7 +21,7 @@ from s2sad.infer.signatures.laws import Shape
 from s2sad.infer.types import array
 from s2sad.normalize.buffers.may_alias import Aliases
 from s2sad.normalize.buffers.access_paths import AMBIGUOUS, AccessPaths, View
-from s2sad.normalize.buffers.upcoming_uses import UpcomingUses
+from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.tree import (
     AST, If, Subscript, assign, at, const, copy, index, name, names, rename,
 )

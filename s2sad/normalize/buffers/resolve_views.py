@@ -30,7 +30,7 @@ from s2sad.normalize.buffers.access_paths import AMBIGUOUS, View, is_whole_place
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.shape_guards import equal, of_one_size
 from s2sad.normalize.loops.reduction_loops import is_reduction
-from s2sad.normalize.buffers.upcoming_uses import UpcomingUses
+from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Expr, For, FunctionDef, If, Name, Return, Slice, Store,
     Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, copy, index, indices, is_unset, name,

@@ -21,11 +21,10 @@ from s2sad.evaluate.loops.comprehensions import HELP, comprehensions, marked
 from s2sad.evaluate.loops.negative_indices import negative_indices, place as place_of
 from s2sad.evaluate.loops.list_repetition import list_repetition
 from s2sad.evaluate.expressions.hoist import impure
-from s2sad.normalize.lists.capacity import changed, made_late, only_after
+from s2sad.normalize.lists.capacity import IndexIntervals, changed, made_late, only_after
 from s2sad.evaluate.effects import parameters
 from s2sad.evaluate.loops.row_aliases import COPIED, row_aliases
 from s2sad.evaluate.loops.escaping_lists import has_sizes, escaping_lists
-from s2sad.normalize.lists.index_intervals import IndexIntervals
 from s2sad.evaluate.scope import KernelScope
 from s2sad.evaluate.loops.list_iteration import list_iteration
 from s2sad.tree import (

@@ -1,8 +1,9 @@
-"""coherence: a view that one of NumPy's functions makes has memory of its own, and it and its operand are kept in step.
+"""coherence: a view that one of NumPy's functions makes has memory of its own, and is kept coherent with its operand.
 
-Requires structured form in which functions of whole arrays stand alone; establishes it without such views where a write
-would tell them from the operand's memory (`viewing` refuses what is left). What was written is copied to the other side
-before that is mentioned again; where a loop mentions both sides, they are in step at both ends of its body.
+Requires structured form in which functions of whole arrays stand alone; establishes it without such views where a store
+would make them differ from the operand's memory (`unsupported_views` refuses what is left). The side that was stored
+into is copied to the other one before that is mentioned again; where a loop's body mentions both, they are coherent at
+both of its ends.
 
     def f(y, n):                                def f(y, n):
         u = np.reshape(y[:n * n], (n, n))           u = np.copy(np.reshape(y[:n * n], (n, n)))
@@ -10,7 +11,7 @@ before that is mentioned again; where a loop mentions both sides, they are in st
         return y[0] * u[1, 1]                       y[:n * n] = np.ravel(u)
                                                     return y[0] * u[1, 1]
 
-Whether NumPy gives a view depends on the operand's memory: the parameters that must lie together for it are returned.
+Whether NumPy gives a view depends on the operand's memory: the context gains the parameters that must be contiguous.
 """
 from __future__ import annotations
 
@@ -20,18 +21,17 @@ from s2sad.blocks import with_blocks
 from s2sad.infer.inference import Typing
 from s2sad.liveness import base_name
 from s2sad.naming import Names
+from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.normalize.context import NormalContext
-from s2sad.normalize.views.contiguity import Contiguity, asked_order
 from s2sad.normalize.shape_guards import counts
-from s2sad.normalize.buffers.upcoming_uses import UpcomingUses
-from s2sad.normalize.views.splits import splits
-from s2sad.normalize.views.operand_aliases import OperandAliases, operand_aliases
-from s2sad.normalize.views.coherence_copies import CoherenceCopies, leaves
-from s2sad.normalize.views.inverse_views import InverseView, by_element, inverse_views
-from s2sad.normalize.views.unsupported_views import Writes, differing, sources
+from s2sad.normalize.views.contiguity import Contiguity, asked_order
+from s2sad.normalize.views.inverse_views import InverseView, by_element, inverse_views, splits
+from s2sad.normalize.views.view_aliases import (
+    OperandAliases, Writes, differing, operand_aliases, sources, written_names,
+)
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, For, FunctionDef, If, Name, Store, Subscript, While, assign, at, call, call_name,
-    const, copy, index, name, names, rename, times_bound, walk, with_body,
+    AST, Assign, AugAssign, Break, Call, Expr, For, FunctionDef, If, Name, Raise, Return, Store, Subscript, While,
+    assign, at, call, call_name, const, copy, index, name, names, rename, times_bound, walk, with_body,
 )
 
 _WHOLE = {"numpy.asarray", "numpy.ascontiguousarray"}
@@ -214,3 +214,91 @@ def _bound_in(block: list[AST], typing: Typing) -> set[str]:
     """The names that statements bind; an array that is added to in place stays what it is."""
     kept = {id(s.target) for s in walk(block) if isinstance(s, AugAssign) and typing.of(s.target).is_array}
     return {n.id for n in walk(block) if isinstance(n, Name) and isinstance(n.ctx, Store) and id(n) not in kept}
+
+
+VIEW, OPERAND = "view", "operand"
+
+
+def leaves(statement: AST) -> bool:
+    """Whether a statement may leave the loop in which it stands."""
+    if isinstance(statement, If):
+        return any(leaves(s) for s in (*statement.body, *statement.orelse))
+    return isinstance(statement, Break)
+
+
+class CoherenceCopies:
+    """Puts the copies into the statements of one view's life; `ahead` is the side that was written last and is not
+    copied. `costly` if whole arrays would be copied for single elements, or if a call is given both sides."""
+
+    def __init__(self, both: OperandAliases, typing: Typing, writes: Writes, back: Assign, again: Assign):
+        self.both, self.typing, self.writes, self.back, self.again = both, typing, writes, back, again
+        self.ahead = ""
+        self.costly = False
+        self.copies = 0
+
+    def life(self, rest: list[AST]) -> list[AST]:
+        """The statements behind the binding: at the end the operand holds what the view does."""
+        made = self.block(rest)
+        if self.ahead == VIEW:
+            made += self.copied(rest[-1])
+        return made
+
+    def block(self, block: list[AST]) -> list[AST]:
+        return [made for s in block for made in self.statement(s)]
+
+    def copied(self, place: AST) -> list[AST]:
+        """The copy after which both sides are in step."""
+        made = {"": [], VIEW: [self.back], OPERAND: [self.again]}[self.ahead]
+        self.copies += len(made)
+        self.ahead = ""
+        return [at(copy(s), place) for s in made]
+
+    def statement(self, statement: AST) -> list[AST]:
+        if isinstance(statement, (Break, Return, Raise)):
+            needed = self.ahead == VIEW or self.both.mentioned(statement)[0]
+            return [*(self.copied(statement) if needed else []), statement]
+        view, operand = self.both.mentioned(statement)
+        written = {n for s in walk(statement) for n in self.written(s)}
+        if leaves(statement) or view and operand and written and isinstance(statement, (For, If, While)):
+            return self.inside(statement)
+        if self.ahead == VIEW and operand or self.ahead == OPERAND and view:
+            before = self.copied(statement)
+        else:
+            before = []
+        if written:
+            self.ahead = min(written)
+            self.costly |= view and operand and len(written) > 1 or self.is_given_both(statement)
+        return [*before, statement]
+
+    def written(self, statement: AST) -> set[str]:
+        """The sides that a simple statement writes."""
+        if not isinstance(statement, (Assign, AugAssign, Expr)):
+            return set()
+        names = written_names(statement, self.typing, self.writes)
+        return {VIEW for n in names if n in self.both.view} | (
+            {OPERAND} if names & self.both.operand and self.both.mentioned(statement)[1] else set())
+
+    def is_given_both(self, statement: AST) -> bool:
+        """Whether a kernel that writes an array is given both sides."""
+        return any(isinstance(n, Call) and (call_name(n) or "").startswith("user.") and self.writes(n)
+                   and all(self.both.mentioned(n)) for n in walk(statement))
+
+    def inside(self, statement: AST) -> list[AST]:
+        """A loop or branch with both sides in step where its blocks begin and end."""
+        before = self.copied(statement)
+
+        def block(given: list[AST]) -> list[AST]:
+            known, self.copies = self.copies, 0
+            made = self.block(given)
+            made += self.copied(given[-1]) if made and not isinstance(made[-1], Break) else []
+            self.costly |= self.copies > 0 and isinstance(statement, (For, While)) and self.is_slight(given)
+            self.copies = known + (self.copies if isinstance(statement, If) else 0)
+            self.ahead = ""
+            return made
+        return [*before, with_blocks(statement, block)]
+
+    def is_slight(self, body: list[AST]) -> bool:
+        """Whether the body of a loop does less than a copy of an array: it works on single elements."""
+        return not any(isinstance(s, (For, While)) or isinstance(s, (Assign, AugAssign)) and (
+            self.typing.of(s.targets[0] if isinstance(s, Assign) else s.target).is_array
+            or self.typing.of(s.value).is_array) or isinstance(s, Expr) for s in walk(body))

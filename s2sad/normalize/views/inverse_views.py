@@ -1,19 +1,27 @@
-"""inverse_views: a view that a function makes, its operand made of it, and elements of it as elements of the operand.
+"""inverse_views: a view that a function makes as slices or elements of its operand, and its operand made of it.
 
     t = np.transpose(u)             u[...] = np.transpose(t)        t[i, j]     u[j, i]         t[1:, 0]    u[0, 1:]
     f = np.ravel(u)                 u[...] = np.reshape(f, u.shape) f[k]        u[k // u.shape[1], k % u.shape[1]]
     w = np.flip(u, axis=0)          u[...] = np.flip(w, axis=0)
+
+What `np.split` and `np.vsplit` give are slices, and stand so:
+
+    a = np.split(x, 2, part=0)      assert x.shape[0] % 2 == 0
+                                    a = x[:1 * (x.shape[0] // 2)]
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from s2sad import rules
+from s2sad.blocks import with_blocks
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import whole_number
+from s2sad.normalize.library.expansions.templates import SECTIONS
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Call, FloorDiv, List, Mod, Name, Slice, Subscript, Tuple, at, attribute, call,
-    call_name, const, copy, index, indices, mult, name, rebuild, tuple_of, walk,
+    AST, Assert, Assign, Attribute, BinOp, Call, Eq, FloorDiv, FunctionDef, List, Mod, Name, Slice, Subscript, Tuple,
+    assign, at, attribute, call, call_name, compare, const, copy, index, indices, mult, name, rebuild, tuple_of, walk,
+    with_body,
 )
 
 _RESHAPED = ("numpy.reshape", "numpy.ravel")
@@ -141,3 +149,38 @@ def _unravelled(place: AST, part: Name, rank: int) -> list[AST]:
         found.append(whole if axis == 0 else BinOp(whole, Mod(), index(
             attribute(name(part.id), "shape"), const(axis))))
     return found
+
+
+_SPLIT = {"numpy.split": None, "numpy.vsplit": 0}
+
+
+def splits(function: FunctionDef) -> FunctionDef:
+    """The function with such slices."""
+    def block(given: list[AST]) -> list[AST]:
+        return [at(made, s) for s in given for made in _statement(with_blocks(s, block))]
+    return with_body(function, block(function.body))
+
+
+def _statement(statement: AST) -> list[AST]:
+    called = call_name(statement.value) if isinstance(statement, Assign) else None
+    if called not in _SPLIT or not isinstance(statement.value.args[0], (Name, Subscript)) or not isinstance(
+            statement.targets[0], Name):
+        return [statement]
+    rule = rules.find_array(called)
+    assert rule is not None
+    given = rule.arguments(statement.value)
+    axis = _SPLIT[called] if _SPLIT[called] is not None else whole_number(given["axis"])
+    number, asked, array = whole_number(given["part"]), given["sections"], given["x"]
+    if axis is None or axis < 0 or number is None:
+        return [statement]
+    size = index(attribute(copy(array), "shape"), const(axis))
+    if isinstance(asked, (Tuple, List)):
+        bounds = [None, *asked.elts, None]
+        low, high, before = bounds[number], bounds[number + 1], []
+    else:
+        before = [Assert(compare(BinOp(size, Mod(), copy(asked)), Eq(), const(0)), const(SECTIONS))]
+        low, high = (mult(const(k), BinOp(copy(size), FloorDiv(), copy(asked))) if k else None
+                     for k in (number, number + 1))
+    whole = [Slice(None, None, None) for _ in range(axis)]
+    part = index(copy(array), *whole, Slice(low and copy(low), high and copy(high), None))
+    return [*before, assign(statement.targets[0], part)]

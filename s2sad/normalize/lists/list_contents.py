@@ -1,0 +1,235 @@
+"""list_contents: which names share memory with the elements of a list, which are copies here and in Python arrays.
+
+    for k in range(n):                  for k in range(n):
+        w = np.zeros(2)                     us.append(x)
+        w[0] = x[k]                         x[0] = 0.0          a copy would differ: Python's list holds the new x
+        us.append(w)    a copy is as good
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+from s2sad.evaluate.effects import Memory, fresh_value
+from s2sad.infer.call_types import LISTED, stored_into
+from s2sad.infer.inference import Typing
+from s2sad.liveness import base_name
+from s2sad.normalize.buffers.may_alias import UpcomingUses
+from s2sad.normalize.lists.capacity import own_parts
+from s2sad.normalize.views.view_aliases import shows
+from s2sad.tree import (
+    AST, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, If, IfExp, Name, Store, Subscript,
+    Add, Sub, While, call_name, const, index, indices, name, names, rename, stored_names, walk,
+)
+
+Writes = Callable[[Call], Sequence[int]]
+HELP = "append a copy: .append(x.copy())"
+
+
+class ListContents:
+    """What the lists of one function hold, and which names are views of it."""
+
+    def __init__(self, function: FunctionDef, typing: Typing, writes: Writes):
+        self.function, self.typing, self.writes = function, typing, writes
+        self.parameters = {p.id for p in function.args.args}
+        nodes = list(walk(function.body))
+        self.order = {id(n): k for k, n in enumerate(nodes)}
+        self.blocks = [b for n in (function, *nodes) for b in (getattr(n, "body", None), getattr(n, "orelse", None))
+                       if isinstance(b, list)]
+        self.made = {s.targets[0].id: s for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)
+                     and call_name(s.value) == LISTED}
+        self.stores: dict[str, list[Assign]] = {n: [] for n in self.made}
+        for s in nodes:
+            if isinstance(s, Assign) and (listed := stored_into(s.targets[0], self.made)):
+                self.stores[listed].append(s)
+        self.links: dict[str, set[str]] = {}        # a name and what it may be a view of
+        for s in nodes:
+            if isinstance(s, Assign) and isinstance(s.targets[0], Name):
+                self.links.setdefault(s.targets[0].id, set()).update(self.sources(s.value))
+        self.references = UpcomingUses(function)
+
+    def sources(self, value: AST) -> set[str]:
+        """The names whose memory a value may be."""
+        if isinstance(value, IfExp):
+            return self.sources(value.body) | self.sources(value.orelse)
+        if shows(value):
+            return self.sources(value.args[0])
+        if not isinstance(value, (Name, Subscript, Attribute)) or not self.typing.of(value).is_array:
+            return set()
+        picked = isinstance(value, Subscript) and any(self.typing.of(i).is_array for i in indices(value))
+        return set() if picked else {base_name(value.value if isinstance(value, Attribute) else value)} - {""}
+
+    def is_shared(self, store: Assign) -> bool:
+        return self.typing.of(store.value).is_array and isinstance(store.value, (Name, Subscript, Attribute))
+
+    def views_of(self, held: Iterable[str]) -> set[str]:
+        """Names and those that may be views of them."""
+        found = set(held)
+        while more := {n for n, above in self.links.items() if above & found} - found:
+            found |= more
+        return found
+
+    def component(self, held: Iterable[str]) -> set[str]:
+        """All names that may share memory with some, through lists as well."""
+        found = self.views_of(held)
+        while True:
+            above = {a for n in found for a in self.links.get(n, ())}
+            for listed, stores in self.stores.items():
+                of = {a for s in stores if self.is_shared(s) and not self.is_new(s) for a in self.sources(s.value)}
+                above |= {listed} if of & found else of if listed in found else set()
+            if above <= found:
+                return found
+            found = self.views_of(found | above)
+
+    def related(self, listed: str) -> list[str]:
+        """A list and the other ones that hold views of the same array."""
+        found = self.component({listed})
+        return [n for n in self.made if n == listed or n in found]
+
+    def around(self, node: AST, of: AST) -> list[AST]:
+        """The loops around a statement that are not around another one."""
+        return [n for n in walk(self.function.body) if isinstance(n, (For, While)) and any(m is node for m in walk(n))
+                and not any(m is of for m in walk(n))]
+
+    def is_new(self, store: Assign, kept: str = "") -> bool:
+        """Whether what is stored is a name that was bound to a new array just before, which lies in no other list;
+        `kept` is the name where it lies in a row that is stored."""
+        block = next(b for b in self.blocks if any(s is store for s in b))
+        kept = kept or (store.value.id if isinstance(store.value, Name) else "")
+        before = block[:next(k for k, s in enumerate(block) if s is store)]
+        bound = max((k for k, s in enumerate(before) if kept in stored_names(s)), default=-1)
+        if bound < 0 or not isinstance(before[bound], Assign) or self.sources(before[bound].value):
+            return False
+        after = [n for s in block[bound:] for n in walk(s)]
+        return not any(s is not store and kept in self.sources(s.value) and any(n is s for n in after)
+                       for stores in self.stores.values() for s in stores)
+
+    def is_repeated(self, listed: str) -> bool:
+        """Whether a list may hold one array, or one part of it, several times."""
+        shared = [s for s in self.stores[listed] if self.is_shared(s) and not self.is_new(s)]
+        if any(self.component(self.sources(a.value)) & self.component(self.sources(b.value))
+               for k, a in enumerate(shared) for b in shared[:k]):
+            return True
+        for s in shared:
+            loops = self.around(s, self.made[listed])
+            own = indices(s.value) if isinstance(s.value, Subscript) else []
+            if len(loops) > 1 or loops and not any(moved(i, loops[0]) is not None for i in own):
+                return True
+        return False
+
+    def telling(self, listed: str) -> AST | None:
+        """The first statement that writes what a list holds where other names, or other elements, would tell."""
+        shared = [s for s in self.stores[listed] if self.is_shared(s)]
+        if not shared:
+            return None
+        own, filling = self.views_of({listed}), {id(s) for s in self.stores[listed]}
+        writing = [s for s in walk(self.function.body) if id(s) not in filling and self.written(s) & own]
+        if writing and self.is_repeated(listed):
+            return writing[0]
+        kept = [self.views_of({s.value.id}) if self.is_new(s) and isinstance(s.value, Name)
+                else self.component(self.sources(s.value)) for s in shared]
+        others = set().union(*kept) - own
+        for s in writing:
+            seen = self.references.after[id(s)] | self.parameters | (
+                set(names(s.value)) if isinstance(s.value, Call) else set())
+            if others & seen or any(n.startswith("array.") for n in others):
+                return s
+        return None
+
+    def bound_anew(self, listed: str) -> AST | None:
+        """The first statement that puts another array in place of one that a name stands for, which is read later."""
+        parts = {n for n in self.views_of({listed}) if self.typing.of(name(n)).rank < self.typing.of(name(listed)).rank}
+        return next((s for s in self.stores[listed] if isinstance(s.targets[0].value, Subscript)
+                     and parts & self.references.after[id(s)]), None)
+
+    def written(self, statement: AST) -> set[str]:
+        """The arrays that a statement stores into."""
+        if not isinstance(statement, (Assign, AugAssign, Expr)):
+            return set()
+        target = statement.targets[0] if isinstance(statement, Assign) else getattr(statement, "target", None)
+        whole = isinstance(statement, AugAssign) and target is not None and self.typing.of(target).is_array
+        found = {base_name(target)} if isinstance(target, Subscript) or whole else set()
+        called = isinstance(statement.value, Call) and (call_name(statement.value) or "").startswith("user.")
+        return found | ({base_name(statement.value.args[k]) for k in self.writes(statement.value)} if called else set())
+
+
+def told_apart(function: FunctionDef, stores: Sequence[AST], typing: Typing, memory: Memory) -> list[AST]:
+    """The stores of an array into a list after which the array may be written by a name of its own."""
+    return [s for s in stores if is_shared(s.value, typing) and is_told(function, s, s.value, stores, memory)]
+
+
+def is_shared(value: AST, typing: Typing) -> bool:
+    """Whether a value is an array that something else may hold as well."""
+    return (isinstance(value, (Name, Subscript, Attribute)) or shows(value)) and typing.of(value).is_array
+
+
+def is_told(function: FunctionDef, store: AST, value: AST, stores: Sequence[AST], memory: Memory) -> bool:
+    """Whether an array that a store puts into a list may be written after it by a name of its own."""
+    appended = {id(s) for s in stores}
+    every = [p for p in _not_before(function.body, store) if id(p) not in appended]
+    made = {id(p) for p in own_parts(_made(function.body, store, value))}
+    outside = memory.written([p for p in every if id(p) not in made])
+    own = {value.id: f"{value.id}."} if isinstance(value, Name) else {}
+    by_others = memory.written([rename(p, own) for p in every if id(p) in made])
+    return memory.affected(index(value, const(0)), outside | by_others)
+
+
+def _not_before(block: list[AST], store: AST) -> list[AST]:
+    """What of the statements may come after a store; none if it is not here."""
+    for position, statement in enumerate(block):
+        if not any(n is store for n in walk(statement)):
+            continue
+        inside = [statement] if not isinstance(statement, If) else [
+            n for arm in (statement.body, statement.orelse) for n in _not_before(arm, store)]
+        return [*(own_parts(inside) if not isinstance(statement, If) else inside), *own_parts(block[position + 1:])]
+    return []
+
+
+def _made(block: list[AST], store: AST, value: AST) -> list[AST]:
+    """The statements from the one that makes an array anew to its store, in one turn; none if it is not made so."""
+    found = _before(block, store, value.id) if isinstance(value, Name) else None
+    return found[1] if found is not None and found[0] else []
+
+
+def _before(block: list[AST], store: AST, kept: str) -> tuple[bool, list[AST]] | None:
+    """Whether what binds the array's name was found, and the statements since then; None if the store is not here."""
+    for position, statement in enumerate(block):
+        if statement is store:
+            return _since(block[:position], kept)
+        for field in ("body", "orelse"):
+            found = _before(getattr(statement, field, []), store, kept)
+            if found is not None and (found[0] or not isinstance(statement, If)):
+                return found if found[0] else (True, [])
+            if found is not None:
+                bound, statements = _since(block[:position], kept)
+                return (bound, [*statements, *found[1]]) if statements or not bound else (True, [])
+    return None
+
+
+def _since(before: list[AST], identifier: str) -> tuple[bool, list[AST]]:
+    for position in range(len(before) - 1, -1, -1):
+        statement = before[position]
+        if _binds(statement, identifier):
+            new = isinstance(statement, Assign) and isinstance(statement.targets[0], Name) and fresh_value(
+                statement.value)
+            return True, before[position:] if new else []
+    return False, before
+
+
+def _binds(statement: AST, identifier: str) -> bool:
+    """Whether a statement binds a name to another array; `w += x` writes the one that it has."""
+    added = {id(n.target) for n in walk(statement) if isinstance(n, AugAssign)}
+    return any(isinstance(n, Name) and n.id == identifier and isinstance(n.ctx, Store) and id(n) not in added
+               for n in walk(statement))
+
+
+def moved(place: AST, loop: AST) -> int | None:
+    """How far a subscript is from a loop's counter."""
+    if not isinstance(loop, For) or not isinstance(loop.target, Name):
+        return None
+    if isinstance(place, Name) and place.id == loop.target.id:
+        return 0
+    if isinstance(place, BinOp) and isinstance(place.op, (Add, Sub)) and isinstance(place.left, Name) and (
+            place.left.id == loop.target.id and isinstance(place.right, Constant)
+            and type(place.right.value) is int):
+        return place.right.value if isinstance(place.op, Add) else -place.right.value
+    return None

@@ -1,0 +1,258 @@
+"""list_elements: what may lie in a list, in whose place there is one array: what differs from Python's list is refused.
+
+    us = [2.0 * x]                      refused: a row of the array would be filled with 0.5
+    us.append(0.5)
+
+    ts.append((u, v))                   refused: the list would hold copies
+    u[0] = 0.0
+"""
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from s2sad.blocks import with_blocks
+from s2sad.diagnostics import Report
+from s2sad.evaluate.effects import Memory, fresh_value
+from s2sad.infer.call_types import LISTED, MARKS
+from s2sad.infer.inference import Typing
+from s2sad.infer.types import Type
+from s2sad.liveness import base_name
+from s2sad.normalize.context import NormalContext
+from s2sad.normalize.lists.list_contents import HELP, ListContents, Writes, is_shared, is_told
+from s2sad.tree import (
+    AST, Assign, Attribute, AugAssign, Break, Expr, For, FunctionDef, If, IfExp, List, Name, Return, Slice, Subscript,
+    Tuple, While, call, call_name, const, copy, indices, name, names, rebuild, rename, stored_names, times_bound, walk,
+)
+
+_ALIKE = "give them names of their own, or make an array of each that is like the others"
+_NAMED = "give it a name in a statement of its own, or make it an array: np.array([...])"
+
+
+def copies_in_tuples(function: FunctionDef, context: NormalContext) -> None:
+    """Refuses tuples and lists in a list whose arrays are stored into: they are copies here, in Python arrays.
+
+        def f(x, n):
+            u = np.zeros(2)
+            ts = []
+            for k in range(n):
+                ts.append((u, x))
+            u[0] = x[0]
+            return ts[0][0][0]
+
+    refused: a list holds an array that is written, not a copy of it
+
+        def f(x, n):
+            ts = []
+            for k in range(n):
+                ts.append((x, x))
+            for p, q in ts:
+                p[0] += q[1]
+            return x[0]
+
+    refused: the list 'ts' holds views of an array, or one array several times, and what it holds is written
+
+    Requires structured form and types, and the marks of `growing`, by which such an element differs from an array that
+    is made of arrays. Changes nothing.
+    """
+    typing, program, writes, report = context.typing, context.program, context.written, context.report
+    if not any(call_name(n) == LISTED for n in walk(function.body)):
+        return
+    held = ListContents(function, typing, writes)
+    apart = {id(s): [i for i in _items(s.value) if is_shared(i, typing)
+                     and base_name(i) not in held.made]      # a list of its own has stores of its own
+             for stores in held.stores.values() for s in stores if _is_row(s.value)}
+    if not any(apart.values()):
+        return
+    memory = Memory(rebuild(function, lambda n: call("numpy.empty", const(0)) if call_name(n) == LISTED else None),
+                    program)
+    every = [s for stores in held.stores.values() for s in stores]
+    for listed, stores in held.stores.items():
+        for store in stores:
+            items = apart.get(id(store), [])
+            if any(is_told(function, store, item, every, memory) for item in items):
+                report.error("S201", "a list holds an array that is written, not a copy of it", store, help=HELP)
+            elif items and (place := _telling(listed, store, items, held, typing)) is not None:
+                report.error("S201", f"the list {listed!r} holds views of an array, or one array several times, and "
+                             "what it holds is written", place, help=HELP)
+
+
+def _is_row(value: AST) -> bool:
+    if isinstance(value, IfExp):
+        return _is_row(value.body) or _is_row(value.orelse)
+    return isinstance(value, (Tuple, List)) or call_name(value) in MARKS
+
+
+def _items(value: AST) -> Iterator[AST]:
+    """What lies in a row, or in the rows of it."""
+    if isinstance(value, IfExp):
+        yield from (i for v in (value.body, value.orelse) for i in _items(v))
+    elif isinstance(value, (Tuple, List)):
+        yield from (i for v in value.elts for i in _items(v))
+    elif call_name(value) in MARKS:
+        yield from _items(value.args[0])
+    else:
+        yield value
+
+
+def _telling(listed: str, store: Assign, items: list[AST], held: ListContents, typing: Typing) -> AST | None:
+    """The first statement that writes an array of a row by the list, where another name or row would tell."""
+    kept = [i for i in items if not _is_alone(store, i, items, held)]
+    rank = min((typing.of(i).rank for i in kept), default=0)
+    own = held.views_of({listed})
+    while more := {n for n, stores in held.stores.items() if any(
+            held.sources(s.value) & own for s in stores)} - own:
+        own |= held.views_of(more)
+    filling = {id(s) for stores in held.stores.values() for s in stores if not isinstance(s.targets[0], Name)}
+    parts = {n for n in own if 0 < held.typing.table[n].rank <= rank}
+    for statement in walk(held.function.body):
+        if not kept or id(statement) in filling or not _written(statement, held) & own:
+            continue
+        if not _puts(statement, rank, typing) or parts & held.references.after[id(statement)]:
+            return statement
+    return None
+
+
+def _written(statement: AST, held: ListContents) -> set[str]:
+    """The arrays that a statement stores into; of a name that was bound just before, what it stands for."""
+    found: set[str] = set()
+    for n in held.written(statement):
+        bound = _bound(statement, n, held)
+        found |= {n} if bound is None or n in held.made else held.sources(bound.value)
+    return found
+
+
+def _bound(statement: AST, identifier: str, held: ListContents) -> Assign | None:
+    """The statement that binds a name as a statement of the same block finds it; None if it is in no such place."""
+    block = next(b for b in held.blocks if any(s is statement for s in b))
+    for s in reversed(block[:next(k for k, s in enumerate(block) if s is statement)]):
+        if isinstance(s, Assign) and isinstance(s.targets[0], Name) and s.targets[0].id == identifier:
+            return s
+        if identifier in stored_names(s):
+            return None
+    return None
+
+
+def _is_alone(store: Assign, item: AST, items: list[AST], held: ListContents) -> bool:
+    """Whether a row holds an array that is made for it and is used by no other name."""
+    if not isinstance(item, Name) or sum(isinstance(i, Name) and i.id == item.id for i in items) > 1:
+        return False
+    return held.is_new(store, item.id) and not held.views_of({item.id}) & held.references.after[id(store)]
+
+
+def _puts(statement: AST, rank: int, typing: Typing) -> bool:
+    """Whether a statement puts another array into a row, and writes none."""
+    target = statement.targets[0] if isinstance(statement, Assign) else None
+    return isinstance(target, Subscript) and typing.of(target).rank >= rank and not any(
+        isinstance(i, Slice) or typing.of(i).is_array or getattr(i, "value", None) is Ellipsis for i in indices(target))
+
+
+def element_types(function: FunctionDef, typing: Typing, writes: Writes, report: Report) -> None:
+    """Puts into the report what is put into a list and is not like what else it holds."""
+    held = ListContents(function, typing, writes)
+    for listed, stores in held.stores.items():
+        row = typing.of(name(listed))
+        if row.rank < 2:
+            continue
+        kinds = [typing.of(s.value) for s in stores]
+        written = len({k.dtype for k in kinds if k.is_array}) > 1 and _is_written(listed, held)
+        for store, kind in zip(stores, kinds):
+            if kind.is_number or kind.is_array and kind.rank != row.rank - 1:
+                report.error("S201", f"the list {listed!r} holds arrays of several numbers of axes", store, help=_ALIKE)
+            elif kind.is_array and kind.dtype != row.dtype and (written or _is_single(kind, row)):
+                report.error("S201", f"the list {listed!r} holds arrays of several dtypes", store, help=_ALIKE)
+
+
+def _is_single(*kinds: Type) -> bool:
+    return any(k.dtype == "float32" for k in kinds)
+
+
+def _is_written(listed: str, held: ListContents) -> bool:
+    """Whether an array that the list holds is written by the list, or under a name."""
+    own, filling = held.views_of({listed}), {id(s) for s in held.stores[listed]}
+    return any(id(s) not in filling and held.written(s) & own for s in walk(held.function.body))
+
+
+def coalesce_names(function: FunctionDef, context: NormalContext) -> FunctionDef:
+    """The function in which an array that is made under one name and goes on under another one has one name.
+
+        def f(x, n):                        def f(x, n):
+            us = []                             us = list(len(range(n)))
+            for k in range(n):                  us_count = 0
+                w = np.zeros(3)                 for k in range(n):
+                w[0] = x[k]                         made = np.zeros(3)
+                made = w                            made[0] = x[k]
+                us.append(made)                     us[k] = made
+            return us[0][0]                         us_count += 1
+                                                return us[0][0]
+
+    Requires structured form, where functions that return arrays are written out; establishes that an array which goes
+    into a list is seen to be new where it is. Only where there are lists.
+    """
+    if not any(call_name(n) == LISTED for n in walk(function.body)):
+        return function
+    mentions = Counter(n.id for n in walk(function.body) if isinstance(n, Name))
+
+    def block(given: list[AST]) -> list[AST]:
+        made = [with_blocks(s, block) for s in given]
+        place = 0
+        while place < len(made):
+            start = _start(made, place, mentions)
+            if start is None:
+                place += 1
+                continue
+            old, new = made[place].value.id, made[place].targets[0].id
+            made[start:place + 1] = [rename(s, {old: new}) for s in made[start:place]]
+            mentions[new] += mentions.pop(old) - 2
+            place = start
+        return made
+    named = copy(function)
+    named.body = block(function.body)
+    return named
+
+
+def _start(block: list[AST], place: int, mentions: Counter[str]) -> int | None:
+    """Where the array that a statement gives another name is made, if that name may be the only one."""
+    handed = block[place]
+    if not isinstance(handed, Assign) or not isinstance(handed.targets[0], Name) or not isinstance(handed.value, Name):
+        return None
+    old, new = handed.value.id, handed.targets[0].id
+    start = next((k for k in range(place - 1, -1, -1) if times_bound([block[k]], Assign, For)[old]), None)
+    if start is None or not isinstance(first := block[start], Assign) or not isinstance(first.targets[0], Name) or not (
+            fresh_value(first.value)):
+        return None
+    found = Counter(n.id for n in walk(block[start:place]) if isinstance(n, Name))
+    left = any(isinstance(n, (Break, Return)) for n in walk(block[start:place]))
+    alone = found[old] + 1 == mentions[old] and not found[new] and old not in names(first.value)
+    return start if alone and not left else None
+
+
+def unsupported_lists(function: FunctionDef, context: NormalContext) -> None:
+    """Refuses a list, or a part of one, that stands inside an expression, where no pass has given it a name.
+
+        def f(x):
+            ks = [1, 2]
+            return x[0] if ks == [1, 2] else x[1]
+
+    refused: a list inside an expression is not supported here
+
+    Requires views resolved; changes nothing. What `verify` would call no normal form is said here at the user's line.
+    """
+    report = context.report
+    for statement in walk(function.body):
+        value = _value(statement)
+        if value is None:
+            continue
+        wrong = next((n for n in walk(value) if isinstance(n, List) or isinstance(n, Subscript) and not isinstance(
+            n.value, (Name, Attribute, Tuple))), None)
+        if wrong is not None:
+            place = wrong if getattr(wrong, "lineno", None) else statement
+            what = "a list inside an expression" if isinstance(wrong, List) else "a part of what an expression gives"
+            report.error("S201", f"{what} is not supported here", place, help=_NAMED)
+
+
+def _value(statement: AST) -> AST | None:
+    if isinstance(statement, (Assign, AugAssign, Expr, Return)):
+        return statement.value
+    return statement.test if isinstance(statement, (If, While)) else statement.iter if isinstance(
+        statement, For) else None
