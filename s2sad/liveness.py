@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Pass, Raise,
-    Return, Store, Subscript, Tuple, While, call_name, children, forgotten, names, walk,
+    Return, Store, Subscript, Tuple, While, call_name, children, forgotten, names, user_call, walk,
 )
 
 Writes = Callable[[Call], list[str]]
@@ -34,7 +34,7 @@ def touched(statement: AST) -> set[str]:
     """The names that a statement may write: what it binds or stores into, and what it gives to a kernel."""
     found = {base_name(t) for part in walk(statement) for t in targets(part)}
     for part in walk(statement):
-        if (call_name(part) or "").startswith("user."):
+        if user_call(part):
             found |= {n for a in part.args for n in names(a)}
     return found
 
@@ -97,7 +97,7 @@ class Liveness:
                 return True
             effects: set[str] = set()
             for node in walk(statement.value):
-                if isinstance(node, Call) and (call_name(node) or "").startswith("user."):
+                if user_call(node):
                     if not self.pure(node):
                         return True
                     effects |= set(self.writes(node))
@@ -129,7 +129,7 @@ class Liveness:
         for target in targets(statement):
             if isinstance(target, Name):
                 live -= {target.id, "=" + target.id}
-            elif isinstance(statement, Assign) and _is_whole(target):
+            elif isinstance(statement, Assign) and is_whole_array(target):
                 live = (live - {base_name(target)}) | {"=" + base_name(target)}
             else:
                 live |= read_names(target) - {base_name(target)}
@@ -137,7 +137,7 @@ class Liveness:
         if isinstance(statement, AugAssign):
             live |= read_names(statement.target) | {base_name(statement.target)}
         read = read_names(statement.value)
-        if (call_name(statement.value) or "").startswith("user."):
+        if user_call(statement.value):
             unread = self.unread(statement.value)
             read = (read - unread) | {"=" + n for n in unread}
         return live | read
@@ -161,7 +161,8 @@ class Liveness:
             around = grown
 
 
-def _is_whole(place: AST) -> bool:
+def is_whole_array(place: AST) -> bool:
+    """Whether a place is all of an array: `x[...]`."""
     return isinstance(place, Subscript) and isinstance(place.slice, Constant) and place.slice.value is Ellipsis
 
 

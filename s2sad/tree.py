@@ -36,10 +36,10 @@ __all__ = [
     "Or", "Pass", "Pow", "Raise", "Return",
     "RShift", "Slice", "Starred", "Store", "Sub", "Subscript", "Tuple", "UAdd", "UnaryOp", "USub", "While",
     "arguments", "keyword", "add", "assign", "at", "attribute", "augment", "binary", "call", "call_name",
-    "children", "comment", "compare", "const", "copy", "counted_for", "dump", "equal", "expr", "expression",
-    "forget", "forgotten", "function", "head_copy", "index", "indices", "is_comment", "is_unset", "literal", "mult",
-    "name", "names", "negate", "parse", "placed", "rebuild", "rename", "statements", "stmt", "stored_names", "sub",
-    "substitute", "tuple_of", "unset", "walk", "with_body", "written",
+    "calls_kernel", "children", "comment", "compare", "const", "copy", "counted_for", "dump", "equal", "expr",
+    "expression", "forget", "forgotten", "function", "head_copy", "index", "indices", "is_comment", "is_unset",
+    "literal", "mult", "name", "names", "negate", "parse", "placed", "rebuild", "rename", "statements", "stmt",
+    "stored_names", "sub", "substitute", "tuple_of", "unset", "user_call", "walk", "with_body", "written",
 ]
 
 _LOAD, _STORE = Load(), Store()
@@ -297,6 +297,17 @@ def times_bound(node: AST | list[AST], *kinds: type[AST]) -> Counter[str]:
 def call_name(node: AST | None) -> str | None:
     """The resolved name of the function that a call calls, or None if the node is no such call."""
     return node.func.id if isinstance(node, Call) and isinstance(node.func, Name) else None
+
+
+def user_call(node: AST | None) -> str | None:
+    """The kernel that a call calls, or None if the node is no call of one."""
+    called = call_name(node)
+    return called[len("user."):] if called is not None and called.startswith("user.") else None
+
+
+def calls_kernel(node: AST) -> bool:
+    """Whether a kernel is called somewhere in a node, which may write its arguments or raise."""
+    return any(user_call(n) is not None for n in walk(node))
 
 
 def indices(node: Subscript) -> list[AST]:

@@ -6,13 +6,7 @@ from collections.abc import Mapping
 from s2sad.evaluate.effects import bindings
 from s2sad.evaluate.scope import KernelScope
 from s2sad.program import Kernel, Program, Structure, leaves
-from s2sad.tree import AST, Call, Constant, IfExp, List, Name, Return, Tuple, call_name, literal, walk
-
-
-def user_call(node: AST) -> str | None:
-    """The kernel that a call calls, or None if the node is no call of one."""
-    called = call_name(node)
-    return called[len("user."):] if called is not None and called.startswith("user.") else None
+from s2sad.tree import AST, Call, Constant, IfExp, List, Name, Return, Tuple, literal, user_call, walk
 
 
 def bound_arguments(node: Call, scope: KernelScope) -> list[AST]:

@@ -59,6 +59,11 @@ class Type:
         return self.kind == "number" and self.dtype.startswith(("int", "uint", "bool"))
 
     @property
+    def holds_integers(self) -> bool:
+        """Whether it is an integer, and no bool, or an array of such."""
+        return self.kind in ("number", "array") and self.dtype.startswith(("int", "uint"))
+
+    @property
     def plain(self) -> Type:
         """The type without what is known of lengths."""
         return replace(self, ones=()) if self.ones else self

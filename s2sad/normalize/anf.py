@@ -25,9 +25,9 @@ from s2sad.naming import Names
 from s2sad.normalize.array_anf import is_function
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Expr, For, FunctionDef, If,
-    Name, Pow, Return, Subscript, Tuple, UnaryOp, USub, While, assign, at, augment, call, call_name, copy, dump,
-    index, indices, name, names, walk, with_body,
+    AST, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Expr, For, FunctionDef, If, Name,
+    Pow, Return, Subscript, Tuple, UnaryOp, USub, While, assign, at, augment, call, call_name, copy, dump, index,
+    indices, name, names, user_call, walk, with_body,
 )
 
 
@@ -87,7 +87,7 @@ class _Anf:
             new = [self.simple(p, before, "result") for p in parts]
             value = Tuple(new, statement.value.ctx) if isinstance(statement.value, Tuple) else new[0]
             return [*before, Return(value)]
-        if isinstance(statement, Expr) and (call_name(statement.value) or "").startswith("user."):
+        if isinstance(statement, Expr) and user_call(statement.value):
             made = Expr(self.call(statement.value, before))
             return [*before, made]
         return [statement]
@@ -110,11 +110,11 @@ class _Anf:
         if isinstance(target, Name):
             if isinstance(value, Subscript) or call_name(value) == "numpy.sum":
                 return self.indexed(value, before)
-            if (call_name(value) or "").startswith("user."):
+            if user_call(value):
                 return self.call(value, before)
             if reads_result(value, self.typing):
                 return self.children(value, before)
-        elif (call_name(value) or "").startswith("user."):
+        elif user_call(value):
             return self.call(value, before)
         return self.inner(value, before)
 
@@ -198,7 +198,7 @@ class _Anf:
     def is_float(self, node: AST) -> bool:
         kind = self.typing.of(node)
         return kind.is_inexact or kind.kind == "tuple" and any(i.is_inexact for i in kind.items) or (
-            call_name(node) or "").startswith("user.")
+            user_call(node) is not None)
 
 
 def _wanted(node: AST) -> str:

@@ -24,7 +24,7 @@ from s2sad.passes import Context
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, List, Name, Return, Slice,
     Subscript, Tuple, UnaryOp, While, assign, at, attribute, augment, call, call_name, const, copy, dump, index,
-    indices, keyword, name, names, rebuild, walk, with_body,
+    indices, keyword, name, names, rebuild, user_call, walk, with_body,
 )
 
 _SUMMED = ("summed", "averaged")
@@ -92,8 +92,7 @@ class _ArrayAnf:
         if isinstance(statement, Return) and statement.value is not None:
             value = self.moved(statement.value, before)
             return [*before, Return(value)]
-        if isinstance(statement, Expr) and isinstance(called := statement.value, Call) and (
-                call_name(called) or "").startswith("user."):
+        if isinstance(statement, Expr) and user_call(called := statement.value):
             value = self.moved(called, before)
             return [*before, Expr(value)]
         return [statement]
@@ -153,7 +152,7 @@ class _ArrayAnf:
                 return name(self.bind(n, self.allocated(n, before), before))
             if call_name(n) == "numpy.size" and (sized := self.sized(n.args[0])) is not None:
                 return at(attribute(self.moved(sized, before), "size"), n)
-            if isinstance(n, Call) and (call_name(n) or "").startswith("user."):
+            if user_call(n):
                 return at(Call(n.func, [self.given(a, before) for a in n.args], n.keywords), n)
             if rules.find_array(call_name(n)) is None:
                 return None

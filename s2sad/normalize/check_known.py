@@ -7,7 +7,7 @@ Requires normal form and types; changes nothing.
 from __future__ import annotations
 
 from s2sad.normalize.context import NormalContext
-from s2sad.tree import Assign, AugAssign, BinOp, Call, FunctionDef, IfExp, Return, Subscript, UnaryOp, call_name, walk
+from s2sad.tree import Assign, AugAssign, BinOp, Call, FunctionDef, IfExp, Return, Subscript, UnaryOp, user_call, walk
 
 _WRONG = {Call: ("unknown", "tuple"), BinOp: ("unknown",), UnaryOp: ("unknown", "tuple"), IfExp: ("unknown", "tuple"),
           Subscript: ("unknown",)}      # x.shape + (2,) and x.shape[1:] are shapes
@@ -20,8 +20,7 @@ def check_known(function: FunctionDef, context: NormalContext) -> None:
         if not isinstance(statement, (Assign, AugAssign, Return)) or statement.value is None:
             continue
         for node in walk(statement.value):
-            if typing.of(node).kind in _WRONG.get(type(node), ()) and not (
-                    call_name(node) or "").startswith("user."):
+            if typing.of(node).kind in _WRONG.get(type(node), ()) and not user_call(node):
                 report.error("S203", "the type of this cannot be inferred", node,
                              help="write it with operations on numbers and arrays, each of which has a name")
                 break

@@ -30,9 +30,10 @@ from s2sad.naming import Names
 from s2sad.optimize.loop_bounds import bound_names, counter_offset
 from s2sad.optimize.iteration_spaces import IterationSpaces
 from s2sad.optimize.loop_nests import Nest
+from s2sad.simplify.initialize_accumulators import clears_element
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, Call, Constant, FunctionDef, If, Name, Sub, Subscript, assign, at, augment,
-    call_name, const, copy, dump, indices, name, names, negate, rebuild, walk,
+    AST, Assign, Attribute, AugAssign, Call, FunctionDef, If, Name, Sub, Subscript, assign, at, augment, call_name,
+    const, copy, dump, indices, name, names, negate, rebuild, walk,
 )
 
 _LIKE = {"numpy.empty_like", "numpy.zeros_like"}
@@ -88,7 +89,7 @@ class Contractible:
         using = [s for s in nest.body if _references(array, [s])]
         body, before = list(nest.body), []
         if not _is_fill(using[0], array):
-            if not self.allocators[array].startswith("numpy.zeros") or not _is_clear(using[-1]):
+            if not self.allocators[array].startswith("numpy.zeros") or not clears_element(using[-1]):
                 return
             body = [s for s in body if s is not using[-1]]
             before = [0.0]
@@ -104,7 +105,7 @@ class Contractible:
         """Makes the increment in the first nest a store, where the second nest clears the array."""
         fills = next(s for s in first.body if _references(array, [s]))
         clears = [s for s in second.body if _references(array, [s])][-1]
-        if not isinstance(fills, AugAssign) or not _is_clear(clears) or _references(array, [fills.value]) or not (
+        if not isinstance(fills, AugAssign) or not clears_element(clears) or _references(array, [fills.value]) or not (
                 isinstance(fills.target, Subscript)) or _iteration_region(array, first) is None:
             return
         if _iteration_region(array, first) != _iteration_region(array, second) or not extents.are_equal(
@@ -123,12 +124,6 @@ def _is_fill(statement: AST, array: str) -> bool:
     """Whether a statement stores into the array and does not read it."""
     return isinstance(statement, Assign) and isinstance(statement.targets[0], Subscript) and base_name(
         statement.targets[0]) == array and not _references(array, [statement.value])
-
-
-def _is_clear(statement: AST) -> bool:
-    """Whether a statement stores zero."""
-    return isinstance(statement, Assign) and isinstance(statement.targets[0], Subscript) and isinstance(
-        statement.value, Constant) and type(statement.value.value) is float and statement.value.value == 0.0
 
 
 def _iteration_region(array: str, nest: Nest) -> list[tuple[int, int]] | None:

@@ -17,8 +17,8 @@ from s2sad.simplify.context import DerivativeContext
 from s2sad.simplify.signs import normalize_increment, normalize_signs
 from s2sad.simplify.integer_expressions import is_integer, with_counters
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Constant, Expr, For, FunctionDef, If, IfExp,
-    Mult, Pow, Return, Slice, Sub, Tuple, USub, UnaryOp, While, at, augment, call_name, const, copy, equal, walk,
+    AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Constant, Expr, For, FunctionDef, If, IfExp, Mult,
+    Pow, Return, Slice, Sub, Tuple, USub, UnaryOp, While, at, augment, call_name, calls_kernel, const, copy, equal,
     with_body,
 )
 
@@ -89,14 +89,9 @@ def simplify_expression(node: AST, types: Mapping[str, Type] | None, integers: b
     if hasattr(node, "lineno"):
         at(new, node)
     new = normalize_signs(new)
-    if isinstance(new, IfExp) and equal(new.body, new.orelse) and not _calls_kernel(new.test):
+    if isinstance(new, IfExp) and equal(new.body, new.orelse) and not calls_kernel(new.test):
         return new.body
     return _simplify_binary(new, types, integers) if isinstance(new, BinOp) else new
-
-
-def _calls_kernel(node: AST) -> bool:
-    """Whether an expression calls a kernel, which may write its arguments or raise."""
-    return any((call_name(n) or "").startswith("user.") for n in walk(node))
 
 
 def _simplify_field(value: object, types: Mapping[str, Type] | None, integers: bool) -> object:

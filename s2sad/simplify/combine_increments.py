@@ -16,8 +16,8 @@ from s2sad.liveness import base_name, touched
 from s2sad.blocks import with_blocks
 from s2sad.passes import Context
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, FunctionDef, IfExp, Sub, Subscript, at, augment, call_name, dump,
-    is_comment, names, placed, walk, with_body,
+    AST, Add, Assign, AugAssign, BinOp, FunctionDef, IfExp, Sub, Subscript, at, augment, calls_kernel, dump, is_comment,
+    names, placed, with_body,
 )
 
 CHANGES_ROUNDING = True
@@ -42,8 +42,8 @@ def _block(block: list[AST]) -> list[AST]:
 
 
 def _is_straight_line(statement: AST) -> bool:
-    return is_comment(statement) or isinstance(statement, (Assign, AugAssign)) and not any(
-        (call_name(n) or "").startswith("user.") for n in walk(statement))
+    return is_comment(statement) or isinstance(statement, (Assign, AugAssign)) and not (
+        calls_kernel(statement))
 
 
 @dataclass

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.liveness import base_name, targets
+from s2sad.liveness import base_name, is_whole_array, targets
 from s2sad.blocks import with_blocks
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, Constant, Expr, FunctionDef, Name, Subscript, call_name, dump, name, names,
-    stored_names, walk, with_body,
+    AST, Assign, AugAssign, Call, Expr, FunctionDef, Name, Subscript, call_name, calls_kernel, dump, name, names,
+    stored_names, user_call, walk, with_body,
 )
 
 CHANGES_ROUNDING = False
@@ -64,17 +64,17 @@ class _DeadStores:
                 return False
             target = later.targets[0]
             reads = _mentions(later.value, array) or array in names(target.slice)
-            return not reads and base_name(target) == array and (dump(target) == dump(place) or _is_whole_array(target))
+            return not reads and base_name(target) == array and (dump(target) == dump(place) or is_whole_array(target))
         return False
 
     def target_of_pure_store(self, statement: AST) -> AST | None:
         """The place that a statement stores into, if it has no other effect."""
         if isinstance(statement, (Assign, AugAssign)):
             target = targets(statement)[0]
-            calls = any((call_name(n) or "").startswith("user.") for n in walk(statement.value))
+            calls = calls_kernel(statement.value)
             return target if isinstance(target, Subscript) and not calls else None
         called = statement.value if isinstance(statement, Expr) else None
-        if isinstance(called, Call) and (call_name(called) or "").startswith("user.") and self.pure(called):
+        if user_call(called) and self.pure(called):
             written = set(self.writes(called))
             return name(written.pop()) if len(written) == 1 else None
         return None
@@ -90,7 +90,7 @@ class _DeadStores:
         for earlier in reversed(before):
             if isinstance(earlier, Assign) and isinstance(earlier.targets[0], Name) and \
                     earlier.targets[0].id == statement.value.id:
-                return dump(_without_copy(earlier.value)) == dump(name(array) if _is_whole_array(place) else place)
+                return dump(_without_copy(earlier.value)) == dump(name(array) if is_whole_array(place) else place)
             bound = set(stored_names(earlier)) | self.stored_arrays(earlier)
             if bound & {array, statement.value.id, *names(place)}:
                 return False
@@ -108,10 +108,6 @@ class _DeadStores:
 
 def _without_copy(value: AST) -> AST:
     return value.args[0] if isinstance(value, Call) and call_name(value) == "numpy.copy" else value
-
-
-def _is_whole_array(place: AST) -> bool:
-    return isinstance(place, Subscript) and isinstance(place.slice, Constant) and place.slice.value is Ellipsis
 
 
 def _mentions(node: AST, array: str) -> bool:

@@ -16,7 +16,7 @@ from s2sad.blocks import heads, with_blocks
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Constant, For, FunctionDef, If, Name, Store, Subscript, UnaryOp, While, call_name,
-    copy, names, substitute, walk,
+    copy, names, substitute, user_call, walk,
 )
 
 CHANGES_ROUNDING = False
@@ -99,6 +99,6 @@ class _ForwardSubstitution:
         found: set[str] = set()
         for node in walk(item):
             found |= {base_name(t) for t in targets(node)}
-            if isinstance(node, Call) and (call_name(node) or "").startswith("user."):
+            if user_call(node):
                 found |= set(self.writes(node))
         return found

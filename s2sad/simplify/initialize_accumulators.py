@@ -16,7 +16,7 @@ from s2sad.blocks import with_blocks
 from s2sad.passes import Context
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, Break, Constant, FunctionDef, If, Name, Return, Store, Sub, Subscript, assign, at,
-    call_name, dump, names, negate, walk, with_body,
+    calls_kernel, dump, names, negate, walk, with_body,
 )
 
 CHANGES_ROUNDING = False
@@ -29,7 +29,7 @@ def initialize_accumulators(function: FunctionDef, context: Context) -> Function
 
 def _block(block: list[AST]) -> list[AST]:
     block = [with_blocks(s, _block) for s in block]
-    if not any(_binds_zero(s) or _clears_element(s) for s in block):
+    if not any(_binds_zero(s) or clears_element(s) for s in block):
         return _merge_branches(block)
     mentioned = [_mentioned_names(s) for s in block]
     position = 0
@@ -41,7 +41,7 @@ def _block(block: list[AST]) -> list[AST]:
                 block[user] = _as_binding(block[user])
                 del block[position], mentioned[position]
                 continue
-        elif _clears_element(statement):
+        elif clears_element(statement):
             _initialize_element(block, mentioned, position)
         position += 1
     return _merge_branches(block)
@@ -56,7 +56,7 @@ def _first_mention(mentioned: list[set[str]], start: int, identifier: str) -> in
     return next((k for k in range(start, len(mentioned)) if identifier in mentioned[k]), None)
 
 
-def _clears_element(statement: AST) -> bool:
+def clears_element(statement: AST) -> bool:
     """Whether an element of an array is set to zero."""
     return (isinstance(statement, Assign) and isinstance(statement.targets[0], Subscript)
             and isinstance(statement.value, Constant) and type(statement.value.value) is float
@@ -94,11 +94,7 @@ def _is_increment_of(statement: AST, array: str) -> bool:
     """Whether a statement mentions an array only to increment an element of it."""
     return (isinstance(statement, AugAssign) and isinstance(statement.target, Subscript)
             and base_name(statement.target) == array and array not in names(statement.value)
-            and array not in names(statement.target.slice) and not _calls_kernel(statement.value))
-
-
-def _calls_kernel(node: AST) -> bool:
-    return any((call_name(n) or "").startswith("user.") for n in walk(node))
+            and array not in names(statement.target.slice) and not calls_kernel(statement.value))
 
 
 def _merge_branches(block: list[AST]) -> list[AST]:

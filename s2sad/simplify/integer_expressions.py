@@ -20,7 +20,7 @@ def is_integer(node: AST, types: Mapping[str, Type] | None) -> bool:
     if isinstance(node, Constant):
         return type(node.value) is int
     if isinstance(node, Name):
-        return types is None or node.id in types and _is_integer_type(types[node.id])
+        return types is None or node.id in types and types[node.id].holds_integers
     if isinstance(node, UnaryOp):
         return not isinstance(node.op, Not) and is_integer(node.operand, types)
     if isinstance(node, BinOp):
@@ -41,7 +41,3 @@ def is_integer(node: AST, types: Mapping[str, Type] | None) -> bool:
 def with_counters(types: Mapping[str, Type], function: FunctionDef) -> dict[str, Type]:
     """The types of a function's names, with those of its loops' counters."""
     return {**types, **{n.target.id: INT for n in walk(function.body) if isinstance(n, For)}}
-
-
-def _is_integer_type(kind: Type) -> bool:
-    return kind.kind in ("number", "array") and kind.dtype.startswith(("int", "uint"))

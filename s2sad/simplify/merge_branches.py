@@ -14,7 +14,7 @@ from __future__ import annotations
 from s2sad.liveness import base_name, targets
 from s2sad.blocks import with_blocks
 from s2sad.passes import Context
-from s2sad.tree import AST, FunctionDef, If, Subscript, at, call_name, equal, names, walk, with_body
+from s2sad.tree import AST, FunctionDef, If, Subscript, at, calls_kernel, equal, names, walk, with_body
 
 CHANGES_ROUNDING = False
 
@@ -35,7 +35,7 @@ def _block(block: list[AST]) -> list[AST]:
     found: list[AST] = []
     for statement in (with_blocks(s, _block) for s in made):
         alike = isinstance(statement, If) and equal_blocks(statement.body, statement.orelse)
-        found += statement.body if alike and not _calls_kernel(statement.test) else [statement]
+        found += statement.body if alike and not calls_kernel(statement.test) else [statement]
     return found
 
 
@@ -45,16 +45,11 @@ def equal_blocks(first: list[AST], second: list[AST]) -> bool:
 
 def _tests_again(first: If, second: If) -> bool:
     inside = list(walk([*first.body, *first.orelse]))
-    if not equal(first.test, second.test) or _calls_kernel(first.test) or any(map(_leaves_block, inside)):
+    if not equal(first.test, second.test) or calls_kernel(first.test) or any(map(_leaves_block, inside)):
         return False
     elements = any(isinstance(n, Subscript) for n in walk(first.test))
     written = {base_name(t) for s in inside for t in targets(s)}
-    return not written & set(names(first.test)) and not (elements and any(map(_calls_kernel, inside)))
-
-
-def _calls_kernel(node: AST) -> bool:
-    """Whether a kernel is called, which may write its arguments or raise."""
-    return any((call_name(n) or "").startswith("user.") for n in walk(node))
+    return not written & set(names(first.test)) and not (elements and any(map(calls_kernel, inside)))
 
 
 def _leaves_block(node: AST) -> bool:

@@ -12,10 +12,6 @@ from s2sad.tree import List, Tuple
 
 
 
-def _whole(kind: Type) -> bool:
-    return kind.kind in ("number", "array") and kind.dtype.startswith(("int", "uint"))
-
-
 def _part(options: Arguments, count: int) -> int | None:
     """The number of the part that is asked for, if there is such a part."""
     found = whole_number(options["part"])
@@ -32,7 +28,7 @@ def _stored(args: list[Type], options: Arguments) -> Type:
     if x.is_array and places.is_array and places.dtype == "bool":
         return x if places.rank == x.rank and values.kind in ("array", "number") and values.rank <= 1 else UNKNOWN
     given = _places(places)
-    fits = x.is_array and 0 < len(given) <= x.rank and all(_whole(p) and p.rank <= 1 for p in given)
+    fits = x.is_array and 0 < len(given) <= x.rank and all(p.holds_integers and p.rank <= 1 for p in given)
     left = x.rank - len(given) + max((p.rank for p in given), default=0)
     return x if fits and values.kind in ("array", "number") and values.rank <= left else UNKNOWN
 
@@ -60,7 +56,8 @@ def _taken(args: list[Type], options: Arguments) -> Type:
     x, places = args[:2]
     spelled = options["places"]
     rank = 1 if isinstance(spelled, (List, Tuple)) else places.rank
-    whole = _whole(places) or places.kind == "tuple" and all(_whole(i) and not i.rank for i in places.items)
+    whole = places.holds_integers or places.kind == "tuple" and all(
+        i.holds_integers and not i.rank for i in places.items)
     if not x.is_array or not whole or rank > 1:
         return UNKNOWN
     if is_none(options["axis"]):
@@ -70,7 +67,7 @@ def _taken(args: list[Type], options: Arguments) -> Type:
 
 def _taken_along(args: list[Type], options: Arguments) -> Type:
     x, places = args[:2]
-    fits = x.is_array and places.is_array and _whole(places) and places.rank == x.rank <= 3
+    fits = x.is_array and places.is_array and places.holds_integers and places.rank == x.rank <= 3
     return x if fits and one_axis(options["axis"], x.rank) is not None else UNKNOWN
 
 
@@ -96,7 +93,7 @@ def _grid(args: list[Type], options: Arguments) -> Type:
 
 def _indices(args: list[Type], options: Arguments) -> Type:
     count = len(args[0].items)
-    if args[0].kind != "tuple" or not 0 < count <= 3 or not all(_whole(i) for i in args[0].items):
+    if args[0].kind != "tuple" or not 0 < count <= 3 or not all(i.holds_integers for i in args[0].items):
         return UNKNOWN
     if is_none(options["part"]):
         return array("int64", count + 1)
@@ -105,19 +102,19 @@ def _indices(args: list[Type], options: Arguments) -> Type:
 
 def _unraveled(args: list[Type], options: Arguments) -> Type:
     place, shape = args[:2]
-    known = shape.kind == "tuple" and _whole(place) and place.rank == 0
+    known = shape.kind == "tuple" and place.holds_integers and place.rank == 0
     return INT if known and _part(options, len(shape.items)) is not None else UNKNOWN
 
 
 def _triangle_places(args: list[Type], options: Arguments) -> Type:
     numbers = [a for a in args if a.kind != "none"]
-    whole = all(_whole(a) and not a.rank for a in numbers)
+    whole = all(a.holds_integers and not a.rank for a in numbers)
     return array("int64", 1) if whole and _part(options, 2) is not None else UNKNOWN
 
 
 def _counted(args: list[Type], options: Arguments) -> Type:
     x, weights, least = args
-    fits = x.is_array and _whole(x) and x.rank == 1 and _whole(least) and (
+    fits = x.is_array and x.holds_integers and x.rank == 1 and least.holds_integers and (
         weights.kind == "none" or weights.is_array and weights.rank == 1)
     return array("int64" if weights.kind == "none" else "float64", 1) if fits else UNKNOWN
 

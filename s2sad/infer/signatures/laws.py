@@ -37,6 +37,11 @@ def whole_number(node: AST) -> int | None:
     return node.value if isinstance(node, Constant) and type(node.value) is int else None
 
 
+def items_of(node: AST) -> list[AST]:
+    """The items of a tuple or a list that is spelled out, or the one node."""
+    return list(node.elts) if isinstance(node, (Tuple, List)) else [node]
+
+
 def written_slice(node: Slice) -> slice | None:
     """The slice whose ends and step are written out, or None."""
     ends = [None if e is None else whole_number(e) for e in (node.lower, node.upper, node.step)]
@@ -48,8 +53,7 @@ def axes_of(node: AST, rank: int) -> tuple[int, ...] | None:
     """The axes that an option names, from 0, all of them for None; None if they are not written out or out of range."""
     if isinstance(node, Constant) and node.value is None:
         return tuple(range(rank))
-    parts = list(node.elts) if isinstance(node, (Tuple, List)) else [node]
-    found = [whole_number(p) for p in parts]
+    found = [whole_number(p) for p in items_of(node)]
     if any(a is None or not -rank <= a < rank for a in found):
         return None
     return tuple(sorted({(a or 0) % rank for a in found}))
@@ -59,8 +63,7 @@ def paired_axes(node: AST | None, ranks: list[int]) -> list[tuple[int, int]] | N
     """The axes that `np.tensordot` sums over, those of the first operand with those of the second; None if they are
     not written out or out of range."""
     if isinstance(node, (Tuple, List)) and len(node.elts) == 2:
-        parts = [list(e.elts) if isinstance(e, (Tuple, List)) else [e] for e in node.elts]
-        found = [[whole_number(p) for p in side] for side in parts]
+        found = [[whole_number(p) for p in items_of(side)] for side in node.elts]
     else:
         count = 2 if node is None else whole_number(node)
         if count is None or count < 0:
@@ -150,11 +153,6 @@ def _one_more(size: Affine | None) -> Affine | None:
     return size and size.shift(1)
 
 
-def _shape_option(options: Options) -> list[AST]:
-    shape = options["shape"]
-    return list(shape.elts) if isinstance(shape, (Tuple, List)) else [shape]
-
-
 def _reshaped_type(args: list[Type], options: Options) -> Type:
     shape = args[1]
     rank = len(shape.items) if shape.kind == "tuple" else 1
@@ -187,8 +185,7 @@ def moved_axes(options: Options, rank: int) -> list[int] | None:
 
 def written_axes(node: AST, rank: int) -> list[int] | None:
     """The different axes that an argument names, from 0, in its order."""
-    parts = list(node.elts) if isinstance(node, (Tuple, List)) else [node]
-    found = [whole_number(p) for p in parts]
+    found = [whole_number(p) for p in items_of(node)]
     axes = [a % rank for a in found if a is not None and -rank <= a < rank]
     return axes if len(axes) == len(found) == len(set(axes)) else None
 

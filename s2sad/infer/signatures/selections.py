@@ -15,7 +15,7 @@ def _whole(kind: Type) -> bool:
     """Whether an argument is an integer, or an array or a written list of them."""
     if kind.kind == "tuple":
         return bool(kind.items) and all(_whole(i) and not i.rank for i in kind.items)
-    return kind.kind in ("number", "array") and kind.dtype.startswith(("int", "uint"))
+    return kind.holds_integers
 
 
 def _rank(kind: Type) -> int:

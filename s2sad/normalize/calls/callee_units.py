@@ -18,7 +18,7 @@ from s2sad.infer.shapes import shapes_of
 from s2sad.normalize.calls.alias_specialization import shared
 from s2sad.normalize.calls.path_conditions import path_conditions
 from s2sad.normalize.context import NormalContext
-from s2sad.tree import Call, FunctionDef, call_name, copy, name, walk
+from s2sad.tree import FunctionDef, copy, name, user_call, walk
 
 
 def callee_units(function: FunctionDef, context: NormalContext) -> FunctionDef:
@@ -26,7 +26,7 @@ def callee_units(function: FunctionDef, context: NormalContext) -> FunctionDef:
     new, typing, callees = copy(function), context.typing, context.callees
     places = cache(lambda: path_conditions(new.body, shapes_of(function, typing)))
     for node in walk(new.body):
-        if not isinstance(node, Call) or not (call_name(node) or "").startswith("user."):
+        if not user_call(node):
             continue
         unit = callees.of_call(node, typing)
         pairs = shared(node, unit.summary.written, typing, places, context.report)

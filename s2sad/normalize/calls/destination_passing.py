@@ -25,11 +25,12 @@ from s2sad.infer.inference import Typing
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.evaluate.call_graph import calls
+from s2sad.normalize.buffers.allocations import dtype_of
 from s2sad.normalize.calls.result_shapes import MAKERS, ResultShapes, Shapes, is_made
 from s2sad.program import Kernel, Program
 from s2sad.tree import (
     AST, Assign, Call, Constant, Expr, For, FunctionDef, Name, Return, Tuple, While, assign, at, call, call_name, const,
-    copy, function, index, name, rebuild, walk,
+    copy, function, index, name, rebuild, user_call, walk,
 )
 
 _LEAST = 100    # nodes of a function without a loop that stays a function
@@ -57,7 +58,7 @@ class OwnedResults:
         """The statements that make results that have a name, and may fill a given array instead."""
         words = {v.id for v in self.values if isinstance(v, Name)}
         return {s.targets[0].id: s for s in self.tree.body if isinstance(s, Assign) and isinstance(
-            s.targets[0], Name) and s.targets[0].id in words and not (call_name(s.value) or "").startswith("user.")}
+            s.targets[0], Name) and s.targets[0].id in words and not user_call(s.value)}
 
     def is_own(self, value: AST) -> bool:
         return value.id in self.sizes.made if isinstance(value, Name) else is_made(value)
@@ -85,7 +86,7 @@ def destination_passing(kernel: Kernel, found: OwnedResults, types: tuple[Type, 
     new = at(function(title, [*own, *words], [*(s for s in body if s is not None), *stores]), found.tree)
     program.kernels[title] = replace(kernel, name=title, tree=new, parameters=(*kernel.parameters, *words),
                                       results=len(words))
-    made = [call("numpy.empty", s, *([] if t.dtype == "float64" else [name(f"numpy.{t.dtype}")]))
+    made = [call("numpy.empty", s, *dtype_of(t))
             for s, t in zip(known, types)]
     return DestinationVersion(title, tuple(zip(words, made)))
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from s2sad.naming import Names
 from s2sad.program import Kernel, Program
-from s2sad.tree import Call, Name, call_name, copy, function, keyword, name, rename, walk
+from s2sad.tree import Name, call_name, copy, function, keyword, name, rename, user_call, walk
 
 
 def global_arrays(program: Program) -> Program:
@@ -26,7 +26,7 @@ def global_arrays(program: Program) -> Program:
     for title, kernel in program.kernels.items():
         read = {n.id[6:] for n in walk(kernel.tree.body) if isinstance(n, Name) and n.id.startswith("array.")}
         for node in walk(kernel.tree.body):
-            if (call_name(node) or "").startswith("user."):
+            if user_call(node):
                 read |= set(needs[(call_name(node) or "")[5:]])
         read |= set(needs.get(kernel.residual, ()))
         needs[title] = [a for a in program.arrays if a in read]
@@ -41,7 +41,7 @@ def _locals(kernel: Kernel) -> set[str]:
 def _extended(kernel: Kernel, needs: dict[str, list[str]], spelled: dict[str, str]) -> Kernel:
     tree = rename(copy(kernel.tree), {f"array.{a}": s for a, s in spelled.items()})
     for node in walk(tree.body):
-        if isinstance(node, Call) and (call_name(node) or "").startswith("user."):
+        if user_call(node):
             node.keywords += [keyword(spelled[a], name(spelled[a])) for a in needs[(call_name(node) or "")[5:]]]
     added = [spelled[a] for a in needs[kernel.name]]
     parameters = [p.id for p in tree.args.args]

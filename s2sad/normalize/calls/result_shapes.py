@@ -16,7 +16,7 @@ from s2sad.read.outside_values import library_value
 from s2sad.rules import find_array
 from s2sad.tree import (
     AST, Assign, Attribute, BinOp, Call, Constant, FunctionDef, Name, Store, Subscript, Tuple, UnaryOp, attribute,
-    call_name, copy, name, rebuild, times_bound, walk,
+    call_name, copy, name, rebuild, times_bound, user_call, walk,
 )
 
 MAKERS = {"numpy.empty": None, "numpy.empty_like": None, "numpy.zeros": 0.0, "numpy.zeros_like": 0.0,
@@ -57,7 +57,7 @@ class ResultShapes:
         """The shapes of the arrays that a value binds names to, if they are made for it."""
         if isinstance(target, Name):
             return {target.id: self.shape(value) if is_made(value) else None}
-        if isinstance(target, Tuple) and isinstance(value, Call) and (call_name(value) or "").startswith("user."):
+        if isinstance(target, Tuple) and user_call(value):
             return {t.id: s for t, s in zip(target.elts, map(self.placed, self.called(value))) if isinstance(t, Name)}
         return {}
 

@@ -17,6 +17,7 @@ from collections.abc import Mapping
 from s2sad import rules
 from s2sad.infer.inference import Typing
 from s2sad.infer.promotion import dtype_of
+from s2sad.infer.signatures.laws import items_of
 from s2sad.infer.weak_types import Results, Strong, together
 from s2sad.tree import (
     AST, BinOp, Call, Constant, FunctionDef, List, Name, Tuple, at, call, call_name, copy, keyword, name, rebuild, walk,
@@ -82,7 +83,7 @@ class _Promotion:
 
     def together(self, node: Call, places: list[int], listed: bool) -> AST | None:
         """A call whose operands have one dtype for NumPy."""
-        given = [item for k in places for item in _items(node.args[k])]
+        given = [item for k in places for item in items_of(node.args[k])]
         if not self.is_wider(node, given, listed):
             return None
         made = copy(node)
@@ -132,8 +133,3 @@ class _Promotion:
     def noted(self, old: AST, new: AST) -> AST:
         self.found.append(old)
         return at(new, old) if getattr(old, "lineno", None) else new
-
-
-def _items(node: AST) -> list[AST]:
-    """The arrays and numbers in an operand that may be a list of them."""
-    return list(node.elts) if isinstance(node, (Tuple, List)) else [node]

@@ -14,12 +14,13 @@ from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import Type
 from s2sad.infer.call_types import LISTED
+from s2sad.infer.signatures.laws import items_of
 from s2sad.normalize.context import NormalContext
 from s2sad.rules import find, find_array
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Compare, Constant, Expr, FunctionDef, Gt, GtE,
-    Invert, List, LShift, Lt, LtE, Name, Not, RShift, Raise, Slice, Subscript, Tuple, UnaryOp, call_name, children,
-    indices, times_bound, walk,
+    Invert, LShift, Lt, LtE, Name, Not, RShift, Raise, Slice, Subscript, UnaryOp, call_name, children, indices,
+    times_bound, walk,
 )
 
 RANGE, PLACE, BOUND, SIZE = "a bound of range", "an index", "a bound of a slice", "a size"
@@ -129,20 +130,16 @@ def _operands(node: AST) -> Iterator[tuple[str, AST]]:
     elif isinstance(node, UnaryOp) and isinstance(node.op, Invert):
         yield "~", node.operand
     elif name in _MADE and node.args:
-        yield from ((SIZE, a) for a in _listed(node.args[0]))
+        yield from ((SIZE, a) for a in items_of(node.args[0]))
     elif isinstance(node, Call) and (rule := find_array(name)) is not None:
         given = dict(zip((*rule.operands, *rule.options), node.args)) | {str(k.arg): k.value for k in node.keywords}
         for option in sorted(_SIZES & given.keys()):
             if not _is_none(given[option]):
-                yield from ((SIZE if option in ("shape", "num") else f"{option}=", a) for a in _listed(given[option]))
+                yield from ((SIZE if option in ("shape", "num") else f"{option}=", a) for a in items_of(given[option]))
 
 
 def _is_none(node: AST | None) -> bool:
     return node is None or isinstance(node, Constant) and (node.value is None or node.value is Ellipsis)
-
-
-def _listed(node: AST) -> list[AST]:
-    return list(node.elts) if isinstance(node, (Tuple, List)) else [node]
 
 
 def _described(kind: Type) -> str:

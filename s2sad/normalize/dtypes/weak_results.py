@@ -18,7 +18,7 @@ from s2sad.naming import Names
 from s2sad.normalize.calls.inline import Helpers, returned
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.dtypes.float32_promotion import float32_promotion, has_singles, mixtures
-from s2sad.tree import Call, FunctionDef, Name, call_name, walk
+from s2sad.tree import Call, FunctionDef, Name, call_name, user_call, walk
 
 
 Read = tuple[FunctionDef, Typing]
@@ -86,7 +86,7 @@ class WeakResults:
         """Reports calls whose function computes with another dtype for what it is given."""
         strong = Strong(function, self.typing, self.results)
         for node in walk(function.body):
-            if not isinstance(node, Call) or not (call_name(node) or "").startswith("user."):
+            if not user_call(node):
                 continue
             numbers = [WEAK if self.typing.of(a).is_array else strong.of(a) for a in node.args]
             found = self.called(node) if together([*numbers, "float32"]) == "float64" else None

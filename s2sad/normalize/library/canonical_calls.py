@@ -15,7 +15,7 @@ from s2sad.passes import Context
 from s2sad.rules.spellings import other_spelling
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, Div, Eq, FunctionDef, Gt, List, MatMult, Name, NotEq, Pow, Slice,
-    Starred, Store, Sub, Subscript, Tuple, at, attribute, call, call_name, compare, const, copy, index, indices,
+    Starred, Store, Sub, Subscript, Tuple, add, at, attribute, call, call_name, compare, const, copy, index, indices,
     keyword, mult, name, rebuild, tuple_of, walk, with_body,
 )
 
@@ -257,7 +257,7 @@ def _rolled(node: Call) -> AST | None:
     if not isinstance(axes, (Tuple, List)):
         if not isinstance(shift, (Tuple, List)) or not shift.elts:
             return None
-        return Call(node.func, [rebuild(x, _plain), reduce(_added, shift.elts)], node.keywords)
+        return Call(node.func, [rebuild(x, _plain), reduce(add, shift.elts)], node.keywords)
     shifts = shift.elts if isinstance(shift, (Tuple, List)) else [shift] * len(axes.elts)
     if len(shifts) != len(axes.elts):
         return None
@@ -265,16 +265,12 @@ def _rolled(node: Call) -> AST | None:
     return reduce(lambda made, by: call("numpy.roll", made, copy(by[0]), axis=by[1]), zip(shifts, axes.elts), start)
 
 
-def _added(a: AST, b: AST) -> AST:
-    return BinOp(a, Add(), b)
-
-
 def _of_items(node: Call) -> AST:
     """The least, the greatest or the sum of the items of one sequence; Python's sum adds rows."""
     sums = call_name(node) == "builtins.sum"
     items = node.args[0].elts if isinstance(node.args[0], (Tuple, List)) else []
     if len(items) > (not sums) and not any(isinstance(item, Starred) for item in items):
-        joined = reduce(_added, items, start()) if sums else Call(node.func, items, [])
+        joined = reduce(add, items, start()) if sums else Call(node.func, items, [])
         return rebuild(at(joined, node), _plain)
     if sums:
         return rebuild(at(call("numpy.sum", node.args[0], axis=const(0)), node), _plain)
@@ -291,9 +287,9 @@ def _scalar_call(node: Call) -> AST | None:
     if function == "builtins.sum" and len(node.args) == 2:
         several, first = node.args
         if isinstance(several, (Tuple, List)) and not any(isinstance(item, Starred) for item in several.elts):
-            return rebuild(at(reduce(_added, several.elts, first), node), _plain)
+            return rebuild(at(reduce(add, several.elts, first), node), _plain)
         total = _of_items(at(Call(node.func, [several], []), node))
-        return at(_added(rebuild(first, _plain), total), node)
+        return at(add(rebuild(first, _plain), total), node)
     if function in _PAIRED and len(node.args) > 2:
         return at(reduce(lambda a, b: call(function, a, b), [rebuild(a, _plain) for a in node.args]), node)
     if function == "math.log" and len(node.args) == 2:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from s2sad.infer.inference import Typing
 from s2sad.naming import Names
+from s2sad.normalize.buffers.allocations import dtype_of
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
     AST, Assign, For, FunctionDef, If, Name, Subscript, While, add, assign, at, attribute, call, call_name, const,
@@ -48,7 +49,6 @@ def _statement(statement: AST, typing: Typing, free: Names) -> list[AST]:
         return [statement]
     made = typing.declare(free.fresh("factors"), kind)
     size = index(attribute(a, "shape"), const(0))
-    dtype = [] if kind.dtype == "float64" else [name(f"numpy.{kind.dtype}")]
-    return [assign(made, call("numpy.empty", tuple_of(add(size, const(1)), copy(size)), *dtype)),
+    return [assign(made, call("numpy.empty", tuple_of(add(size, const(1)), copy(size)), *dtype_of(kind))),
             assign(index(name(made), const(...)), call("runtime.factored", a)),
             assign(statement.targets[0], call("runtime.solved", name(made), b))]

@@ -17,7 +17,7 @@ from __future__ import annotations
 from s2sad.evaluate.scope import KernelScope
 from s2sad.tree import (
     AST, Attribute, BinOp, Constant, Div, FunctionDef, Mult, Name, Slice, Subscript, Tuple, UnaryOp, USub, add, at,
-    call, call_name, const, copy, dump, index, indices, keyword, mult, rebuild, tuple_of, walk,
+    call, call_name, children, const, copy, dump, index, indices, keyword, mult, rebuild, tuple_of, walk,
 )
 
 _OPEN, _FULL = "numpy.ogrid", "numpy.mgrid"
@@ -72,16 +72,12 @@ def _count(part: Slice) -> int | float | None:
 
 def _with_others(part: AST, slices: list[AST]) -> AST:
     """An axis of bounds that have names: it is of floats if one of another axis is."""
-    made, own = _axis(part, None, False), {dump(n) for n in _bounds(part)}
-    for bound in (b for other in slices for b in _bounds(other)):
+    made, own = _axis(part, None, False), {dump(n) for n in children(part)}
+    for bound in (b for other in slices for b in children(other)):
         if dump(bound) not in own and not isinstance(bound, Constant) and not _is_size(bound):
             own.add(dump(bound))
             made = add(made, mult(const(0), copy(bound)))
     return made
-
-
-def _bounds(part: AST) -> list[AST]:
-    return [b for b in (part.lower, part.upper, part.step) if b is not None]
 
 
 def _is_size(bound: AST) -> bool:

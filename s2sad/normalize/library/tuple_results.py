@@ -14,11 +14,12 @@ Requires structured form. A part that has no rule is left as it is, to be refuse
 from __future__ import annotations
 
 from s2sad.infer.signatures.laws import whole_number
+from s2sad.infer.signatures.options import is_none
 from s2sad.naming import Names
 from s2sad.passes import Context
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, Call, Constant, FunctionDef, Name, NotEq, Store, Subscript, assign, at, call,
-    call_name, compare, const, copy, head_copy, keyword, name, rebuild, tuple_of, walk,
+    AST, Assign, Attribute, AugAssign, Call, FunctionDef, Name, NotEq, Store, Subscript, assign, at, call, call_name,
+    compare, const, copy, head_copy, keyword, name, rebuild, tuple_of, walk,
 )
 
 # the functions of the parts, with the names that NumPy gives the parts
@@ -71,9 +72,9 @@ def parted(node: AST) -> dict[str, str]:
         return _PARTS[called] if written[1] else _REDUCED
     if called == "numpy.linalg.qr" and written in (("mode", "reduced"), ("mode", "complete")):
         return _PARTS[called] if written[1] == "reduced" else _COMPLETE
-    left = [k for k in node.keywords if k.arg != _NONE.get(called) or not _is_none(k.value)]
+    left = [k for k in node.keywords if k.arg != _NONE.get(called) or not is_none(k.value)]
     extra = node.args[_OPERANDS.get(called, 1):]
-    plain = not left and all(called in _NONE and _is_none(a) for a in extra) and len(extra) <= 1
+    plain = not left and all(called in _NONE and is_none(a) for a in extra) and len(extra) <= 1
     return _PARTS[called] if plain and len(node.args) >= _OPERANDS.get(called, 1) else {}
 
 
@@ -99,10 +100,6 @@ def _option(node: AST) -> tuple[str, object] | None:
 def _picks(node: AST) -> bool:
     """Whether the parts of a call are the places where an array is not 0."""
     return call_name(node) in ("numpy.nonzero", "numpy.where")
-
-
-def _is_none(node: AST) -> bool:
-    return isinstance(node, Constant) and node.value is None
 
 
 class _TupleResults:

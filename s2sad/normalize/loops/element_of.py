@@ -10,12 +10,14 @@ from functools import reduce
 
 from s2sad import rules
 from s2sad.infer.inference import Typing
-from s2sad.infer.signatures.laws import ONE, moved_axes, whole_number
+from s2sad.infer.signatures.laws import ONE, items_of, moved_axes, whole_number
 from s2sad.infer.shapes import Shapes
+from s2sad.infer.signatures.options import is_none
 from s2sad.infer.slice_extents import is_step, spelled
+from s2sad.normalize.buffers.compose_subscripts import is_new
 from s2sad.tree import (
-    AST, Attribute, BinOp, Call, Constant, FloorDiv, Mod, Name, Slice, Subscript, Tuple, add, call_name,
-    const, copy, index, indices, mult, name, rebuild, sub,
+    AST, Attribute, BinOp, Call, FloorDiv, Mod, Name, Slice, Subscript, add, call_name, const, copy, index, indices,
+    mult, name, rebuild, sub,
 )
 
 
@@ -46,11 +48,11 @@ class Elements:
         arrays = [k for s in subscripts if not isinstance(s, Slice) and (k := self.typing.of(s)).is_array]
         masked = any(a.dtype == "bool" for a in arrays)
         picked = 0 if not arrays else 1 if masked else max(a.rank for a in arrays)
-        waiting = positions[len(positions) - picked - sum(isinstance(s, Slice) or _is_new(s) for s in subscripts):]
+        waiting = positions[len(positions) - picked - sum(isinstance(s, Slice) or is_new(s) for s in subscripts):]
         held: list[AST] | None = None
         made: list[AST] = []
         for subscript in subscripts:
-            if _is_new(subscript):
+            if is_new(subscript):
                 waiting = waiting[1:]
             elif not isinstance(subscript, Slice) and (kind := self.typing.of(subscript)).is_array:
                 if held is None:
@@ -89,10 +91,6 @@ class Elements:
         return self.shapes.expression(size)
 
 
-def _is_new(node: AST) -> bool:
-    return isinstance(node, Constant) and node.value is None
-
-
 # -- functions that move elements about ------------------------------------------------------------------------------
 
 def _roll(elements: Elements, node: AST, positions: list[AST]) -> AST:
@@ -100,7 +98,7 @@ def _roll(elements: Elements, node: AST, positions: list[AST]) -> AST:
     x, shift, axis = arguments["x"], arguments["shift"], arguments["axis"]
     moved = list(positions)
     sizes = [elements.size_of(x, k) for k in range(len(positions))]
-    if _is_new(axis) and len(positions) > 1:
+    if is_none(axis) and len(positions) > 1:
         back = BinOp(_back(_number(positions, sizes), shift), Mod(), reduce(mult, map(copy, sizes)))
         return elements.element(x, _places(back, sizes))
     k = (whole_number(axis) or 0) % len(positions)
@@ -133,8 +131,7 @@ def _places(number: AST, sizes: list[AST]) -> list[AST]:
 def _flip(elements: Elements, node: AST, positions: list[AST]) -> AST:
     x, axis = _arguments(node)["x"], _arguments(node)["axis"]
     rank = len(positions)
-    axes = range(rank) if isinstance(axis, Constant) and axis.value is None else [
-        (whole_number(a) or 0) % rank for a in _listed(axis)]
+    axes = range(rank) if is_none(axis) else [(whole_number(a) or 0) % rank for a in items_of(axis)]
     moved = [sub(sub(elements.size_of(x, k), const(1)), p) if k in axes else p for k, p in enumerate(positions)]
     return elements.element(x, moved)
 
@@ -177,10 +174,6 @@ def _arguments(node: AST) -> dict[str, AST]:
     rule = rules.find_array(call_name(node))
     assert rule is not None and isinstance(node, Call)
     return rule.arguments(node)
-
-
-def _listed(node: AST) -> list[AST]:
-    return list(node.elts) if isinstance(node, Tuple) else [node]
 
 
 _MOVED: Mapping[str, Callable[[Elements, AST, list[AST]], AST]] = {

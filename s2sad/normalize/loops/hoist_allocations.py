@@ -22,7 +22,8 @@ from s2sad.form import ALLOCATIONS
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
     AST, Assign, BinOp, Constant, FloorDiv, For, FunctionDef, If, Mod, Name, Store, Sub, Subscript, Tuple, UnaryOp,
-    USub, While, assign, at, call, call_name, const, index, name, names, stored_names, tuple_of, walk, with_body,
+    USub, While, assign, at, call, call_name, const, index, name, names, stored_names, tuple_of, user_call, walk,
+    with_body,
 )
 
 
@@ -94,7 +95,7 @@ def _may_leave(item: Assign, bound: set[str], changed: set[str], written: set[st
 def _written(statement: AST) -> set[str]:
     """The arrays whose content a statement may change."""
     stored = {base_name(n) for n in walk(statement) if isinstance(n, Subscript) and isinstance(n.ctx, Store)}
-    given = {n for called in walk(statement) if (call_name(called) or "").startswith("user.") for n in names(called)}
+    given = {n for called in walk(statement) if user_call(called) for n in names(called)}
     return stored | given
 
 

@@ -36,7 +36,7 @@ from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, Call, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While,
     add, assign, at, augment, call, call_name, const, copy, counted_for, index, indices, mult, name, rebuild, sub,
-    walk,
+    user_call, walk,
 )
 
 
@@ -131,7 +131,7 @@ class Scalarize:
     def store(self, statement: Assign | AugAssign) -> list[AST]:
         value = statement.value
         target = statement.targets[0] if isinstance(statement, Assign) else statement.target
-        if (call_name(value) or "").startswith("user.") or self.only and not scattered(target, self.typing):
+        if user_call(value) or self.only and not scattered(target, self.typing):
             return [statement]
         if is_function(value) and not moves(value):
             return self.function(statement, target)

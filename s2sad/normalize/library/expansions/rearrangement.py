@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from s2sad.infer.signatures.options import astype_dtype, widths_of
 from s2sad.normalize.library.expansions.templates import (
-    SECTIONS, CallArguments, empty, guard, lines, part, size, sizes, zeros,
+    SECTIONS, CallArguments, dtype_option, empty, guard, lines, part, size, sizes, zeros,
 )
 from s2sad.normalize.library.expansions.selections import repeated
 from s2sad.tree import List, Tuple
@@ -77,9 +77,7 @@ def _swapaxes(asked: CallArguments) -> str:
 
 
 def _broadcast_to(asked: CallArguments) -> str:
-    dtype = asked.type("x").dtype
-    kind = "" if dtype == "float64" else f", dtype=numpy.{dtype if dtype != 'bool' else 'bool_'}"
-    return lines(f"result = numpy.empty(shape{kind})", "result[...] = x")
+    return lines(f"result = numpy.empty(shape{dtype_option(asked.type('x').dtype)})", "result[...] = x")
 
 
 # -- repetition ------------------------------------------------------------------------------------------------------
@@ -212,8 +210,7 @@ def _eye(asked: CallArguments) -> str:
 
 
 def _identity(asked: CallArguments) -> str:
-    dtype = astype_dtype(asked.arguments)
-    return f"result = numpy.eye(n, dtype=numpy.{dtype if dtype != 'bool' else 'bool_'})"
+    return f"result = numpy.eye(n{dtype_option(astype_dtype(asked.arguments), default='')})"
 
 
 def _linspace(asked: CallArguments) -> str:

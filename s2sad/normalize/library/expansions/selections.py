@@ -9,7 +9,6 @@ from collections.abc import Callable
 from s2sad.normalize.library.expansions.templates import (
     WEIGHTS, CallArguments, empty, guard, lines, made, part, size, sizes, zeros,
 )
-from s2sad.tree import List, Tuple, call
 
 _OUTSIDE = "np.{}: the place is not in the array"
 
@@ -25,8 +24,7 @@ def _axis(asked: CallArguments) -> int:
 
 def _array(asked: CallArguments, parameter: str) -> str:
     """The name of an argument that may be a list that is spelled out, and what gives it one."""
-    if isinstance(asked.arguments[parameter], (List, Tuple)):
-        asked.arguments[parameter] = call("numpy.array", asked.arguments[parameter])
+    asked.as_array(parameter)
     return f"held_{parameter} = {parameter}" if asked.rank(parameter) else ""
 
 
@@ -203,13 +201,11 @@ def _as_single(asked: CallArguments, operand: str, value: str) -> str:
 
 def _put(asked: CallArguments) -> str:
     """Stores at places in the order of rows, one after the other."""
-    if isinstance(asked.arguments["values"], (List, Tuple)):
-        asked.arguments["values"] = call("numpy.array", asked.arguments["values"])
+    asked.as_array("values")
     several = asked.rank("values")
     value = "held[place % held.shape[0]]" if several else "values"
     before = ["held = numpy.copy(values)", guard("held.shape[0] > 0", "np.put without values")] if several else []
-    if isinstance(asked.arguments["places"], (List, Tuple)):
-        asked.arguments["places"] = call("numpy.array", asked.arguments["places"])
+    asked.as_array("places")
     rank = asked.rank("x")
     if not asked.rank("places"):
         return lines(*before, f"x[{at_flat('x', rank, 'places')}] = {'held[0]' if several else 'values'}")

@@ -5,7 +5,6 @@ from collections.abc import Callable
 
 from s2sad.normalize.library.expansions.templates import CallArguments, empty, guard, lines, part, size, sizes, zeros
 from s2sad.normalize.library.expansions.reductions import options_of, root_of
-from s2sad.tree import List, Tuple, call
 
 _NONE = "numpy.where(numpy.isnan(x), 0.0, 1.0)"
 
@@ -53,8 +52,7 @@ def _nan_running(asked: CallArguments) -> str:
 def _parts_added(asked: CallArguments) -> str:
     """From each place to the next one, the element itself if that is none further."""
     axis, rank = asked.axis(asked.rank("x")), asked.rank("x")
-    if isinstance(asked.arguments["places"], (List, Tuple)):
-        asked.arguments["places"] = call("numpy.array", asked.arguments["places"])
+    asked.as_array("places")
     whole = sizes("x", rank)
     whole[axis] = "held_places.shape[0]"
     return lines("held_places = numpy.copy(places)", f"result = {zeros(whole, asked.type('x').dtype)}",

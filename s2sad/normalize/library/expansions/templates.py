@@ -2,10 +2,10 @@
 from __future__ import annotations
 
 from s2sad.infer.inference import Typing
-from s2sad.infer.signatures.laws import axes_of, is_true, whole_number
+from s2sad.infer.signatures.laws import axes_of, is_true, items_of, whole_number
 from s2sad.infer.signatures.options import is_none, text_of
 from s2sad.infer.types import Type
-from s2sad.tree import AST, List, Tuple
+from s2sad.tree import AST, List, Tuple, call
 
 
 class CallArguments:
@@ -41,8 +41,12 @@ class CallArguments:
 
     def items(self, parameter: str) -> list[AST]:
         """The items of a written tuple, or the one argument."""
-        node = self.arguments[parameter]
-        return list(node.elts) if isinstance(node, (Tuple, List)) else [node]
+        return items_of(self.arguments[parameter])
+
+    def as_array(self, parameter: str) -> None:
+        """Makes a list or a tuple that is spelled out an array."""
+        if isinstance(node := self.arguments[parameter], (Tuple, List)):
+            self.arguments[parameter] = call("numpy.array", node)
 
     def let(self, wanted: str, node: AST) -> str:
         """A parameter of its own for an expression."""
@@ -82,10 +86,14 @@ def shape(parts: list[str]) -> str:
     return parts[0] if len(parts) == 1 else f"({', '.join(parts)})"
 
 
+def dtype_option(dtype: str, default: str = "float64") -> str:
+    """The text of an option that says a dtype, "" for the default."""
+    return "" if dtype == default else f", dtype=numpy.{dtype if dtype != 'bool' else 'bool_'}"
+
+
 def made(function: str, parts: list[str], dtype: str) -> str:
     """The text of an allocation."""
-    kind = "" if dtype == "float64" else f", dtype=numpy.{dtype if dtype != 'bool' else 'bool_'}"
-    return f"numpy.{function}({shape(parts)}{kind})"
+    return f"numpy.{function}({shape(parts)}{dtype_option(dtype)})"
 
 
 def empty(parts: list[str], dtype: str) -> str:
