@@ -17,7 +17,7 @@ from s2sad import optimize
 from s2sad.liveness import base_name
 from s2sad.analyze.missing_shadows import missing_shadows
 from s2sad.deep_stack import deep_stack
-from s2sad.differentiate.request import DerivativeRequest
+from s2sad.analyze.request import DerivativeRequest
 from s2sad.optimize.reusable_tape import ReusableTape, reusable_tape
 from s2sad.emit.line_table import line_table
 from s2sad.emit.dialect import in_dialect

@@ -44,11 +44,11 @@ from s2sad.interface.selection import selected_of, selected_wrt
 from s2sad.passes import each
 from s2sad.program import Request
 from s2sad.tree import Assert, FunctionDef, at, rebuild
-from s2sad.units import KERNELS
+from s2sad.units import DERIVATIVES, KERNELS
 from s2sad.units.primal_form import PASSES as PRIMAL
 
-LISTS = (KERNELS, PRIMAL, evaluate.PASSES, normalize.PASSES, simplify.LOWERED, simplify.PASSES, optimize.KERNELS,
-         optimize.PASSES)
+LISTS = (KERNELS, DERIVATIVES, PRIMAL, evaluate.PASSES, normalize.PASSES, simplify.LOWERED, simplify.PASSES,
+         optimize.KERNELS, optimize.PASSES)
 HEADER = "import math\nimport numpy as np\nimport scipy\nimport scipy.linalg\n\n\n"
 
 
@@ -157,7 +157,8 @@ def _run(kernel: str, engine: str, mode: str) -> Run:
     last: dict[str, FunctionDef] = {}
 
     def watch(title: str, tree: FunctionDef) -> None:
-        steps.append(Step(title, last.get(tree.name), tree))
+        kernel = re.sub(r"_(adjoint|tangent)(_\d+)?$", "", tree.name)
+        steps.append(Step(title, last.get(tree.name, last.get(kernel)), tree))
         last[tree.name] = tree
     try:
         with _file(kernel) as (path, name):

@@ -15,7 +15,7 @@ import s2sad
 from s2sad.cli import main
 from s2sad.diagnostics import Report
 from s2sad.infer.assumed_types import assumed_types
-from s2sad.report.stages import NORMALIZE, STAGES, stages
+from s2sad.report.stages import KERNEL_STAGES, STAGES, stages
 from s2sad.dispatch.arguments import types as types_of
 from s2sad import read
 from s2sad.infer.types import of_value
@@ -141,7 +141,7 @@ def test_every_stage_is_python_that_can_be_run(engine):
     for stage, text in {text: (stage, text) for stage, text in texts.items()}.values():
         space = {}
         exec(compile(text, stage, "exec"), space)
-        if stage in NORMALIZE:
+        if stage in KERNEL_STAGES:
             given, expected = case.arguments("small"), case.arguments("small")
             case.function(*expected)
             space["brusselator"](*given)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from s2sad.analyze.activity import activity
+from s2sad.analyze.activity import activity_of
 from s2sad.diagnostics import Report, Source
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import FLOAT, Type, array
@@ -247,4 +247,4 @@ def test_a_tuple_has_no_silent_zero():
     typing = Typing({**given, "t": Type("tuple", items=(FLOAT, FLOAT)), "y": FLOAT}, lambda *_: (FLOAT,),
                     Report(Source("f.py", "")), {})
     with pytest.raises(s2sad.S2sadError, match="values with derivatives stay together in a tuple or a list here"):
-        activity(function, typing, {"x"}, {"return 0"}, lambda call: [])
+        activity_of(function, typing, {"x"}, {"return 0"}, lambda call: [])

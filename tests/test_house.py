@@ -35,7 +35,10 @@ LEFT = (
 UNSAID = ("mgrid", "growing", "scipy_linalg", "scipy_solvers", "tuple_results", "einsum",
           "typed_rewrites", "list_allocation", "lu",)
 # passes that leave facts in the context and the tree as it is
-FACTS = ("reported_types", "inferred_types", "primal_form", "same_primal")
+FACTS = ("reported_types", "inferred_types", "primal_form", "same_primal", "program_structure", "activity",
+         "unbounded_values", "to_be_recorded", "commuting_iterations")
+# passes on functions with a derivative of the user's own: a file that is only read has none
+LIVE = ("unsupported_derivatives",)
 # rooms in which modules have the names of what they are for, as other modules have
 CONVENTIONS = ("infer/signatures", "normalize/library/expansions", "rules", "runtime")
 
@@ -64,7 +67,7 @@ def test_the_contract_has_few_layers():
 
 
 def test_the_names_of_passes_are_their_stages():
-    titles = [step.title for passes in LISTS[:1] + LISTS[4:6] + LISTS[7:] for step in each(passes)]
+    titles = [step.title for passes in LISTS[:2] + LISTS[5:7] + LISTS[8:] for step in each(passes)]
     assert len(titles) == len(set(titles))
 
 
@@ -89,4 +92,4 @@ def test_a_picture_shows_what_the_pass_does(function: Callable[..., Any], pictur
 
 def test_every_pass_has_a_picture():
     missing = [f.__name__ for f in functions() if not any(True for _ in pictures(document(f)))]
-    assert [n for n in missing if n not in FACTS] == list(LEFT)
+    assert [n for n in missing if n not in FACTS + LIVE] == list(LEFT)

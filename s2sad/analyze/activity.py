@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from s2sad.liveness import base_name, targets
+from s2sad.analyze.context import AnalysisContext
 from s2sad.analyze.uses import sources
 from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
@@ -37,8 +38,14 @@ class Activity:
         return "inactive: it does not depend on an input"
 
 
-def activity(function: FunctionDef, typing: Typing, independents: set[str], dependents: set[str],
-             call_edges: CallEdges) -> Activity:
+def activity(function: FunctionDef, context: AnalysisContext) -> None:
+    """Leaves the table for the inputs and outputs of the request in `context.activity`."""
+    wanted = context.request
+    context.activity = activity_of(function, context.typing, set(wanted.wrt), set(wanted.of), context.calls.call_edges)
+
+
+def activity_of(function: FunctionDef, typing: Typing, independents: set[str], dependents: set[str],
+                call_edges: CallEdges) -> Activity:
     """The table for one function and one choice of inputs and outputs ("return k" are the results)."""
     edges = tuple(dict.fromkeys(_edges(function, typing, call_edges)))
     forwards: dict[str, list[str]] = {}

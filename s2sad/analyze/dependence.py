@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import chain, product
 
 from s2sad.analyze.reallocated_arrays import escapes, own_loops, within as within_loops
-from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.infer.types import INT
 from s2sad.infer.affine import Affine, at_most, combined, equals, feasible
 from s2sad.normalize.loops.hoist_allocations import is_allocation

@@ -11,18 +11,18 @@ from __future__ import annotations
 from s2sad import rules
 from s2sad.analyze.dependence import ArrayReference
 from s2sad.liveness import base_name
-from s2sad.analyze.recording_plan import PlanningInputs, reads
+from s2sad.analyze.recording_plan import RecordingProblem, reads
 from s2sad.analyze.reallocated_arrays import escapes, own_loops
-from s2sad.analyze.structure import StatementPlace, ProgramStructure, heads, is_simple
+from s2sad.analyze.program_structure import StatementPlace, ProgramStructure, heads, is_simple
 from s2sad.analyze.trip_counts import known_trips
 from s2sad.analyze.reverse_values import ReverseValues
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, Call, For, While, call_name, dump, walk
 
 
-def rerun_arrays(loop: For, question: PlanningInputs) -> list[str] | None:
+def rerun_arrays(loop: For, problem: RecordingProblem) -> list[str] | None:
     """The arrays that must be as they were for an iteration of a loop to run again; None if none can."""
-    structure, typing = question.structure, question.structure.typing
+    structure, typing = problem.structure, problem.structure.typing
     inner = structure.inner[id(loop)]
     if not any(isinstance(p.statement, (For, While)) or not is_simple(p.statement, typing) for p in inner):
         return None
@@ -33,8 +33,8 @@ def rerun_arrays(loop: For, question: PlanningInputs) -> list[str] | None:
     own = {p.statement.targets[0].id for p in inner if is_allocation(p.statement)}
     if any(escapes(structure, array) for array in own):
         return None                                     # the last array's shadow is in use before the loop is reversed
-    written = {base_name(t) for p in inner for t in question.writes(p.statement)} - own
-    flowing = [array for array in sorted(written) if not _private(array, loop, inner, question)]
+    written = {base_name(t) for p in inner for t in problem.writes(p.statement)} - own
+    flowing = [array for array in sorted(written) if not _private(array, loop, inner, problem)]
     around = (*structure.place(loop).loops, loop)
     if flowing and (any(own_loops(structure, array) for array in flowing)
                     or known_trips(structure, around, around[0]) is None):
@@ -54,10 +54,10 @@ def carries(loop: For, structure: ProgramStructure) -> bool:
                for n, x in ReverseValues(structure).loops.items())
 
 
-def _private(array: str, loop: For, inner: list[StatementPlace], question: PlanningInputs) -> bool:
+def _private(array: str, loop: For, inner: list[StatementPlace], problem: RecordingProblem) -> bool:
     """Whether an array that the loop writes is read in it only after the same iteration has written all of it,
     and not where the reverse sweep would find what running the loop again leaves."""
-    structure, typing = question.structure, question.structure.typing
+    structure, typing = problem.structure, problem.structure.typing
     start, around = structure.place(loop).order, structure.place(loop).loops
     loads = [(p, x) for p in structure.places.values() if not is_allocation(p.statement)
              for x in reads(p.statement, typing) if base_name(x) == array]
@@ -69,9 +69,9 @@ def _private(array: str, loop: For, inner: list[StatementPlace], question: Plann
     if not inside:
         return True
     for place in inner:
-        for target in question.writes(place.statement):
+        for target in problem.writes(place.statement):
             if base_name(target) == array and isinstance(place.statement, Assign) and _covers(
-                    target, place, loop, question):
+                    target, place, loop, problem):
                 return all(p.order > place.order and _after(p, x, place, target, loop) for p, x in inside)
     return False
 
@@ -89,12 +89,12 @@ def _after(reader: StatementPlace, load: AST, place: StatementPlace, target: AST
     return not within or dump(load) == dump(target)
 
 
-def _covers(place: AST, where: StatementPlace, loop: For, question: PlanningInputs) -> bool:
+def _covers(place: AST, where: StatementPlace, loop: For, problem: RecordingProblem) -> bool:
     reference = ArrayReference.to(place, where.statement)
     nest = where.loops[where.loops.index(loop) + 1:]
     if not reference.subscripts:
-        return where.branches == question.structure.place(loop).branches and not nest
-    unconditional = question.structure.place(loop).branches
-    if not nest or not isinstance(nest[0], For) or question.structure.place(nest[0]).branches != unconditional:
+        return where.branches == problem.structure.place(loop).branches and not nest
+    unconditional = problem.structure.place(loop).branches
+    if not nest or not isinstance(nest[0], For) or problem.structure.place(nest[0]).branches != unconditional:
         return False
-    return question.dependence.covers(nest[0], where.statement, reference)
+    return problem.dependence.covers(nest[0], where.statement, reference)

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from s2sad.analyze.activity import Activity, CallEdges, activity
+from s2sad.analyze.activity import Activity, CallEdges, activity_of
 from s2sad.analyze.dependence import Dependence, ArrayReference
 from s2sad.liveness import base_name, targets
-from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.tree import AST, Attribute, Call, For, If, Name, Subscript, While, function, walk
 
 Edges = tuple[tuple[str, str], ...]
@@ -28,7 +28,7 @@ def missing_shadows(structure: ProgramStructure, found: Activity, shadowed: set[
     if not lost:
         return {}
     simple: list[tuple[AST, Edges]] = [
-        (place.statement, activity(function("_", [], [place.statement]), typing, set(), set(), call_edges).edges)
+        (place.statement, activity_of(function("_", [], [place.statement]), typing, set(), set(), call_edges).edges)
         for place in structure.places.values() if not isinstance(place.statement, (For, While, If))]
     stores: dict[str, AST] = {}
     dependence = Dependence(structure)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.analyze.structure import ProgramStructure, heads
+from s2sad.analyze.program_structure import ProgramStructure, heads
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import AST, Name, walk
 

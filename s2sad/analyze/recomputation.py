@@ -78,8 +78,8 @@ class RecomputationPlaces(ReverseUses):
         a, b = ArrayReference.to(load, statement), ArrayReference.to(store.place, store.statement)
         if when == "late":
             return (there.block, there.segment) == (here.block, here.segment) and there.order < here.order and \
-                self.q.dependence.may_overwrite(b, a, here.loops[-1])
-        return there.order > here.order and self.q.dependence.may_overwrite(a, b, here.loops[-1])
+                self.problem.dependence.may_overwrite(b, a, here.loops[-1])
+        return there.order > here.order and self.problem.dependence.may_overwrite(a, b, here.loops[-1])
 
     def is_reloaded(self, value: ReverseValue) -> bool:
         """Whether a value comes back from the element that it was stored in: it replaced one that it was made from."""

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from s2sad.analyze.dependence import Dependence
 from s2sad.liveness import targets
-from s2sad.analyze.structure import ProgramStructure, heads
+from s2sad.analyze.program_structure import ProgramStructure, heads
 from s2sad.analyze.uses import OperandUses, loads_of, owns_result
 from s2sad.analyze.reverse_values import ReverseValue
 from s2sad.infer.inference import Typing
@@ -73,7 +73,7 @@ class RecordingPlan:
 
 
 @dataclass
-class PlanningInputs:
+class RecordingProblem:
     """What the planner is told: the tables, what each statement's adjoint reads, what each statement writes, and
     whether its adjoint runs in the state that it leaves; `quick` if loops run so fast that to record takes longer than
     to run them again."""

@@ -11,25 +11,25 @@ from s2sad.analyze.dependence import ArrayReference
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.recomputation import RecomputationPlaces
 from s2sad.analyze.recording_plan import (
-    RecordingPlan, PlanningInputs, Shift, Snapshot, Store, by_key, reads, subscripts,
+    RecordingPlan, RecordingProblem, Shift, Snapshot, Store, by_key, reads, subscripts,
 )
 from s2sad.analyze.reallocated_arrays import to_reverse
-from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.uses import loads_of
 from s2sad.analyze.reverse_values import ReverseValue
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, Expr, dump
 
 
-def plan_for(question: PlanningInputs, rerun: frozenset[int], snapshots: tuple[Snapshot, ...],
+def plan_for(problem: RecordingProblem, rerun: frozenset[int], snapshots: tuple[Snapshot, ...],
              shifts: dict[str, Shift] | None = None) -> RecordingPlan:
     """The plan in which the given loops run again; what is recorded must be restored, which may need more."""
-    table = question.structure
-    resized = {id(a): a for a in to_reverse(table, question.active) if id(table.place(a).loops[-1]) not in rerun}
+    table = problem.structure
+    resized = {id(a): a for a in to_reverse(table, problem.active) if id(table.place(a).loops[-1]) not in rerun}
     working: set[int] = {id(s) for a in resized.values() for s in table.place(a).inside}
     restored: set[int] = set(resized)
     while True:
-        plan = RecordingPlanner(question, rerun, snapshots, working, restored, shifts or {}).plan()
+        plan = RecordingPlanner(problem, rerun, snapshots, working, restored, shifts or {}).plan()
         plan.resized = {i for i in restored if is_allocation(table.places[i].statement)}
         recorded_at = [s.statement for s in plan.stores.values()] + [v.home for v in plan.recorded.values()]
         more = {id(s) for x in recorded_at for s in table.place(x).inside}
@@ -47,7 +47,7 @@ class RecordingPlanner(RecomputationPlaces):
     def plan(self) -> RecordingPlan:
         """Work, needs, placements, the network, the cut, and what follows from it."""
         self.find_work()
-        self.result.after = frozenset(i for i, p in self.structure.places.items() if self.q.after(p.statement))
+        self.result.after = frozenset(i for i, p in self.structure.places.items() if self.problem.after(p.statement))
         wanted: list[tuple[str, AST]] = []
         mandatory: list[tuple[AST, AST]] = []
         for place in self.structure.places.values():
@@ -117,12 +117,12 @@ class RecordingPlanner(RecomputationPlaces):
         first, later = ArrayReference.to(load, statement), ArrayReference.to(store.place, store.statement)
         loop = next((x for x in here.loops if id(x) in self.rerun), None)
         if loop is None:
-            return self.q.dependence.may_overwrite(first, later, same=itself)
+            return self.problem.dependence.may_overwrite(first, later, same=itself)
         if any(x is loop for x in there.loops):
-            return not again and self.q.dependence.may_overwrite(first, later, loop, same=itself)
+            return not again and self.problem.dependence.may_overwrite(first, later, loop, same=itself)
         private = any(x is loop for s in self.stores_to.get(base_name(load), ())
                       for x in self.structure.place(s.statement).loops)
-        return not private and self.q.dependence.may_overwrite(first, later, same=itself)
+        return not private and self.problem.dependence.may_overwrite(first, later, same=itself)
 
     def depth(self, loops: tuple[AST, ...]) -> int:
         last = max((k for k, loop in enumerate(loops) if id(loop) in self.rerun), default=-1)
@@ -213,14 +213,14 @@ class RecordingPlanner(RecomputationPlaces):
         put back as it was before it, whatever was stored there since, unless the adjoint reads what it left there."""
         if not self.conflict(store, load, statement, self.spoils(statement)):
             return False
-        if self.q.after(statement):
+        if self.problem.after(statement):
             return True
         own = next((s for s in self.stores_by.get(id(statement), ()) if dump(s.place) == dump(load)), None)
         return own is None or own is store or not self.conflict(own, load, statement, self.spoils(statement))
 
     def spoils(self, statement: AST) -> bool:
         """Whether a statement's own store can destroy what its adjoint reads."""
-        return isinstance(statement, (Assign, AugAssign, Expr)) and not self.q.after(statement)
+        return isinstance(statement, (Assign, AugAssign, Expr)) and not self.problem.after(statement)
 
 
 def _by_array(loads: Iterable[tuple[AST, AST]]) -> dict[str, list[tuple[AST, AST]]]:

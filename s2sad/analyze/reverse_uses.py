@@ -5,8 +5,8 @@ from collections import deque
 
 from s2sad.analyze.min_cut import Network
 from s2sad.liveness import base_name, targets
-from s2sad.analyze.recording_plan import RecordingPlan, PlanningInputs, Shift, Snapshot, Store, by_key
-from s2sad.analyze.structure import StatementPlace, heads, is_simple
+from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem, Shift, Snapshot, Store, by_key
+from s2sad.analyze.program_structure import StatementPlace, heads, is_simple
 from s2sad.analyze.uses import OperandUses
 from s2sad.analyze.reverse_values import ReverseValue, ReverseValues
 from s2sad.tree import AST, Assign, For, If, Name, names
@@ -15,16 +15,16 @@ from s2sad.tree import AST, Assign, For, If, Name, names
 class ReverseUses:
     """Which values the reverse sweep must have again, and who reads them."""
 
-    def __init__(self, question: PlanningInputs, rerun: frozenset[int], snapshots: tuple[Snapshot, ...],
+    def __init__(self, problem: RecordingProblem, rerun: frozenset[int], snapshots: tuple[Snapshot, ...],
                  working: set[int],
                  restored: set[int], shifts: dict[str, Shift]):
-        self.q, self.rerun, self.restored, self.shifts = question, rerun, restored, shifts
-        self.structure, self.typing = question.structure, question.structure.typing
-        self.all_values = ReverseValues(question.structure)
+        self.problem, self.rerun, self.restored, self.shifts = problem, rerun, restored, shifts
+        self.structure, self.typing = problem.structure, problem.structure.typing
+        self.all_values = ReverseValues(problem.structure)
         self.result = RecordingPlan(rerun=rerun, snapshots=snapshots, working=set(working))
         self.users: dict[str, list[AST | str]] = {}
-        self.stores = [Store(p.statement, t, self._is_whole(t)) for p in question.structure.places.values()
-                       for t in question.writes(p.statement)]
+        self.stores = [Store(p.statement, t, self._is_whole(t)) for p in problem.structure.places.values()
+                       for t in problem.writes(p.statement)]
         self.stores_to = by_key(self.stores, lambda s: base_name(s.place))
         self.stores_by = by_key(self.stores, lambda s: id(s.statement))
         self.stored = by_key((s for s in self.stores if isinstance(s.statement, Assign) and isinstance(
@@ -43,7 +43,7 @@ class ReverseUses:
     def find_work(self) -> None:
         """The compound statements with something in them to reverse."""
         for place in self.structure.places.values():
-            if self.q.active(place.statement):
+            if self.problem.active(place.statement):
                 self.result.working |= {id(s) for s in place.inside}
 
     def needs(self, statement: AST) -> OperandUses:
@@ -54,8 +54,8 @@ class ReverseUses:
         elif isinstance(statement, For) and id(statement) in self.result.working:
             for bound in statement.iter.args:
                 found.value(bound, self.typing)
-        elif self.q.active(statement):
-            found = self.q.uses(statement)
+        elif self.problem.active(statement):
+            found = self.problem.uses(statement)
         if id(statement) in self.restored:
             self.restoring(statement, found)
         return found

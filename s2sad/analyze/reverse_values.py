@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from s2sad.analyze.structure import ProgramStructure, is_simple
+from s2sad.analyze.program_structure import ProgramStructure, is_simple
 from s2sad.tree import AST, Assign, If, names
 
 

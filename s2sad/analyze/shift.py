@@ -11,15 +11,15 @@ element's record, one iteration further back.
 from __future__ import annotations
 
 from s2sad.liveness import base_name
-from s2sad.analyze.recording_plan import RecordingPlan, PlanningInputs, Shift, Store
+from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem, Shift, Store
 from s2sad.analyze.trip_counts import known_trips
 from s2sad.analyze.reverse_values import ReverseValue
 from s2sad.tree import AST, Assign, For, Name, Subscript, dump
 
 
-def shift_of(value: ReverseValue, plan: RecordingPlan, question: PlanningInputs) -> Shift | None:
+def shift_of(value: ReverseValue, plan: RecordingPlan, problem: RecordingProblem) -> Shift | None:
     """How a carried number that is recorded can be read from the record of an element, if it can."""
-    structure, loop = question.structure, value.home
+    structure, loop = problem.structure, value.home
     if value.kind != "carried" or len(value.bindings) != 2 or not isinstance(loop, For):
         return None
     before, copied = value.bindings
@@ -39,15 +39,15 @@ def shift_of(value: ReverseValue, plan: RecordingPlan, question: PlanningInputs)
         last = max((k for k, x in enumerate(there.loops) if id(x) in plan.rerun), default=-1)
         home = next((x for x in there.loops if id(x) in plan.rerun), there.loops[0] if there.loops else loop)
         if (same and plain and here.loops[-1:] == (loop,) and here.order < there.order
-                and dump(store.place) == dump(load[0].value) and _undisturbed(store, load[0], plan, question)
+                and dump(store.place) == dump(load[0].value) and _undisturbed(store, load[0], plan, problem)
                 and known_trips(structure, there.loops[last + 1:], home) is not None):
             return Shift(store, before.value.id, loop)
     return None
 
 
-def _undisturbed(store: Store, load: AST, plan: RecordingPlan, question: PlanningInputs) -> bool:
+def _undisturbed(store: Store, load: AST, plan: RecordingPlan, problem: RecordingProblem) -> bool:
     """Whether nothing overwrites an element between its load and its store."""
-    structure = question.structure
+    structure = problem.structure
     here, there = structure.place(load), structure.place(store.statement)
     between = [p.statement for p in structure.places.values() if here.order < p.order < there.order]
-    return not any(base_name(t) == base_name(store.place) for s in between for t in question.writes(s))
+    return not any(base_name(t) == base_name(store.place) for s in between for t in problem.writes(s))

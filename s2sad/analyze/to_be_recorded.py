@@ -1,6 +1,6 @@
 """to_be_recorded: what the forward sweep records, what the reverse sweep computes again, and which loops it runs again.
 
-Requires structure, activity and what each adjoint reads; establishes a `Plan`. A value that the reverse sweep reads
+Requires structure, activity and what can be infinite; establishes `context.plan`. A value that the reverse sweep reads
 and that later iterations overwrite is
 - computed again where its operands are intact or restored, at the top of the reverse block ("early": in the state
   that the block leaves) or of its own segment ("late": in the state in which the segment begins),
@@ -12,47 +12,92 @@ one iteration (Hascoet, Pascual, TOMS 39, 2013, II-LOOP), and snapshots of what 
 """
 from __future__ import annotations
 
+from s2sad.analyze.callee_derivatives import call_uses, is_kernel_call
+from s2sad.analyze.context import AnalysisContext
+from s2sad.analyze.dependence import Dependence
 from s2sad.analyze.independent_iterations import carries, is_dear, rerun_arrays
-from s2sad.analyze.recording_plan import RecordingPlan, PlanningInputs, Snapshot
+from s2sad.analyze.reallocated_arrays import repeated
+from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem, Snapshot
 from s2sad.analyze.recording_planner import plan_for, weight_of
 from s2sad.analyze.shift import shift_of
-from s2sad.tree import For
+from s2sad.analyze.uses import OperandUses, uses
+from s2sad.infer.inference import Typing
+from s2sad.liveness import base_name, targets
+from s2sad.normalize.loops.hoist_allocations import is_allocation
+from s2sad.tree import AST, Assign, AugAssign, For, FunctionDef, Return, const, index
 
 _WORTH = 3  # the forward sweep runs the loop as well if numbers or elements flow: so much less must be recorded
 
 
-def to_be_recorded(question: PlanningInputs) -> RecordingPlan:
+def to_be_recorded(function: FunctionDef, context: AnalysisContext) -> None:
+    """Leaves the plan in `context.plan`, and the problem that it solves in `context.problem`."""
+    context.problem = _problem(context)
+    context.plan = recording_plan(context.problem)
+
+
+def _problem(context: AnalysisContext) -> RecordingProblem:
+    """What the plan must provide for."""
+    structure, typing, active, calls = context.structure, context.typing, context.activity.active, context.calls
+
+    def reads_of(statement: AST) -> OperandUses:
+        return uses(statement, typing, active, lambda s, found: call_uses(
+            s, typing, active, context.derive, found, context.unbounded.called_left) if is_kernel_call(s) else None)
+
+    def writes(statement: AST) -> list[AST]:
+        if repeated(structure, statement):
+            return [index(statement.targets[0], const(...))]
+        return calls.writes(statement)
+
+    return RecordingProblem(structure, Dependence(structure), lambda s: has_adjoint(s, typing, active), reads_of,
+                            writes, calls.seen_after, quick=context.in_loops)
+
+
+def has_adjoint(statement: AST, typing: Typing, active: frozenset[str]) -> bool:
+    """Whether a statement has an adjoint."""
+    if isinstance(statement, Return):
+        return True
+    if is_kernel_call(statement):
+        bound = [base_name(t) for t in targets(statement)]
+        return any(b in active for b in bound) or any(
+            typing.of(a).is_array and base_name(a) in active for a in statement.value.args)
+    if not isinstance(statement, (Assign, AugAssign)) or is_allocation(statement):
+        return False
+    target = targets(statement)[0]
+    return base_name(target) in active and typing.of(target).is_inexact
+
+
+def recording_plan(problem: RecordingProblem) -> RecordingPlan:
     """The plan of least weight found: loops are tried for running again, outermost first, then carried numbers for
     being read from another record."""
-    plan = rerun_plan(question)
-    shifts = {k: s for k, v in plan.recorded.items() if (s := shift_of(v, plan, question)) is not None}
+    plan = rerun_plan(problem)
+    shifts = {k: s for k, v in plan.recorded.items() if (s := shift_of(v, plan, problem)) is not None}
     if shifts:
-        other = plan_for(question, plan.rerun, plan.snapshots, shifts)
+        other = plan_for(problem, plan.rerun, plan.snapshots, shifts)
         plan = other if other.weight < plan.weight else plan
     return plan
 
 
-def rerun_plan(question: PlanningInputs) -> RecordingPlan:
+def rerun_plan(problem: RecordingProblem) -> RecordingPlan:
     """The plan of least weight in which loops run again."""
-    plan = plan_for(question, frozenset(), ())
-    for place in sorted(question.structure.places.values(), key=lambda p: p.order):
+    plan = plan_for(problem, frozenset(), ())
+    for place in sorted(problem.structure.places.values(), key=lambda p: p.order):
         loop = place.statement
         if isinstance(loop, For) and plan.weight and not any(id(x) in plan.rerun for x in place.loops):
-            plan = _lighter(plan, loop, question)
+            plan = _lighter(plan, loop, problem)
     return plan
 
 
-def _lighter(plan: RecordingPlan, loop: For, question: PlanningInputs) -> RecordingPlan:
+def _lighter(plan: RecordingPlan, loop: For, problem: RecordingProblem) -> RecordingPlan:
     """The plan, or the one in which a loop runs again as well, if that is worth it."""
-    arrays = rerun_arrays(loop, question)
+    arrays = rerun_arrays(loop, problem)
     if arrays is None:
         return plan
-    flows = bool(arrays) or carries(loop, question.structure)
-    if flows and (not question.quick or is_dear(loop, question.structure)):
+    flows = bool(arrays) or carries(loop, problem.structure)
+    if flows and (not problem.quick or is_dear(loop, problem.structure)):
         return plan
     worth = _WORTH if flows else 1
-    if worth * sum(weight_of(Snapshot(loop, array), question.structure) for array in arrays) >= plan.weight:
+    if worth * sum(weight_of(Snapshot(loop, array), problem.structure) for array in arrays) >= plan.weight:
         return plan
     snapshots = (*plan.snapshots, *(Snapshot(loop, array) for array in arrays))
-    other = plan_for(question, plan.rerun | {id(loop)}, snapshots)
+    other = plan_for(problem, plan.rerun | {id(loop)}, snapshots)
     return other if other.weight * worth < plan.weight else plan

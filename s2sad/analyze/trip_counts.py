@@ -5,7 +5,7 @@ Requires the structure table.
 from __future__ import annotations
 
 from s2sad.analyze.dependence import range_parts
-from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.uses import loads_of
 from s2sad.tree import (
     AST, BinOp, Call, Constant, For, Name, Sub, Subscript, call, call_name, copy, name, names, sub, walk,

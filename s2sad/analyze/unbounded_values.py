@@ -5,6 +5,8 @@ leave.
     y = x * l                       so can y, and the partial of x, which is l
     z = np.where(x > 0, y, 0.0)     y may be left, and x and l with it
 
+Requires activity; establishes `context.unbounded`.
+
 A value can be infinite or nan where a function that has poles, or is not defined everywhere, is computed of an active
 operand, or of one that the kernel compares with something; so can everything that is computed of it. Where a kernel
 asks for nan, all that it asks, and what that is computed of, can be nan. What is read under a branch, of a part of an
@@ -20,6 +22,7 @@ from dataclasses import dataclass, field
 
 from s2sad import rules
 from s2sad.analyze.activity import Activity, reach
+from s2sad.analyze.context import AnalysisContext
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.squares import Squares, squares
 from s2sad.analyze.uses import is_active, operated, sources
@@ -143,12 +146,18 @@ def _divides(rule: Rule, node: AST) -> bool:
     return rule.name in _QUOTIENTS or exponent is not None and exponent < 0
 
 
-def unbounded_values(function: FunctionDef, typing: Typing, activity: Activity,
-                     called: Callable[[Call], UnboundedValues | None] = lambda called: None,
-                     given: frozenset[str] = frozenset()) -> UnboundedValues:
-    """The table for one function; `called` gives that of a kernel that is called. The values that a kernel is given can
-    be infinite, and what it gives be left, where "values" are `given`; so can the seeds of what it gives, where "seeds"
-    are."""
+def unbounded_values(function: FunctionDef, context: AnalysisContext) -> None:
+    """Leaves the table in `context.unbounded`."""
+    context.unbounded = unbounded_values_of(function, context.typing, context.activity, context.calls.unbounded,
+                                            context.request.unbounded)
+
+
+def unbounded_values_of(function: FunctionDef, typing: Typing, activity: Activity,
+                        called: Callable[[Call], UnboundedValues | None] = lambda called: None,
+                        boundary: frozenset[str] = frozenset()) -> UnboundedValues:
+    """The table for one function; `called` has that of a callee. With "values" in `boundary` the arguments can be
+    infinite, and a choice of the caller's may leave the results; with "seeds" in it the seeds of results can be
+    infinite."""
     forwards: dict[str, list[str]] = {}
     backwards: dict[str, list[str]] = {}
     for a, b in activity.edges:
@@ -160,7 +169,7 @@ def unbounded_values(function: FunctionDef, typing: Typing, activity: Activity,
     definitions = {s.targets[0].id: s.value for s in assigned if times[s.targets[0].id] == 1}
     flat = squares(function, typing, activity.active)
     first = UnboundedValues(typing, activity.active, flat, compared=compared, definitions=definitions)
-    parameters = {p.id for p in function.args.args} if "values" in given else set[str]()
+    parameters = {p.id for p in function.args.args} if "values" in boundary else set[str]()
     poles, steep = set(parameters), set(parameters)
     for s in walk(function.body):
         if not isinstance(s, (Assign, AugAssign, Expr)):
@@ -178,8 +187,9 @@ def unbounded_values(function: FunctionDef, typing: Typing, activity: Activity,
     left = reach(backwards, set(_left(function, typing))) if poles | asked else set[str]()
     seeds = reach(backwards, set(_seeds(function, first, called)))
     return UnboundedValues(typing, activity.active, flat, frozenset(reach(forwards, poles | asked)),
-                           activity.active if "values" in given else frozenset(left), frozenset(reach(forwards, steep)),
-                           activity.active if "seeds" in given else frozenset(seeds), compared, called, definitions)
+                           activity.active if "values" in boundary else frozenset(left),
+                           frozenset(reach(forwards, steep)),
+                           activity.active if "seeds" in boundary else frozenset(seeds), compared, called, definitions)
 
 
 def _seeds(function: FunctionDef, known: UnboundedValues, called: Callable[[Call],

@@ -1,74 +1,73 @@
 """adjoint: a function in normal form becomes its adjoint, statement by statement.
 
-Requires the plan of what is recorded; establishes a function in normal form again, with the forward sweep not yet
-pruned to what the reverse sweep reads (`simplify.dead` does that).
+Requires the plan of what is recorded; establishes the grammar "derivative" of `form` and the signature
+(`context.derivative`). The forward sweep is whole: `simplify.dead_code` prunes it to what the reverse sweep reads.
 
-    y[i] = a * x[i]                 seed = y_bar[i]
-                                    y_bar[i] = 0.0
-                                    a_bar += x[i] * seed
-                                    x_bar[i] += a * seed
+    def f(y, x, a):         def f_adjoint(y, y_bar, x, x_bar, a):
+        y[0] = a * x[0]         # forward sweep
+                                y[0] = a * x[0]
+                                # reverse sweep
+                                a_bar = 0.0
+                                seed = y_bar[0]
+                                y_bar[0] = 0.0
+                                a_bar += x[0] * seed
+                                x_bar[0] += a * seed
+                                return (a_bar,)
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from s2sad.analyze.activity import Activity
 from s2sad.liveness import base_name, targets
-from s2sad.analyze.recording_plan import RecordingPlan
-from s2sad.analyze.structure import ProgramStructure
-from s2sad.analyze.unbounded_values import UnboundedValues
 from s2sad.analyze.uses import owns_result
 from s2sad.differentiate.arithmetic import Term
-from s2sad.differentiate.callee_derivatives import Derive, is_kernel_call, pattern, with_shadows
+from s2sad.analyze.callee_derivatives import is_kernel_call, pattern
 from s2sad.differentiate.trip_counters import TripCounters
-from s2sad.differentiate.request import Derivative, DerivativeRequest
+from s2sad.differentiate.context import DifferentiationContext
+from s2sad.differentiate.derivative import Derivative
 from s2sad.differentiate.expression_rules import Pullback
 from s2sad.differentiate.split_adjoints import SplitAdjoints
 from s2sad.differentiate.reallocation import empty_at_first
-from s2sad.differentiate.shadows import Shadows
+from s2sad.differentiate.shadows import Shadows, with_shadows
 from s2sad.differentiate.sweeps import Sweeps
 from s2sad.differentiate.tape import Tape
 from s2sad.differentiate.zero_law import ZeroLaw
 from s2sad.infer.shapes import shapes_of
 from s2sad.infer.slice_extents import scattered
 from s2sad.infer.types import Type
-from s2sad.naming import Names
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.program import MISFIT
 from s2sad.tree import (
-    AST, Add, Assert, Assign, AugAssign, Call, Constant, Eq, Expr, Name, Return, Sub, Subscript, Tuple, assign, at,
-    attribute, augment, call, call_name, comment, compare, const, copy, function, index, indices, name, names,
-    stored_names, tuple_of, walk,
+    AST, Add, Assert, Assign, AugAssign, Call, Constant, Eq, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple,
+    assign, at, attribute, augment, call, call_name, comment, compare, const, copy, function, index, indices, name,
+    names, stored_names, tuple_of, walk,
 )
 
 
 REVERSE = "reverse sweep"
 
 
-def adjoint(structure: ProgramStructure, active: Activity, plan: RecordingPlan, wanted: DerivativeRequest, free: Names,
-            derive: Derive,
-            family: Mapping[str, str], title: str, bounds: UnboundedValues) -> Derivative:
-    """The adjoint of a function; `title` is its name, `family` tells which variable of the user's a name stands for."""
-    return _Adjoint(structure, active, plan, wanted, free, derive, family, bounds).made(title)
+def adjoint(function: FunctionDef, context: DifferentiationContext) -> FunctionDef:
+    """The adjoint of a function."""
+    context.derivative = _Adjoint(context).made(context.title)
+    return context.derivative.function
 
 
 class _Adjoint(Shadows):
-    def __init__(self, structure: ProgramStructure, activity: Activity, plan: RecordingPlan, wanted: DerivativeRequest,
-                 free: Names,
-                 derive: Derive, family: Mapping[str, str], bounds: UnboundedValues):
-        self.structure, self.typing, self.plan = structure, structure.typing, plan
-        self.active = activity.active
-        self.wanted, self.free, self.derive, self.bounds = wanted, free, derive, bounds
+    def __init__(self, context: DifferentiationContext):
+        assert context.plan is not None
+        self.structure, self.typing, self.plan = context.structure, context.typing, context.plan
+        self.active, self.bounds = context.activity.active, context.unbounded
+        self.wanted, self.free, self.derive = context.request, context.names, context.derive
         self.shadows: dict[str, str] = {}
         self.scopes: dict[int, list[str]] = {}
-        self.tape = Tape(structure, self.typing, free, plan.rerun, TripCounters(structure, plan, free))
-        self.shapes = shapes_of(structure.function, self.typing)
-        self.halves = SplitAdjoints(self.typing, self.active, free, derive, bounds)
-        self.sweeps = Sweeps(structure, plan, self.tape, free, self.statement, self.zeros, self.shapes, family,
-                             self.halves.first)
-        self.pullback = Pullback(self.typing, self.active, free, self.bind, self.shapes, ZeroLaw(bounds))
-        self.parameters = [p.id for p in structure.function.args.args]
-        self.written = {base_name(t) for s in walk(structure.function.body) if isinstance(s, (Assign, AugAssign))
+        self.tape = Tape(self.structure, self.typing, self.free, self.plan.rerun,
+                         TripCounters(self.structure, self.plan, self.free))
+        self.shapes = shapes_of(self.structure.function, self.typing)
+        self.halves = SplitAdjoints(self.typing, self.active, self.free, self.derive, self.bounds)
+        self.sweeps = Sweeps(self.structure, self.plan, self.tape, self.free, self.statement, self.zeros, self.shapes,
+                             context.family, self.halves.first)
+        self.pullback = Pullback(self.typing, self.active, self.free, self.bind, self.shapes, ZeroLaw(self.bounds))
+        self.parameters = [p.id for p in self.structure.function.args.args]
+        self.written = {base_name(t) for s in walk(self.structure.function.body) if isinstance(s, (Assign, AugAssign))
                         for t in targets(s) if isinstance(t, Subscript)}
 
     def bind(self, wanted: str, like: AST) -> str:

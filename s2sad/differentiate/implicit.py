@@ -15,8 +15,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from s2sad.differentiate.request import Derivative, DerivativeRequest
-from s2sad.differentiate.callee_derivatives import CalleeDerivative
+from s2sad.analyze.request import DerivativeRequest
+from s2sad.differentiate.derivative import Derivative
+from s2sad.analyze.callee_derivatives import CalleeDerivative
 from s2sad.differentiate.user_functions import UserFunction, UserFunctionWrapper
 from s2sad.infer.types import Type
 from s2sad.naming import Names

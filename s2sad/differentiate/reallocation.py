@@ -11,7 +11,7 @@ What they held is put back by the tape, as for any array that is overwritten.
 from __future__ import annotations
 
 from s2sad.analyze.reallocated_arrays import allocations
-from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.differentiate.tape import Stack, Tape
 from s2sad.infer.types import INT, Type
 from s2sad.tree import AST, Assign, assign, attribute, call, const, index, name, tuple_of

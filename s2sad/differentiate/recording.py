@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from s2sad.liveness import base_name
 from s2sad.analyze.recording_plan import RecordingPlan, Snapshot, Store
 from s2sad.analyze.reallocated_arrays import own_loops
-from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.reverse_values import ReverseValue
 from s2sad.differentiate.tape import Stack, Tape
 from s2sad.infer.inference import Typing

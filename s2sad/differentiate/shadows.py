@@ -5,14 +5,16 @@
 """
 from __future__ import annotations
 
+from collections.abc import Callable
+
+from s2sad.analyze.callee_derivatives import CalleeDerivative, is_kernel_call
 from s2sad.analyze.reallocated_arrays import escapes, own_loops
-from s2sad.analyze.structure import ProgramStructure
-from s2sad.differentiate.callee_derivatives import is_kernel_call
-from s2sad.differentiate.request import DerivativeRequest
+from s2sad.analyze.program_structure import ProgramStructure
+from s2sad.analyze.request import DerivativeRequest
 from s2sad.infer.inference import Typing
 from s2sad.infer.shapes import Shapes
 from s2sad.naming import Names
-from s2sad.tree import AST, Assign, AugAssign, Name, Return, assign, call, const, name, walk
+from s2sad.tree import AST, Assign, AugAssign, Call, Name, Return, assign, call, const, copy, name, walk
 
 
 class Shadows:
@@ -75,3 +77,13 @@ class Shadows:
                                     or self.shadow(used) in self.own):
                 made.append(assign(self.shadow(used), call("numpy.zeros_like", name(used))))
         return made
+
+
+def with_shadows(called: Call, callee: CalleeDerivative, shadow: Callable[[AST], AST]) -> list[AST]:
+    """The arguments of a call of a derivative: those of the kernel's call, those that have one each with its shadow."""
+    args: list[AST] = []
+    for position, argument in enumerate(called.args):
+        args.append(copy(argument))
+        if position in callee.shadows:
+            args.append(shadow(argument))
+    return args

@@ -13,11 +13,14 @@ from dataclasses import dataclass
 
 from s2sad.liveness import targets
 from s2sad.analyze.unbounded_values import UnboundedValues
-from s2sad.differentiate.callee_derivatives import EMPTY, POP, PUSH, Derive, is_kernel_call, pattern
+from s2sad.analyze.callee_derivatives import Derive, is_kernel_call, pattern
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import UNKNOWN
 from s2sad.naming import Names
 from s2sad.tree import AST, Expr, assign, call, copy, name, tuple_of
+
+# The list of what first halves kept, of any type: pushes and pops, as methods in the text.
+EMPTY, PUSH, POP = "builtins.list", "builtins.list.append", "builtins.list.pop"
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.recording_plan import RecordingPlan
-from s2sad.analyze.structure import ProgramStructure, is_simple
+from s2sad.analyze.program_structure import ProgramStructure, is_simple
 from s2sad.differentiate.reversed_loops import reversed_bounds
 from s2sad.differentiate.trip_counters import has_break
 from s2sad.differentiate.recording import Recording, whole_place

@@ -1,48 +1,48 @@
 """tangent: every statement of a function in normal form, with its tangent beside it.
 
-    y[i] = a * x[i]                 y_dot[i] = x[i] * a_dot + a * x_dot[i]
-                                    y[i] = a * x[i]
+Requires activity and what can be infinite; establishes the grammar "derivative" of `form` and the signature
+(`context.derivative`).
+
+    def f(y, x, a):         def f_tangent(y, y_dot, x, x_dot, a, a_dot):
+        y[0] = a * x[0]         y_dot[0] = x[0] * a_dot + a * x_dot[0]
+                                y[0] = a * x[0]
 """
 from __future__ import annotations
 
-from s2sad.analyze.activity import Activity
 from s2sad.liveness import base_name, targets
-from s2sad.analyze.structure import ProgramStructure
-from s2sad.analyze.unbounded_values import UnboundedValues
 from s2sad.analyze.uses import owns_result
 from s2sad.differentiate.arithmetic import Term, is_plain
-from s2sad.differentiate.request import Derivative, DerivativeRequest
-from s2sad.differentiate.callee_derivatives import Derive, is_kernel_call, pattern, with_shadows
+from s2sad.differentiate.context import DifferentiationContext
+from s2sad.differentiate.derivative import Derivative
+from s2sad.differentiate.shadows import with_shadows
+from s2sad.analyze.callee_derivatives import is_kernel_call, pattern
 from s2sad.differentiate.expression_rules import Pushforward
 from s2sad.differentiate.zero_law import ZeroLaw
 from s2sad.infer.shapes import shapes_of
-from s2sad.naming import Names
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, Constant, Expr, For, If, Name, Return, Sub, Subscript, Tuple, While, assign, at,
-    augment, call, call_name, const, copy, function, index, name, tuple_of,
+    AST, Add, Assign, AugAssign, Constant, Expr, For, FunctionDef, If, Name, Return, Sub, Subscript, Tuple, While,
+    assign, at, augment, call, call_name, const, copy, function, index, name, tuple_of,
 )
 
 
-def tangent(structure: ProgramStructure, active: Activity, wanted: DerivativeRequest, free: Names, derive: Derive,
-            title: str,
-            bounds: UnboundedValues, flat: bool = False) -> Derivative:
-    """The tangent of a function; `flat` returns results and tangents side by side, as other tangents call it."""
-    return _Tangent(structure, active, wanted, free, derive, bounds, flat).made(title)
+def tangent(function: FunctionDef, context: DifferentiationContext) -> FunctionDef:
+    """The tangent of a function."""
+    context.derivative = _Tangent(context).made(context.title)
+    return context.derivative.function
 
 
 class _Tangent:
-    def __init__(self, structure: ProgramStructure, activity: Activity, wanted: DerivativeRequest, free: Names,
-                 derive: Derive,
-                 bounds: UnboundedValues, flat: bool):
-        self.structure, self.typing, self.active = structure, structure.typing, activity.active
-        self.wanted, self.free, self.derive, self.flat = wanted, free, derive, flat
+    def __init__(self, context: DifferentiationContext):
+        self.structure, self.typing, self.active = context.structure, context.typing, context.activity.active
+        self.wanted, self.free, self.derive = context.request, context.names, context.derive
+        self.flat, self.bounds = context.flat, context.unbounded
         self.shadows: dict[str, str] = {}
-        self.bounds = bounds
-        self.shapes = shapes_of(structure.function, structure.typing)
-        self.pushforward = Pushforward(self.typing, self.active, self.value, self.shapes, ZeroLaw(bounds), self.held)
+        self.shapes = shapes_of(self.structure.function, self.typing)
+        self.pushforward = Pushforward(self.typing, self.active, self.value, self.shapes, ZeroLaw(self.bounds),
+                                       self.held)
         self.before: list[AST] = []
-        self.parameters = [p.id for p in structure.function.args.args]
+        self.parameters = [p.id for p in self.structure.function.args.args]
 
     def made(self, title: str) -> Derivative:
         signature: list[tuple[str, str, str]] = []

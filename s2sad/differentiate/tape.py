@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 
 from s2sad.liveness import base_name
 from s2sad.analyze.reallocated_arrays import own_loops
-from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.trip_counts import counter, known_trips
 from s2sad.differentiate.trip_counters import TripCounters
 from s2sad.differentiate.ragged_stacks import RecordedRegion, pushed, put_back

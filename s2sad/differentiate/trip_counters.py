@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from s2sad.analyze.dependence import range_parts
 from s2sad.analyze.recording_plan import RecordingPlan
-from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.trip_counts import counter
 from s2sad.infer.types import INT
 from s2sad.naming import Names

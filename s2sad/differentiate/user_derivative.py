@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from s2sad.differentiate.request import Derivative, DerivativeRequest
-from s2sad.differentiate.callee_derivatives import CalleeDerivative
+from s2sad.analyze.request import DerivativeRequest
+from s2sad.differentiate.derivative import Derivative
+from s2sad.analyze.callee_derivatives import CalleeDerivative
 from s2sad.differentiate.implicit import Implicit, Residual
 from s2sad.differentiate.user_functions import UserFunction, own_adjoint, own_forward, own_tangent
 from s2sad.infer.types import UNKNOWN, Type

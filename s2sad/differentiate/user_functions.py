@@ -15,7 +15,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Set
 from dataclasses import dataclass
 
-from s2sad.differentiate.request import Derivative, DerivativeRequest
+from s2sad.analyze.request import DerivativeRequest
+from s2sad.differentiate.derivative import Derivative
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.live_objects.registry import RegisteredDerivative

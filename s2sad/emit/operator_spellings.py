@@ -1,7 +1,7 @@
 """The spelling that one would choose: `a @ b` for np.matmul(a, b), `x.T` for np.transpose(x), `kept.pop()`."""
 from __future__ import annotations
 
-from s2sad.differentiate.callee_derivatives import POP, PUSH
+from s2sad.differentiate.split_adjoints import POP, PUSH
 from s2sad.tree import AST, BinOp, Call, FunctionDef, MatMult, attribute, call_name, rebuild, with_body
 
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from s2sad.liveness import base_name, targets
+from s2sad.analyze.to_be_recorded import has_adjoint
 from s2sad.differentiate.adjoint import REVERSE
 from s2sad.emit.module import FunctionLines
 from s2sad.program import Generated, Kernel, Program
@@ -20,7 +21,6 @@ from s2sad.tree import (
     AST, Assign, AugAssign, Constant, Expr, For, FunctionDef, If, Return, While, is_comment, names, stmt, walk,
 )
 from s2sad.units import UnitDerivative, Unit, Units
-from s2sad.units.unit_derivatives import is_active_statement
 
 _SIMPLE = (Assign, AugAssign, Expr, Return)
 
@@ -202,7 +202,7 @@ class _Listing:
         for statement in walk(self.unit.function.body):
             head = self.statements.head(self.unit, statement) if isinstance(statement, _SIMPLE) else None
             if head in self.statements.simple:
-                active = is_active_statement(statement, self.unit.typing, self.derived.activity)
+                active = has_adjoint(statement, self.unit.typing, self.derived.activity.active)
                 activity[head] = activity.get(head, False) or active
         for head, active in activity.items():
             marks.setdefault(head, {})["active" if active else "inactive"] = None

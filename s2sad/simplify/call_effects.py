@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from s2sad.differentiate.callee_derivatives import POP, PUSH
+from s2sad.differentiate.split_adjoints import POP, PUSH
 from s2sad.infer.inference import Typing
 from s2sad.liveness import Liveness, base_name, targets
 from s2sad.tree import Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, names, walk

@@ -1,11 +1,12 @@
 """units: the kernels of a program in normal form, one per set of argument types, and their derivatives, each made once.
 
 In comes a program; out go units on demand: KERNELS is what runs on a kernel, the phases of `normalize` with what
-`optimize` does before a kernel is differentiated, and `simplify`'s lists on a derivative. A unit's summary says what
+`optimize` does before a kernel is differentiated; DERIVATIVES, the lists of `analyze` and `differentiate`, make a
+derivative of it, which `simplify`'s lists shorten. A unit's summary says what
 a call of it writes, what depends on what, and whether it may be left out.
 """
 from s2sad.units.normal_forms import KERNELS
 from s2sad.units.unit import UnitSummary, Unit
-from s2sad.units.unit_derivatives import UnitDerivative, Units
+from s2sad.units.unit_derivatives import DERIVATIVES, UnitDerivative, Units
 
-__all__ = ["KERNELS", "Unit", "UnitDerivative", "UnitSummary", "Units"]
+__all__ = ["DERIVATIVES", "KERNELS", "Unit", "UnitDerivative", "UnitSummary", "Units"]

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.uses import owns_result
-from s2sad.differentiate.callee_derivatives import is_kernel_call
+from s2sad.analyze.callee_derivatives import is_kernel_call
 from s2sad.tree import AST, Assign, AugAssign, Call, Expr, FunctionDef, Subscript, call_name, walk
 from s2sad.units.unit import Unit
 

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from s2sad import normalize, optimize
-from s2sad.analyze.activity import activity, reach
-from s2sad.analyze.structure import structure
+from s2sad.analyze.activity import activity_of, reach
+from s2sad.analyze.program_structure import structure_of
 from s2sad.diagnostics import Report
 from s2sad.differentiate.user_functions import own_edges
 from s2sad.infer.inference import Typing
@@ -93,7 +93,7 @@ class NormalForms(Calls):
         typing = context.typing.copy(runs_once=self.runs_once)      # without what it remembers of trees that are gone
         once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
         return Unit(kernel, title, types, tree, typing, dict(context.family), context.names, lowered,
-                    structure(tree, typing), self._summary(tree, typing, kernel), context.guarded, once=once,
+                    structure_of(tree, typing), self._summary(tree, typing, kernel), context.guarded, once=once,
                     numbers=context.numbers, lowered_types=_of_one_life(context.lowered_types, lowered),
                     contiguous=tuple(k for k, p in enumerate(tree.args.args) if p.id in context.contiguous))
 
@@ -111,14 +111,14 @@ class NormalForms(Calls):
         edges = own_edges(given, results, set(own.writes), [], self.solved_by(kernel))
         written = tuple(k for k, p in enumerate(parameters) if p in own.writes)
         summary = UnitSummary(written, results, {}, tuple(edges), True)
-        return Unit(kernel, title, types, tree, typing, {}, Names(table), tree, structure(tree, typing), summary,
+        return Unit(kernel, title, types, tree, typing, {}, Names(table), tree, structure_of(tree, typing), summary,
                     once=True)
 
     def _summary(self, tree: FunctionDef, typing: Typing, kernel: Kernel) -> UnitSummary:
         parameters = [p.id for p in tree.args.args]
         written = written_arrays(tree, self)
         arrows: dict[str, list[str]] = {}
-        for a, b in activity(tree, typing, set(), set(), self.call_edges).edges:
+        for a, b in activity_of(tree, typing, set(), set(), self.call_edges).edges:
             arrows.setdefault(a, []).append(b)
         edges: list[tuple[int, int | str]] = []
         for position, parameter in enumerate(parameters):

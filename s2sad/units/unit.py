@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from s2sad.liveness import Liveness
-from s2sad.analyze.structure import ProgramStructure
+from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.differentiate.user_functions import UserFunction
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import Type

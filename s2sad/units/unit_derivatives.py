@@ -1,38 +1,33 @@
-"""Units are differentiated: `analyze`, `differentiate` and `simplify`, for what is wanted of each once."""
+"""Units are differentiated: DERIVATIVES on a unit in normal form, then `simplify`'s lists, once for each request."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from s2sad.analyze.activity import Activity, activity
-from s2sad.analyze.dependence import Dependence
-from s2sad.liveness import base_name, targets
-from s2sad.analyze.commuting_iterations import order_free
-from s2sad.analyze.recording_plan import RecordingPlan, PlanningInputs
-from s2sad.analyze.to_be_recorded import to_be_recorded
-from s2sad.analyze.reallocated_arrays import repeated
-from s2sad.analyze.structure import structure
-from s2sad.analyze.unbounded_values import UnboundedValues, unbounded_values
-from s2sad.analyze.uses import OperandUses, uses
-from s2sad.diagnostics import Report
-from s2sad.differentiate.adjoint import adjoint
-from s2sad.differentiate.callee_derivatives import CalleeDerivative, ActivityPattern, call_uses, is_kernel_call, pattern
-from s2sad.differentiate.request import Derivative, DerivativeRequest
-from s2sad.differentiate.user_derivative import user_derivative
-from s2sad.differentiate.tangent import tangent
-from s2sad.infer.inference import Typing
+from s2sad import simplify
+from s2sad.analyze import PASSES as ANALYSES
+from s2sad.analyze.activity import Activity, activity_of
+from s2sad.analyze.callee_derivatives import ActivityPattern, CalleeDerivative
+from s2sad.analyze.recording_plan import RecordingPlan
+from s2sad.analyze.request import DerivativeRequest
+from s2sad.analyze.unbounded_values import UnboundedValues, unbounded_values_of
+from s2sad.differentiate import PASSES as DIFFERENTIATION
+from s2sad.differentiate.context import DifferentiationContext
+from s2sad.differentiate.derivative import Derivative
 from s2sad.differentiate.implicit import Residual, solution_of, wrong_implicit
+from s2sad.differentiate.user_derivative import user_derivative
+from s2sad.form import verify
+from s2sad.infer.inference import Typing
 from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
-from s2sad.form import verify
 from s2sad.normalize.calls.global_arrays import hidden_arrays
-from s2sad.normalize.loops.hoist_allocations import is_allocation
-from s2sad import simplify
+from s2sad.passes import Passes, run
 from s2sad.simplify import DerivativeContext, Effect, Effects
-from s2sad.passes import run
 from s2sad.simplify.wide_accumulators import uses_float32
-from s2sad.tree import AST, Assign, AugAssign, Call, Expr, FunctionDef, Return, const, index, walk
+from s2sad.tree import Call, FunctionDef
 from s2sad.units.normal_forms import NormalForms
 from s2sad.units.unit import Unit
+
+DERIVATIVES: Passes = (*ANALYSES, *DIFFERENTIATION)
 
 
 @dataclass
@@ -72,15 +67,13 @@ class Units(NormalForms):
             title = self.titles.fresh(f"{unit.title}_{mode}" + (f"_{others + 1}" if others else ""))
             if unit.kernel.own is not None:
                 made = self._own(mode, unit, wanted, title)
-            elif mode == "adjoint":
-                made = self._adjoint(unit, wanted, title)
             else:
-                made = self._tangent(unit, wanted, title, flat)
+                made = self._differentiated(mode, unit, wanted, title, flat)
             self.derived[key] = made
         return self.derived[key]
 
     def activity(self, unit: Unit, wanted: DerivativeRequest) -> Activity:
-        return activity(unit.function, unit.typing, set(wanted.wrt), set(wanted.of), self.call_edges)
+        return activity_of(unit.function, unit.typing, set(wanted.wrt), set(wanted.of), self.call_edges)
 
     def fresh(self, unit: Unit) -> tuple[Typing, Names]:
         """Tables of their own for one derivative, so that its names do not depend on what was made before."""
@@ -89,39 +82,15 @@ class Units(NormalForms):
         names.wanted = dict(unit.names.wanted)
         return typing, names
 
-    def _adjoint(self, unit: Unit, wanted: DerivativeRequest, title: str) -> UnitDerivative:
-        found = self.activity(unit, wanted)
-        self._refuse(unit, found, "adjoint")
+    def _differentiated(self, mode: str, unit: Unit, wanted: DerivativeRequest, title: str,
+                        flat: bool) -> UnitDerivative:
+        """The derivative after the passes of all rooms."""
         typing, names = self.fresh(unit)
-        table = structure(unit.function, typing)
-        deriving = self.for_calls("adjoint")
-
-        bounds = unbounded_values(unit.function, typing, found, self.unbounded, wanted.unbounded)
-
-        def reads_of(statement: AST) -> OperandUses:
-            return uses(statement, typing, found.active, lambda s, u: call_uses(
-                s, typing, found.active, deriving, u, bounds.called_left) if is_kernel_call(s) else None)
-
-        def writes(statement: AST) -> list[AST]:
-            if repeated(table, statement):
-                return [index(statement.targets[0], const(...))]
-            return self.writes(statement)
-
-        question = PlanningInputs(table, Dependence(table), lambda s: is_active_statement(s, typing, found), reads_of,
-                                  writes, self.seen_after, quick=self.engine == "numba")
-        plan = to_be_recorded(question)
-        plan.forwards = order_free(question, plan) if self.engine == "numba" else frozenset()
-        made = adjoint(table, found, plan, wanted, names, deriving, unit.family, title, bounds)
-        return self._finished(unit, wanted, made, found, typing, names, plan)
-
-    def _tangent(self, unit: Unit, wanted: DerivativeRequest, title: str, flat: bool) -> UnitDerivative:
-        found = self.activity(unit, wanted)
-        self._refuse(unit, found, "tangent")
-        typing, names = self.fresh(unit)
-        bounds = unbounded_values(unit.function, typing, found, self.unbounded, wanted.unbounded)
-        made = tangent(structure(unit.function, typing), found, wanted, names, self.for_calls("tangent"), title, bounds,
-                       flat)
-        return self._finished(unit, wanted, made, found, typing, names, None)
+        context = DifferentiationContext(
+            program=self.program, kernel=unit.kernel, names=names, engine=self.engine, watch=self.watch, request=wanted,
+            mode=mode, calls=self, derive=self.for_calls(mode), title=title, family=unit.family, flat=flat)
+        context.typing = typing
+        return self._finished(unit, run(DERIVATIVES, unit.function, context), context)
 
     def unbounded(self, called: Call) -> UnboundedValues | None:
         """What can be infinite or nan in a kernel that is called, whatever is active there."""
@@ -130,26 +99,18 @@ class Units(NormalForms):
             return None
         if unit.title not in self.infinite:
             every = Activity(frozenset(unit.typing.table), frozenset(unit.typing.table), ())
-            self.infinite[unit.title] = unbounded_values(unit.function, unit.typing, every, self.unbounded)
+            self.infinite[unit.title] = unbounded_values_of(unit.function, unit.typing, every, self.unbounded)
         return self.infinite[unit.title]
 
-    def _refuse(self, unit: Unit, found: Activity, mode: str) -> None:
-        """Raises where a call asks for what a derivative of the user's own does not give."""
-        report = Report(unit.kernel.source)
-        for statement in walk(unit.function.body):
-            if not isinstance(statement, (Assign, AugAssign, Expr)) or not is_kernel_call(statement):
-                continue
-            asked = pattern(statement, unit.typing, found.active)
-            called = self.called(statement.value)
-            if called is None or called.kernel.own is None:
-                continue
-            if not (asked.arguments or asked.results or self.solves_nothing(called)):
-                continue
-            wrong = self.wrong(called, self.wanted(asked, mode), mode)
-            if wrong:
-                report.error("S301", f"'{called.kernel.own.title}' {wrong}", statement,
-                             help="give it with s2sad.rule, whose docstring says what it takes and returns")
-        report.finish()
+    def unsupported(self, called: Call, pattern: ActivityPattern, mode: str) -> str:
+        """What a call needs of a derivative of the user's own that this does not give, in words; empty if nothing."""
+        unit = self.called(called)
+        if unit is None or unit.kernel.own is None:
+            return ""
+        if not (pattern.arguments or pattern.results or self.solves_nothing(unit)):
+            return ""
+        wrong = self.wrong(unit, self.wanted(pattern, mode), mode)
+        return wrong and f"'{unit.kernel.own.title}' {wrong}"
 
     def solves_nothing(self, unit: Unit) -> bool:
         """Whether nothing that an implicit function writes or returns is what its residual is for: no derivative would
@@ -200,17 +161,17 @@ class Units(NormalForms):
             return self.derive(mode, inner, DerivativeRequest(wrt, of, mode == "tangent"), mode == "tangent").callee
         return Residual(title, taken, inner.summary.results, written, derive)
 
-    def _finished(self, unit: Unit, wanted: DerivativeRequest, made: Derivative, found: Activity, typing: Typing,
-                  names: Names, plan: RecordingPlan | None) -> UnitDerivative:
+    def _finished(self, unit: Unit, function: FunctionDef, found: DifferentiationContext) -> UnitDerivative:
+        """The derivative after the passes of `simplify`, with what its callers must know."""
+        made, typing, plan, wanted = found.derivative, found.typing, found.plan, found.request
         context = DerivativeContext(
-            program=self.program, kernel=unit.kernel, names=names, engine=self.engine, watch=self.watch,
+            program=self.program, kernel=unit.kernel, names=found.names, engine=self.engine, watch=self.watch,
             types=typing.table, effects=self.effects, live_out=self._live_out(made, typing, plan is None),
             adjoint=plan is not None, kernel_names=unit.family, single=plan is not None and uses_float32(typing),
             shadows={s: p for p, s in made.shadows.items()},
             kept=set(unit.family) | {made.shadows[v] for v in unit.family if v in made.shadows})
         context.typing = typing
-        self.watch("differentiate", verify(made.function, "derivative", "differentiate"))
-        function = run(simplify.LOWERED, made.function, context)
+        function = run(simplify.LOWERED, function, context)
         context.family = {**unit.family, **{s: f"{unit.family.get(p, p)}_{'bar' if plan else 'dot'}"
                                             for p, s in made.shadows.items() if typing.table[s].is_number}}
         function = run(simplify.PASSES, function, context)
@@ -227,7 +188,7 @@ class Units(NormalForms):
             tuple(order.index(p) for p in wanted.wrt if typing.table[p].is_number),
             tuple(k for k, p in enumerate(order) if position[p] in effect.reads),
             tuple(k for k, p in enumerate(order) if position[p] in effect.writes))
-        return UnitDerivative(callee, function, made, unit, found, dict(typing.table), wanted, plan)
+        return UnitDerivative(callee, function, made, unit, found.activity, dict(typing.table), wanted, plan)
 
     def _live_out(self, made: Derivative, typing: Typing, primals: bool) -> set[str]:
         """The arrays whose content the caller reads: the shadows, of a tangent the primals too."""
@@ -248,17 +209,3 @@ class Units(NormalForms):
         of = tuple(p for p in arguments if p in written) + tuple(f"return {k}" for k in pattern.results)
         return DerivativeRequest(arguments, of, mode == "tangent", pattern.unbounded if unit.kernel.own is None
                                  else frozenset())
-
-
-def is_active_statement(statement: AST, typing: Typing, found: Activity) -> bool:
-    """Whether a statement has an adjoint."""
-    if isinstance(statement, Return):
-        return True
-    if is_kernel_call(statement):
-        bound = [base_name(t) for t in targets(statement)]
-        return any(b in found.active for b in bound) or any(
-            typing.of(a).is_array and base_name(a) in found.active for a in statement.value.args)
-    if not isinstance(statement, (Assign, AugAssign)) or is_allocation(statement):
-        return False
-    target = targets(statement)[0]
-    return base_name(target) in found.active and typing.of(target).is_inexact

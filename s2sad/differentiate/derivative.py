@@ -1,20 +1,10 @@
-"""What is asked of a derivative, and what it is when it is made."""
+"""derivative: the function of a derivative, with the roles of its parameters and the shadows of its names."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 from s2sad.differentiate.tape import Tape
 from s2sad.tree import AST, FunctionDef
-
-
-@dataclass(frozen=True)
-class DerivativeRequest:
-    """Which parameters and results: `wrt` and `of` by name ("return 0", ... for results); `unbounded` as in
-    `callee_derivatives.Pattern`."""
-    wrt: tuple[str, ...]
-    of: tuple[str, ...]
-    with_primal: bool = False
-    unbounded: frozenset[str] = frozenset()
 
 
 @dataclass

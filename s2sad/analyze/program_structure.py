@@ -1,4 +1,4 @@
-"""structure: where every statement of a function stands.
+"""program_structure: where every statement of a function stands.
 
 Requires normal form; establishes an order, the loops and branches around each statement, its block, and in that block
 its segment: a run of statements on numbers and elements, or one statement of another kind (a loop, a call that writes,
@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from s2sad import rules
+from s2sad.analyze.context import AnalysisContext
 from s2sad.liveness import targets
 from s2sad.infer.inference import Typing
 from s2sad.normalize.loops.hoist_allocations import is_allocation
@@ -52,7 +53,12 @@ class ProgramStructure:
         return self.place(a).order < self.place(b).order
 
 
-def structure(function: FunctionDef, typing: Typing) -> ProgramStructure:
+def program_structure(function: FunctionDef, context: AnalysisContext) -> None:
+    """Leaves the table in `context.structure`."""
+    context.structure = structure_of(function, context.typing)
+
+
+def structure_of(function: FunctionDef, typing: Typing) -> ProgramStructure:
     """The table of a function."""
     table = ProgramStructure(function, typing)
     _Walk(table).block(function.body, Enclosing(), None)

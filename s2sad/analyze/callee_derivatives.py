@@ -1,4 +1,4 @@
-"""Calls of other kernels: which derivative of the callee a call needs, and the call of it."""
+"""callee_derivatives: which derivative of its callee a call needs, and what that reads."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -8,11 +8,7 @@ from s2sad.liveness import base_name, targets
 from s2sad.analyze.uses import OperandUses, is_active
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import Type
-from s2sad.tree import AST, Call, call_name, copy
-
-
-# A list of what first halves kept, of any type: pushes and pops, as methods in the text.
-EMPTY, PUSH, POP = "builtins.list", "builtins.list.append", "builtins.list.pop"
+from s2sad.tree import AST, Call, call_name
 
 
 @dataclass(frozen=True)
@@ -83,13 +79,3 @@ def call_uses(statement: AST, typing: Typing, active: frozenset[str], derive: De
     bound = targets(statement)
     for position in callee.values:
         found.value(bound[position], typing)
-
-
-def with_shadows(called: Call, callee: CalleeDerivative, shadow: Callable[[AST], AST]) -> list[AST]:
-    """The arguments of a call of a derivative: those of the kernel's call, those that have one each with its shadow."""
-    args: list[AST] = []
-    for position, argument in enumerate(called.args):
-        args.append(copy(argument))
-        if position in callee.shadows:
-            args.append(shadow(argument))
-    return args

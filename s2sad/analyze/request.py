@@ -1,0 +1,14 @@
+"""request: which derivative of a kernel is wanted."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class DerivativeRequest:
+    """Which parameters and results: `wrt` and `of` by name ("return 0", ... for results); `unbounded` as in
+    `callee_derivatives.ActivityPattern`."""
+    wrt: tuple[str, ...]
+    of: tuple[str, ...]
+    with_primal: bool = False
+    unbounded: frozenset[str] = frozenset()
