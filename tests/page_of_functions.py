@@ -140,6 +140,7 @@ PAGE = {
         np.std(x, ddof=1)
         np.ptp(m, axis=0) * np.ptp(x)
         np.nansum(m, axis=0) * np.nansum(x)
+        np.nanprod(m, axis=0) * np.nanprod(x)
         np.nanmean(m, axis=0) * np.nanmean(x)
         np.nanmax(m, axis=0) * np.nanmax(x)
         np.nanmin(m, axis=0) * np.nanmin(x)

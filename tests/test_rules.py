@@ -11,6 +11,7 @@ import scipy
 from scipy import special
 
 from s2sad import rules, runtime, tree
+from s2sad.rules import array
 from s2sad.report.differences import differences
 from s2sad.rules.rule import RuleTable, signature, template
 
@@ -278,6 +279,21 @@ def test_infinite_partials_are_marked_singular(name, parameter):
                 slopes = [np.float64(partial(name, parameter, scalar)(*numbers, y)) for scalar in (False, True)]
                 # a slope beyond the largest number is not the rule's doing
                 assert not any(map(math.isnan, slopes)), numbers
+
+
+COMPOSED = [(rule, axis) for rule in array.TABLE.values() if rule.value
+            for axis in ((None, 0) if "axis" in rule.options else (None,))]
+
+
+@pytest.mark.parametrize(("rule", "axis"), COMPOSED, ids=lambda r: getattr(r, "name", r))
+def test_a_composed_function_is_its_expression(rule, axis):
+    """On matrices, one of which has a nan."""
+    options = {**{o: gast.literal_eval(d) for o, d in rule.options.items()}, **({} if axis is None else {"axis": axis})}
+    value = compiled((*rule.operands, *rule.options), template(rule.value))
+    function = eval(rule.name, {"numpy": np, "scipy": scipy})
+    for hole in (0.7, np.nan):
+        operands = [np.array([[0.3, -1.2, hole], [2.0, 0.4, 1.1]]) + k for k in range(len(rule.operands))]
+        np.testing.assert_array_equal(value(*operands, *options.values()), function(*operands, **options))
 
 
 # -- powers ---------------------------------------------------------------------------------------------------------

@@ -11,8 +11,9 @@ from s2sad.infer.signatures.dispatch_by_name import piece_type
 from s2sad.infer.promotion import CASTS, dtype_of, listed, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, UNKNOWN, Type, array
 from s2sad.rules.composed import LAW as PIECES
+from s2sad.rules.rule import template
 from s2sad.live_objects.registry import ROOM
-from s2sad.tree import AST, Attribute, Call, Constant, List, Name, Slice, Subscript, Tuple, call_name, index
+from s2sad.tree import AST, Attribute, Call, Constant, List, Name, Slice, Subscript, Tuple, call_name, index, substitute
 
 LISTED = "builtins.list"
 MARKS = {"builtins.list.copy": "list", "builtins.tuple": "tuple"}     # rows of lists that are no arrays themselves
@@ -100,6 +101,8 @@ class TypesOfCalls(ABC):
             return UNKNOWN
         if len(types) == 1 and (of_number := reduced_number(rule.name, types[0], arguments)) != UNKNOWN:
             return of_number
+        if rule.value:
+            return self.of(substitute(template(rule.value), arguments))
         if rule.law == PIECES:
             return piece_type(rule.name, [*types, *(self.of(arguments[o]) for o in rule.options)], arguments)
         return LAWS[rule.law].type(types, arguments)

@@ -37,6 +37,7 @@ class ArrayRule:
     adjoints: what the shadow of an operand gains, by operand and by the operands' ranks; shared: what they gain from.
     tangent: the tangent over `x_dot`, None if the function is linear in each operand.
     refine: gives, for the arguments of a call, a shorter text of an operand's adjoint that reads no more, or None.
+    value: the function as an expression of others over its operands and options, "" if it is none.
     """
     name: str
     operands: tuple[str, ...]
@@ -46,6 +47,7 @@ class ArrayRule:
     shared: Mapping[str, AST] = field(default_factory=dict)
     tangent: AST | None = None
     refine: Refine | None = None
+    value: str = ""
 
     def arguments(self, node: Call) -> dict[str, AST]:
         """The operands and options of a call that `bound` has put in order, or of a call in a rule's own text, which
@@ -86,7 +88,7 @@ TABLE: dict[str, ArrayRule] = {}
 
 
 def arrays(text: str, *, law: str, also: tuple[str, ...] = (), tangent: str | None = None,
-           shared: Mapping[str, str] | None = None, refine: Refine | None = None,
+           shared: Mapping[str, str] | None = None, refine: Refine | None = None, value: str = "",
            **adjoints: str | Mapping[Ranks | None, str]) -> ArrayRule:
     """Registers the rule of a function of whole arrays, also under other names; gives it back."""
     called = template(text)
@@ -98,12 +100,13 @@ def arrays(text: str, *, law: str, also: tuple[str, ...] = (), tangent: str | No
              for p, a in adjoints.items()}
     held = {s: template(t) for s, t in (shared or {}).items()}
     read = {n for given in trees.values() for t in given.values() for n in tree.names(t)}
+    read |= set(tree.names(template(value))) if value else set()
     read |= {n for t in held.values() for n in tree.names(t)}
     unknown = sorted({*adjoints} - {*operands}) + sorted(read - {SEED, RESULT, *operands, *options, *held})
     if unknown:
         raise ValueError(f"{text!r}: {', '.join(unknown)} is no operand or option of it")
     rule = ArrayRule(call_name(called) or "", operands, options, law, trees, held,
-                     None if tangent is None else template(tangent), refine)
+                     None if tangent is None else template(tangent), refine, value)
     for key in (rule.name, *also):
         if key in TABLE:
             raise ValueError(f"{key} has a rule already")

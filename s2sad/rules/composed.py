@@ -1,16 +1,29 @@
-"""Functions of whole arrays that are made of others: `normalize/library/expand` writes them out, so that they need
-no gains.
+"""Functions of whole arrays that are made of others: `normalize/library/expand` expands their calls, so that they need
+no adjoint of their own.
 
-Here stand their parameters and defaults; how the type of a result follows from the arguments is in
-`infer/signatures/rearrangement`, `types_of_sums` and `types_of_places`.
+What is one expression of others stands here as such, and its type is the type of that expression. What is a program,
+loops or a text that depends on the arguments' ranks, stands here with its parameters and defaults: how the type of the
+result follows from the arguments is in `infer/signatures`, its text in `normalize/library/expansions`.
 """
 from __future__ import annotations
 
 from s2sad.rules.array import arrays
 
-LAW = "pieces"
+LAW = "composed"
 
-# of what NumPy gives as a tuple, `part` is the number of the one that is asked for (normalize.parts)
+
+def composed(text: str, value: str, also: tuple[str, ...] = ()) -> None:
+    """Registers a function that is an expression of others, over its operands and options."""
+    arrays(text, law=LAW, value=value, also=also)
+
+
+composed("numpy.ptp(x, axis=None, keepdims=False)",
+         "numpy.max(x, axis=axis, keepdims=keepdims) - numpy.min(x, axis=axis, keepdims=keepdims)")
+composed("numpy.nanprod(x, axis=None, keepdims=False)",
+         "numpy.prod(numpy.where(numpy.isnan(x), 1.0, x), axis=axis, keepdims=keepdims)")
+
+
+# of what NumPy gives as a tuple, `part` is the number of the item (normalize/library/tuple_results)
 WRITING = frozenset({"numpy.fill_diagonal", *(f"numpy.{f}.at" for f in (
     "add", "subtract", "multiply", "divide", "maximum", "minimum"))}) | {"numpy.put", "numpy.putmask"}
 
@@ -70,7 +83,7 @@ for _text in (
         "numpy.average(x, axis=None, weights=None)", "numpy.linalg.norm(x, ord=None, axis=None, keepdims=False)",
         "numpy.linalg.cond(x, p=None)", "numpy.linalg.svd.left(a)", "numpy.linalg.svd.right(a)",
         "numpy.linalg.qr.orthogonal(a)", "numpy.linalg.qr.triangular(a)",
-        "numpy.ptp(x, axis=None, keepdims=False)", "numpy.nansum(x, axis=None, keepdims=False)",
+        "numpy.nansum(x, axis=None, keepdims=False)",
         "numpy.nanmean(x, axis=None, keepdims=False)",
         "numpy.nan_to_num(x, copy=True, nan=0.0, posinf=None, neginf=None)",
         "numpy.maximum.accumulate(x, axis=0)", "numpy.minimum.accumulate(x, axis=0)",

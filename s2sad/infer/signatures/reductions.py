@@ -192,7 +192,7 @@ SUMS: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.var": _averaged, "numpy.std": _averaged, "numpy.prod": _product, "numpy.cumprod": running,
     "numpy.cumsum": running, "numpy.average": _average, "numpy.linalg.norm": _norm,
     "numpy.vdot": _vdot, "numpy.inner": _inner, "numpy.trapezoid": _trapezoid, "numpy.trapz": _trapezoid,
-    "numpy.ptp": _reduced, "numpy.nansum": summed, "numpy.nanmean": _averaged, "numpy.kron": _kron,
+    "numpy.nansum": summed, "numpy.nanmean": _averaged, "numpy.kron": _kron,
     "numpy.nan_to_num": _numbered, "numpy.linalg.cond": _condition,
     **dict.fromkeys(("numpy.linalg.svd.left", "numpy.linalg.svd.right", "numpy.linalg.qr.orthogonal",
                      "numpy.linalg.qr.triangular"), _vectors),

@@ -67,6 +67,9 @@ def expanded(function: FunctionDef, typing: Typing, free: Names, report: Report)
 
 def _piece(node: AST, typing: Typing) -> Callable[[CallArguments], str] | None:
     """What gives the text of a call, None if it is none of such a function."""
+    rule = rules.find_array(call_name(node))
+    if rule is not None and rule.value:
+        return lambda _: f"result = {rule.value}"
     return _PIECES.get(call_name(node) or "") or (of_stack(node, typing) if isinstance(node, Call) else None)
 
 
@@ -108,6 +111,8 @@ class _Expand:
         if direct:
             made[RESULT] = target.id
         body = [at(_filled(s, made, asked.arguments), statement) for s in body]
+        if rule.value:
+            body = [rebuild(s, _without_defaults) for s in body]
         known = self.typing.extended(body).table
         for new in known.keys() - self.typing.table.keys():
             self.typing.declare(new, known[new])
@@ -126,6 +131,13 @@ class _Expand:
         held = self.typing.declare(self.free.fresh("operand"), kind)
         asked.arguments[key] = name(held)
         return [assign(held, node)]
+
+
+def _without_defaults(node: AST) -> AST | None:
+    """A call of a function of whole arrays without the options that have their default."""
+    rule = rules.find_array(call_name(node))
+    plain = rules.bound(rule, node) if rule is not None and isinstance(node, Call) else None
+    return plain and Call(plain.func, [rebuild(a, _without_defaults) for a in plain.args], plain.keywords)
 
 
 def _filled(statement: AST, made: dict[str, str], arguments: dict[str, AST]) -> AST:

@@ -126,11 +126,6 @@ def _running_extreme(asked: CallArguments, function: str) -> str:
                  f"{part('x', axis, 'place')})")
 
 
-def _ptp(asked: CallArguments) -> str:
-    options = options_of(asked, asked.rank("x"))
-    return f"result = numpy.max(x{options}) - numpy.min(x{options})"
-
-
 def _nansum(asked: CallArguments) -> str:
     return lines("there = numpy.where(numpy.isnan(x), 0.0, x)",
                  f"result = numpy.sum(there{options_of(asked, asked.rank('x'))})")
@@ -222,7 +217,7 @@ SUMS: dict[str, Callable[[CallArguments], str]] = {
     "numpy.cumprod": lambda asked: _running(asked, "*", "1.0", "numpy.cumprod"),
     "numpy.cumsum": lambda asked: _running(asked, "+", "0.0", "numpy.cumsum"),
     "numpy.vdot": _vdot, "numpy.convolve": _convolve,
-    "numpy.ptp": _ptp, "numpy.nansum": _nansum, "numpy.nanmean": _nanmean, "numpy.cross": _cross,
+    "numpy.nansum": _nansum, "numpy.nanmean": _nanmean, "numpy.cross": _cross,
     "numpy.vander": _vander, "numpy.polyval": _polyval, "numpy.correlate": _correlate,
     "numpy.maximum.accumulate": lambda asked: _running_extreme(asked, "maximum"),
     "numpy.minimum.accumulate": lambda asked: _running_extreme(asked, "minimum"),
