@@ -16,6 +16,7 @@ from s2sad.normalize.context import NormalContext
 from s2sad.normalize.dtypes.operand_types import OperandTypes
 from s2sad.live_objects.registry import ROOM
 from s2sad.rules.operation import operation
+from s2sad.rules.composed import LAW as COMPOSED
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Call, Constant, Expr, FunctionDef, Raise, Subscript, UnaryOp, USub,
     call_name, children, walk,
@@ -155,7 +156,7 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
         report.error("S301", f"no derivative rule for {name} of an array with these options", node, help=_LOOP)
         return
     rule = rules.find_array(name)
-    if rule is not None and not rule.adjoints and rule.law != "pieces" and name not in _FLAT:
+    if rule is not None and not rule.adjoints and rule.law != COMPOSED and name not in _FLAT:
         report.error("S301", f"no derivative rule for {name}", node, help=_OTHERS)
         return
     if name in _SPARSE and typing.of(node).kind == "unknown":
