@@ -2,7 +2,7 @@
 rounding, and derives with and without the others that make derivatives shorter and faster: gradients are compared bit
 for bit. Where they differ, or where passes are named, each is left out alone.
 
-A pass says itself whether it may change rounding: `CHANGES_ROUNDING` in its module.
+A pass that may change rounding says so itself: `CHANGES_ROUNDING = True` in its module.
 """
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def changes_rounding(name: str) -> bool:
     """What the pass says of itself."""
     function = getattr(vectorize, name) if name in _STEPS else next(
         step.function for room, held in LISTS for step in each(getattr(room, held)) if step.function.__name__ == name)
-    return sys.modules[function.__module__].CHANGES_ROUNDING
+    return getattr(sys.modules[function.__module__], "CHANGES_ROUNDING", False)
 
 
 SAME = frozenset(name for name in PASSES if not changes_rounding(name))
