@@ -28,7 +28,7 @@ from s2sad.infer.shapes import ALLOCATIONS
 from s2sad.tree import (
     AST, Add, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Compare, Constant, Expr, For,
     FunctionDef, If, IfExp, List, Name, Raise, Return, Slice, Sub, Subscript, Tuple, UnaryOp, While, call_name, names,
-    stored_names, walk,
+    stored_names, walk, walk_statements,
 )
 
 STAGES = ("structured", "views", "rename", "atoms", "derivative")
@@ -51,7 +51,7 @@ def verify(function: FunctionDef, stage: str, made_by: str) -> FunctionDef:
 
 
 def _faults(function: FunctionDef, level: int, derivative: bool) -> Iterator[tuple[AST, str]]:
-    returns = [s for s in walk(function.body) if isinstance(s, Return)]
+    returns = [s for s in walk_statements(function.body) if isinstance(s, Return)]
     if len(returns) > 1 or returns and function.body[-1] is not returns[0]:
         yield returns[0], "a return that is not the last statement"
     yield from _block(function.body, level, derivative, False)
@@ -72,8 +72,8 @@ def _unbound(function: FunctionDef) -> Iterator[tuple[AST, str]]:
 
 def _counters(function: FunctionDef) -> Iterator[tuple[AST, str]]:
     """Counters of loops that something else binds: no pass gives these another name."""
-    counters = {s.target.id: s for s in walk(function.body) if isinstance(s, For)}
-    for statement in walk(function.body):
+    counters = {s.target.id: s for s in walk_statements(function.body) if isinstance(s, For)}
+    for statement in walk_statements(function.body):
         if isinstance(statement, Assign):
             for name in stored_names(statement.targets):
                 if name in counters:
@@ -151,7 +151,7 @@ def _expression(node: AST, level: int, derivative: bool) -> Iterator[tuple[AST, 
 def _rebound(function: FunctionDef) -> Iterator[tuple[AST, str]]:
     """Names bound twice by anything but copies, sums and allocations (of one array, in the branches of an if)."""
     seen: dict[str, AST] = {}
-    for statement in walk(function.body):
+    for statement in walk_statements(function.body):
         if isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
             name = statement.targets[0].id
             copies = isinstance(statement.value, (Name, Constant)) or call_name(statement.value) in ALLOCATIONS

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Pass, Raise,
-    Return, Store, Subscript, Tuple, While, call_name, children, forgotten, names, user_call, walk,
+    Return, Store, Subscript, Tuple, While, call_name, children, forgotten, names, user_call, walk, walk_statements,
 )
 
 Writes = Callable[[Call], list[str]]
@@ -32,7 +32,7 @@ def targets(statement: AST) -> list[AST]:
 
 def touched(statement: AST) -> set[str]:
     """The names that a statement may write: what it binds or stores into, and what it gives to a kernel."""
-    found = {base_name(t) for part in walk(statement) for t in targets(part)}
+    found = {base_name(t) for part in walk_statements(statement) for t in targets(part)}
     for part in walk(statement):
         if user_call(part):
             found |= {n for a in part.args for n in names(a)}
@@ -171,8 +171,8 @@ def _does(statement: AST, liveness: Liveness, live: set[str]) -> bool:
 
     Names that only loop into themselves do not count: they are found dead by growing from what is live.
     """
-    inner = [s for s in walk(statement) if isinstance(s, (Assign, AugAssign, Expr, Assert, Raise, Return))]
+    inner = [s for s in walk_statements(statement) if isinstance(s, (Assign, AugAssign, Expr, Assert, Raise, Return))]
     if any(isinstance(s, (Assert, Raise, Return)) for s in inner):
         return True
     return any(liveness.needed(s, live) for s in inner) or any(
-        isinstance(s, Break) for s in walk(statement)) and isinstance(statement, If)
+        isinstance(s, Break) for s in walk_statements(statement)) and isinstance(statement, If)

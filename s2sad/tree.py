@@ -257,6 +257,23 @@ def walk(node: AST | list[AST]) -> Iterator[AST]:
                     push(value)
 
 
+# of those, the fields that hold statements
+_blocks_backwards = {
+    kind: tuple(f for f in fields if f in ("body", "handlers", "orelse", "finalbody", "cases"))
+    for kind, fields in _backwards.items() if issubclass(kind, (stmt, gast.ExceptHandler, gast.match_case))}
+
+
+def walk_statements(node: AST | list[AST]) -> Iterator[AST]:
+    """The statements that `walk` yields, in its order; an expression that is given is yielded alone."""
+    stack = node[::-1] if isinstance(node, list) else [node]
+    pop, blocks_of = stack.pop, _blocks_backwards.get
+    while stack:
+        current = pop()
+        yield current
+        for field in blocks_of(type(current), ()):
+            stack += getattr(current, field)[::-1]
+
+
 def children(node: AST) -> list[AST]:
     """The nodes directly below, in the order of the text, without contexts (Load, Store)."""
     found: list[AST] = []

@@ -15,7 +15,7 @@ from s2sad.analyze.uses import sources
 from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, Expr, FunctionDef, List, Return, Tuple, call_name, walk,
+    AST, Assign, AugAssign, Call, Expr, FunctionDef, List, Return, Tuple, call_name, walk, walk_statements,
 )
 
 CallEdges = Callable[[Call], list[tuple[int, "int | str"]]]
@@ -95,7 +95,7 @@ def reach(arrows: dict[str, list[str]], start: set[str]) -> set[str]:
 
 
 def _edges(function: FunctionDef, typing: Typing, call_edges: CallEdges) -> Iterator[tuple[str, str]]:
-    for statement in walk(function.body):
+    for statement in walk_statements(function.body):
         if isinstance(statement, (Assign, AugAssign, Expr)) and isinstance(statement.value, Call) and (
                 call_name(statement.value) or "").startswith("user."):
             yield from _call(statement, typing, call_edges)

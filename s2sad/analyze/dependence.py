@@ -16,7 +16,7 @@ from s2sad.infer.affine import Affine, at_most, combined, equals, feasible
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import (
     AST, Assign, Attribute, BinOp, Break, Constant, For, Name, Subscript, Tuple, USub, UnaryOp, attribute, call_name,
-    const, dump, index, indices, name, walk,
+    const, dump, index, indices, name, walk_statements,
 )
 
 
@@ -281,7 +281,7 @@ class Dependence:
         nest = [x for x in self.structure.place(store).loops]
         nest = nest[nest.index(loop):]
         if len(nest) != len(reference.subscripts) or self.structure.place(store).branches != \
-                self.structure.place(loop).branches or any(isinstance(n, Break) for n in walk(loop.body)):
+                self.structure.place(loop).branches or any(isinstance(n, Break) for n in walk_statements(loop.body)):
             return False
         if len({dump(s) for s in reference.subscripts}) != len(nest):
             return False

@@ -22,8 +22,8 @@ from s2sad.analyze.uses import is_active
 from s2sad.infer.inference import Typing
 from s2sad.rules.rule import number
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Div, Expr, FunctionDef, IfExp, Mult, Name, Pow,
-    Subscript, UnaryOp, call_name, dump, names, walk,
+    AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Div, Expr, FunctionDef, IfExp, Mult, Name, Pow, Subscript,
+    UnaryOp, call_name, dump, names, walk, walk_statements,
 )
 
 _NEVER_NEGATIVE = frozenset(f"{m}.{n}" for m in ("numpy", "math", "builtins") for n in (
@@ -131,7 +131,7 @@ def _single(node: AST) -> list[AST]:
 def squares(function: FunctionDef, typing: Typing, active: frozenset[str]) -> Squares:
     """The table of one function: all names that are bound and filled, without those that something else gets to."""
     parameters = {p.id for p in function.args.args}
-    statements = [s for s in walk(function.body) if isinstance(s, (Assign, AugAssign, Expr))]
+    statements = [s for s in walk_statements(function.body) if isinstance(s, (Assign, AugAssign, Expr))]
     wanted = {b for s in statements for t in targets(s) if (b := base_name(t)) and typing.of(t).is_inexact}
     wanted -= parameters | set(_otherwise(function, statements))
     found = Squares(typing, active, frozenset(wanted))

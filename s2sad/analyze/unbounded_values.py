@@ -31,7 +31,7 @@ from s2sad.rules.power import POWERS
 from s2sad.rules.rule import Rule, number
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Compare, Constant, Div, Expr, FunctionDef, If, Load, Mult,
-    Name, Pow, Subscript, call_name, dump, indices, names, stored_names, walk,
+    Name, Pow, Subscript, call_name, dump, indices, names, stored_names, walk, walk_statements,
 )
 
 _ASKING = ("numpy.isnan", "numpy.isfinite", "numpy.isinf", "math.isnan", "math.isfinite", "math.isinf", "numpy.fmax",
@@ -164,14 +164,14 @@ def unbounded_values_of(function: FunctionDef, typing: Typing, activity: Activit
         forwards.setdefault(a, []).append(b)
         backwards.setdefault(b, []).append(a)
     compared = frozenset(_compared(function, typing))
-    assigned = [s for s in walk(function.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
+    assigned = [s for s in walk_statements(function.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
     times = Counter(s.targets[0].id for s in assigned)
     definitions = {s.targets[0].id: s.value for s in assigned if times[s.targets[0].id] == 1}
     flat = squares(function, typing, activity.active)
     first = UnboundedValues(typing, activity.active, flat, compared=compared, definitions=definitions)
     parameters = {p.id for p in function.args.args} if "values" in boundary else set[str]()
     poles, steep = set(parameters), set(parameters)
-    for s in walk(function.body):
+    for s in walk_statements(function.body):
         if not isinstance(s, (Assign, AugAssign, Expr)):
             continue
         bound = {base_name(t) for t in targets(s)}
@@ -210,7 +210,7 @@ def _compared(function: FunctionDef, typing: Typing) -> set[str]:
     """The names that comparisons read, and those of their elements."""
     found = {n for c in walk(function.body) if isinstance(c, Compare) for part in (c.left, *c.comparators)
              for n in sources(part, typing)}
-    for s in walk(function.body):
+    for s in walk_statements(function.body):
         if isinstance(s, Assign) and isinstance(s.value, (Name, Subscript)) and base_name(s.value) in found:
             found |= {base_name(t) for t in targets(s)}
     return found
@@ -248,7 +248,8 @@ def _asked_for_nan(function: FunctionDef, typing: Typing) -> Iterator[str]:
 def _left(function: FunctionDef, typing: Typing) -> Iterator[str]:
     """The names that choices, branches and parts of arrays read, and arrays that are overwritten in part."""
     bound = set(stored_names(function.body))
-    stores = [t for s in walk(function.body) if isinstance(s, Assign) for t in targets(s) if isinstance(t, Subscript)]
+    stores = [t for s in walk_statements(function.body) if isinstance(s, Assign) for t in targets(s)
+              if isinstance(t, Subscript)]
     parts = {base_name(t) for t in stores if not _is_whole(t) and (
         typing.of(t).is_array or not bound & set(names(t.slice)))}
     filled = {base_name(t) for t in stores if _is_whole(t) or bound & set(names(t.slice))}
@@ -257,7 +258,7 @@ def _left(function: FunctionDef, typing: Typing) -> Iterator[str]:
     yield from _read_in_part(function, typing)
     for node in walk(function.body):
         if isinstance(node, If):
-            for s in walk([*node.body, *node.orelse]):
+            for s in walk_statements([*node.body, *node.orelse]):
                 if isinstance(s, (Assign, AugAssign)):
                     yield from sources(s.value, typing)
                     yield from map(base_name, targets(s))

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from s2sad.analyze.callee_derivatives import is_kernel_call, pattern
 from s2sad.analyze.context import AnalysisContext
-from s2sad.tree import Assign, AugAssign, Expr, FunctionDef, walk
+from s2sad.tree import Assign, AugAssign, Expr, FunctionDef, walk_statements
 
 
 def unsupported_derivatives(function: FunctionDef, context: AnalysisContext) -> None:
     """Reports each such call."""
-    for statement in walk(function.body):
+    for statement in walk_statements(function.body):
         if isinstance(statement, (Assign, AugAssign, Expr)) and is_kernel_call(statement):
             wanted = pattern(statement, context.typing, context.activity.active)
             wrong = context.calls.unsupported(statement.value, wanted, context.mode)

@@ -16,6 +16,7 @@ from s2sad.live_objects.unwrap import python_function
 from s2sad.live_objects.registry import RegisteredRule, RegisteredDerivative, RuleText
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Constant, FunctionDef, Name, Return, Slice, Subscript, Tuple, indices, walk,
+    walk_statements,
 )
 
 Role = tuple[str, str]
@@ -161,7 +162,7 @@ def said(function: Any) -> RuleText:
         definition = capture(function).tree
     except S2sadError:
         return RuleText()
-    returns = [n.value for n in walk(definition.body) if isinstance(n, Return)]
+    returns = [n.value for n in walk_statements(definition.body) if isinstance(n, Return)]
     kept = [e for v in returns if v is not None for e in _parts(v)]
     return RuleText(frozenset(n.id for n in walk(definition.body) if isinstance(n, Name)),
                     frozenset(written(definition)),
@@ -190,7 +191,8 @@ def written(definition: FunctionDef) -> list[str]:
     """The parameters whose content a function's text writes in place."""
     given = definition.args
     parameters = {a.id for a in (*given.posonlyargs, *given.args, *given.kwonlyargs)}
-    rebound = {t.id for n in walk(definition.body) if isinstance(n, Assign) for t in n.targets if isinstance(t, Name)}
+    rebound = {t.id for n in walk_statements(definition.body) if isinstance(n, Assign) for t in n.targets
+               if isinstance(t, Name)}
     found: dict[str, None] = {}
     for node in walk(definition.body):
         stored = getattr(node, "targets", None) or [getattr(node, "target", None)]

@@ -38,7 +38,7 @@ from s2sad.program import MISFIT
 from s2sad.tree import (
     AST, Add, Assert, Assign, AugAssign, Call, Constant, Eq, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple,
     assign, at, attribute, augment, call, call_name, comment, compare, const, copy, function, index, indices, name,
-    names, stored_names, tuple_of, walk,
+    names, stored_names, tuple_of, walk, walk_statements,
 )
 
 
@@ -67,7 +67,8 @@ class _Adjoint(Shadows):
                              context.family, self.halves.first)
         self.pullback = Pullback(self.typing, self.active, self.free, self.bind, self.shapes, ZeroLaw(self.bounds))
         self.parameters = [p.id for p in self.structure.function.args.args]
-        self.written = {base_name(t) for s in walk(self.structure.function.body) if isinstance(s, (Assign, AugAssign))
+        self.written = {base_name(t) for s in walk_statements(self.structure.function.body)
+                        if isinstance(s, (Assign, AugAssign))
                         for t in targets(s) if isinstance(t, Subscript)}
 
     def bind(self, wanted: str, like: AST) -> str:

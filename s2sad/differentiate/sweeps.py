@@ -21,7 +21,7 @@ from s2sad.infer.types import INT
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, Call, Expr, For, Gt, If, Name, Return, Subscript, While, assign, at, augment, call,
-    call_name, compare, const, copy, counted_for, forget, index, indices, name, sub, walk,
+    call_name, compare, const, copy, counted_for, forget, index, indices, name, sub, walk, walk_statements,
 )
 
 Adjoint = Callable[[AST], list[AST]]
@@ -197,7 +197,8 @@ class Sweeps(Recording):
 
     def written(self, loop: AST) -> list[str]:
         """The arrays whose elements a loop writes, each iteration anew."""
-        return sorted({base_name(t) for s in walk(loop.body) if isinstance(s, (Assign, AugAssign)) for t in targets(s)
+        return sorted({base_name(t) for s in walk_statements(loop.body) if isinstance(s, (Assign, AugAssign))
+                       for t in targets(s)
                        if isinstance(t, Subscript)})
 
     def reverse_loop(self, loop: AST) -> list[AST]:

@@ -14,8 +14,8 @@ from s2sad.infer.inference import Typing
 from s2sad.infer.types import Type
 from s2sad.rules import constant_result
 from s2sad.tree import (
-    AST, AnnAssign, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, FloorDiv, For, FunctionDef,
-    IfExp, List, Mod, Name, Pow, Return, Subscript, Tuple, UnaryOp, USub, call_name, name, stored_names, walk,
+    AST, AnnAssign, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, FloorDiv, For, FunctionDef, IfExp,
+    List, Mod, Name, Pow, Return, Subscript, Tuple, USub, UnaryOp, call_name, name, stored_names, walk, walk_statements,
 )
 
 # of a name that is bound to several it is the last of them that counts
@@ -96,7 +96,7 @@ class ScalarKinds:
         """The kinds of the names, from the least."""
         self._known = {}
         self.kinds = {p: self.of_parameter(p) for p in self.parameters}
-        for loop in (s for s in walk(self.tree.body) if isinstance(s, For)):
+        for loop in (s for s in walk_statements(self.tree.body) if isinstance(s, For)):
             kind = INT if call_name(loop.iter) == "builtins.range" else FLOAT
             self.kinds |= dict.fromkeys(stored_names(loop.target), kind)
         changed = True
@@ -120,7 +120,7 @@ class ScalarKinds:
 
     def returned(self) -> list[int]:
         """The kinds of the function's results."""
-        values = [s.value for s in walk(self.tree.body) if isinstance(s, Return)]
+        values = [s.value for s in walk_statements(self.tree.body) if isinstance(s, Return)]
         rows = [list(map(self.kind, v.elts)) if isinstance(v, Tuple) else [self.kind(v)] for v in values if v]
         return [max(kinds) for kinds in zip(*rows)]
 

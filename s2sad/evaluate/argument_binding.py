@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from s2sad.evaluate.effects import bindings
 from s2sad.evaluate.scope import KernelScope
 from s2sad.program import Kernel, Program, Structure, leaves
-from s2sad.tree import AST, Call, Constant, IfExp, List, Name, Return, Tuple, literal, user_call, walk
+from s2sad.tree import AST, Call, Constant, IfExp, List, Name, Return, Tuple, literal, user_call, walk_statements
 
 
 def bound_arguments(node: Call, scope: KernelScope) -> list[AST]:
@@ -51,7 +51,7 @@ def _structures(program: Program) -> dict[str, Structure]:
     found: dict[str, Structure] = {}
     for title, kernel in program.kernels.items():
         each = [_structure(node.value, kernel, found)
-                for node in walk(kernel.tree.body) if isinstance(node, Return) and node.value is not None]
+                for node in walk_statements(kernel.tree.body) if isinstance(node, Return) and node.value is not None]
         found[title] = max((f for f in each if f is not None), key=len, default=None)
     return found
 

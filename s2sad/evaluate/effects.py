@@ -12,8 +12,8 @@ from s2sad.evaluate.mutating_calls import stored_by_call, stored_out
 from s2sad.program import Program
 from s2sad.rules import find
 from s2sad.tree import (
-    AST, AnnAssign, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, IfExp,
-    List, Name, Store, Subscript, Tuple, UnaryOp, call_name, children, stored_names, walk,
+    AST, AnnAssign, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, IfExp, List,
+    Name, Store, Subscript, Tuple, UnaryOp, call_name, children, stored_names, walk, walk_statements,
 )
 
 # The results of these share no memory with their arguments.
@@ -56,7 +56,7 @@ def parameters(function: FunctionDef) -> list[str]:
 
 def bindings(function: FunctionDef) -> Iterable[tuple[AST, AST]]:
     """Every (target, value) of the function; a loop binds its target to what it goes through."""
-    for node in walk(function.body):
+    for node in walk_statements(function.body):
         if isinstance(node, Assign):
             yield from ((target, node.value) for target in node.targets)
         elif isinstance(node, AnnAssign) and node.value is not None:
@@ -180,7 +180,8 @@ def _names(node: AST | list[AST]) -> list[str]:
 
 def _scalars(function: FunctionDef) -> set[str]:
     """The names that are bound to numbers only, as far as the text shows it: `w += x` may make an array of one."""
-    bound = [*bindings(function), *((n.target, n.value) for n in walk(function.body) if isinstance(n, AugAssign))]
+    bound = [*bindings(function), *((n.target, n.value) for n in walk_statements(function.body)
+                                    if isinstance(n, AugAssign))]
     found = set(stored_names(function.body)) - set(parameters(function))
     while True:
         lost = {n for target, value in bound if not (isinstance(target, Name) and _number(value, found))

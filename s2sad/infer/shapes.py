@@ -15,8 +15,8 @@ from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import GIVEN, LAWS, LEAST, ONE, Shape, whole_number
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Name,
-    Store, Subscript, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of,
-    walk,
+    Store, Subscript, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of, walk,
+    walk_statements,
 )
 
 ALLOCATIONS = frozenset({"numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like"})
@@ -190,7 +190,8 @@ def bare_shapes(function: FunctionDef, typing: Typing) -> Shapes:
     """The shapes of a function with resolved views of which nothing has been learnt but its counters."""
     made = Shapes(typing, single_values(function))
     made.settled = True
-    allocations = Counter(s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(
+    allocations = Counter(s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign)
+                          and isinstance(
         s.targets[0], Name) and call_name(s.value) in ALLOCATIONS)
     made.several = frozenset(a for a, count in allocations.items() if count > 1)
     made.counters = counters_of(function, made.values)
@@ -218,7 +219,7 @@ def least_of(loop: For) -> dict[str, int]:
 def counters_of(function: FunctionDef, values: Mapping[str, AST | None]) -> dict[str, int]:
     """The loop counters bound once, and what is bound once to a counter, with the least that each can be."""
     loops: dict[str, list[dict[str, int]]] = {}
-    for loop in walk(function.body):
+    for loop in walk_statements(function.body):
         if isinstance(loop, For) and loops.get(loop.target.id) != [{}]:
             loops.setdefault(loop.target.id, []).append(least_of(loop))
         elif isinstance(loop, Assign):
@@ -250,7 +251,7 @@ def _left(function: FunctionDef, values: Mapping[str, AST | None]) -> set[str]:
     """The names that hold a loop's counter behind the loop: it is the last one there."""
     every = Counter(n.id for n in walk(function.body) if isinstance(n, Name))
     found: set[str] = set()
-    for loop in walk(function.body):
+    for loop in walk_statements(function.body):
         if isinstance(loop, For):
             inside = Counter(n.id for n in walk(loop.body) if isinstance(n, Name))
             found |= {n for n, v in values.items() if isinstance(v, Name) and v.id == loop.target.id

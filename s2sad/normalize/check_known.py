@@ -7,7 +7,9 @@ Requires normal form and types; changes nothing.
 from __future__ import annotations
 
 from s2sad.normalize.context import NormalContext
-from s2sad.tree import Assign, AugAssign, BinOp, Call, FunctionDef, IfExp, Return, Subscript, UnaryOp, user_call, walk
+from s2sad.tree import (
+    Assign, AugAssign, BinOp, Call, FunctionDef, IfExp, Return, Subscript, UnaryOp, user_call, walk, walk_statements,
+)
 
 _WRONG = {Call: ("unknown", "tuple"), BinOp: ("unknown",), UnaryOp: ("unknown", "tuple"), IfExp: ("unknown", "tuple"),
           Subscript: ("unknown",)}      # x.shape + (2,) and x.shape[1:] are shapes
@@ -16,7 +18,7 @@ _WRONG = {Call: ("unknown", "tuple"), BinOp: ("unknown",), UnaryOp: ("unknown", 
 def check_known(function: FunctionDef, context: NormalContext) -> None:
     """Reports the operations of which that is not so; calls of kernels may return several values."""
     typing, report = context.typing, context.report
-    for statement in walk(function.body):
+    for statement in walk_statements(function.body):
         if not isinstance(statement, (Assign, AugAssign, Return)) or statement.value is None:
             continue
         for node in walk(statement.value):

@@ -24,8 +24,8 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, Break, For, FunctionDef, If, Name, Sub, Subscript, Tuple, While, assign,
-    at, augment, const, copy, name, names, stored_names, substitute, walk,
+    AST, Add, Assign, AugAssign, BinOp, Break, For, FunctionDef, If, Name, Sub, Subscript, Tuple, While, assign, at,
+    augment, const, copy, name, names, stored_names, substitute, walk, walk_statements,
 )
 
 
@@ -140,7 +140,7 @@ class _SingleAssignment:
 
     def loop(self, statement: AST, env: dict[str, str]) -> list[AST]:
         inside = [v for v in stored_names(statement.body) if self.is_number(v)]
-        counters = {n.target.id for n in walk(statement) if isinstance(n, For)}
+        counters = {n.target.id for n in walk_statements(statement) if isinstance(n, For)}
         around = self.live.entry.get(id(statement), set()) | self.live.after[id(statement)]
         around |= set(names(statement.test)) if isinstance(statement, While) else set()
         carried = [v for v in inside if v in around and v not in counters]
@@ -192,7 +192,7 @@ def breaks(statement: AST) -> bool:
 
 def _only_added(loop: AST, variable: str) -> bool:
     """Whether all that a loop does with a variable is to add to it or to subtract from it."""
-    adding = [s for s in walk(loop) if isinstance(s, AugAssign) and isinstance(s.target, Name)
+    adding = [s for s in walk_statements(loop) if isinstance(s, AugAssign) and isinstance(s.target, Name)
               and s.target.id == variable and isinstance(s.op, (Add, Sub)) and variable not in names(s.value)]
     uses = sum(isinstance(n, Name) and n.id == variable for n in walk(loop))
     return bool(adding) and uses == len(adding)

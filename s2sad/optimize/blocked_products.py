@@ -30,7 +30,7 @@ from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Break, Call, For, FunctionDef, Name, Return, Slice, Store, Subscript,
     add, assign, at, attribute, augment, call, call_name, children, const, copy, counted_for, dump, index, indices,
-    name, names, rebuild, sub, tuple_of, walk, with_body,
+    name, names, rebuild, sub, tuple_of, walk, walk_statements, with_body,
 )
 
 CHANGES_ROUNDING = True
@@ -58,7 +58,7 @@ def _has_products(loop: AST) -> bool:
     """Whether a statement is a counted loop, left nowhere, whose body stores or binds products."""
     return isinstance(loop, For) and counted_loop(loop) is not None and any(
         isinstance(s, (Assign, AugAssign)) and any(map(_is_matmul, walk(s.value))) for s in loop.body) and not any(
-        isinstance(n, (Break, Return)) for n in walk(loop.body))
+        isinstance(n, (Break, Return)) for n in walk_statements(loop.body))
 
 
 def _is_matmul(node: AST) -> bool:

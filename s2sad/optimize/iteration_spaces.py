@@ -12,8 +12,8 @@ from collections.abc import Iterable, Set
 from s2sad.infer.affine import Affine, combined
 from s2sad.optimize.loop_bounds import substitute_symbol
 from s2sad.tree import (
-    AST, Add, Assert, Assign, Attribute, BinOp, Compare, Constant, Eq, FunctionDef, Name, Subscript, Tuple, UnaryOp,
-    USub, call_name, times_bound, walk,
+    AST, Add, Assert, Assign, Attribute, BinOp, Compare, Constant, Eq, FunctionDef, Name, Subscript, Tuple, USub,
+    UnaryOp, call_name, times_bound, walk_statements,
 )
 
 Size = tuple[str, int]
@@ -36,7 +36,7 @@ class IterationSpaces:
         self.like: dict[str, str] = {}
         self.equal: dict[str, Affine] = {}
         made: dict[str, bool] = {}      # whether a name is bound to new arrays alone
-        for n in walk(function.body):
+        for n in walk_statements(function.body):
             if isinstance(n, Assign) and isinstance(target := n.targets[0], Name):
                 made[target.id] = call_name(n.value) in _ALLOCATORS and made.get(target.id, True)
         self.own = (parameters & self.fixed) | {n for n, new in made.items() if new}

@@ -12,8 +12,8 @@ from s2sad.analyze.dependence import range_parts
 from s2sad.liveness import targets
 from s2sad.simplify.algebra import add_constant, simplify_index
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, BinOp, Constant, For, If, Name, Subscript, UnaryOp, USub, call_name, copy, dump,
-    is_comment, names, stored_names, walk,
+    AST, Assign, Attribute, AugAssign, BinOp, Constant, For, If, Name, Subscript, USub, UnaryOp, call_name, copy, dump,
+    is_comment, names, stored_names, walk, walk_statements,
 )
 
 
@@ -110,5 +110,5 @@ def is_loop_free(block: list[AST], writing: Set[str] = frozenset()) -> bool:
 
 def stored_elements(block: list[AST]) -> list[Subscript]:
     """The elements that the statements of a block store into, or increment."""
-    return [t for s in walk(block) if isinstance(s, (Assign, AugAssign)) for t in targets(s)
+    return [t for s in walk_statements(block) if isinstance(s, (Assign, AugAssign)) for t in targets(s)
             if isinstance(t, Subscript)]

@@ -25,7 +25,7 @@ from s2sad.optimize.array_contraction import Mentions, Contractible
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
     AST, Add, Assert, Assign, Attribute, AugAssign, Break, FunctionDef, If, Name, Return, Sub, Subscript, copy, dump,
-    indices, is_comment, name, names, rebuild, walk,
+    indices, is_comment, name, names, rebuild, walk, walk_statements,
 )
 
 CHANGES_ROUNDING = False
@@ -64,7 +64,7 @@ class LoopFusion:
         bounds, outer, known = counted_loop(statement), self.enclosing, dict(self.extents.equal)
         fixed = bounds is not None and all(
             self.extents.form(b) is not None for b in (bounds.start, bounds.stop)) and not any(
-            isinstance(n, (Break, Return)) for n in walk(statement))
+            isinstance(n, (Break, Return)) for n in walk_statements(statement))
         self.enclosing = (*outer, dump(bounds.upwards())) if bounds and fixed and outer is not None else None
         for assertion in self.asserted.get(self.enclosing, []) if self.enclosing else []:
             self.extents.assume(assertion)
@@ -166,7 +166,7 @@ def _with_counters_of(nest: Nest, other: Nest) -> list[AST] | None:
 
 
 def _statement_count(body: list[AST]) -> int:
-    return sum(isinstance(s, (Assign, AugAssign)) for s in walk(body))
+    return sum(isinstance(s, (Assign, AugAssign)) for s in walk_statements(body))
 
 
 def _subscripted_arrays(body: list[AST]) -> set[str]:
@@ -199,7 +199,7 @@ def _upward_exposed(body: list[AST]) -> set[str]:
 def _is_accumulator(identifier: str, body: list[AST]) -> bool:
     """Whether a body only increments a number."""
     increments = sum(isinstance(s, AugAssign) and isinstance(s.op, (Add, Sub)) and isinstance(s.target, Name)
-                and s.target.id == identifier for s in walk(body))
+                and s.target.id == identifier for s in walk_statements(body))
     return increments == sum(isinstance(n, Name) and n.id == identifier for n in walk(body))
 
 

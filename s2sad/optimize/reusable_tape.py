@@ -18,8 +18,8 @@ from s2sad.differentiate.tape import Stack
 from s2sad.infer.types import Type
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
-    AST, Add, Assign, BinOp, Expr, FunctionDef, Name, Return, Tuple, assign, at, attribute, call, call_name,
-    const, copy, function, index, name, tuple_of, walk,
+    AST, Add, Assign, BinOp, Expr, FunctionDef, Name, Return, Tuple, assign, at, attribute, call, call_name, const,
+    copy, function, index, name, tuple_of, walk_statements,
 )
 
 
@@ -57,7 +57,7 @@ def reusable_tape(made: FunctionDef, stacks: list[Stack], types: dict[str, Type]
 
 
 def _allocated_stacks(block: list[AST]) -> set[str]:
-    return {s.targets[0].id for s in walk(block) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
+    return {s.targets[0].id for s in walk_statements(block) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
             and call_name(s.value) == "numpy.empty"}
 
 

@@ -18,7 +18,7 @@ from s2sad.optimize.loop_bounds import bound_names, counted_loop, is_loop_free, 
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Call, Constant, Div, For, FunctionDef, If, Name, Pow, Subscript, While, at, call,
-    call_name, children, const, dump, indices, is_comment, names, rebuild, walk, with_body,
+    call_name, children, const, dump, indices, is_comment, names, rebuild, walk, walk_statements, with_body,
 )
 
 CHANGES_ROUNDING = True
@@ -94,7 +94,7 @@ def _is_vectorizable(loop: AST) -> bool:
     """Whether several iterations of a loop can run as one."""
     bounds = counted_loop(loop)
     if bounds is None or not isinstance(loop, For) or not is_loop_free(loop.body) or any(
-            isinstance(n, (If, For, While)) for n in walk(loop.body)):
+            isinstance(n, (If, For, While)) for n in walk_statements(loop.body)):
         return False
     if any(call_name(n) not in _VECTOR_INSTRUCTIONS and call_name(n) not in _FUNCTIONS
            for n in walk(loop.body) if isinstance(n, Call)) or any(map(_is_power, walk(loop.body))):

@@ -26,8 +26,8 @@ from s2sad.optimize.loop_distribution import loop_distribution
 from s2sad.optimize.scalar_reductions import scalar_reductions
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, For, FunctionDef, Name, Sub, Subscript, assign, at, call, copy, dump, indices,
-    name, names, negate, stored_names, walk, with_body,
+    AST, Add, Assign, AugAssign, For, FunctionDef, Name, Sub, Subscript, assign, at, call, copy, dump, indices, name,
+    names, negate, stored_names, walk, walk_statements, with_body,
 )
 
 CHANGES_ROUNDING = True
@@ -75,7 +75,7 @@ class _Vectorize:
 
     def loop(self, loop: For, least: Mapping[str, int]) -> list[AST]:
         """An innermost loop, transformed unless it is long."""
-        if sum(1 for s in walk(loop.body) if isinstance(s, (Assign, AugAssign))) > _MOST_STATEMENTS:
+        if sum(1 for s in walk_statements(loop.body) if isinstance(s, (Assign, AugAssign))) > _MOST_STATEMENTS:
             return [loop]
         bounds = counted_loop(loop)
         assert bounds is not None

@@ -15,13 +15,14 @@ from collections import Counter
 
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Constant, FloorDiv, For, FunctionDef, Load, MatMult, Mod, Mult,
-    Name, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, at, const, copy, index, indices, rebuild, walk, written,
+    Name, Slice, Store, Sub, Subscript, Tuple, USub, UnaryOp, at, const, copy, index, indices, rebuild, walk,
+    walk_statements, written,
 )
 
 
 def matmul_assignment(function: FunctionDef) -> FunctionDef:
     """The function without such products."""
-    if not any(isinstance(n, AugAssign) and isinstance(n.op, MatMult) for n in walk(function.body)):
+    if not any(isinstance(n, AugAssign) and isinstance(n.op, MatMult) for n in walk_statements(function.body)):
         return function
     whole = _whole(function)
     return rebuild(function, lambda n: _stored(n, whole) if isinstance(n, AugAssign) else None)

@@ -15,15 +15,15 @@ that depend on how long the range is stay, to be refused.
 from __future__ import annotations
 
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Call, Constant, For, FunctionDef, Load, Name, Slice, Store, Subscript, UnaryOp, USub,
-    While, add, at, children, const, copy, expr, name, rebuild, walk, written,
+    AST, Assign, Attribute, BinOp, Call, Constant, For, FunctionDef, Load, Name, Slice, Store, Subscript, USub, UnaryOp,
+    While, add, at, children, const, copy, expr, name, rebuild, walk, walk_statements, written,
 )
 
 
 def unnamed(function: FunctionDef) -> FunctionDef:
     """The function without names of ranges and dtypes."""
     stored = [n.id for n in walk(function) if isinstance(n, Name) and not isinstance(n.ctx, Load)]
-    in_loops = {n.id for s in walk(function.body) if isinstance(s, (For, While)) for n in walk(s)
+    in_loops = {n.id for s in walk_statements(function.body) if isinstance(s, (For, While)) for n in walk(s)
                 if isinstance(n, Name) and isinstance(n.ctx, Store)}
     found = {s.targets[0].id: s.value for s in function.body if isinstance(s, Assign) and len(s.targets) == 1
              and isinstance(s.targets[0], Name) and (_is_range(s.value) or _is_dtype(s.value))}

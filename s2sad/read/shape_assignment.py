@@ -13,7 +13,7 @@ from dataclasses import replace
 from s2sad.read.outside_values import AST, Captured, ModuleValue
 from s2sad.tree import (
     Assign, Attribute, AugAssign, BinOp, Call, Compare, Expr, FunctionDef, Load, Name, Return, Store, Subscript,
-    UnaryOp, at, children, copy, rebuild, stored_names, times_bound, walk,
+    UnaryOp, at, children, copy, rebuild, stored_names, times_bound, walk, walk_statements,
 )
 
 # functions of NumPy that make an array, with how many arguments come before the place of `out`
@@ -54,7 +54,7 @@ def _shaped(node: AST) -> str:
 def _made(captured: Captured, wanted: set[str]) -> set[str]:
     """Those of the names that are bound to new arrays wherever they are bound."""
     function = captured.tree
-    new = [s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and len(s.targets) == 1
+    new = [s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign) and len(s.targets) == 1
            and isinstance(s.targets[0], Name) and _is_new(s.value, captured)]
     parameters = {n.id for n in walk(function.args) if isinstance(n, Name)}
     changed = times_bound(function.body, AugAssign)

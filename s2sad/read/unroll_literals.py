@@ -16,7 +16,7 @@ from collections.abc import Collection, Iterable
 from s2sad.tree import (
     AST, Assign, Attribute, Break, Call, Constant, Continue, Dict, DictComp, For, FunctionDef, GeneratorExp, List,
     ListComp, Name, Store, Subscript, Tuple, UnaryOp, assign, at, call_name, children, const, copy, rebuild,
-    stored_names, substitute, tuple_of, walk,
+    stored_names, substitute, tuple_of, walk, walk_statements,
 )
 
 _LONGEST = 16
@@ -47,7 +47,7 @@ class _UnrollLiterals:
             same = self.keys.setdefault(target.id, keys)
             if [k.value for k in same] != [k.value for k in keys]:
                 self.stores.append(target.id)
-        bound = [s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(
+        bound = [s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign) and isinstance(
             s.targets[0], Name) and isinstance(s.value, (Dict, DictComp))]
         self.keys = {n: keys for n, keys in self.keys.items() if bound.count(n) == self.stores.count(n)
                      and n not in given and not self.grows(n, keys)}
@@ -77,7 +77,8 @@ class _UnrollLiterals:
         """Whether a name is bound by loops through dicts of these keys alone."""
         if not isinstance(place, Name):
             return False
-        loops = [s for s in walk(self.function.body) if isinstance(s, For) and place.id in stored_names(s.target)]
+        loops = [s for s in walk_statements(self.function.body) if isinstance(s, For)
+                 and place.id in stored_names(s.target)]
         through = [s.iter.func.value if isinstance(s.iter, Call) and isinstance(s.iter.func, Attribute) else s.iter
                    for s in loops]
         return len(loops) == self.stores.count(place.id) - self.local.count(place.id) and all(
@@ -116,7 +117,7 @@ class _UnrollLiterals:
     def rounds(self, loop: For) -> list[AST] | None:
         """The turns of a loop through functions; None for any other loop."""
         rows = self.through_functions(loop.target, loop.iter, loop.body)
-        if rows is None or loop.orelse or any(isinstance(n, (Break, Continue)) for n in walk(loop.body)):
+        if rows is None or loop.orelse or any(isinstance(n, (Break, Continue)) for n in walk_statements(loop.body)):
             return None
         functions = {n for n, item in rows[0] if n in _called(loop.body)}
         if functions & set(stored_names(loop.body)) or any(_is_used(self.function.body, n) for n in functions):

@@ -17,6 +17,7 @@ from s2sad.report.sizes import SizeEvaluator
 from s2sad.rules.transforms import TRANSFORMS
 from s2sad.tree import (
     AST, AnnAssign, Assign, AugAssign, Expr, For, Name, call_name, is_comment, names, stored_names, walk,
+    walk_statements,
 )
 from s2sad.units import UnitDerivative, Unit
 
@@ -128,7 +129,7 @@ def findings(derived: UnitDerivative, sizes: SizeEvaluator | None, engine: str) 
 
 def _interpreted(unit: Unit) -> Iterator[FoundPlace]:
     """The statements with a function that compiled code has the interpreter run."""
-    for statement in walk(unit.function.body):
+    for statement in walk_statements(unit.function.body):
         if isinstance(statement, (Assign, AugAssign)) and call_name(statement.value) in TRANSFORMS:
             yield place_of(statement, unit)
 
@@ -169,7 +170,7 @@ def _variable(version: str, unit: Unit) -> str:
 
 def _replaced(variable: str, derived: UnitDerivative) -> Verdict:
     """The verdict for a name in whose place stands what it was a name for, as a view's array."""
-    for statement in walk(derived.unit.kernel.tree.body):
+    for statement in walk_statements(derived.unit.kernel.tree.body):
         if isinstance(statement, (Assign, For)) and variable in stored_names(statement):
             for base in names(statement.iter if isinstance(statement, For) else statement.value):
                 kind = derived.unit.typing.table.get(base)
@@ -239,7 +240,7 @@ def _sweep(derived: UnitDerivative) -> tuple[tuple[FoundPlace, ...], tuple[Found
     marks = [k for k, s in enumerate(body) if is_comment(s)]
     cut = marks[-1] if marks else 0
     forward, back = set(_primal(body[:cut], derived)), set(_primal(body[cut:], derived))
-    own = {(s.lineno, s.col_offset) for s in walk(unit.kernel.tree.body)
+    own = {(s.lineno, s.col_offset) for s in walk_statements(unit.kernel.tree.body)
            if isinstance(s, (Assign, AnnAssign, AugAssign, Expr))}
     dropped, later = [], []
     for statement in walk(unit.function.body):
@@ -255,7 +256,7 @@ def _primal(block: list[AST], derived: UnitDerivative) -> Iterator[tuple[int, in
     stacks = {n for s in tape.stacks.values() for n in (s.array, s.top)} if tape else set()
     own = {*unit.typing.table, *unit.family.values(), *unit.names.wanted.values()}
     others = {*derived.made.shadows.values(), *stacks}
-    for statement in walk(block):
+    for statement in walk_statements(block):
         if not isinstance(statement, (Assign, AugAssign, Expr)) or getattr(statement, "lineno", None) is None:
             continue
         used = {n.id for n in walk(statement) if isinstance(n, Name)}

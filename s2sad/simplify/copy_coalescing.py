@@ -20,7 +20,8 @@ from s2sad.naming import Names
 from s2sad.blocks import with_blocks
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, For, FunctionDef, Name, is_comment, rename, stored_names, walk, with_body,
+    AST, Assign, AugAssign, Call, For, FunctionDef, Name, is_comment, rename, stored_names, walk, walk_statements,
+    with_body,
 )
 
 CHANGES_ROUNDING = False
@@ -108,7 +109,7 @@ def _interferences(function: FunctionDef, live: Liveness, family: Mapping[str, s
     for parameter in function.args.args:
         if parameter.id in family:
             define(parameter.id, live.start, None)
-    for statement in walk(function.body):
+    for statement in walk_statements(function.body):
         if not isinstance(statement, (Assign, AugAssign, For)):
             continue
         source = statement.value.id if isinstance(statement, Assign) and isinstance(statement.value, Name) else None
@@ -205,7 +206,7 @@ def split_live_ranges(function: FunctionDef, temporaries: set[str], names: Names
     if start is None:
         return function
     first, second = function.body[:start], function.body[start:]
-    counted = {s.target.id for s in walk(second) if isinstance(s, AugAssign) and isinstance(s.target, Name)}
+    counted = {s.target.id for s in walk_statements(second) if isinstance(s, AugAssign) and isinstance(s.target, Name)}
     apart = (temporaries - counted) & set(stored_names(first))
     both = [n for n in stored_names(second) if n in apart]
     mapping = {n: typing.declare(names.fresh(names.wanted.get(n, n)), typing.table[n]) for n in both}

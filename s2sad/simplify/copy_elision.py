@@ -16,7 +16,8 @@ from s2sad.blocks import with_blocks
 from s2sad.passes import Context
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, BinOp, Call, Compare, Constant, For, FunctionDef, Name, Subscript, UnaryOp,
-    assign, attribute, call, call_name, const, dump, index, is_comment, name, names, rename, walk, with_body,
+    assign, attribute, call, call_name, const, dump, index, is_comment, name, names, rename, walk, walk_statements,
+    with_body,
 )
 
 CHANGES_ROUNDING = False
@@ -83,7 +84,7 @@ def _is_clear(statement: AST, array: str) -> bool:
 def _keeps_no_view(statement: AST) -> bool:
     """Whether a statement keeps no view of what it reads."""
     if isinstance(statement, AugAssign) or isinstance(statement, For) and all(
-            isinstance(n.targets[0], Subscript) for n in walk(statement.body) if isinstance(n, Assign)):
+            isinstance(n.targets[0], Subscript) for n in walk_statements(statement.body) if isinstance(n, Assign)):
         return True
     if not isinstance(statement, Assign):
         return False

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from s2sad.infer.types import INT, Type
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, FloorDiv, For, FunctionDef, Mod, Mult, Name, Not, Sub, Subscript,
-    UnaryOp, call_name, walk,
+    UnaryOp, call_name, walk_statements,
 )
 
 _TYPE_PRESERVING = ("builtins.max", "builtins.min", "builtins.abs", "numpy.maximum", "numpy.minimum")
@@ -40,4 +40,4 @@ def is_integer(node: AST, types: Mapping[str, Type] | None) -> bool:
 
 def with_counters(types: Mapping[str, Type], function: FunctionDef) -> dict[str, Type]:
     """The types of a function's names, with those of its loops' counters."""
-    return {**types, **{n.target.id: INT for n in walk(function.body) if isinstance(n, For)}}
+    return {**types, **{n.target.id: INT for n in walk_statements(function.body) if isinstance(n, For)}}

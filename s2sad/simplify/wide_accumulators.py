@@ -37,9 +37,8 @@ from s2sad.naming import Names
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, Call, Constant, FloorDiv, For, FunctionDef, If, Mod, Name, NotEq, Slice, Store,
-    Sub, Subscript, While,
-    assign, at, attribute, augment, call, call_name, compare, const, copy, dump, index, indices, keyword, name, names,
-    rebuild, rename, stored_names, walk,
+    Sub, Subscript, While, assign, at, attribute, augment, call, call_name, compare, const, copy, dump, index, indices,
+    keyword, name, names, rebuild, rename, stored_names, walk, walk_statements,
 )
 
 _FEW_ITERATIONS = 64       # a serial sum of so many terms loses a few units in the last place
@@ -132,12 +131,12 @@ class _OutermostLoop:
 
     def __init__(self, loop: AST):
         self.bound = set(stored_names([loop]))
-        loops = [n for n in walk(loop) if isinstance(n, For)]
+        loops = [n for n in walk_statements(loop) if isinstance(n, For)]
         self.counters = {n.target.id for n in loops}
         self.bounds = {dump(part) for n in loops for part in walk(n.iter)}
         self.increments = list(self._find_increments([loop], ()))
         self.definitions: dict[str, list[AST]] = {}
-        for s in walk(loop):
+        for s in walk_statements(loop):
             for target in s.targets if isinstance(s, Assign) else ():
                 for n in walk(target):
                     if isinstance(n, Name) and isinstance(n.ctx, Store):
@@ -205,7 +204,7 @@ def wide_numbers(function: FunctionDef, context: DerivativeContext) -> FunctionD
     own = {n for pair in context.kernel_names.items() for n in pair}
     start = next((k for k, s in enumerate(function.body) if isinstance(getattr(s, "value", None), Constant)
                   and s.value.value == REVERSE), len(function.body))
-    added = {n for s in function.body[start:] for loop in walk(s) if isinstance(loop, (For, While))
+    added = {n for s in function.body[start:] for loop in walk_statements(s) if isinstance(loop, (For, While))
              for n in _accumulators(loop) if n not in own}
     if not added:
         return function
@@ -222,9 +221,9 @@ def wide_numbers(function: FunctionDef, context: DerivativeContext) -> FunctionD
 
 def _accumulators(loop: AST) -> set[str]:
     """The numbers that a loop increments and does not bind."""
-    added = {s.target.id for s in walk(loop) if isinstance(s, AugAssign) and isinstance(s.op, (Add, Sub))
+    added = {s.target.id for s in walk_statements(loop) if isinstance(s, AugAssign) and isinstance(s.op, (Add, Sub))
              and isinstance(s.target, Name)}
-    return added - {t.id for s in walk(loop) if isinstance(s, Assign) for t in walk(s.targets)
+    return added - {t.id for s in walk_statements(loop) if isinstance(s, Assign) for t in walk(s.targets)
                      if isinstance(t, Name) and isinstance(t.ctx, Store)}
 
 

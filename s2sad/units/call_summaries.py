@@ -4,7 +4,7 @@ from __future__ import annotations
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.uses import owns_result
 from s2sad.analyze.callee_derivatives import is_kernel_call
-from s2sad.tree import AST, Assign, AugAssign, Call, Expr, FunctionDef, Subscript, call_name, walk
+from s2sad.tree import AST, Assign, AugAssign, Call, Expr, FunctionDef, Subscript, call_name, walk_statements
 from s2sad.units.unit import Unit
 
 
@@ -46,7 +46,7 @@ class Calls:
 def written_arrays(tree: FunctionDef, calls: Calls) -> set[str]:
     """The arrays whose elements a function may write."""
     found: set[str] = set()
-    for statement in walk(tree.body):
+    for statement in walk_statements(tree.body):
         if isinstance(statement, (Assign, AugAssign)):
             found |= {base_name(t) for t in targets(statement) if isinstance(t, Subscript)}
         if isinstance(statement, (Assign, AugAssign, Expr)) and is_kernel_call(statement):

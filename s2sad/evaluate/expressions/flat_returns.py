@@ -9,16 +9,18 @@ of values. `argument_binding.result_structure` tells the rest.
 from __future__ import annotations
 
 from s2sad.evaluate.scope import KernelScope
-from s2sad.tree import AST, FunctionDef, IfExp, List, Return, Tuple, at, const, copy, dump, rebuild, tuple_of, walk
+from s2sad.tree import (
+    AST, FunctionDef, IfExp, List, Return, Tuple, at, const, copy, dump, rebuild, tuple_of, walk_statements,
+)
 
 
 def flat_returns(function: FunctionDef, scope: KernelScope) -> FunctionDef:
     """The function with such returns; a list that is spelled out there is a tuple."""
     tree = copy(function)
-    for node in walk(tree.body):
+    for node in walk_statements(tree.body):
         if isinstance(node, Return) and node.value is not None:
             node.value = _as_tuples(node.value)
-    returns = [n for n in walk(tree.body) if isinstance(n, Return) and isinstance(n.value, Tuple)]
+    returns = [n for n in walk_statements(tree.body) if isinstance(n, Return) and isinstance(n.value, Tuple)]
     shapes = [dump(rebuild(n.value, lambda v: None if isinstance(v, Tuple) else const(0))) for n in returns]
     for node, shape in zip(returns, shapes):
         if any(isinstance(item, Tuple) for item in node.value.elts):

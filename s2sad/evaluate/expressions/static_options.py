@@ -27,9 +27,9 @@ from s2sad.passes import Context
 from s2sad.program import Kernel, Program
 from s2sad.read.outside_values import library_value
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BinOp, Call, Constant, For, FunctionDef, GeneratorExp, List, ListComp, Mult, Name,
-    Sub, Tuple, USub, UnaryOp, at, call_name, const, copy, keyword, literal, names, rebuild, stored_names,
-    times_bound, tuple_of, walk, with_body,
+    AST, Add, Assign, Attribute, BinOp, Call, Constant, For, FunctionDef, GeneratorExp, List, ListComp, Mult, Name, Sub,
+    Tuple, USub, UnaryOp, at, call_name, const, copy, keyword, literal, names, rebuild, stored_names, times_bound,
+    tuple_of, walk, walk_statements, with_body,
 )
 
 AXES = ("axis", "axis1", "axis2", "axes", "source", "destination")
@@ -182,7 +182,7 @@ def bound(program: Program) -> StaticValues:
 
 def _bindings(function: FunctionDef) -> Iterator[tuple[Name, AST]]:
     """The names that assignments bind."""
-    for node in walk(function.body):
+    for node in walk_statements(function.body):
         for target in node.targets if isinstance(node, Assign) else []:
             yield from _pairs(target, node.value)
 

@@ -25,7 +25,7 @@ from s2sad.evaluate.scope import KernelScope
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Call, For, FunctionDef, List, Load, Name, Pow, Slice, Starred, Store, Subscript,
     Tuple, assign, at, call, call_name, children, const, copy, dump, index, name, names, rebuild, stored_names,
-    tuple_of, walk, with_body,
+    tuple_of, walk, walk_statements, with_body,
 )
 
 _THROUGH = ("builtins.len", "builtins.enumerate", "builtins.zip", "builtins.reversed")
@@ -189,7 +189,7 @@ class _Uses:
     def named(self, place: int) -> set[str]:
         """The names that numbers of a column are bound to."""
         targets = [s.targets[0] for s in self.unpacked] + [
-            t for s in walk(self.function.body) if isinstance(s, For) and self.word in names(s.iter)
+            t for s in walk_statements(self.function.body) if isinstance(s, For) and self.word in names(s.iter)
             for t in [s.target, *getattr(s.target, "elts", [])] if isinstance(t, Tuple) and len(t.elts) == self.width]
         return set(stored_names([t.elts[place] for t in targets]))
 

@@ -22,8 +22,8 @@ from s2sad.evaluate.effects import parameters
 from s2sad.evaluate.scope import KernelScope
 from s2sad.evaluate.expressions.slice_names import one_by_one
 from s2sad.tree import (
-    AST, Assign, Call, For, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign,
-    at, call_name, const, copy, index, indices, name, rebuild, stored_names, tuple_of, walk,
+    AST, Assign, Call, For, FunctionDef, List, Name, Return, Starred, Store, Subscript, Tuple, assign, at, call_name,
+    const, copy, index, indices, name, rebuild, stored_names, tuple_of, walk, walk_statements,
 )
 
 
@@ -33,7 +33,7 @@ def tuple_names(function: FunctionDef, scope: KernelScope) -> FunctionDef:
     lengths = _bundled(function, scope)
     function = late_reads(function, lengths, scope)
     parts = {n: [scope.fresh(f"{n}_{k}") for k in range(count)] for n, count in lengths.items()}
-    bound = [(s.targets[0].id, s.value) for s in walk(function.body) if isinstance(s, Assign) and isinstance(
+    bound = [(s.targets[0].id, s.value) for s in walk_statements(function.body) if isinstance(s, Assign) and isinstance(
         s.targets[0], Name)]
     listed = set(parts) - {n for n, value in bound if not isinstance(value, List)}
     function = rebuild(function, lambda node: _taken_apart(node, parts, listed)) if parts else function
@@ -60,7 +60,7 @@ def _with_rows_apart(node: AST, function: FunctionDef, scope: KernelScope) -> AS
 
 def _is_of_loops(word: str, function: FunctionDef) -> bool:
     """Whether a name stands for what loops go through, each by itself, and for nothing else."""
-    loops = [n for n in walk(function.body) if isinstance(n, For) and getattr(n.target, "id", "") == word]
+    loops = [n for n in walk_statements(function.body) if isinstance(n, For) and getattr(n.target, "id", "") == word]
     within = [n for s in loops for n in walk([s.target, *s.body]) if isinstance(n, Name) and n.id == word]
     everywhere = [n for n in walk(function.body) if isinstance(n, Name) and n.id == word]
     return len(within) == len(everywhere) and not any(word in stored_names(s.body) for s in loops)
@@ -72,7 +72,7 @@ def _width(iterable: AST, function: FunctionDef) -> int:
         starred = any(isinstance(a, Starred) for a in iterable.args)
         return 0 if starred else 2 if call_name(iterable) == "builtins.enumerate" else len(iterable.args)
     if isinstance(iterable, Name):
-        values = [s.value for s in walk(function.body) if isinstance(s, Assign) and any(
+        values = [s.value for s in walk_statements(function.body) if isinstance(s, Assign) and any(
             isinstance(t, Name) and t.id == iterable.id for t in s.targets)]
         stores = [n for n in walk(function.body) if isinstance(n, Name) and n.id == iterable.id and isinstance(
             n.ctx, Store)]
@@ -96,7 +96,8 @@ def _rows_apart(function: FunctionDef, new: set[str], scope: KernelScope) -> Fun
             node.targets[0])) <= new and any(map(row, node.value.elts)) else None
     function = rebuild(function, in_tuple)
     function.body = apart(function.body, row)
-    held = {s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
+    held = {s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign)
+            and isinstance(s.targets[0], Name)
             and s.targets[0].id in new and row(s.value)}
     lengths = {n: count for n, count in _bundled(function, scope).items() if n in held}
     function = late_reads(function, lengths, scope)

@@ -29,7 +29,7 @@ from s2sad.evaluate.expressions.unpack import unpack
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Not, Subscript, Tuple,
     UnaryOp, While, assign, at, attribute, call, call_name, const, copy, counted_for, dump, function, index, name,
-    names, rebuild, stored_names, tuple_of, walk,
+    names, rebuild, stored_names, tuple_of, walk, walk_statements,
 )
 
 LONGEST = 16                            # the longest sequence that is written out
@@ -123,7 +123,7 @@ class _Loops:
 
     def _stays(self, node: For, body: list[AST], count: int, columns: dict[str, Column], rounds: Rounds) -> bool:
         """Whether a short loop is long enough as it would be written out, and need not be."""
-        size = sum(isinstance(s, (Assign, AugAssign, Expr, If, For, While)) for s in walk(body))
+        size = sum(isinstance(s, (Assign, AugAssign, Expr, If, For, While)) for s in walk_statements(body))
         outside = {n for t, _ in self._bound if not any(t is s for s in walk(node)) for n in stored_names(t)}
         left = self._live[id(node)] & {*stored_names(body), *columns}
         picked = [s.slice for s in walk(body) if isinstance(s, Subscript)]
@@ -195,7 +195,7 @@ def _counter_of(node: For) -> str | None:
 def _copied(tree: FunctionDef, live: dict[int, set[str]], written_out: Callable[[For], bool]) -> set[str]:
     """The names that something other than a loop's count binds, or that are read after their loop."""
     found = set(parameters(tree))
-    for node in walk(tree.body):
+    for node in walk_statements(tree.body):
         if isinstance(node, (Assign, AugAssign)):
             found |= set(stored_names(node))
         elif isinstance(node, For):

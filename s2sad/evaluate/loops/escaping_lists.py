@@ -15,8 +15,8 @@ from __future__ import annotations
 from s2sad.evaluate.effects import bindings, parameters
 from s2sad.evaluate.loops.iterators import literal
 from s2sad.tree import (
-    AST, Attribute, BinOp, Call, Constant, For, FunctionDef, List, MatMult, Name, Slice, Starred, Store,
-    Subscript, Tuple, UnaryOp, call_name, indices, names, stored_names, walk,
+    AST, Attribute, BinOp, Call, Constant, For, FunctionDef, List, MatMult, Name, Slice, Starred, Store, Subscript,
+    Tuple, UnaryOp, call_name, indices, names, stored_names, walk, walk_statements,
 )
 
 _SIZED = {f"numpy.{f}" for f in "zeros ones empty full zeros_like ones_like empty_like full_like copy".split()}
@@ -75,7 +75,7 @@ class ListBindings:
             for n in stored_names(target):
                 self.values.setdefault(n, []).append(value if isinstance(target, Name) else None)
         self.stores = [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
-        loops = [s for s in walk(function.body) if isinstance(s, For)]
+        loops = [s for s in walk_statements(function.body) if isinstance(s, For)]
         rounds = [n for s in loops if self.is_written(s.iter) for n in stored_names(s.target)]
         self.rounds = {n for n in rounds if rounds.count(n) == self.stores.count(n)}
 

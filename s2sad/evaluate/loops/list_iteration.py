@@ -25,8 +25,8 @@ from s2sad.evaluate.effects import parameters
 from s2sad.evaluate.loops.escaping_lists import ListBindings
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, Call, Constant, For, FunctionDef, If, List, ListComp, Name, Return, Slice,
-    Starred, Store, Sub, Subscript, Tuple, USub, UnaryOp, While, assign, at, call_name, const, copy, dump, index,
-    name, names, rebuild, stored_names, substitute, tuple_of, walk,
+    Starred, Store, Sub, Subscript, Tuple, USub, UnaryOp, While, assign, at, call_name, const, copy, dump, index, name,
+    names, rebuild, stored_names, substitute, tuple_of, walk, walk_statements,
 )
 
 _LONGEST, _MOST = 16, 160       # elements of a list, statements of a loop that is written out
@@ -48,7 +48,7 @@ def list_iteration(function: FunctionDef) -> FunctionDef:
 def _lengths(function: FunctionDef) -> dict[str, int]:
     """The names of such lists, with how many elements each has."""
     bound: dict[str, list[AST]] = {}
-    for s in walk(function.body):
+    for s in walk_statements(function.body):
         if isinstance(s, Assign) and len(s.targets) == 1 and isinstance(s.targets[0], Name) and isinstance(
                 s.value, (List, ListComp)):
             bound.setdefault(s.targets[0].id, []).append(s.value)
@@ -161,7 +161,7 @@ def _is_written_out(loop: AST, known: dict[str, int]) -> bool:
         return False
     pairs = [_pairs(loop.target, i) for i in items]
     counters = {n for several in pairs for n, i in several or [] if isinstance(i, Constant)}
-    size = sum(isinstance(s, (Assign, AugAssign, If, For, While)) for s in walk(loop.body))
+    size = sum(isinstance(s, (Assign, AugAssign, If, For, While)) for s in walk_statements(loop.body))
     return None not in pairs and not counters & set(stored_names(loop.body)) and len(items) * (size + 1) <= _MOST
 
 
@@ -225,7 +225,7 @@ def _of_sizes(value: AST) -> bool:
 
 def _is_needed(function: FunctionDef, known: dict[str, int]) -> bool:
     """Whether some list is made of others, or bound anew in part while a loop goes through it."""
-    parted = {s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(
+    parted = {s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign) and isinstance(
         s.targets[0], Name) and _of_sizes(s.value)}
 
     def stored(loop: For) -> bool:
@@ -234,7 +234,7 @@ def _is_needed(function: FunctionDef, known: dict[str, int]) -> bool:
     return any(isinstance(s, Assign) and isinstance(s.value, ListComp) and isinstance(s.targets[0], Name)
                and s.targets[0].id in known or isinstance(s, For) and _is_written_out(s, known) and (
                    stored(s) or _is_range(s) and any(map(parted.__contains__, _picked(s, known))))
-               for s in walk(function.body))
+               for s in walk_statements(function.body))
 
 
 class _Through:

@@ -21,7 +21,7 @@ from s2sad.read.outside_values import library_value
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Compare, Constant, Continue, Expr, For,
     FunctionDef, If, IfExp, List, Name, Pass, Pow, Return, Slice, Subscript, Tuple, UnaryOp, While, call_name, children,
-    indices, names, stored_names, walk,
+    indices, names, stored_names, walk, walk_statements,
 )
 
 _ARITHMETIC = (BinOp, UnaryOp, Compare, BoolOp, IfExp)
@@ -54,7 +54,8 @@ class Rounds:
     def _counted(self, found: set[str]) -> set[str]:
         """The names that stand for numbers that are computed from the integers."""
         while True:
-            more = {n for s in walk(self.block) if isinstance(s, (Assign, AugAssign)) and bare(s.value, found)
+            more = {n for s in walk_statements(self.block) if isinstance(s, (Assign, AugAssign))
+                    and bare(s.value, found)
                     for t in (s.targets if isinstance(s, Assign) else [s.target]) if isinstance(t, Name)
                     for n in [t.id]} - found
             if not more:
@@ -77,9 +78,10 @@ class Rounds:
     def _rebound(self, word: str) -> bool:
         """Whether what a round leaves for the next one is a number, or an array of one size; what begins as a number
         may become an array."""
-        values = [s.value for s in walk(self.block) if isinstance(s, Assign) and word in stored_names(s.targets)]
+        values = [s.value for s in walk_statements(self.block) if isinstance(s, Assign)
+                  and word in stored_names(s.targets)]
         begun = any(isinstance(s, Assign) and isinstance(s.value, Constant) and word in stored_names(s.targets)
-                    for s in walk(self.function.body))
+                    for s in walk_statements(self.function.body))
         known = {word, *self.whole}
         return all(isinstance(v, (*_ARITHMETIC, Constant)) or _is_elementwise(call_name(v)) for v in values) and not (
             begun and any(isinstance(n, Subscript) or isinstance(n, Name) and n.id not in known and "." not in n.id
@@ -170,7 +172,7 @@ def bare(node: AST, words: set[str]) -> bool:
 def _spelled(function: FunctionDef) -> set[str]:
     """The names that stand for tuples and lists, as far as the text shows it."""
     found: set[str] = set()
-    for s in walk(function.body):
+    for s in walk_statements(function.body):
         if isinstance(s, Assign) and (isinstance(s.value, (Tuple, List)) or call_name(s.value) == LISTED):
             found |= set(stored_names(s.targets))
     return found
@@ -178,7 +180,8 @@ def _spelled(function: FunctionDef) -> set[str]:
 
 def carried(block: list[AST]) -> set[str]:
     """The names that are bound in a loop and may be read in a round before they are bound there."""
-    bound = {n for s in walk(block) if isinstance(s, Assign) for t in s.targets if isinstance(t, Name) for n in [t.id]}
+    bound = {n for s in walk_statements(block) if isinstance(s, Assign) for t in s.targets if isinstance(t, Name)
+             for n in [t.id]}
     certain: set[str] = set()
     found: set[str] = set()
     for s in block:

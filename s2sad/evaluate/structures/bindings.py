@@ -26,7 +26,7 @@ from s2sad.program import Kernel
 from s2sad.pytree import step
 from s2sad.tree import (
     AST, Assign, Attribute, BinOp, Call, Constant, Expr, For, List, Name, Store, Subscript, Tuple, While, assign, at,
-    const, equal, expr, keyword, name, stored_names, tuple_of, walk,
+    const, equal, expr, keyword, name, stored_names, tuple_of, walk, walk_statements,
 )
 
 Env = dict[str, "Value | Conflict | Ordinary"]
@@ -44,7 +44,7 @@ class Bindings(Assignments):
         stores = [n.id for n in walk(kernel.tree.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
         self.before_loop: frozenset[str] = frozenset()      # what had a value where the loops around began
         self.rebound = {n for n in stores if stores.count(n) > 1 or n in kernel.parameters}
-        loops = [s for s in walk(kernel.tree.body) if isinstance(s, (For, While))]
+        loops = [s for s in walk_statements(kernel.tree.body) if isinstance(s, (For, While))]
         self.changing = self.rebound | set(stored_names(loops))
         self.assigned_keys = _assigned(kernel)
         self.anywhere_assigned = {k for every in maker.program.kernels.values() for k in _assigned(every)}

@@ -26,7 +26,7 @@ from s2sad.evaluate.effects import bindings
 from s2sad.program import Kernel
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Break, Call, Constant, Continue, Expr, For, If, List, Name, Return,
-    Store, Subscript, Tuple, While, assign, at, call_name, const, copy, name, names, tuple_of, walk,
+    Store, Subscript, Tuple, While, assign, at, call_name, const, copy, name, names, tuple_of, walk, walk_statements,
 )
 
 _ITEMS = ".items"                       # no user's name: what a loop that is written out still goes through
@@ -171,7 +171,7 @@ class StructureBlocks(Inner):
         if len(items) > LONGEST * 4:
             self.refuse(node.iter, f"a loop over a structure of {len(items)} items", "put them into an array")
             return []
-        stored = {t.id for s in walk(node.body) if isinstance(s, (Assign, For))
+        stored = {t.id for s in walk_statements(node.body) if isinstance(s, (Assign, For))
                   for t in walk(getattr(s, "targets", None) or [s.target])
                   if isinstance(t, Name) and isinstance(t.ctx, Store)}
         made: list[AST] = []

@@ -29,8 +29,8 @@ from s2sad.evaluate.structures.sparse_values import ROOM as SPARSE_ROOM, given_m
 from s2sad.program import Kernel, Program
 from s2sad.pytree import SPARSE, Form, PyTree, is_held, leaves, step
 from s2sad.tree import (
-    AST, Attribute, Compare, Dict, In, Is, IsNot, Name, NotIn, Return, Store, at, const, copy, function,
-    tuple_of, walk,
+    AST, Attribute, Compare, Dict, In, Is, IsNot, Name, NotIn, Return, Store, at, const, copy, function, tuple_of, walk,
+    walk_statements,
 )
 
 
@@ -211,7 +211,7 @@ class _Making:
                   is_entry: bool) -> StructureValue | None:
         """What structure a kernel returns; its returns give the values that the caller does not have."""
         given = {id(r) for r, _ in blocks.returned}
-        others = [n for n in walk(body) if isinstance(n, Return) and id(n) not in given]
+        others = [n for n in walk_statements(body) if isinstance(n, Return) and id(n) not in given]
         tuples = all(isinstance(i, (Plain, Leaf)) for _, g in blocks.returned for i in g.items)
         plain = tuples and all(g.path == SPELLED and g.form.kind in ("tuple", "list") for _, g in blocks.returned)
         if not blocks.returned or (others or is_entry) and plain:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from s2sad.tree import (
     AST, Add, AnnAssign, Assign, Attribute, AugAssign, BinOp, Call, Constant, FloorDiv, For, FunctionDef, Mod, Mult,
-    Name, Sub, Subscript, Tuple, UAdd, UnaryOp, USub, call_name, stored_names, walk,
+    Name, Sub, Subscript, Tuple, UAdd, USub, UnaryOp, call_name, stored_names, walk, walk_statements,
 )
 
 KEEPING = (Add, Sub, Mult, FloorDiv, Mod)       # what they make of two integers is one
@@ -40,7 +40,7 @@ def is_whole(node: AST | None, types: Mapping[str, str]) -> bool:
 def whole_names(function: FunctionDef, types: Mapping[str, str]) -> dict[str, str]:
     """The names of a kernel that are bound to integers alone, beside those whose dtypes are known."""
     bound: dict[str, list[AST | None]] = {}
-    for node in walk(function.body):
+    for node in walk_statements(function.body):
         if isinstance(node, For):
             counted = call_name(node.iter) == "builtins.range"
             first = node.target.elts[0] if isinstance(node.target, Tuple) and node.target.elts and call_name(

@@ -19,7 +19,7 @@ from s2sad.evaluate.effects import bindings, parameters
 from s2sad.program import Program
 from s2sad.tree import (
     AST, Assign, Attribute, Call, Constant, FunctionDef, IfExp, List, Load, Name, Slice, Store, Subscript, Tuple, at,
-    const, copy, index, names, walk,
+    const, copy, index, names, walk, walk_statements,
 )
 
 Nest = tuple[Any, ...]          # "tuple" or "list", and what each item is: a nest, or None for any other value
@@ -139,7 +139,7 @@ def _grown(function: FunctionDef) -> Iterator[str]:
 
 def _replaced(function: FunctionDef, identifier: str, nest: Nest, known: dict[str, Nest], program: Program) -> bool:
     """Whether an item of a list is replaced by what has another nesting, or may be."""
-    for node in walk(function.body):
+    for node in walk_statements(function.body):
         for target in node.targets if isinstance(node, Assign) else ():
             if isinstance(target, Subscript) and isinstance(target.value, Name) and target.value.id == identifier:
                 place = constant_index(target)

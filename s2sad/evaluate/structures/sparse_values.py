@@ -20,6 +20,7 @@ from s2sad.read.linker import header_of
 from s2sad.pytree import SPARSE, PyTree
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Call, Expr, For, Name, Store, Subscript, While, at, call, const, copy, walk,
+    walk_statements,
 )
 
 ROOM = "scipy.sparse."
@@ -34,9 +35,9 @@ class Stores:
     where it adds to a name."""
 
     def __init__(self, body: list[AST]):
-        self.loops = [(s.lineno or 0, s.end_lineno or 0) for s in walk(body) if isinstance(s, (For, While))]
+        self.loops = [(s.lineno or 0, s.end_lineno or 0) for s in walk_statements(body) if isinstance(s, (For, While))]
         self.places = [(node.lineno, _base(part)) for node in walk(body) for part in _written(node)]
-        self.taken = {t.id for s in walk(body) if isinstance(s, Assign) for t in s.targets
+        self.taken = {t.id for s in walk_statements(body) if isinstance(s, Assign) for t in s.targets
                       if isinstance(t, Name) and _is_places(s.value)}
 
     def later(self, array: AST, origin: AST) -> bool:

@@ -30,7 +30,7 @@ from s2sad.normalize.buffers.access_paths import AMBIGUOUS, View
 from s2sad.normalize.single_assignment import breaks
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, BinOp, Break, Call, For, If, Name, Subscript, While, assign, at, call, call_name,
-    const, copy, dump, index, name, names, stored_names, walk,
+    const, copy, dump, index, name, names, stored_names, walk, walk_statements,
 )
 
 Tail = dict[str, str]                   # the buffers of a loop, by the names that stand for them
@@ -78,7 +78,7 @@ class LoopCarried(Joins):
 
     def loop(self, statement: For | While) -> list[AST]:
         head, after = self.references.head[id(statement)], self.references.after[id(statement)]
-        inside = [t.id for s in walk(statement.body) if isinstance(s, Assign) for t in s.targets
+        inside = [t.id for s in walk_statements(statement.body) if isinstance(s, Assign) for t in s.targets
                   if isinstance(t, Name) and t.id in self.types and self.types[t.id].is_array]
         bounds = self.resolve(statement.iter) if isinstance(statement, For) else None
         before, start = dict(self.seen), []
@@ -121,7 +121,8 @@ class LoopCarried(Joins):
             elif isinstance(node, Call) and (call_name(node) or "").startswith("user."):
                 found |= {n for k in self.writes(node) for n in names(node.args[k])}
         while True:
-            grown = {n for node in walk(loop) if isinstance(node, Assign) and found & set(names(node.targets[0]))
+            grown = {n for node in walk_statements(loop) if isinstance(node, Assign)
+                     and found & set(names(node.targets[0]))
                      and not isinstance(node.value, (BinOp, Call)) for n in names(node.value)} - found
             if not grown:
                 return found

@@ -34,7 +34,7 @@ from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Expr, For, FunctionDef, If, Name, Return, Slice, Store,
     Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, copy, index, indices, is_unset, name,
-    rebuild, tuple_of, walk,
+    rebuild, tuple_of, walk, walk_statements,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -63,7 +63,7 @@ def resolve_views(function: FunctionDef, context: NormalContext) -> FunctionDef:
 
 
 def _asserts(function: FunctionDef) -> int:
-    return sum(isinstance(n, Assert) for n in walk(function.body))
+    return sum(isinstance(n, Assert) for n in walk_statements(function.body))
 
 
 class _ResolveViews(LoopCarried):

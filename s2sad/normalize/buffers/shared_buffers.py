@@ -14,7 +14,7 @@ from s2sad.normalize.single_assignment import breaks
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, Break, Call, Eq, Expr, For, FunctionDef, If, List, Name, Raise, Return, Tuple,
     While, assign, at, attribute, call, compare, const, copy, dump, head_copy, index, name, names, stored_names,
-    times_bound, walk,
+    times_bound, walk, walk_statements,
 )
 
 
@@ -38,7 +38,7 @@ def swap_contents(function: FunctionDef, context: NormalContext) -> FunctionDef:
     one of them, or to a part.
     """
     typing, writes = context.typing, context.written
-    if not any(isinstance(n, If) for n in walk(function.body)):
+    if not any(isinstance(n, If) for n in walk_statements(function.body)):
         return function
     made, new = _SwapContents(function, typing, writes), copy(function)
     new.body = made.block(function.body, False)
@@ -49,7 +49,8 @@ class _SwapContents:
     def __init__(self, function: FunctionDef, typing: Typing, writes: Writes):
         self.function, self.typing, self.changed = function, typing, False
         self.held = ListContents(function, typing, writes)
-        self.kept = {n for s in walk(function.body) if isinstance(s, Assign) and isinstance(s.value, (Tuple, List))
+        self.kept = {n for s in walk_statements(function.body) if isinstance(s, Assign)
+                     and isinstance(s.value, (Tuple, List))
                      for n in names(s.value)}
 
     def block(self, block: list[AST], inside: bool) -> list[AST]:
@@ -73,7 +74,8 @@ class _SwapContents:
         kinds = [self.typing.of(name(n)) for n in sorted(pair)]
         after = self.held.references.after[id(swap.statements[-1])]
         swapping = {id(s) for s in self.swapping(pair)}
-        bound = [s for s in walk(self.function.body) if isinstance(s, Assign) and pair & set(stored_names(s.targets[0]))
+        bound = [s for s in walk_statements(self.function.body) if isinstance(s, Assign)
+                 and pair & set(stored_names(s.targets[0]))
                  and id(s) not in swapping]
         fresh = all(isinstance(s.targets[0], Name) and not self.held.sources(s.value) for s in bound)
         shared = self.held.component(pair) - pair
@@ -82,7 +84,8 @@ class _SwapContents:
 
     def swapping(self, pair: set[str]) -> list[AST]:
         """The statements of all swaps of a pair of names."""
-        blocks = [self.function.body, *(b for s in walk(self.function.body) if isinstance(s, (If, For, While))
+        blocks = [self.function.body, *(b for s in walk_statements(self.function.body)
+                                        if isinstance(s, (If, For, While))
                                         for b in (s.body, s.orelse))]
         return [s for b in blocks for swap in swaps_of(b, self.typing) if set(swap.given) == pair
                 for s in swap.statements]
@@ -122,7 +125,7 @@ def tail_duplication(function: FunctionDef, context: NormalContext) -> FunctionD
     from here on.
     """
     new = function
-    if any(isinstance(n, If) for n in walk(function.body)):
+    if any(isinstance(n, If) for n in walk_statements(function.body)):
         made, changed = _TailDuplication(function, context.typing, context.written), copy(function)
         changed.body = made.block(function.body)
         new = changed if made.left < _MOST else function
@@ -204,7 +207,7 @@ class _TailDuplication:
     def views_bound(self, chosen: set[str], block: list[AST]) -> set[str]:
         """The names that stand for different arrays, with those that are bound to parts of them in a block."""
         found = set(chosen)
-        bound = [s for s in walk(block) if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
+        bound = [s for s in walk_statements(block) if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
         while more := {s.targets[0].id for s in bound if self.held.sources(s.value) & found} - found:
             found |= more
         return found
@@ -219,4 +222,4 @@ def _names_alone(branch: If) -> bool:
 
 
 def _length(block: list[AST]) -> int:
-    return sum(isinstance(s, (Assign, AugAssign, If, For, While, Expr, Assert, Raise)) for s in walk(block))
+    return sum(isinstance(s, (Assign, AugAssign, If, For, While, Expr, Assert, Raise)) for s in walk_statements(block))

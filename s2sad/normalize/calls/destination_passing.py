@@ -30,7 +30,7 @@ from s2sad.normalize.calls.result_shapes import MAKERS, ResultShapes, Shapes, is
 from s2sad.program import Kernel, Program
 from s2sad.tree import (
     AST, Assign, Call, Constant, Expr, For, FunctionDef, Name, Return, Tuple, While, assign, at, call, call_name, const,
-    copy, function, index, name, rebuild, user_call, walk,
+    copy, function, index, name, rebuild, user_call, walk, walk_statements,
 )
 
 _LEAST = 100    # nodes of a function without a loop that stays a function
@@ -95,7 +95,8 @@ def _is_worth(kernel: Kernel, tree: FunctionDef, program: Program) -> bool:
     """Whether a function is called more than once, and long."""
     if len(program.once(calls).get(kernel.name, ())) < 2:
         return False
-    return any(isinstance(n, (For, While)) for n in walk(tree.body)) or _length(tree, program.once(_lengths)) > _LEAST
+    return any(isinstance(n, (For, While))
+               for n in walk_statements(tree.body)) or _length(tree, program.once(_lengths)) > _LEAST
 
 
 def _reshapes(tree: FunctionDef) -> bool:

@@ -37,8 +37,8 @@ from s2sad.normalize.buffers.argument_rotation import rotated
 from s2sad.program import Kernel, Program
 from s2sad.tree import (
     AST, Assign, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, Name, Not, NotEq, Return, Store, Tuple,
-    UnaryOp, While, assign, at, call_name, copy, function, name, names, rebuild, stored_names, tuple_of,
-    walk,
+    UnaryOp, While, assign, at, call_name, copy, function, name, names, rebuild, stored_names, tuple_of, walk,
+    walk_statements,
 )
 
 Structured = Callable[[Kernel, Names, Program], FunctionDef]
@@ -247,7 +247,7 @@ def _handed_back(tree: FunctionDef, held: Mapping[str, str]) -> FunctionDef:
     """The function without the names of parameters that are only bound to an argument, which takes the result: inside
     them nothing else binds the argument."""
     stored = [n.id for n in walk(tree.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
-    moves = [(s.targets[0], s.value.id) for s in walk(tree.body)
+    moves = [(s.targets[0], s.value.id) for s in walk_statements(tree.body)
              if isinstance(s, Assign) and isinstance(s.value, Name) and s.value.id in held]
     same = {h: name(a) for h, a in held.items() if stored.count(h) == 1 and any(v == h for _, v in moves) and all(
         isinstance(t, Name) and t.id == a for t, v in moves if v == h)}

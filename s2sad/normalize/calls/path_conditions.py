@@ -16,7 +16,7 @@ from s2sad.infer.signatures.laws import whole_number
 from s2sad.infer.shapes import Shapes
 from s2sad.tree import (
     AST, Add, And, BinOp, BoolOp, Call, Compare, Eq, For, Gt, GtE, If, Lt, LtE, Mod, Mult, Name, Not, NotEq, Or, Sub,
-    USub, UnaryOp, While, const, dump, names, stored_names, walk,
+    USub, UnaryOp, While, const, dump, names, stored_names, walk, walk_statements,
 )
 
 _NEGATED: dict[type[AST], type[AST]] = {Eq: NotEq, NotEq: Eq, Lt: GtE, GtE: Lt, Gt: LtE, LtE: Gt}
@@ -126,7 +126,7 @@ class CallSite:
 
 def path_conditions(body: list[AST], shapes: Shapes) -> dict[int, CallSite]:
     """The place of every call, by its id."""
-    counting = frozenset(dump(s.target) for s in walk(body) if isinstance(s, For))
+    counting = frozenset(dump(s.target) for s in walk_statements(body) if isinstance(s, For))
     return {id(call): here for call, here in _calls(body, CallSite(shapes, counting))}
 
 

@@ -22,8 +22,8 @@ from s2sad.infer.promotion import promote
 from s2sad.naming import Names
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
-    AST, Assign, AugAssign, BoolOp, Expr, For, FunctionDef, If, Name, NotEq, Or, Return, While, assign, at,
-    call_name, compare, const, copy, name, rebuild, walk, with_body,
+    AST, Assign, AugAssign, BoolOp, Expr, For, FunctionDef, If, Name, NotEq, Or, Return, While, assign, at, call_name,
+    compare, const, copy, name, rebuild, walk_statements, with_body,
 )
 
 
@@ -35,7 +35,7 @@ def conditional_values(function: FunctionDef, context: NormalContext) -> Functio
 
 def _held_twice(function: FunctionDef) -> set[str]:
     """Names of one choice that is added to in place: NumPy gives an array without axes, which both names stand for."""
-    bound = [(s.targets[0].id, s.value) for s in walk(function.body)
+    bound = [(s.targets[0].id, s.value) for s in walk_statements(function.body)
              if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
     held = {n for n, value in bound if call_name(value) == "numpy.where"}
     copies: set[str] = set()
@@ -44,7 +44,8 @@ def _held_twice(function: FunctionDef) -> set[str]:
         if not more:
             break
         copies |= more
-    added = {s.target.id for s in walk(function.body) if isinstance(s, AugAssign) and isinstance(s.target, Name)}
+    added = {s.target.id for s in walk_statements(function.body) if isinstance(s, AugAssign)
+             and isinstance(s.target, Name)}
     return held if copies and added & (held | copies) else set()
 
 

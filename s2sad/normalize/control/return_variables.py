@@ -6,7 +6,7 @@ from s2sad.evaluate.completion import FALL, bound_after, completion
 from s2sad.evaluate.scope import KernelScope
 from s2sad.tree import (
     AST, BinOp, BoolOp, Compare, Constant, Div, For, FunctionDef, Name, Not, Return, Tuple, UnaryOp, assign, at,
-    call_name, const, copy, dump, name, stored_names, tuple_of, unset, walk,
+    call_name, const, copy, dump, name, stored_names, tuple_of, unset, walk, walk_statements,
 )
 
 DONE = "jump.done"                      # what a return returns whose value is in the result names already
@@ -17,7 +17,7 @@ class ReturnVariables:
 
     def __init__(self, function: FunctionDef, scope: KernelScope):
         self._scope = scope
-        self._returns = [node for node in walk(function.body) if isinstance(node, Return)]
+        self._returns = [node for node in walk_statements(function.body) if isinstance(node, Return)]
         self._valued = [node for node in self._returns if node.value is not None]
         self._check_paths(function)
         lengths = [self._length(node.value) for node in self._valued]
@@ -101,7 +101,7 @@ class ReturnVariables:
 
     def _zero(self, identifier: str, body: list[AST]) -> AST:
         """False, 0 or 0.0, whichever fits everything that the name is bound to."""
-        counters = {n for s in walk(body) if isinstance(s, For) and call_name(s.iter) == "builtins.range"
+        counters = {n for s in walk_statements(body) if isinstance(s, For) and call_name(s.iter) == "builtins.range"
                     for n in stored_names(s.target)}
         bound = [s.value for s in walk(body) if identifier in (getattr(t, "id", "") for t in getattr(s, "targets", []))]
         if bound and all(map(_boolean, bound)):

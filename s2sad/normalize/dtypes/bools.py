@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from s2sad.infer.inference import Typing
 from s2sad.tree import (
-    AST, Add, Assign, BinOp, Compare, For, FunctionDef, Invert, Name, Store, Sub, Subscript, UnaryOp, USub, While,
-    call_name, names, stored_names, walk,
+    AST, Add, Assign, BinOp, Compare, For, FunctionDef, Invert, Name, Store, Sub, Subscript, USub, UnaryOp, While,
+    call_name, names, stored_names, walk, walk_statements,
 )
 
 
@@ -35,11 +35,11 @@ class _PythonBools:
 
     def __init__(self, function: FunctionDef, typing: Typing):
         self.typing, self.parameters = typing, {p.id for p in function.args.args}
-        looped = [s for n in walk(function.body) if isinstance(n, (For, While)) for s in n.body]
+        looped = [s for n in walk_statements(function.body) if isinstance(n, (For, While)) for s in n.body]
         bound = [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
         self.moving = {w for w in set(bound) if bound.count(w) > 1} | set(stored_names(looped))
         self.values: dict[str, list[AST]] = {}
-        for node in walk(function.body):
+        for node in walk_statements(function.body):
             if isinstance(node, Assign) and isinstance(node.targets[0], Name):
                 self.values.setdefault(node.targets[0].id, []).append(node.value)
 

@@ -20,7 +20,7 @@ from s2sad.rules import find, find_array
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Compare, Constant, Expr, FunctionDef, Gt, GtE,
     Invert, LShift, Lt, LtE, Name, Not, RShift, Raise, Slice, Subscript, UnaryOp, call_name, children, indices,
-    times_bound, walk,
+    times_bound, walk_statements,
 )
 
 RANGE, PLACE, BOUND, SIZE = "a bound of range", "an index", "a bound of a slice", "a size"
@@ -42,7 +42,8 @@ class OperandTypes:
         self.typing, self.report = typing, report
         bound = times_bound(function.body)
         self.given = {p.id for p in function.args.args} - {*bound}
-        self.copies = {s.targets[0].id: s.value.id for s in walk(function.body) if isinstance(s, Assign) and isinstance(
+        self.copies = {s.targets[0].id: s.value.id for s in walk_statements(function.body) if isinstance(s, Assign)
+                       and isinstance(
             s.targets[0], Name) and isinstance(s.value, Name) and bound[s.targets[0].id] == 1}
 
     def everywhere(self, block: list[AST]) -> None:

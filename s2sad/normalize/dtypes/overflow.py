@@ -19,9 +19,9 @@ from s2sad.infer.signatures.laws import whole_number
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.dtypes.bools import bools
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, Constant, For, FunctionDef, If, Mod, Mult, Name, Pow, Sub,
-    UnaryOp, USub, While, assign, at, call, call_name, children, copy, mult, name, names, rebuild, stored_names,
-    times_bound, walk,
+    AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, Constant, For, FunctionDef, If, Mod, Mult, Name, Pow, Sub, USub,
+    UnaryOp, While, assign, at, call, call_name, children, copy, mult, name, names, rebuild, stored_names, times_bound,
+    walk_statements,
 )
 
 _LARGE = object()
@@ -37,7 +37,7 @@ def overflow(function: FunctionDef, context: NormalContext) -> FunctionDef:
     new, stored = copy(function), stored_names(function.body)
     given = {p.id for p in function.args.args if p.id not in stored and typing.of(p).is_number}
     made, stores = _Overflow(typing, given), times_bound(function.body)
-    for node in walk(function.body):
+    for node in walk_statements(function.body):
         if isinstance(node, Assign) and isinstance(node.targets[0], Name) and stores[node.targets[0].id] == 1:
             made.bound[node.targets[0].id] = made.known(node.value)
     new.body = made.block(new.body, False)

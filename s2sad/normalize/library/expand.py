@@ -37,8 +37,8 @@ from s2sad.normalize.library.expansions.fft import TRANSFORMS
 from s2sad.rules.composed import WRITING
 from s2sad.rules.rule import resolved
 from s2sad.tree import (
-    AST, Assign, Call, Constant, Expr, For, FunctionDef, If, List, Name, Slice, Store, Subscript, Tuple, UnaryOp,
-    While, assign, at, call_name, copy, indices, name, names, rebuild, statements, stored_names, walk,
+    AST, Assign, Call, Constant, Expr, For, FunctionDef, If, List, Name, Slice, Store, Subscript, Tuple, UnaryOp, While,
+    assign, at, call_name, copy, indices, name, names, rebuild, statements, stored_names, walk, walk_statements,
 )
 
 _PIECES = {**JOINS, **SHAPES, **SUMS, **DIFFERENCES, **PLACES, **EXPONENTIALS, **SELECTIONS, **STATISTICS,
@@ -54,11 +54,11 @@ def expand(function: FunctionDef, context: NormalContext) -> FunctionDef:
 
 def expanded(function: FunctionDef, typing: Typing, free: Names, report: Report) -> FunctionDef:
     """The function with its pieces; the table of `typing` gains their names."""
-    while any(_is_made(s, typing) for s in walk(function.body) if isinstance(s, Assign)):
+    while any(_is_made(s, typing) for s in walk_statements(function.body) if isinstance(s, Assign)):
         new = copy(function)
         new.body = _Expand(typing, free).block(function.body)
         function = named_arrays(new, typing, free)
-    for statement in walk(function.body):
+    for statement in walk_statements(function.body):
         if isinstance(statement, (Assign, Expr)) and any(is_piece(n, typing) for n in walk(statement)):
             report.error("S301", "no derivative rule for this function here", statement,
                          help="bind its result to a name")

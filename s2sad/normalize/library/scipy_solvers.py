@@ -18,7 +18,7 @@ from s2sad.passes import Context
 from s2sad.rules.spellings import TABLE
 from s2sad.tree import (
     AST, Assign, Call, Constant, FunctionDef, List, Name, Store, Subscript, Tuple, at, call, call_name, const, copy,
-    keyword, rebuild, walk,
+    keyword, rebuild, walk, walk_statements,
 )
 
 _FACTORS, _SOLVES = ("lu_factor", "cho_factor"), ("lu_solve", "cho_solve")
@@ -98,7 +98,7 @@ class _Solvers:
         self.report = report
         stores = [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
         self.held: dict[str, _Factorization] = {}
-        bound = [(s.targets[0].id, s.value) for s in walk(function.body)
+        bound = [(s.targets[0].id, s.value) for s in walk_statements(function.body)
                  if isinstance(s, Assign) and isinstance(s.targets[0], Name) and stores.count(s.targets[0].id) == 1]
         while True:
             more = {n: f for n, v in bound if n not in self.held and (f := self.factors(v)) is not None}
@@ -183,7 +183,7 @@ class _Solvers:
             elif called != path and path not in TABLE and not rules.find_array(path):
                 self.report.error("S301", f"no derivative rule for {path}", node,
                                   help=_HELP.get(called, _OTHERS))
-        read = {id(n) for s in walk(block) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
+        read = {id(n) for s in walk_statements(block) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
                 and s.targets[0].id in self.held for n in walk(s.value)}
         read |= {id(n) for c in walk(block) if (call_name(c) or "") in (
             "runtime.solved", "runtime.solved_transposed", "runtime.solve_triangular") for n in walk(c.args[0])}

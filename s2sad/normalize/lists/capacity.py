@@ -21,7 +21,7 @@ from s2sad.evaluate.effects import Memory
 from s2sad.evaluate.scope import KernelScope
 from s2sad.tree import (
     AST, Add, Assign, BinOp, Constant, For, FunctionDef, If, List, Mod, Name, Store, Sub, USub, UnaryOp, While, assign,
-    at, call_name, copy, head_copy, name, walk,
+    at, call_name, copy, head_copy, name, walk, walk_statements,
 )
 
 Appended = Callable[[AST], str | None]          # the name of the list that a statement appends to
@@ -154,7 +154,7 @@ class IndexIntervals:
         low = self.least(identifier)
         if low is not None or depth > _DEEPEST:
             return low, None
-        bound = [s for s in walk(self.function.body) if isinstance(s, Assign) and any(
+        bound = [s for s in walk_statements(self.function.body) if isinstance(s, Assign) and any(
             isinstance(t, Name) and t.id == identifier for t in s.targets)]
         once = len(bound) == self.stores(identifier) == 1 and len(bound[0].targets) == 1
         return self.span(bound[0].value, depth + 1) if once else (None, None)
@@ -166,7 +166,7 @@ class IndexIntervals:
 
     def least(self, identifier: str) -> int | None:
         """The least value of a name that only loops over ranges with written starts bind."""
-        loops = [s for s in walk(self.function.body) if isinstance(s, For) and isinstance(s.target, Name)
+        loops = [s for s in walk_statements(self.function.body) if isinstance(s, For) and isinstance(s.target, Name)
                  and s.target.id == identifier]
         if not loops or len(loops) != self.stores(identifier):
             return None

@@ -28,10 +28,10 @@ from s2sad.evaluate.loops.escaping_lists import has_sizes, escaping_lists
 from s2sad.evaluate.scope import KernelScope
 from s2sad.evaluate.loops.list_iteration import list_iteration
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If,
-    List, ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, USub, add, assign, at,
-    augment, call, call_name, const, copy, head_copy, index, indices, name, names, rebuild, rename, stored_names,
-    sub, substitute, walk,
+    AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If, List,
+    ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, USub, UnaryOp, add, assign, at, augment, call,
+    call_name, const, copy, head_copy, index, indices, name, names, rebuild, rename, stored_names, sub, substitute,
+    walk, walk_statements,
 )
 
 _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
@@ -53,7 +53,8 @@ def growing(function: FunctionDef, scope: KernelScope) -> FunctionDef:
     scope.report.finish()
     scope.begin(new)
     _refuse_named_rows(new, scope)
-    alone = {s.targets[0].id for s in walk(new.body) if isinstance(s, Assign) and isinstance(s.targets[0], Name)}
+    alone = {s.targets[0].id for s in walk_statements(new.body) if isinstance(s, Assign)
+             and isinstance(s.targets[0], Name)}
     return _GrowingLists(new, scope, [n for n in escaping_lists(new) if n in alone],
                          {_appended(n) for n in nodes}).function()
 
@@ -102,13 +103,13 @@ class _GrowingLists:
         self.counts: dict[str, str] = {}
 
     def function(self) -> FunctionDef:
-        empty = {s.targets[0].id: s for s in walk(self.tree.body) if isinstance(s, Assign) and call_name(
+        empty = {s.targets[0].id: s for s in walk_statements(self.tree.body) if isinstance(s, Assign) and call_name(
             s.value) == LISTED}
         grown = dict.fromkeys([*self.picked, *(n for s in walk(self.tree.body) if (n := _appended(s)) is not None)])
         self.made |= empty
         self.counts |= {n: self.scope.fresh(f"{n}_count") for n in empty}
         for found in grown:
-            bound = [s for s in walk(self.tree.body) if isinstance(s, Assign) and any(
+            bound = [s for s in walk_statements(self.tree.body) if isinstance(s, Assign) and any(
                 isinstance(t, Name) and t.id == found for t in s.targets)]
             stores = [n for n in walk(self.tree.body) if isinstance(n, Name) and n.id == found
                       and isinstance(n.ctx, Store)]
@@ -166,7 +167,7 @@ class _GrowingLists:
         alone = len(self.appends(self.tree.body, appended, [])) == 1
         if loop is None or not alone or call_name(loop.iter) != "builtins.range" or len(loop.iter.args) != 1:
             return None
-        jumps = any(isinstance(n, (Break, Continue, Return)) for n in walk(loop.body))
+        jumps = any(isinstance(n, (Break, Continue, Return)) for n in walk_statements(loop.body))
         if jumps or not isinstance(loop.target, Name) or loop.target.id in stored_names(loop.body):
             return None
         first = len(self.made[appended].value.elts)
@@ -230,7 +231,8 @@ class _GrowingLists:
 
     def stop(self, identifier: str) -> AST | None:
         """What the counter of one loop stays below."""
-        loops = [s for s in walk(self.tree.body) if isinstance(s, For) and identifier in stored_names(s.target)]
+        loops = [s for s in walk_statements(self.tree.body) if isinstance(s, For)
+                 and identifier in stored_names(s.target)]
         if self.ranged.least(identifier) is None or len(loops) != 1:
             return None
         return self.widest(loops[0].iter).args[-1]

@@ -42,6 +42,7 @@ from s2sad.normalize.lists.lists_of_views import lists_of_views
 from s2sad.tree import (
     AST, Assign, Call, Constant, For, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, add, assign, at,
     attribute, call, call_name, children, const, copy, index, indices, name, rebuild, times_bound, tuple_of, walk,
+    walk_statements,
 )
 
 _KEEPING = ("numpy.cumsum", "numpy.cumprod", "numpy.sort")     # of the sizes of their argument, if it has as many axes
@@ -64,7 +65,7 @@ def list_allocation(function: FunctionDef, context: NormalContext) -> FunctionDe
 
 def _lists_of(function: FunctionDef) -> frozenset[str]:
     """The names in whose place arrays are allocated."""
-    return frozenset(s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(
+    return frozenset(s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign) and isinstance(
         s.targets[0], Name) and call_name(s.value) == LISTED)
 
 

@@ -17,8 +17,8 @@ from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.normalize.lists.capacity import own_parts
 from s2sad.normalize.views.view_aliases import shows
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, If, IfExp, Name, Store, Subscript,
-    Add, Sub, While, call_name, const, index, indices, name, names, rename, stored_names, walk,
+    AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, If, IfExp, Name, Store, Sub,
+    Subscript, While, call_name, const, index, indices, name, names, rename, stored_names, walk, walk_statements,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -87,7 +87,8 @@ class ListContents:
 
     def around(self, node: AST, of: AST) -> list[AST]:
         """The loops around a statement that are not around another one."""
-        return [n for n in walk(self.function.body) if isinstance(n, (For, While)) and any(m is node for m in walk(n))
+        return [n for n in walk_statements(self.function.body) if isinstance(n, (For, While))
+                and any(m is node for m in walk(n))
                 and not any(m is of for m in walk(n))]
 
     def is_new(self, store: Assign, kept: str = "") -> bool:
@@ -217,7 +218,7 @@ def _since(before: list[AST], identifier: str) -> tuple[bool, list[AST]]:
 
 def _binds(statement: AST, identifier: str) -> bool:
     """Whether a statement binds a name to another array; `w += x` writes the one that it has."""
-    added = {id(n.target) for n in walk(statement) if isinstance(n, AugAssign)}
+    added = {id(n.target) for n in walk_statements(statement) if isinstance(n, AugAssign)}
     return any(isinstance(n, Name) and n.id == identifier and isinstance(n.ctx, Store) and id(n) not in added
                for n in walk(statement))
 

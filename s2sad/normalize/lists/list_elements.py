@@ -23,6 +23,7 @@ from s2sad.normalize.lists.list_contents import HELP, ListContents, Writes, is_s
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Break, Expr, For, FunctionDef, If, IfExp, List, Name, Return, Slice, Subscript,
     Tuple, While, call, call_name, const, copy, indices, name, names, rebuild, rename, stored_names, times_bound, walk,
+    walk_statements,
 )
 
 _ALIKE = "give them names of their own, or make an array of each that is like the others"
@@ -222,7 +223,7 @@ def _start(block: list[AST], place: int, mentions: Counter[str]) -> int | None:
             fresh_value(first.value)):
         return None
     found = Counter(n.id for n in walk(block[start:place]) if isinstance(n, Name))
-    left = any(isinstance(n, (Break, Return)) for n in walk(block[start:place]))
+    left = any(isinstance(n, (Break, Return)) for n in walk_statements(block[start:place]))
     alone = found[old] + 1 == mentions[old] and not found[new] and old not in names(first.value)
     return start if alone and not left else None
 

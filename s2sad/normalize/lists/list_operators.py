@@ -25,7 +25,7 @@ from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
     AST, Add, Assert, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Eq, FunctionDef, Gt, If, IfExp,
     List, Mult, Name, Not, NotEq, Slice, Store, Subscript, Tuple, UnaryOp, While, at, call, call_name, compare, const,
-    copy, indices, name, rebuild, tuple_of, walk,
+    copy, indices, name, rebuild, tuple_of, walk, walk_statements,
 )
 
 Levels = tuple[str, ...]        # what a value is, then what its items are, ...: "list", "tuple" or EITHER; () an array
@@ -59,12 +59,12 @@ class _ListOperators:
         self.changed = False
         self.table: dict[str, Levels] = {p.id: given.get(p.id, ()) for p in function.args.args}
         self.bound = {n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)}
-        self.made = {s.targets[0].id for s in walk(function.body) if isinstance(s, Assign) and isinstance(
+        self.made = {s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign) and isinstance(
             s.targets[0], Name) and call_name(s.value) == LISTED}
         before: dict[str, Levels] | None = None
         while before != self.table:
             before = dict(self.table)
-            for node in walk(function.body):
+            for node in walk_statements(function.body):
                 if isinstance(node, Assign):
                     self.learn(node.targets[0], node.value)
 

@@ -22,7 +22,7 @@ from s2sad.normalize.lists.list_contents import HELP, ListContents, Writes, move
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Break, Compare, Constant, FloorDiv, For, FunctionDef, Mult, Name,
     Slice, Store, Sub, Subscript, add, assign, at, call_name, const, copy, dump, index, indices, names, stored_names,
-    sub, walk, with_body,
+    sub, walk, walk_statements, with_body,
 )
 
 
@@ -67,7 +67,8 @@ class _Views:
         place = next((k for k, s in enumerate(block) if isinstance(s, For) and len(stores) == 1 and any(
             n is stores[0] for n in s.body)), 0)
         loop = block[place]
-        if not isinstance(loop, For) or any(isinstance(n, Break) for n in walk(loop.body)) or listed in names(
+        if not isinstance(loop, For) or any(isinstance(n, Break)
+                                            for n in walk_statements(loop.body)) or listed in names(
                 block[here + 1:place]):
             return None
         value = self.picked(stores[0], loop)
@@ -133,7 +134,7 @@ def in_order(store: Assign, loop: For, function: FunctionDef) -> bool:
 
 def _counts(identifier: str, store: Assign, loop: For, function: FunctionDef) -> bool:
     """Whether a name is 0 before a loop and one more after a store in it, which is there in every turn."""
-    bound = [s for s in walk(function.body) if isinstance(s, (Assign, AugAssign, For)) and any(
+    bound = [s for s in walk_statements(function.body) if isinstance(s, (Assign, AugAssign, For)) and any(
         isinstance(n, Name) and n.id == identifier and isinstance(n.ctx, Store)
         for n in walk(s.target if isinstance(s, (AugAssign, For)) else s.targets[0]))]
     if len(bound) != 2 or not isinstance(bound[0], Assign) or not isinstance(bound[1], AugAssign):
@@ -157,7 +158,7 @@ def least(node: AST, function: FunctionDef, depth: int = 0) -> int | None:
             node.value, Attribute) and node.value.attr == "shape":
         return 0
     if isinstance(node, Name) and depth < 8:
-        bound = [s for s in walk(function.body) if isinstance(s, (Assign, AugAssign, For)) and any(
+        bound = [s for s in walk_statements(function.body) if isinstance(s, (Assign, AugAssign, For)) and any(
             isinstance(n, Name) and n.id == node.id and isinstance(n.ctx, Store)
             for n in walk(s.target if isinstance(s, (AugAssign, For)) else s.targets[0]))]
         if len(bound) != 1 or node.id in {p.id for p in function.args.args}:

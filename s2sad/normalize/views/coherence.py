@@ -31,7 +31,7 @@ from s2sad.normalize.views.view_aliases import (
 )
 from s2sad.tree import (
     AST, Assign, AugAssign, Break, Call, Expr, For, FunctionDef, If, Name, Raise, Return, Store, Subscript, While,
-    assign, at, call, call_name, const, copy, index, name, names, rename, times_bound, walk, with_body,
+    assign, at, call, call_name, const, copy, index, name, names, rename, times_bound, walk, walk_statements, with_body,
 )
 
 _WHOLE = {"numpy.asarray", "numpy.ascontiguousarray"}
@@ -212,7 +212,7 @@ def _bound(statement: AST) -> str:
 
 def _bound_in(block: list[AST], typing: Typing) -> set[str]:
     """The names that statements bind; an array that is added to in place stays what it is."""
-    kept = {id(s.target) for s in walk(block) if isinstance(s, AugAssign) and typing.of(s.target).is_array}
+    kept = {id(s.target) for s in walk_statements(block) if isinstance(s, AugAssign) and typing.of(s.target).is_array}
     return {n.id for n in walk(block) if isinstance(n, Name) and isinstance(n.ctx, Store) and id(n) not in kept}
 
 
@@ -301,4 +301,4 @@ class CoherenceCopies:
         """Whether the body of a loop does less than a copy of an array: it works on single elements."""
         return not any(isinstance(s, (For, While)) or isinstance(s, (Assign, AugAssign)) and (
             self.typing.of(s.targets[0] if isinstance(s, Assign) else s.target).is_array
-            or self.typing.of(s.value).is_array) or isinstance(s, Expr) for s in walk(body))
+            or self.typing.of(s.value).is_array) or isinstance(s, Expr) for s in walk_statements(body))

@@ -23,6 +23,7 @@ from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, IfExp, List, Mult, Name,
     Slice, Sub, Subscript, Tuple, USub, UnaryOp, call_name, copy, dump, indices, names, times_bound, walk,
+    walk_statements,
 )
 
 SHOWN = {f"numpy.{f}" for f in (
@@ -69,7 +70,7 @@ def differing(function: FunctionDef, typing: Typing, writes: Writes) -> Iterator
         return
     parameters = {p.id for p in function.args.args}
     live = Liveness(function, parameters, writes, lambda called: False, strong=False)
-    for statement in walk(function.body):
+    for statement in walk_statements(function.body):
         if not isinstance(statement, (Assign, AugAssign, Expr)):
             continue
         value = statement.value
