@@ -19,12 +19,8 @@ PACKAGE = ROOT / "s2sad"
 # passes whose docstring has no picture yet, in the order of their lists
 LEFT = (
     "flat_returns", "itertools_loops", "chained_assignment", "literal_concatenation", "static_options",
-    "tables", "slice_names", "tuple_names", "single_target", "counted_loops", "canonical_calls", "unsettled",
-    "type_tests", "inline", "undecided", "tuple_arguments", "requested_dtypes",
-    "undotted", "weak_results", "operand_types", "complex_support", "own_derivatives",
-    "declared_types", "overflow", "array_literals", "conditional_values", "batched", "searchsorted",
-    "differentiable", "contiguous_arguments", "contiguity_guards",
-    "callee_units", "scatter", "check_known", "scalarize_final", "conditional_numbers", "complex_division",
+    "tables", "slice_names", "tuple_names", "single_target", "counted_loops", "unsettled", "type_tests",
+    "undecided", "contiguous_arguments", "contiguity_guards", "conditional_numbers", "complex_division",
     "wide_accumulators", "dead_code", "array_anf_added", "initialize_accumulators", "dead_stores",
     "copy_coalescing", "merge_branches", "split_temporaries", "forward_substitution", "algebra",
     "if_conversion", "combine_increments", "copy_elision", "common_subexpressions", "remove_marks",
@@ -32,8 +28,7 @@ LEFT = (
     "loop_fusion", "vectorize", "vector_math", "strength_reduction", "unguarded_division", "extremum_scatter",
 )
 # passes whose docstring does not say yet what it establishes
-UNSAID = ("mgrid", "growing", "scipy_linalg", "scipy_solvers", "tuple_results", "einsum",
-          "typed_rewrites", "list_allocation", "lu",)
+UNSAID = ("growing", "list_allocation")
 # passes that leave facts in the context and the tree as it is
 FACTS = ("reported_types", "inferred_types", "primal_form", "same_primal", "program_structure", "activity",
          "unbounded_values", "to_be_recorded", "commuting_iterations")

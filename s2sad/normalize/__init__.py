@@ -26,7 +26,7 @@ from s2sad.normalize.check_known import check_known
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.control.conditional_values import conditional_values
 from s2sad.normalize.control.single_exit import single_exit
-from s2sad.normalize.dtypes.complex_support import complex_support, own_derivatives
+from s2sad.normalize.dtypes.complex_support import complex_support
 from s2sad.normalize.dtypes.operand_types import operand_types
 from s2sad.normalize.dtypes.overflow import overflow
 from s2sad.normalize.dtypes.requested_dtypes import requested_dtypes
@@ -35,7 +35,7 @@ from s2sad.normalize.expression_depth import expression_depth
 from s2sad.normalize.library.array_literals import array_literals
 from s2sad.normalize.library.canonical_calls import canonical_calls
 from s2sad.normalize.library.differentiable import differentiable
-from s2sad.normalize.library.einsum import batched, einsum, undotted
+from s2sad.normalize.library.einsum import batched_products, einsum, einsum_ellipsis
 from s2sad.normalize.library.expand import expand
 from s2sad.normalize.library.lu import lu
 from s2sad.normalize.library.mgrid import mgrid
@@ -104,7 +104,7 @@ TYPES: Passes = (
         Pass(requested_dtypes),
         Pass(copies_in_tuples),
         Pass(list_operators),
-        Pass(undotted),
+        Pass(einsum_ellipsis),
         Pass(weak_results, when=has_float32),
     ), again=2),
     Pass(reported_types),
@@ -112,7 +112,6 @@ TYPES: Passes = (
     Pass(expression_depth),
     Pass(operand_types),
     Pass(complex_support),
-    Pass(own_derivatives),
     Pass(declared_types),
 )
 ARRAYS: Passes = (
@@ -123,7 +122,7 @@ ARRAYS: Passes = (
             Pass(array_literals),
             Pass(list_allocation),
             Pass(conditional_values),
-            Pass(batched),
+            Pass(batched_products),
             Pass(searchsorted),
             Pass(differentiable),
             Pass(array_anf),

@@ -1,6 +1,10 @@
 """check_known: every operation gives a number or an array; what has another type, or none, would pass as constant.
 
-    m = numpy.max((a, b))               S203: the type of this cannot be inferred
+    def f(x: "float64[:]"):
+        t = (x[0], x[1])
+        return max(t + (x[2],))
+
+refused: the type of this cannot be inferred
 
 Requires normal form and types; changes nothing.
 """
@@ -16,7 +20,7 @@ _WRONG = {Call: ("unknown", "tuple"), BinOp: ("unknown",), UnaryOp: ("unknown", 
 
 
 def check_known(function: FunctionDef, context: NormalContext) -> None:
-    """Reports the operations of which that is not so; calls of kernels may return several values."""
+    """Refuses operations of any other type; calls of kernels may return several values."""
     typing, report = context.typing, context.report
     for statement in walk_statements(function.body):
         if not isinstance(statement, (Assign, AugAssign, Return)) or statement.value is None:

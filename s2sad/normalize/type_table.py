@@ -16,7 +16,16 @@ def reported_types(function: FunctionDef, context: NormalContext) -> None:
 
 
 def declared_types(function: FunctionDef, context: NormalContext) -> None:
-    """Says what contradicts itself among the types, where no check has said more."""
+    """Refuses types that contradict each other, where no check has refused more precisely.
+
+        def f(x: "float64[:]", n: int):
+            a = x[0]
+            if n > 1:
+                a = "no"
+            return a
+
+    refused: 'a' is bound to float64 and to text
+    """
     context.report.found += context.pending.found
     context.typing = context.typed(context.typing.table, context.report, final=True)
 

@@ -16,7 +16,7 @@ from s2sad.normalize import canonical_form
 from s2sad.normalize.calls.alias_specialization import specialised
 from s2sad.normalize.calls.inline import Helpers, returned
 from s2sad.normalize.context import NormalContext
-from s2sad.normalize.dtypes.complex_support import of_its_own
+from s2sad.normalize.dtypes.complex_support import refuse_own_derivative
 from s2sad.normalize.dtypes.float32_promotion import makes_singles
 from s2sad.normalize.dtypes.weak_results import KnownResults
 from s2sad.passes import Pass, Passes, Watch, run, unwatched
@@ -101,7 +101,7 @@ class NormalForms(Calls):
         """The unit of a function that is called as it is, of which is known what the user says."""
         own, tree = kernel.own, kernel.tree
         assert own is not None
-        of_its_own(kernel, types, report := Report(kernel.source))
+        refuse_own_derivative(kernel, types, report := Report(kernel.source))
         report.finish()
         parameters = [p.id for p in tree.args.args]
         given = dict(zip(parameters, types))

@@ -1,14 +1,15 @@
-"""callee_units: every call of a kernel names the unit for its arguments: for their types, and for those that are one
-array.
+"""callee_units: every call of a kernel names the unit for its arguments: for their types, and for aliases among them.
 
     def change(x, y):
         x[0] = x[0] * y[1]
 
-    def f(x, y):        def f(x, y):
-        change(x, x)        change_2(x)
-        change(y, x)        change(y, x)
+is specialized for the call that passes one array twice:
 
-Requires resolved views; establishes that a call names what is called.
+    def f(x: "float64[:]", y: "float64[:]"):    def f(x, y):
+        change(x, x)                                change_2(x)
+        change(y, x)                                change(y, x)
+
+Requires resolved views. Establishes that a call names what is called.
 """
 from __future__ import annotations
 

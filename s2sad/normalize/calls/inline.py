@@ -1,10 +1,12 @@
-"""inline: a function of the user's that returns an array is written out where it is called.
+"""inline: a function of the user's that returns an array is inlined where it is called.
 
     def smooth(u):
         out = np.zeros_like(u)
         for i in range(1, u.size - 1):
             out[i] = 0.5 * (u[i - 1] + u[i + 1])
         return out
+
+is inlined into its caller:
 
     def f(v: "float64[:]"):     def f(v):
         s = smooth(v)               out = np.zeros_like(v)
@@ -13,10 +15,11 @@
                                     s = out
                                     return s[1]
 
-Requires structured form; establishes it for a kernel whose calls return no array. What the function's names share with
-the caller's (an argument that is written, a view that is returned) then follows from the statements. Its names are made
-new where the caller has them; a parameter that it never binds is what it is given. Functions that return numbers only,
-or nothing, stay functions, and so do those that can be given what they fill (`given_results`).
+Requires structured form. Establishes it for a kernel whose calls return no array, so that aliases between the names of
+callee and caller (an argument that is stored into, a view that is returned) follow from the statements. Local names of
+the callee are renamed where the caller has them; a parameter that is never bound is substituted by its argument.
+Functions that return numbers only, or nothing, stay functions, and so do those that can write their results into
+arrays of the caller's (`destination_passing`).
 """
 from __future__ import annotations
 

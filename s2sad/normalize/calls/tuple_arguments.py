@@ -1,12 +1,20 @@
-"""tuple_arguments: no tuple of values that may have derivatives, or of arrays, goes to a kernel or comes back as one
-value.
+"""tuple_arguments: no tuple of values that may have derivatives is the argument or the result of a kernel.
 
-    t = (x[0], x[1])        refused: behind this pass a tuple is one name without a derivative
-    y = user.h(t)
+    def h(t):
+        return t[0] * t[1]
 
-Requires structured form without calls that return arrays, and types as far as they are known; changes nothing. `fields`
-takes tuples apart where their parts can be told; a tuple of constants of the module, and one that a kernel was given
-and hands on, which is one of those, stay.
+    def f(x: "float64[:, :]", n: int):
+        us = [(x[0, 0], x[0, 1]), (x[1, 0], x[1, 1])]
+        s = 0.0
+        for i in range(n):
+            s += h(us[i])
+        return s
+
+refused: a tuple or a list whose parts are not known is given to 'h'
+
+Requires structured form without calls that return arrays, and types as far as they are known; changes nothing.
+Partial evaluation takes tuples apart where their items are known; constants of the module, and a parameter that is
+passed on, stay.
 """
 from __future__ import annotations
 

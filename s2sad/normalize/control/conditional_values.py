@@ -1,16 +1,21 @@
 """conditional_values: `np.where` of numbers becomes a branch, and so does `or` or `and` that gives a float.
 
-    y[i] = 2.0 * np.where(c, a, b)      if c:
-                                            choice = a
-                                        else:
-                                            choice = b
-                                        y[i] = 2.0 * choice
-    y[i] = x[i] or 1.0                  if x[i] != 0.0:
-                                            y[i] = x[i]
-                                        else:
-                                            y[i] = 1.0
+    def f(x: "float64[:]", y: "float64[:]"):                def f(x, y):
+        for i in range(x.size):                                 for i in range(x.size):
+            y[i] = 2.0 * np.where(x[i] > 0.0, x[i], 0.1)            if x[i] > 0.0:
+                                                                        choice = x[i]
+                                                                    else:
+                                                                        choice = 0.1
+                                                                    y[i] = 2.0 * choice
 
-Requires structured form and types; establishes that the `numpy.where` left are of arrays, or in the test of a while
+and
+
+    y[i] = x[i] or 1.0      if x[i] != 0.0:
+                                y[i] = x[i]
+                            else:
+                                y[i] = 1.0
+
+Requires structured form and types. Establishes that the `numpy.where` left are of arrays, or in the test of a while
 loop. NumPy computes both sides and takes one of them, so only the one that is taken is computed here.
 """
 from __future__ import annotations

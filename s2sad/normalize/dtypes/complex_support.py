@@ -1,10 +1,13 @@
-"""complex_support: what is done with complex numbers has a derivative that is known to hold for them; else it is
-refused.
+"""complex_support: operations on complex numbers have a derivative that is known to hold for them.
 
-Requires structured form and types; establishes that a complex operand stands only in operations whose rule holds for
-it, and that no complex value is stored where its imaginary part would be lost.
+    def f(z: "complex128[:]"):
+        return np.max(z).real
 
-    np.max(z)     z > w     math.exp(z)     x[:] = z (x of floats)      each refused, with its place
+refused: no derivative rule for numpy.max of complex values
+
+Requires structured form and types; changes nothing. Establishes that a complex operand stands only in operations whose
+rule holds for it, and that no complex value is stored where its imaginary part would be lost: `z > w`, `math.exp(z)`,
+`x[:] = z` for an `x` of floats are refused, too, and complex arguments of a function whose derivative is the user's.
 """
 from __future__ import annotations
 
@@ -44,14 +47,10 @@ def complex_support(function: FunctionDef, context: NormalContext) -> None:
     if any(t.is_complex for t in typing.table.values()) or _mentions(function):
         for statement in function.body:
             _visit(statement, typing, report)
+    refuse_own_derivative(context.kernel, tuple(context.given.values()), report)
 
 
-def own_derivatives(function: FunctionDef, context: NormalContext) -> None:
-    """Refuses complex arguments of a function whose derivative is the user's own."""
-    of_its_own(context.kernel, tuple(context.given.values()), context.report)
-
-
-def of_its_own(kernel: Kernel, types: tuple[Type, ...], report: Report) -> None:
+def refuse_own_derivative(kernel: Kernel, types: tuple[Type, ...], report: Report) -> None:
     """Refuses complex arguments of a function whose derivative is the user's own."""
     if kernel.own is not None and any(t.is_complex for t in types):
         report.error("S301", f"'{kernel.own.title}' has a derivative of its own, which is not for complex values",

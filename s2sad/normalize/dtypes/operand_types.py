@@ -1,10 +1,18 @@
-"""operand_types: where Python takes nothing but an integer, there is one, and where it computes, a number or an array.
+"""operand_types: an integer where Python takes nothing else, a number or an array where something is computed.
 
-    for i in range(n / 2)       x[k]        x[:k]       np.zeros(n)         1 << n          with n or k a float
-    k * x       -k      k > 0       x[0] = k        np.sin(k)                               with k None or a str
+    def f(x: "float64[:]", n: int):
+        s = 0.0
+        for i in range(n / 2):
+            s += x[i]
+        return s
 
-Python and NumPy raise TypeError or IndexError there, whatever the value is; Numba rounds bounds of loops and slices.
-Requires structured form and types.
+refused: a float, where a bound of range is an integer
+
+    x[k]        x[:k]       np.zeros(n)         1 << n              with n or k a float
+    k * x       -k      k > 0       x[0] = k        np.sin(k)       with k None or a str
+
+Requires structured form and types; changes nothing. Python and NumPy raise TypeError or IndexError there, whatever the
+value is; Numba rounds bounds of loops and slices.
 """
 from __future__ import annotations
 

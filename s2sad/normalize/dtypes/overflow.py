@@ -1,13 +1,21 @@
-"""overflow: what Python's integers do and those of 64 bits do not is asked of the runtime, for Numba.
+"""overflow: where Python's integers grow and those of 64 bits overflow, the runtime checks; for Numba.
+
+    def f(x: "float64[:]", level: int):     def f(x, level):
+        h = 2 ** -level                         h = float(2) ** -level
+        n = 1                                   n = 1
+        for i in range(level):                  for i in range(level):
+            n *= 2                                  n = whole_product(n, 2)
+        return h * x[n]                         return h * x[n]
+
+and
 
     scale = 2 ** level          scale = whole_power(2, level)       raises where the power is no integer of 64 bits
-    h = 2 ** -level             h = float(2) ** -level
-    fact *= n                   fact = whole_product(fact, n)       in a loop: raises where it does not fit
     mask + other                mask | other                        of arrays of bools, as NumPy has it
     np.fmod(i, n)               np.sign(i) * (np.abs(i) % np.abs(n))    Numba computes Python's %
 
-Requires structured form and types. Sums of two single bools, and arithmetic of integers of few bits, which wraps around
-in NumPy, are refused. For NumPy nothing changes, and sums of bools that may be Python's are refused (`bools`).
+Requires structured form and types. Establishes that integers of the compiled kernel are those of Python, or that it
+raises. Sums of two single bools, and arithmetic of integers of less than 64 bits, which wraps around in NumPy, are
+refused. For NumPy nothing changes, and sums of bools that may be Python's are refused (`bools`).
 """
 from __future__ import annotations
 

@@ -1,10 +1,15 @@
-"""requested_dtypes: a dtype that is asked of an array is written out, where the function needs to know it.
+"""requested_dtypes: the dtype of an array that a function is to convert to becomes a constant.
 
-    m.astype(x.dtype)                       m.astype(np.float64)                    x: float64[:]
-    np.linspace(a, b, 4, dtype=x.dtype)     np.astype(np.linspace(a, b, 4), dtype=np.float64)
+    def f(x: "float64[:]", m: "int64[:]"):      def f(x, m):
+        return np.sum(x * m.astype(x.dtype))        return np.sum(x * np.astype(m, dtype=np.float64))
 
-Requires structured form; takes what types are known. NumPy rounds what `linspace` gives as integers down, and `astype`
-to zero: these stay.
+Likewise
+
+    np.linspace(a, b, 4, dtype=x.dtype)         np.astype(np.linspace(a, b, 4), dtype=np.float64)
+
+Requires structured form, and types as far as they are known. Establishes that functions whose type depends on an
+option `dtype` have a constant there. `np.linspace` with an integer dtype rounds down, where `astype` rounds to zero:
+it stays.
 """
 from __future__ import annotations
 

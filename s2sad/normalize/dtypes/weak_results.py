@@ -1,10 +1,13 @@
-"""weak_results: which numbers that functions of the user's return have a dtype for NumPy (infer/weak_types.py), and
-which of their float32 arrays would be float64 for the numbers that they are given.
+"""weak_results: which results of kernels are weak, numbers without a dtype of their own (infer/weak_types.py); others
+promote float32 arrays (`float32_promotion`).
 
-    y = scaled(x, p[0])         def scaled(x, s):
-                                    return np.sum((x * s) ** 2)         x: float32, p: float64: refused
+    def f(a: "float32[:]", p: "float64[:]"):    def f(a, p):
+        s = a + p[0]                                s = np.float64(a) + p[0]
+        return np.sum(s)                            return np.sum(s)
 
-A function is made for types, in which a number of NumPy's and Python's own are one.
+Requires structured form and types. Establishes that the float32 arrays of the kernel have the types that NumPy's
+promotion gives them. A callee is made for types, in which a number of NumPy's and one of Python's are the same: a call
+whose float32 arrays would be float64 for the numbers that are passed is refused.
 """
 from __future__ import annotations
 

@@ -1,11 +1,16 @@
 """array_literals: an array that is spelled with arrays in it is a stack of these.
 
-    F = np.array([rho * v, p])              F = np.stack([rho * v, p], axis=0)
-    A = np.array([[u, v], [v, w]])          A = np.stack([np.stack([u, v], axis=0), np.stack([v, w], axis=0)], axis=0)
-    q[:2] = [u, 2.0 * u]                    q[:2] = np.stack([u, 2.0 * u], axis=0)
-    n = np.array(u.shape)                   n = np.array([u.shape[0], u.shape[1]])
+    def f(rho: "float64[:]", v: "float64[:]", p: "float64[:]"):     def f(rho, v, p):
+        F = np.array([rho * v, p])                                      F = np.stack([rho * v, p], axis=0)
+        return np.sum(F * F)                                            return np.sum(F * F)
 
-Requires structured form and types.
+Likewise
+
+    A = np.array([[u, v], [v, w]])      A = np.stack([np.stack([u, v], axis=0), np.stack([v, w], axis=0)], axis=0)
+    q[:2] = [u, 2.0 * u]                q[:2] = np.stack([u, 2.0 * u], axis=0)
+    n = np.array(u.shape)               n = np.array([u.shape[0], u.shape[1]])
+
+Requires structured form and types. Establishes that array literals have numbers as items.
 """
 from __future__ import annotations
 

@@ -2,6 +2,10 @@
 
     def f(x: "float64[:]", y: "float64[:]"):    def f(x, y):
         return x.sum() + x.dot(y)                   return np.sum(x) + np.dot(x, y)
+
+Requires structured form. Establishes that functions of arrays have the spelling under which `rules` knows them, where
+they have one: a function and no method or operator, operands by position, options by name. Operands are evaluated in
+the order of the text.
 """
 from __future__ import annotations
 

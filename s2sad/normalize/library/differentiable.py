@@ -1,10 +1,13 @@
-"""differentiable: whatever computes with numbers or arrays has a derivative rule, or a derivative that is zero; else
-it is refused.
+"""differentiable: whatever computes with numbers or arrays has a derivative rule, or a derivative that is zero.
 
-Requires structured form and types; establishes that an operation without a rule is none that a value of a float can
-pass through: what the analyses find no rule for is truly inactive.
+    def f(u: "float64[:]"):
+        v = np.partition(u, 2)
+        return v[0]
 
-    np.union1d(u, v)[0]     np.partition(u, 2)     np.linalg.matrix_rank(a)        each refused, with its place
+refused: no derivative rule for numpy.partition
+
+Requires structured form and types; changes nothing. Establishes that no float passes through an operation without a
+rule: what the analyses find no rule for is inactive.
 """
 from __future__ import annotations
 

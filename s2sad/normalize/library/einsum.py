@@ -3,8 +3,9 @@
     def f(a: "float64[:, :]", x: "float64[:]"):         def f(a, x):
         return np.sum(np.einsum("ij,j->i", a, x))           return np.sum(np.einsum.matmul(a, x))
 
-`contracted` requires structured form, `batched` and `undotted` types too. A letter twice in one operand, but for the
-diagonal of a matrix, is left, to be refused.
+`einsum` requires structured form, `einsum_ellipsis` and `batched_products` types too; they establish that products have
+operands of one or two axes, or are sums of elementwise products. A letter twice in one operand, but for the diagonal of
+a matrix, is left, to be refused.
 """
 from __future__ import annotations
 
@@ -46,9 +47,18 @@ def einsum(function: FunctionDef, context: Context) -> FunctionDef:
     return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
-def undotted(function: FunctionDef, context: NormalContext) -> FunctionDef:
+def einsum_ellipsis(function: FunctionDef, context: NormalContext) -> FunctionDef:
     """The function with each `np.einsum` over operands of known ranks whose subscripts leave axes open, `...`; itself
-    if there is none."""
+    if there is none.
+
+        def f(a: "float64[:, :, :]", x: "float64[:]", y: "float64[:, :]"):
+            y[...] = np.einsum("...ij,j->...i", a, x)
+
+    becomes
+
+        def f(a, x, y):
+            y[...] = np.sum(a * x[None, None, :], axis=2)
+    """
     typing = context.typing
     found: list[AST] = []
 
@@ -90,8 +100,17 @@ def _spelled_out(subscripts: str, ranks: list[int]) -> str | None:
     return ",".join(spelled) + "->" + output.replace(".", letters)
 
 
-def batched(function: FunctionDef, context: NormalContext) -> FunctionDef:
-    """The function with each product of stacks of matrices, and each over named axes, as products and sums."""
+def batched_products(function: FunctionDef, context: NormalContext) -> FunctionDef:
+    """The function with each product of stacks of matrices, and each over named axes, as products and sums.
+
+        def f(w: "float64[:]", a: "float64[:, :, :]", y: "float64[:, :]"):
+            y[...] = np.dot(a, w)
+
+    becomes
+
+        def f(w, a, y):
+            y[...] = np.sum(a * w[None, None, :], axis=2)
+    """
     typing = context.typing
     context.guarded |= any(call_name(n) == REPEATING for n in walk(function.body))
     def change(node: AST) -> AST | None:

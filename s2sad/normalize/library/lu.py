@@ -1,7 +1,4 @@
-"""lu: a matrix that is solved with is factored by itself, so that a derivative factors it once.
-
-Requires resolved views; for the engine that compiles loops. The factors are an array like any other: what a
-derivative reads of them later is recorded, in place of the matrix.
+"""lu: a matrix that is solved with is factorized by a statement of its own, so that a derivative factorizes it once.
 
     def f(a: "float64[:, :]", b):       def f(a, b):
         x = np.linalg.solve(a, b[:])        x = np.empty_like(b)
@@ -9,6 +6,9 @@ derivative reads of them later is recorded, in place of the matrix.
                                             factors[...] = factored(a)
                                             x[...] = solved(factors, b)
                                             return np.sum(x)
+
+Requires resolved views; for the engine that compiles loops. Establishes that a solution reads factors, which are an
+array like any other: what a derivative reads of them later is recorded, in place of the matrix.
 """
 from __future__ import annotations
 

@@ -9,8 +9,9 @@ becomes
         i, j = np.meshgrid(np.arange(0, n, 1), np.arange(0, n, 1), indexing="ij")
         return np.sum(x[:n] * i * j)
 
-Requires resolved names. A step that is an imaginary number is how many there are. All axes have one type: they are
-floats if one bound is; where bounds have names, that of another axis counts as 0 times it.
+Requires resolved names. Establishes that no grid is made by slices. A step that is an imaginary number is the number of
+points. All axes have one type: they are floats if one bound is; where bounds are names, 0 times those of the other axes
+is added.
 """
 from __future__ import annotations
 
@@ -24,7 +25,7 @@ _OPEN, _FULL = "numpy.ogrid", "numpy.mgrid"
 
 
 def mgrid(function: FunctionDef, scope: KernelScope) -> FunctionDef:
-    """The function without them; what cannot be told goes into the report."""
+    """The function without such grids; other ones are refused."""
     def change(node: AST) -> AST | None:
         if not isinstance(node, Subscript) or not isinstance(node.value, Name) or node.value.id not in (_OPEN, _FULL):
             return None

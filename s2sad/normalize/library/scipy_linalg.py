@@ -3,8 +3,9 @@
     def f(a: "float64[:, :]", b: "float64[:]"):     def f(a, b):
         return np.sum(scipy.linalg.solve(a, b))         return np.sum(np.linalg.solve(a, b))
 
-Requires structured form. A symmetric matrix is known by the triangle that SciPy reads. What it does not know is left,
-to be refused: other drivers of `eigh`, and the upper triangle, give vectors of other signs than NumPy's.
+Requires structured form. Establishes that a function of `scipy.linalg` that NumPy has is NumPy's. A symmetric matrix is
+its triangle that SciPy reads. Options that are unknown here are left, to be refused: other drivers of `eigh`, and
+the upper triangle, give vectors of other signs than NumPy's.
 """
 from __future__ import annotations
 

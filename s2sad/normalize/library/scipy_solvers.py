@@ -1,11 +1,12 @@
-"""scipy_solvers: what `scipy.linalg` solves with, in the functions that have rules here.
+"""scipy_solvers: the factorizations and solvers of `scipy.linalg`, in the functions that have rules here.
 
     def f(a: "float64[:, :]", b: "float64[:]"):             def f(a, b):
         factors = scipy.linalg.lu_factor(a)                     factors = factored(a)
         return np.sum(scipy.linalg.lu_solve(factors, b))        return np.sum(solved(factors, b))
 
-Requires structured form, and calls as `as_numpy` leaves them; what is left of `scipy.linalg` then is refused here, or
-has a rule. A factorization is for the solvers alone: elsewhere SciPy's holds entries that mean nothing.
+Requires structured form, and calls as `scipy_linalg` leaves them. Establishes that what is left of `scipy.linalg` has a
+rule; anything else is refused here. A factorization is for the solvers alone: elsewhere SciPy's holds entries that mean
+nothing.
 """
 from __future__ import annotations
 

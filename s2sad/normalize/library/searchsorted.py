@@ -1,9 +1,14 @@
-"""searchsorted: places that are sought for each element of an array are functions of their own.
+"""searchsorted: searches that give an array of integers are functions of their own.
 
-    np.searchsorted(t, v)       np.searchsorted.each(t, v)      where v is an array
-    np.argsort(a, axis=0)       np.argsort.along(a, axis=0)     for the engine that compiles loops
+    def f(t: "float64[:]", v: "float64[:]", y: "float64[:]"):   def f(t, v, y):
+        y[:] = t[np.searchsorted(t, v)]                             y[:] = t[np.searchsorted.each(t, v)]
 
-Requires structured form and types. `pieces` writes them out.
+and, where loops are compiled,
+
+    np.argsort(a, axis=0)       np.argsort.along(a, axis=0)
+
+Requires structured form and types. Establishes that `np.searchsorted` has a number to search for; `expand` writes the
+others out.
 """
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""tuple_results: of a function of matrices that gives a tuple, each part that is taken is a function of its own.
-
-Requires structured form. A part that has no rule is left as it is, to be refused.
+"""tuple_results: of a function of matrices that returns a tuple, each item that is used is a function of its own.
 
     def f(a: "float64[:, :]"):          def f(a):
         q, r = np.linalg.qr(a)              Q = orthogonal_part(a)
@@ -9,7 +7,8 @@ Requires structured form. A part that has no rule is left as it is, to be refuse
                                             r = R
                                             return np.sum(q) + r[0, 0]
 
-`part` is no option of NumPy's: it is what the pieces of these functions ask for.
+Requires structured form. Establishes that functions with a rule return one value; an item without a rule is left, to be
+refused. The option `part`, which NumPy does not have, is the number of an item, for the expansions of these functions.
 """
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""typed_rewrites: what a spelling leaves open is decided by types.
+"""typed_rewrites: rewrites that depend on inferred types.
 
     def f(z: "complex128[:]", x):
         return x[0] * np.sum(z * z.conj()).real + x.item(1)
@@ -7,7 +7,8 @@ becomes
     def f(z, x):
         return x[0] * np.real(np.sum(z * np.conj(z))) + x[1]
 
-Requires structured form and types; changes no type.
+Requires structured form and types; changes no type. Establishes the spelling that has a rule, where that depends on the
+type of an operand: the conjugate of an array of floats is the array itself, `item` is an element.
 """
 from __future__ import annotations
 

@@ -79,12 +79,38 @@ def scalarize(function: FunctionDef, context: Context) -> FunctionDef:
 
 
 def scalarize_final(function: FunctionDef, context: Context) -> FunctionDef:
-    """The function without whole-array statements, as it is run."""
+    """The function without whole-array statements, as it is run.
+
+        def f(a: "float64[:, :]"):
+            return np.linalg.det(a)
+
+    Of its adjoint
+
+        def f_adjoint(a, a_bar, result_bar):
+            ...
+            a_bar[...] += det_value_bar * cofactors_value
+
+    becomes
+
+        def f_adjoint(a, a_bar, result_bar):
+            ...
+            for i in range(a_bar.shape[0]):
+                for j in range(a_bar.shape[1]):
+                    a_bar[i, j] += det_value_bar * cofactors_value[i, j]
+    """
     return _scalarized(function, context, True)
 
 
 def scatter(function: FunctionDef, context: Context) -> FunctionDef:
-    """The function with loops for the stores through arrays of integers alone: the last store to a cell counts."""
+    """The function with loops for the stores through arrays of integers alone.
+
+        def f(x: "float64[:]", k: "int64[:]", y: "float64[:]"):     def f(x, k, y):
+            y[k] = x                                                    assert k.shape[0] == x.shape[0]
+                                                                        for i in range(x.shape[0]):
+                                                                            y[k[i]] = x[i]
+
+    Where two stores are to the same element, the last one counts.
+    """
     return _scalarized(function, context, False, only=True)
 
 
