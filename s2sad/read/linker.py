@@ -9,7 +9,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, Report, S2sadError, Source, Span, warn_once
 from s2sad.program import Kernel, Program
-from s2sad.read import supported_subset, list_aliases
+from s2sad.read import supported_subset
 from s2sad.read.hoist_definitions import hoist_definitions
 from s2sad.read.higher_order import by_default, definition, higher_order
 from s2sad.read.ignored import ignored
@@ -22,7 +22,7 @@ from s2sad.read.function_tables import function_tables
 from s2sad.read.desugar import desugar
 from s2sad.read.resolve import Resolved, resolve
 from s2sad.read.shape_assignment import shape_assignment
-from s2sad.read.list_returns import list_returns
+from s2sad.read.named_lists import list_aliases, list_returns
 from s2sad.read.single_tuples import single_tuples
 from s2sad.live_objects.registry import GIVEN, RegisteredDerivative
 
@@ -103,7 +103,7 @@ class Linker:
             resolved = unread(captured, own)
         else:
             supported_subset.check(captured.tree, report)
-            list_aliases.check(captured.tree, report)
+            list_aliases(captured.tree, report)
             if supported_subset.opaque(captured.tree) and not isinstance(captured.tree, tree.FunctionDef):
                 return
             resolved = resolve(captured, report, self.identify)

@@ -15,13 +15,15 @@ fills it calls is called once, before it. `Capacity` multiplies the trip counts 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import reduce
 
 from s2sad.evaluate.argument_binding import user_call
-from s2sad.evaluate.effects import Memory
+from s2sad.evaluate.effects import Memory, parameters
 from s2sad.evaluate.scope import KernelScope
 from s2sad.tree import (
-    AST, Add, Assign, BinOp, Constant, For, FunctionDef, If, List, Mod, Name, Store, Sub, USub, UnaryOp, While, assign,
-    at, call_name, copy, head_copy, name, walk, walk_statements,
+    AST, Add, Assign, Attribute, BinOp, Constant, For, FunctionDef, If, List, Mod, Mult, Name, Store, Sub, Subscript,
+    USub, UnaryOp, While, add, assign, at, call, call_name, const, copy, head_copy, name, names, stored_names,
+    substitute, walk, walk_statements,
 )
 
 Appended = Callable[[AST], str | None]          # the name of the list that a statement appends to
@@ -75,6 +77,75 @@ def _called_before(loop: For, scope: KernelScope) -> list[AST]:
     return before
 
 
+class Capacity:
+    """How long the lists of one function can become."""
+
+    def __init__(self, function: FunctionDef, scope: KernelScope, appended: Appended):
+        self.function, self.scope, self.appended = function, scope, appended
+        self.intervals = IndexIntervals(function)
+        self.order = {id(n): k for k, n in enumerate(walk(function.body))}
+
+    def of(self, listed: str, made: Assign) -> AST | None:
+        """How long a list can become, as an expression where it is made; None if that is not known there."""
+        size: AST = const(len(made.value.elts))
+        for loops in self.appends(self.function.body, listed):
+            inner = [node for node in loops if not any(n is made for n in walk(node))]
+            inner = [node for node in inner if not isinstance(node, If)]
+            trips = [self.trip_count(inner[:k + 1], made) for k in range(len(inner))]
+            if None in trips or not only_after(made, self.function.body, self.appended):
+                return None
+            term = reduce(lambda a, b: BinOp(a, Mult(), b), trips) if trips else const(1)
+            size = term if isinstance(size, Constant) and size.value == 0 else add(size, term)
+        return size
+
+    def appends(self, block: list[AST], listed: str, outer: tuple[AST, ...] = ()) -> list[list[AST]]:
+        """For each append to a list the loops and branches that it is in."""
+        found = [[*outer] for s in block if self.appended(s) == listed]
+        for s in block:
+            for field in ("body", "orelse"):
+                if hasattr(s, field):
+                    found += self.appends(getattr(s, field), listed, (*outer, s))
+        return found
+
+    def trip_count(self, loops: list[AST], made: Assign) -> AST | None:
+        """How often the last of the loops runs at most, if that is known at a statement before them."""
+        loop = loops[-1]
+        found = _length(self.widest(loop.iter)) if isinstance(loop, For) else None
+        if found is None or changed(found, made, loops, self.function.body, self.scope.memory):
+            return None
+        return found if self.is_bound_before(found, made) else None
+
+    def widest(self, iterable: AST) -> AST:
+        """A range that goes from or to a counter of another loop, as wide as it becomes."""
+        args = [copy(a) for a in getattr(iterable, "args", [])]
+        if call_name(iterable) != "builtins.range" or len(args) > 2:
+            return iterable
+        if len(args) == 2 and self.intervals.from_start(args[0]) and not isinstance(args[0], Constant):
+            args[0] = const(0)
+        stops = {n: s for n in names(args[-1]) if (s := self.stop(n)) is not None}
+        plain = isinstance(args[-1], Name) or isinstance(args[-1], BinOp) and isinstance(
+            args[-1].op, (Add, Sub)) and isinstance(args[-1].right, Constant)
+        return call("builtins.range", *args[:-1], substitute(args[-1], stops) if plain else args[-1])
+
+    def stop(self, identifier: str) -> AST | None:
+        """What the counter of one loop stays below."""
+        loops = [s for s in walk_statements(self.function.body) if isinstance(s, For)
+                 and identifier in stored_names(s.target)]
+        if self.intervals.least(identifier) is None or len(loops) != 1:
+            return None
+        return self.widest(loops[0].iter).args[-1]
+
+    def is_bound_before(self, found: AST, made: Assign) -> bool:
+        """Whether what an expression reads is bound before a statement, once."""
+        for n in names(found):
+            stores = [m for m in walk(self.function.body) if isinstance(m, Name) and m.id == n
+                      and isinstance(m.ctx, Store)]
+            if len(stores) > (n not in parameters(self.function)) or any(
+                    self.order[id(m)] > self.order[id(made)] for m in stores):
+                return False
+        return True
+
+
 def only_after(made: Assign, block: list[AST], appended: Appended) -> bool:
     """Whether all that appends to a list follows in the block in which it is made, so that it is made before."""
     home = next(b for b in _blocks(block) if any(s is made for s in b))
@@ -90,6 +161,22 @@ def changed(found: AST, made: Assign, loops: list[AST], body: list[AST], memory:
     again = {id(n) for n in walk(loops[0].body)} if len(loops) > 1 else set()
     parts = [own_part(s) for s in _statements(body) if first < order[id(s)] < last or id(s) in again or last < first]
     return bool(memory.written([found])) or memory.affected(found, memory.written([*parts, *made.value.elts]))
+
+
+def _length(iterable: AST) -> AST | None:
+    """How long a sequence is, as an expression."""
+    called, args = call_name(iterable), getattr(iterable, "args", [])
+    if called == "builtins.range":
+        plain = len(args) == 1 and isinstance(args[0], (Constant, Subscript, Attribute))
+        return copy(args[0]) if plain else call("builtins.len", copy(iterable))
+    if called in ("builtins.enumerate", "builtins.reversed") and args:
+        return _length(args[0])
+    if called == "builtins.zip" and args:
+        found = [_length(a) for a in args]
+        return None if None in found else found[0] if len(found) == 1 else call("builtins.min", *found)
+    if isinstance(iterable, (Name, Subscript)):
+        return call("builtins.len", copy(iterable))
+    return None
 
 
 def _blocks(block: list[AST]) -> list[list[AST]]:

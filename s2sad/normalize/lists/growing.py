@@ -14,24 +14,19 @@ allocates it. How often a list can grow must be known where it is made: else it 
 """
 from __future__ import annotations
 
-from functools import reduce
-
 from s2sad.infer.call_types import LISTED, MARKS, live
 from s2sad.evaluate.loops.comprehensions import HELP, comprehensions, marked
 from s2sad.evaluate.loops.negative_indices import negative_indices, place as place_of
-from s2sad.evaluate.loops.list_repetition import list_repetition
 from s2sad.evaluate.expressions.hoist import impure
-from s2sad.normalize.lists.capacity import IndexIntervals, changed, made_late, only_after
-from s2sad.evaluate.effects import parameters
-from s2sad.evaluate.loops.row_aliases import COPIED, row_aliases
-from s2sad.evaluate.loops.escaping_lists import has_sizes, escaping_lists
+from s2sad.normalize.lists.capacity import Capacity, IndexIntervals, made_late
+from s2sad.normalize.lists.list_contents import COPIED, row_aliases
+from s2sad.evaluate.loops.escaping_lists import escaping_lists, has_sizes, list_repetition
 from s2sad.evaluate.scope import KernelScope
 from s2sad.evaluate.loops.list_iteration import list_iteration
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BinOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, If, List,
-    ListComp, Mult, Name, Return, Slice, Store, Sub, Subscript, Tuple, USub, UnaryOp, add, assign, at, augment, call,
-    call_name, const, copy, head_copy, index, indices, name, names, rebuild, rename, stored_names, sub, substitute,
-    walk, walk_statements,
+    AST, Add, Assign, Attribute, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, List, ListComp,
+    Name, Return, Slice, Store, Subscript, Tuple, USub, UnaryOp, add, assign, at, augment, call, call_name, const,
+    copy, head_copy, index, indices, name, rebuild, rename, stored_names, sub, walk, walk_statements,
 )
 
 _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
@@ -95,9 +90,9 @@ def _appended(node: AST) -> str | None:
 
 class _GrowingLists:
     def __init__(self, tree: FunctionDef, scope: KernelScope, picked: list[str], appended: set[str | None]):
-        self.tree, self.scope, self.picked, self.ranged = tree, scope, picked, IndexIntervals(tree)
+        self.tree, self.scope, self.picked = tree, scope, picked
+        self.intervals, self.capacity = IndexIntervals(tree), Capacity(tree, scope, _appended)
         self.appended = appended        # names that the text appends to, not a comprehension
-        self.order = {id(n): k for k, n in enumerate(walk(tree.body))}
         self.plain = _as_arrays(tree)
         self.made: dict[str, Assign] = {}
         self.counts: dict[str, str] = {}
@@ -164,7 +159,7 @@ class _GrowingLists:
         """The place of an append by its loop's counter, where each iteration appends once and nothing else does."""
         inner = [node for node in loops if not any(n is self.made[appended] for n in walk(node))]
         loop = inner[0] if len(inner) == 1 and isinstance(inner[0], For) else None
-        alone = len(self.appends(self.tree.body, appended, [])) == 1
+        alone = len(self.capacity.appends(self.tree.body, appended)) == 1
         if loop is None or not alone or call_name(loop.iter) != "builtins.range" or len(loop.iter.args) != 1:
             return None
         jumps = any(isinstance(n, (Break, Continue, Return)) for n in walk_statements(loop.body))
@@ -182,69 +177,16 @@ class _GrowingLists:
         first: list[AST] = []
         if bound in self.picked and not has_sizes(items[0]) and call_name(items[0]) not in MARKS:
             items[0] = self.scope.held(items[0], f"{bound}_first", first)      # whose sizes `rows` takes
-        made: list[AST] = [*first, assign(bound, call(LISTED, self.most(bound, statement)))]
+        made: list[AST] = [*first, assign(bound, call(LISTED, self.size(bound, statement)))]
         made += [assign(index(name(bound), const(k)), self.read(item)) for k, item in enumerate(items)]
         return [*made, assign(self.counts[bound], const(len(items)))]
 
-    def most(self, bound: str, statement: Assign) -> AST:
-        """How long the list can become, as an expression where it is made."""
-        size: AST = const(len(statement.value.elts))
-        for loops in self.appends(self.tree.body, bound, []):
-            inner = [node for node in loops if not any(n is statement for n in walk(node))]
-            inner = [node for node in inner if not isinstance(node, If)]
-            lengths = [self.length(inner[:k + 1], statement) for k in range(len(inner))]
-            if None in lengths or not only_after(statement, self.tree.body, _appended):
-                self.scope.refuse(statement, f"how long {bound!r} becomes is not known where it is made", help=HELP)
-                return const(0)
-            term = reduce(lambda a, b: BinOp(a, Mult(), b), lengths) if lengths else const(1)
-            size = term if isinstance(size, Constant) and size.value == 0 else add(size, term)
-        return size
-
-    def appends(self, block: list[AST], bound: str, around: list[AST]) -> list[list[AST]]:
-        """What is around each append to a list."""
-        found = [around for s in block if _appended(s) == bound]
-        for s in block:
-            for field in ("body", "orelse"):
-                if hasattr(s, field):
-                    found += self.appends(getattr(s, field), bound, [*around, s])
-        return found
-
-    def length(self, loops: list[AST], statement: Assign) -> AST | None:
-        """How often the last of the loops runs at most, if that is known at a statement before them."""
-        loop = loops[-1]
-        found = _length(self.widest(loop.iter)) if isinstance(loop, For) else None
-        if found is None or changed(found, statement, loops, self.tree.body, self.scope.memory):
-            return None
-        return found if self.lasts(found, statement) else None
-
-    def widest(self, iterable: AST) -> AST:
-        """A range that goes from or to a counter of another loop, as wide as it becomes."""
-        args = [copy(a) for a in getattr(iterable, "args", [])]
-        if call_name(iterable) != "builtins.range" or len(args) > 2:
-            return iterable
-        if len(args) == 2 and self.ranged.from_start(args[0]) and not isinstance(args[0], Constant):
-            args[0] = const(0)
-        stops = {n: s for n in names(args[-1]) if (s := self.stop(n)) is not None}
-        plain = isinstance(args[-1], Name) or isinstance(args[-1], BinOp) and isinstance(
-            args[-1].op, (Add, Sub)) and isinstance(args[-1].right, Constant)
-        return call("builtins.range", *args[:-1], substitute(args[-1], stops) if plain else args[-1])
-
-    def stop(self, identifier: str) -> AST | None:
-        """What the counter of one loop stays below."""
-        loops = [s for s in walk_statements(self.tree.body) if isinstance(s, For)
-                 and identifier in stored_names(s.target)]
-        if self.ranged.least(identifier) is None or len(loops) != 1:
-            return None
-        return self.widest(loops[0].iter).args[-1]
-
-    def lasts(self, found: AST, statement: Assign) -> bool:
-        """Whether what an expression reads is bound before a statement, once."""
-        for n in names(found):
-            stores = [m for m in walk(self.tree.body) if isinstance(m, Name) and m.id == n and isinstance(m.ctx, Store)]
-            if len(stores) > (n not in parameters(self.tree)) or any(
-                    self.order[id(m)] > self.order[id(statement)] for m in stores):
-                return False
-        return True
+    def size(self, listed: str, made: Assign) -> AST:
+        """How long the list can become; what is not known is refused."""
+        found = self.capacity.of(listed, made)
+        if found is None:
+            self.scope.refuse(made, f"how long {listed!r} becomes is not known where it is made", help=HELP)
+        return const(0) if found is None else found
 
     # -- reading -----------------------------------------------------------------------------------------------------
 
@@ -281,7 +223,7 @@ class _GrowingLists:
             found: AST = sub(count, place.operand)
         else:
             found = self.read(place)
-            if not self.ranged.from_start(place):
+            if not self.intervals.from_start(place):
                 found = place_of(found, copy(count)) if impure(found) else negative_indices(found, copy(count))
         return at(index(live(node.value, copy(count)) if isinstance(node.ctx, Store) else node.value, found), node)
 
@@ -299,19 +241,3 @@ def _as_arrays(tree: FunctionDef) -> set[int]:
         elif isinstance(node, Subscript):
             found |= {id(n) for n in indices(node)}
     return found
-
-
-def _length(iterable: AST) -> AST | None:
-    """How long a sequence is, as an expression."""
-    called, args = call_name(iterable), getattr(iterable, "args", [])
-    if called == "builtins.range":
-        plain = len(args) == 1 and isinstance(args[0], (Constant, Subscript, Attribute))
-        return copy(args[0]) if plain else call("builtins.len", copy(iterable))
-    if called in ("builtins.enumerate", "builtins.reversed") and args:
-        return _length(args[0])
-    if called == "builtins.zip" and args:
-        found = [_length(a) for a in args]
-        return None if None in found else found[0] if len(found) == 1 else call("builtins.min", *found)
-    if isinstance(iterable, (Name, Subscript)):
-        return call("builtins.len", copy(iterable))
-    return None
