@@ -43,7 +43,7 @@ def pytest_configure(config):
     _seeded(config)
     config.addinivalue_line("markers", "emits(case): what the text for Numba does is compiled, see tests/constructs.py")
     from s2sad.dispatch import artifacts
-    artifacts.ENABLED = False   # every test derives what it asks for; tests/test_artifacts.py says otherwise
+    artifacts.ENABLED = False   # every test derives what it asks for; tests/dispatch/test_artifacts.py says otherwise
     if config.getoption("compiled"):
         from tests.engines import compiling
         compiling.append(True)

@@ -8,7 +8,7 @@ from benchmarks.kernels.cases import Case
 from s2sad import pipeline, read
 from s2sad.infer.types import of_value
 from s2sad.program import Request
-from tests.test_faster import same, texts
+from tests.optimize.test_levels import same, texts
 
 
 def by_numbers(u, v):

@@ -5,12 +5,16 @@ has right derivatives of `of` with respect to `wrt` under every engine, or is `r
 """
 from __future__ import annotations
 
+import copy
 import importlib
+import inspect
 import pkgutil
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 
 @dataclass(frozen=True)
@@ -23,6 +27,15 @@ class Case:
     of: tuple[str, ...] | None = ("return",)
     refused: str = ""
     options: dict[str, Any] = field(default_factory=dict)
+
+
+def outputs(kernel: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[str, ...]:
+    """The arrays that a call changes, by their names, and `return` if it returns something."""
+    given = copy.deepcopy(arguments)
+    result = kernel(*given)
+    changed = (name for name, before, after in zip(inspect.signature(kernel).parameters, arguments, given)
+               if isinstance(before, np.ndarray) and not np.array_equal(before, after))
+    return (*changed, *(("return",) if result is not None else ()))
 
 
 def _modules() -> Iterator[Any]:

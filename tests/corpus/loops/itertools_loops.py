@@ -5,11 +5,8 @@ import itertools
 from itertools import combinations, product
 
 import numpy as np
-import pytest
 
-import s2sad
-from tests.derivatives import check_derivatives
-from tests.engines import each
+from tests.corpus import Case
 
 A = np.array([[0.3, -0.9, 0.7], [0.5, 0.2, -0.6], [1.1, 0.4, -0.2]])
 
@@ -58,25 +55,10 @@ def around(a):
     return sum(a[i, j] ** 2 for i, j in product(range(3), range(i))) * a[i, 0]
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each((products, pairs, numbered)))
-def test_derivatives(kernel, engine):
-    check_derivatives(kernel, (A,), ("a",), ("a", "return"), engine)
-
-
-@pytest.mark.parametrize("engine", ["numpy", "loops"])
-def test_the_bound_is_read_around_the_generator(engine):
-    check_derivatives(around, (A,), ("a",), ("return",), engine)
-
-
 def of_a_view(a):
     b = a.T
     b.flat[1] = a[0, 0] ** 2
     return np.sum(a ** 2 * np.arange(9.0).reshape(3, 3))
-
-
-@pytest.mark.parametrize("engine", ["numpy", "loops"])
-def test_a_view_is_written_through(engine):
-    check_derivatives(of_a_view, (A,), ("a",), ("a", "return"), engine)
 
 
 def of_arrays(a):
@@ -100,18 +82,21 @@ def of_an_element(a, k):
     return total
 
 
-@pytest.mark.parametrize("kernel", [of_arrays, left, of_an_element])
-def test_refused(kernel):
-    with pytest.raises(s2sad.S2sadError) as refused:
-        s2sad.gradient(kernel, wrt="a")(A, *([np.array([3])] if kernel is of_an_element else []))
-    found = refused.value.diagnostics[0]
-    assert found.message == "combinations other than of ranges, each with a name in a loop of its own"
-    assert found.help == "write nested loops over ranges: for i in range(n): for j in range(i + 1, n)"
-
-
-def test_read_from_text(tmp_path):
-    path = tmp_path / "kernel.py"
-    path.write_text("import itertools as it\nimport numpy as np\n\n\ndef kernel(a):\n    s = 0.0\n"
-                    "    for i, j in it.product(range(2), range(3)):\n        s += a[i, j]\n    return s\n")
-    from s2sad.cli import main
-    assert main(["adjoint", f"{path}:kernel"]) in (0, None)
+def cases():
+    for kernel in (products, pairs, numbered):
+        yield Case(kernel, (A,), ("a",), ("a", "return"))
+    # the bound is read around the generator
+    yield Case(around, (A,), ("a",))
+    # a view is written through
+    yield Case(of_a_view, (A,), ("a",), ("a", "return"))
+    for kernel, rest, refused in (
+            (of_arrays, (),
+             "S201 at `product(a[0], a[1])`: combinations other than of ranges, each with a name in a loop of its "
+             "own: write nested loops over ranges: for i in range(n): for j in range(i + 1, n)"),
+            (left, (),
+             "S201 at `combinations(range(3), 2)`: combinations other than of ranges, each with a name in a loop of "
+             "its own: write nested loops over ranges: for i in range(n): for j in range(i + 1, n)"),
+            (of_an_element, (np.array([3]),),
+             "S201 at `combinations(range(k[0]), 2)`: combinations other than of ranges, each with a name in a loop "
+             "of its own: write nested loops over ranges: for i in range(n): for j in range(i + 1, n)")):
+        yield Case(kernel, (A, *rest), "a", refused=refused)

@@ -3,11 +3,8 @@ gradient."""
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-import s2sad
-from tests.derivatives import check_derivatives
-from tests.engines import each
+from tests.corpus import Case
 from tests.seeds import generator
 
 ROWS, KEEP = 1, True
@@ -68,25 +65,6 @@ def helpers(a, b):
     return np.sum(along(a) ** 2) + np.sum(along(b) * a[0]) + along_rows(a * b, axis=1)
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each((counters, bound_once, helpers, both_axes)))
-def test_known(kernel, engine):
-    random = generator(3)
-    check_derivatives(kernel, (0.2 + random.random((3, 4)), random.random((3, 4))), ("a", "b"), ("return",), engine)
-
-
-def test_a_number_of_the_module_that_is_changed(monkeypatch):
-    f = s2sad.gradient(of_the_module)
-    a = np.arange(6.0).reshape(2, 3)
-    first = f(a)
-    monkeypatch.setitem(globals(), "ROWS", 0)
-    np.testing.assert_allclose(first, 2.0 * np.roll(np.roll(a, 1, 1), -1, 1) * np.sum(a * 0.0 + 1.0) / 6.0)
-    assert not np.allclose(f(np.cumsum(a, axis=0)), first)
-
-
-def of_the_module(a):
-    return np.sum(np.roll(a, 1, axis=ROWS) ** 2)
-
-
 def of_an_argument(a, axis):
     return np.sum(np.roll(a, 1, axis=axis) * a)
 
@@ -109,12 +87,24 @@ def of_a_helper(a, axis):
     return np.sum(slope(a, axis)) + np.sum(slope(a, 1))
 
 
-REFUSED = {of_an_argument: "numpy.roll", bound_twice: "numpy.flip", long_loop: "numpy.sum", of_a_helper: "numpy.roll"}
-
-
-@pytest.mark.parametrize("kernel", REFUSED)
-def test_refused(kernel):
-    with pytest.raises(s2sad.S2sadError) as caught:
-        s2sad.gradient(kernel, wrt="a")(np.ones((2, 3)), 1)
-    assert caught.value.diagnostics[0].message == (
-        f"the axis of {REFUSED[kernel]} must be a number that is written in the kernel")
+def cases():
+    random = generator(3)
+    given = 0.2 + random.random((3, 4)), random.random((3, 4))
+    for kernel in (counters, bound_once, helpers, both_axes):
+        yield Case(kernel, given, ("a", "b"))
+    for kernel, refused in (
+            (of_an_argument,
+             "S301 at `axis`: the axis of numpy.roll must be a number that is written in the kernel: write it, or a "
+             "name that is bound once, to a number: np.sum(x, axis=1)"),
+            (bound_twice,
+             "S301 at `d`: the axis of numpy.flip must be a number that is written in the kernel: write it, or a "
+             "name that is bound once, to a number: np.sum(x, axis=1)"),
+            (long_loop,
+             "S301 at `d`: the axis of numpy.sum must be a number that is written in the kernel: write it, or a name "
+             "that is bound once, to a number: np.sum(x, axis=1)"),
+            (of_a_helper,
+             "S301 at `axis`: the axis of numpy.roll must be a number that is written in the kernel: write it, or a "
+             "name that is bound once, to a number: np.sum(x, axis=1)\nS301 at `axis`: the axis of numpy.roll must "
+             "be a number that is written in the kernel: write it, or a name that is bound once, to a number: "
+             "np.sum(x, axis=1)")):
+        yield Case(kernel, (np.ones((2, 3)), 1), "a", refused=refused)

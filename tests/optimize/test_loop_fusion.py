@@ -9,7 +9,7 @@ from s2sad.naming import Names
 from s2sad.optimize.loop_fusion import fused
 from s2sad.emit import layout
 from s2sad.tree import rename, statements, walk, For
-from tests.test_faster import SPELLING, same
+from tests.optimize.test_levels import SPELLING, same
 
 TAKEN = {**{f: f"builtins.{f}" for f in ("range", "max")}, "empty": "numpy.empty"}
 PARTS = {

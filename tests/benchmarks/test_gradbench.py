@@ -5,12 +5,12 @@ import io
 import json
 import subprocess
 import sys
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from benchmarks.gradbench import function, protocol
+from tests.documents import ROOT
 
 EVALS = ("ba", "det", "gmm", "hello", "ht", "kmeans", "llsq", "lse", "lstm", "ode", "particle", "saddle")
 
@@ -93,7 +93,7 @@ def test_command_keeps_stdout_for_the_protocol():
     lines = ['{"id": 0, "kind": "start"}', "no message",
              '{"id": 1, "kind": "evaluate", "module": "hello", "function": "double", "input": 2.5}']
     done = subprocess.run([sys.executable, "-m", "benchmarks.gradbench", "--engine", "numpy"], input="\n".join(lines),
-                          text=True, capture_output=True, check=True, cwd=Path(__file__).parent.parent)
+                          text=True, capture_output=True, check=True, cwd=ROOT)
     answers = [json.loads(line) for line in done.stdout.splitlines()]
     assert [a["id"] for a in answers] == [0, None, 1]
     assert answers[2]["output"] == 5.0

@@ -2,99 +2,14 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 import s2sad
-from s2sad.live_objects.unwrap import python_function
-from tests.derivatives import check_derivatives
+from tests.corpus.calls.bound_methods import MODEL, Model, scaled, values
 
 ENGINES = ("numpy", "numba")
-
-
-class Base:
-    exponent = 2
-
-    def weight(self, k, scale=1.0):
-        return self.weights[k] ** self.exponent * scale
-
-    @classmethod
-    def shifted(cls, x):
-        return x + cls.exponent
-
-    @staticmethod
-    def bent(x):
-        return x * x if x > 0.5 else 0.25 * x
-
-
-class Model(Base):
-    def __init__(self, weights, rate):
-        self.weights, self.rate = weights, rate
-        self.options = {"order": 3}
-
-    def run(self, u, steps=2):
-        for _ in range(steps):
-            for k in range(u.size):
-                u[k] += self.rate * self.weight(k, scale=0.5) * self.bent(u[k])
-        return self.shifted(np.sum(u) ** self.options["order"])
-
-    def __call__(self, u, out):
-        for k in range(u.size):
-            out[k] = self.rate * u[k] * self.weights[k]
-
-    def keeps(self, u):
-        self.weights[0] = u[0]
-        return self.weights[0]
-
-
-@dataclass
-class Line:
-    slope: float
-    offset: float
-
-    def __call__(self, x):
-        return self.slope * x + self.offset
-
-
-MODEL = Model(np.array([1.0, 0.5, 0.25]), 0.3)
-LINE = Line(2.0, 0.5)
-
-
-def through_objects(u):
-    total = 0.0
-    for k in range(u.size):
-        total += LINE(u[k]) * MODEL.weight(k) + LINE.slope
-    return total
-
-
-def scaled(u, c, *, power=2):
-    total = 0.0
-    for k in range(u.size):
-        total += c * u[k] ** power
-    return total
-
-
-cubes = functools.partial(scaled, power=3)
-
-
-def by_a_partial(u):
-    return cubes(u, 2.0) * u[0]
-
-
-def values():
-    return np.array([0.3, 0.6, 0.9])
-
-
-@pytest.mark.parametrize("engine", ("numpy", "loops"))
-def test_bound_kernels(engine):
-    check_derivatives(MODEL.run, (values(),), ("u",), ("u", "return"), engine)
-    check_derivatives(MODEL, (values(), np.zeros(3)), ("u",), ("out",), engine)
-    cubic = python_function(functools.partial(scaled, c=2.0, power=3))
-    check_derivatives(cubic, (values(),), ("u",), ("return",), engine)
-    check_derivatives(through_objects, (values(),), ("u",), ("return",), engine)
-    check_derivatives(by_a_partial, (values(),), ("u",), ("return",), engine)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

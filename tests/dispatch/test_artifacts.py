@@ -18,6 +18,7 @@ from s2sad.diagnostics import warn_once
 from s2sad.live_objects.registry import GIVEN
 from s2sad.run import store
 from s2sad.rules.rule import TABLE
+from tests.documents import ROOT
 
 KERNEL = '''
 from dataclasses import dataclass
@@ -374,7 +375,7 @@ print("def structured_adjoint" in f.adjoint_source(2.0, k.Params()), "s2sad.pipe
 
 
 def test_a_process_that_finds_everything_goes_without_the_compiler(processes, tmp_path):
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(Path(__file__).parent.parent)])}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}
     runs = [subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, env=environment,
                            check=True).stdout.split() for _ in range(2)]
     assert runs == [["36.0", "True", "True", "True", "True"], ["36.0", "False", "False", "True", "True"]]
