@@ -226,6 +226,11 @@ def test_types_through_views_helpers_and_unpacking(ran, kernel):
         "shift: int64, in (assumed: used as a bound, an index or a shift)"]
 
 
+def test_axes_are_integers_where_an_array_is_moved(ran, kernel):
+    kernel('import numpy as np\n\n\ndef f(x: "float64[:, :]"):\n    return np.sum(np.moveaxis(x, 0, 1)[0])\n')
+    assert arguments(ran("tangent", "k.py:f")[1]) == ["x: float64[:, :], in"]
+
+
 def test_types_that_contradict_each_other(ran, kernel):
     kernel("def f(x):\n    for i in range(x):\n        x[i] = 0.5\n    return 1.0\n")
     assert ran("adjoint", "k.py:f") == (1, "", """\

@@ -13,10 +13,11 @@ from s2sad.tree import AST, Attribute, Call, call_name
 _ALL = range(99)
 _POSITIONS: dict[str, tuple[int, ...] | range] = {
     **dict.fromkeys(("zeros", "ones", "empty", "full", "identity", "tri"), (0,)),
-    **dict.fromkeys(("eye", "ndindex", "indices", "swapaxes", "moveaxis", "rollaxis"), _ALL),
+    **dict.fromkeys(("eye", "ndindex", "indices"), _ALL),
     **dict.fromkeys(("tile", "repeat", "roll", "diff", "pad", "trace", "diag", "diagonal", "tril", "triu", "vander",
                      "split", "array_split", "hsplit", "vsplit", "dsplit", "expand_dims", "broadcast_to", "rot90",
-                     "transpose", "take", "squeeze", "partition", "flip"), range(1, 99)),
+                     "transpose", "take", "squeeze", "partition", "flip", "swapaxes",
+                     "moveaxis", "rollaxis"), range(1, 99)),
     **dict.fromkeys(("linspace", "logspace", "geomspace"), (2,)),
     "reshape": range(1, 99), "resize": range(1, 99), "linalg.matrix_power": (1,),
     **dict.fromkeys(("sum", "prod", "mean", "std", "var", "cumsum", "cumprod", "max", "min", "argmax", "argmin", "sort",

@@ -13,7 +13,8 @@ from functools import reduce
 
 from s2sad import rules
 from s2sad.evaluate.expressions.literal_concatenation import items_of
-from s2sad.normalize.library.option_spellings import item, matrices_turned, option_spellings
+from s2sad.normalize.library.element_moves import canonical_move
+from s2sad.normalize.library.option_spellings import item, option_spellings
 from s2sad.normalize.library.typed_rewrites import CONJUGATING, start
 from s2sad.passes import Context
 from s2sad.rules.spellings import other_spelling
@@ -59,10 +60,8 @@ def _plain(node: AST) -> AST | None:
     if isinstance(node, Subscript) and any(isinstance(s, List) or _is_range(s) for s in indices(node)):
         parts = [call("numpy.array", s) if isinstance(s, List) else _arranged(s) for s in indices(node)]
         return rebuild(at(Subscript(node.value, index(node.value, *parts).slice, node.ctx), node), _plain)
-    if isinstance(node, Attribute) and node.attr == "T":
-        return at(call("numpy.transpose", rebuild(node.value, _plain)), node)
-    if (turned := matrices_turned(node)) is not None:
-        return rebuild(at(turned, node), _plain)
+    if isinstance(node, Attribute) and (move := canonical_move(node)) is not None:
+        return rebuild(at(move, node), _plain)
     if isinstance(node, Attribute) and node.attr in _PARTS and not isinstance(node.ctx, Store):
         return at(call(f"numpy.{node.attr}", rebuild(node.value, _plain)), node)
     if not isinstance(node, Call):
@@ -86,7 +85,8 @@ def _plain(node: AST) -> AST | None:
     if isinstance(node.func, Attribute) and node.func.attr in _QUESTIONS:
         return rebuild(at(Call(name(f"numpy.{node.func.attr}"), [node.func.value, *node.args], node.keywords), node),
                        _plain)
-    other = (item(node) or option_spellings(node) or other_spelling(node) or _complex(node) or _bounded(node)
+    other = (item(node) or canonical_move(node) or option_spellings(node) or other_spelling(node)
+             or _complex(node) or _bounded(node)
              or _multiplied(node) or _in_blocks(node) or _extreme_place(node) or _lengthened(node))
     if other is not None:
         return rebuild(at(other, node), _plain)
@@ -188,13 +188,6 @@ def _lengthened(node: Call) -> AST | None:
     return call("numpy.diff", call("numpy.concatenate", tuple_of(*whole), axis=axis), **options)
 
 
-def _axes(node: Call) -> Tuple | None:
-    """The order of axes that a transposition is given."""
-    given = [*node.args[1:], *(k.value for k in node.keywords if k.arg == "axes")]
-    written = len(given) == 1 and len(node.args) + len(node.keywords) == 2 and isinstance(given[0], (Tuple, List))
-    return tuple_of(*given[0].elts) if written else None
-
-
 def _arguments(node: Call) -> list[AST]:
     """The arguments of a method; those of reshape and transpose may be given one by one."""
     several = node.func.attr in _SHAPED and len(node.args) > 1
@@ -202,16 +195,10 @@ def _arguments(node: Call) -> list[AST]:
 
 
 def _array_call(node: Call) -> AST | None:
-    if call_name(node) == "numpy.permute_dims":
-        return rebuild(at(Call(name("numpy.transpose"), node.args, node.keywords), node), _plain)
-    if call_name(node) == "numpy.transpose" and (axes := _axes(node)) is not None:
-        node = at(call("numpy.moveaxis", node.args[0], axes, tuple_of(*map(const, range(len(axes.elts))))), node)
     rule = rules.find_array(call_name(node))
     ordered = rule and rules.bound(rule, node)
     if ordered is None:
         return None
-    if call_name(node) == "numpy.roll" and (moved := _rolled(ordered)) is not None:
-        return at(moved, node)
     keywords = [rebuild(k, _plain) for k in ordered.keywords]
     return at(Call(ordered.func, [rebuild(a, _plain) for a in ordered.args], keywords), node)
 
@@ -252,21 +239,6 @@ def _multiplied(node: Call) -> AST | None:
     if not several or not isinstance(node.args[0], (List, Tuple)) or len(node.args[0].elts) < 2:
         return None
     return reduce(lambda a, b: call("numpy.matmul", a, b), node.args[0].elts)
-
-
-def _rolled(node: Call) -> AST | None:
-    """Shifts along several axes, one after the other."""
-    axes = {k.arg: k.value for k in node.keywords}.get("axis")
-    x, shift = node.args
-    if not isinstance(axes, (Tuple, List)):
-        if not isinstance(shift, (Tuple, List)) or not shift.elts:
-            return None
-        return Call(node.func, [rebuild(x, _plain), reduce(add, shift.elts)], node.keywords)
-    shifts = shift.elts if isinstance(shift, (Tuple, List)) else [shift] * len(axes.elts)
-    if len(shifts) != len(axes.elts):
-        return None
-    start = rebuild(x, _plain)
-    return reduce(lambda made, by: call("numpy.roll", made, copy(by[0]), axis=by[1]), zip(shifts, axes.elts), start)
 
 
 def _of_items(node: Call) -> AST:

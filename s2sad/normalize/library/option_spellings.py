@@ -6,9 +6,7 @@
     x.astype(float, copy=False)             np.asarray(x, dtype=float)
     np.zeros_like(x, None, "F")             np.zeros_like(x, None, order="F")
     x.item(1, 2)                            x[1, 2]
-    a.mT                                    np.swapaxes(a, -1, -2)
     np.add.at(x, [0, 0, 1], v)              np.add.at(x, np.array([0, 0, 1]), v)
-    np.flip(a, [0, 1])                      np.flip(a, (0, 1))
     np.linalg.matrix_power(a, 1)            np.asarray(a)           which is a itself
 
 Requires that methods are functions: `spelled` asks for each call.
@@ -17,13 +15,11 @@ from __future__ import annotations
 
 from s2sad.rules.composed import WRITING
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Tuple, at, call, call_name, const, index, keyword, negate,
-    tuple_of,
+    AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Tuple, at, call, call_name, const, index, keyword, tuple_of,
 )
 
 _NEUTRAL = {"numpy.sum": 0, "numpy.prod": 1}
 _TYPED = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
-_AXES = ("numpy.moveaxis", "numpy.flip", "numpy.roll")
 _ORDERED = {"numpy.copy": 1, "numpy.full": 3, "numpy.full_like": 3, **{f"numpy.{f}": 2 for f in (
     "zeros", "ones", "empty", "zeros_like", "ones_like", "empty_like", "asarray")}}     # where it stands by place
 _FLOATS = ("builtins.float", "numpy.float64", "numpy.double")
@@ -47,10 +43,6 @@ def option_spellings(node: Call) -> AST | None:
         return _without(node, ("subok",), node.args[0])
     if called in _NEUTRAL:
         return _picked(node, called, given)
-    if called in _AXES and any(isinstance(a, List) for a in (*node.args[1:], *given.values())):
-        args, named = ([tuple_of(*a.elts) if isinstance(a, List) else a for a in part]
-                       for part in (node.args[1:], given.values()))
-        return Call(node.func, [node.args[0], *args], [keyword(k, v) for k, v in zip(given, named)])
     if called == "numpy.linalg.matrix_power" and not given and [getattr(n, "value", 0) for n in node.args[1:]] == [1]:
         return call("numpy.asarray", node.args[0])
     if called in WRITING and len(node.args) > 1:
@@ -65,15 +57,6 @@ def item(node: Call) -> AST | None:
         return None
     places = node.args[0].elts if isinstance(node.args[0], Tuple) and len(node.args) == 1 else node.args
     return index(node.func.value, *places) if len(places) > 1 else None
-
-
-def matrices_turned(node: AST) -> AST | None:
-    """The matrices of a stack, each transposed."""
-    called = call_name(node)
-    attr = isinstance(node, Attribute) and node.attr == "mT"
-    if not attr and not (called in ("numpy.matrix_transpose", "numpy.linalg.matrix_transpose") and len(node.args) == 1):
-        return None
-    return call("numpy.swapaxes", node.value if attr else node.args[0], negate(const(1)), negate(const(2)))
 
 
 def _is_true(node: AST | None) -> bool:

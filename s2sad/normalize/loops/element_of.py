@@ -6,18 +6,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import reduce
 
 from s2sad import rules
 from s2sad.infer.inference import Typing
-from s2sad.infer.signatures.laws import ONE, items_of, moved_axes, whole_number
+from s2sad.infer.signatures.laws import ONE
 from s2sad.infer.shapes import Shapes
-from s2sad.infer.signatures.options import is_none
 from s2sad.infer.slice_extents import is_step, spelled
 from s2sad.normalize.buffers.compose_subscripts import is_new
+from s2sad.normalize.library.element_moves import SOURCES
 from s2sad.tree import (
     AST, Attribute, BinOp, Call, FloorDiv, Mod, Name, Slice, Subscript, add, call_name, const, copy, index, indices,
-    mult, name, rebuild, sub,
+    mult, name, rebuild,
 )
 
 
@@ -38,7 +37,7 @@ class Elements:
                 return self.load(n, [Slice(None, None, None)] * self.typing.of(n).rank, positions)
             if isinstance(n, Subscript):
                 return self.load(n.value, self.shapes.full(indices(n), self.typing.of(n.value).rank), positions)
-            moved = _MOVED.get(call_name(n) or "")
+            moved = _ELEMENTS.get(call_name(n) or "")
             return moved(self, n, positions) if moved else None
         return rebuild(node, change)
 
@@ -91,58 +90,14 @@ class Elements:
         return self.shapes.expression(size)
 
 
-# -- functions that move elements about ------------------------------------------------------------------------------
+# -- functions of arrays whose elements are those of their operands -------------------------------------------------
 
-def _roll(elements: Elements, node: AST, positions: list[AST]) -> AST:
-    arguments = _arguments(node)
-    x, shift, axis = arguments["x"], arguments["shift"], arguments["axis"]
-    moved = list(positions)
-    sizes = [elements.size_of(x, k) for k in range(len(positions))]
-    if is_none(axis) and len(positions) > 1:
-        back = BinOp(_back(_number(positions, sizes), shift), Mod(), reduce(mult, map(copy, sizes)))
-        return elements.element(x, _places(back, sizes))
-    k = (whole_number(axis) or 0) % len(positions)
-    moved[k] = BinOp(_back(moved[k], shift), Mod(), sizes[k])
-    return elements.element(x, moved)
-
-
-def _back(position: AST, shift: AST) -> AST:
-    number = whole_number(shift)
-    return add(position, const(-number)) if number is not None and number < 0 else sub(position, copy(shift))
-
-
-def _number(positions: list[AST], sizes: list[AST]) -> AST:
-    """The number of an element in the order of rows."""
-    found = positions[0]
-    for position, size in zip(positions[1:], sizes[1:]):
-        found = add(mult(found, copy(size)), position)
-    return found
-
-
-def _places(number: AST, sizes: list[AST]) -> list[AST]:
-    """Where the element with a number in the order of rows lies."""
-    found: list[AST] = []
-    for size in reversed(sizes[1:]):
-        found.insert(0, BinOp(copy(number), Mod(), copy(size)))
-        number = BinOp(number, FloorDiv(), copy(size))
-    return [number, *found]
-
-
-def _flip(elements: Elements, node: AST, positions: list[AST]) -> AST:
-    x, axis = _arguments(node)["x"], _arguments(node)["axis"]
-    rank = len(positions)
-    axes = range(rank) if is_none(axis) else [(whole_number(a) or 0) % rank for a in items_of(axis)]
-    moved = [sub(sub(elements.size_of(x, k), const(1)), p) if k in axes else p for k, p in enumerate(positions)]
-    return elements.element(x, moved)
-
-
-def _transpose(elements: Elements, node: AST, positions: list[AST]) -> AST:
-    return elements.element(node.args[0], positions[::-1])
-
-
-def _moveaxis(elements: Elements, node: AST, positions: list[AST]) -> AST:
-    order = moved_axes(_arguments(node), len(positions)) or []
-    return elements.element(node.args[0], [positions[order.index(k)] for k in range(len(positions))])
+def _moved(elements: Elements, node: AST, positions: list[AST]) -> AST:
+    rule = rules.find_array(call_name(node))
+    assert rule is not None and isinstance(node, Call)
+    options = rule.arguments(node)
+    x = options["x"]
+    return elements.element(x, SOURCES[rule.name](options, positions, lambda axis: elements.size_of(x, axis)))
 
 
 def _outer(elements: Elements, node: AST, positions: list[AST]) -> AST:
@@ -151,7 +106,7 @@ def _outer(elements: Elements, node: AST, positions: list[AST]) -> AST:
 
 
 def _reshape(elements: Elements, node: AST, positions: list[AST]) -> AST:
-    """By way of the number of an element in the order of rows."""
+    """By way of the number of an element in row-major order."""
     x = node.args[0]
     shape = elements.shapes.of(node)
     kept = [(p, s) for p, s in zip(positions, shape) if s != ONE]
@@ -170,18 +125,11 @@ def _reshape(elements: Elements, node: AST, positions: list[AST]) -> AST:
     return elements.element(x, moved)
 
 
-def _arguments(node: AST) -> dict[str, AST]:
-    rule = rules.find_array(call_name(node))
-    assert rule is not None and isinstance(node, Call)
-    return rule.arguments(node)
-
-
-_MOVED: Mapping[str, Callable[[Elements, AST, list[AST]], AST]] = {
-    "numpy.roll": _roll, "numpy.flip": _flip, "numpy.transpose": _transpose, "numpy.moveaxis": _moveaxis,
-    "numpy.reshape": _reshape, "numpy.ravel": _reshape, "numpy.outer": _outer,
+_ELEMENTS: Mapping[str, Callable[[Elements, AST, list[AST]], AST]] = {
+    **dict.fromkeys(SOURCES, _moved), "numpy.reshape": _reshape, "numpy.ravel": _reshape, "numpy.outer": _outer,
 }
 
 
 def moves(node: AST) -> bool:
-    """Whether an expression is a call of a function that only moves elements about (or multiplies them one by one)."""
-    return call_name(node) in _MOVED
+    """Whether each element of a call is one element of an operand, or a product of two."""
+    return call_name(node) in _ELEMENTS
