@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from s2sad.liveness import Liveness
+from s2sad.liveness import Accesses, Liveness
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.context import NormalContext
@@ -38,8 +38,8 @@ class SingleAssignment:
 
 def single_assignment(function: FunctionDef, context: NormalContext) -> FunctionDef:
     """The function with one name a binding; the context has the families of names."""
-    types, free, writes = context.typing.table, context.names, context.callees.call_writes
-    live = Liveness(function, set(), writes, lambda call: False, strong=False)
+    types, free = context.typing.table, context.names
+    live = Liveness(function, set(), Accesses(), strong=False)
     pass_ = _SingleAssignment(types, free, live)
     new = copy(function)
     env = {p.id: p.id for p in function.args.args if not types[p.id].is_array}

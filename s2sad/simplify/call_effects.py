@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from s2sad.differentiate.split_adjoints import POP, PUSH
 from s2sad.infer.inference import Typing
-from s2sad.liveness import Liveness, base_name, targets
+from s2sad.liveness import Accesses, Liveness, base_name, targets
 from s2sad.tree import Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, names, walk
 
 
@@ -55,7 +55,7 @@ class Effects:
     def add(self, function: FunctionDef, typing: Typing) -> None:
         """Registers a finished function."""
         parameters = [p.id for p in function.args.args]
-        live = Liveness(function, set(), self.writes, self.pure, strong=False, unread=self.unread)
+        live = Liveness(function, set(), Accesses(unread=self.unread), strong=False)
         reads = {k for k, p in enumerate(parameters) if p in live.start}
         written: set[str] = set()
         pure = True

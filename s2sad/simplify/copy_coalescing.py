@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from s2sad.differentiate.adjoint import REVERSE
-from s2sad.liveness import Liveness, targets
+from s2sad.liveness import Accesses, Liveness, targets
 from s2sad.infer.inference import Typing
 from s2sad.naming import Names
 from s2sad.blocks import with_blocks
@@ -60,7 +60,7 @@ def coalesced(function: FunctionDef, family: Mapping[str, str], live_out: set[st
 
     `shadows` tells of which primal a shadow is: it is called after what that is called now.
     """
-    live = Liveness(function, live_out, writes, lambda call: False, strong=False)
+    live = Liveness(function, live_out, Accesses(), strong=False)
     interference = _interferences(function, live, family)
     classes = {n: n for n in family}
     for a, b in _copies(function, family):
@@ -169,7 +169,7 @@ def coalesce_temporaries(function: FunctionDef, family: Mapping[str, str], live_
         ...                             ...
         seed_2 = z_bar[i]               seed = z_bar[i]
     """
-    live = Liveness(function, live_out, writes, lambda call: False, strong=False)
+    live = Liveness(function, live_out, Accesses(), strong=False)
     interference = _interferences(function, live, family)
     order = list(dict.fromkeys(n.id for n in walk(function.body) if isinstance(n, Name) and n.id in family))
     classes: dict[str, list[list[str]]] = {}

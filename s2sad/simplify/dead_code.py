@@ -6,41 +6,39 @@ or an effect. This prunes the forward sweep to what the reverse sweep reads (adj
 """
 from __future__ import annotations
 
-
-from s2sad.liveness import Liveness, targets
+from s2sad.liveness import Accesses, Liveness, targets
 from s2sad.blocks import with_blocks
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, Break, Expr, For, FunctionDef, If, Name, Not, Raise, Return, UnaryOp,
-    While, at, copy, forgotten, is_comment, walk,
+    While, at, forgotten, is_comment, with_body,
 )
 
 
 def dead_code(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
     """The function without dead statements."""
     effects = context.effects
+    accesses = Accesses(effects.writes, effects.pure, effects.unread)
     while True:
-        live = Liveness(function, context.live_out, effects.writes, effects.pure, unread=effects.unread)
-        new = copy(function)
-        pruned = _DeadCode(live).block(function.body)
-        new.body = pruned
-        if _node_count(new) == _node_count(function):
-            return new
-        function = new
-
-
-def _node_count(function: FunctionDef) -> int:
-    return sum(1 for _ in walk(function))
+        pruning = _DeadCode(Liveness(function, context.live_out, accesses))
+        function = with_body(function, pruning.block(function.body))
+        if not pruning.changed:
+            return function
 
 
 class _DeadCode:
+    """One round; `changed` says whether anything was dead."""
+
     def __init__(self, live: Liveness):
         self.live = live
+        self.changed = False
 
     def block(self, block: list[AST]) -> list[AST]:
         kept: list[AST] = []
         for statement in block:
-            kept += self.statement(statement)
+            left = self.statement(statement)
+            self.changed = self.changed or not left
+            kept += left
         return kept
 
     def statement(self, statement: AST) -> list[AST]:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from s2sad.liveness import Liveness
+from s2sad.liveness import Accesses, Liveness
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.differentiate.user_functions import UserFunction
 from s2sad.infer.inference import Typing
@@ -53,5 +53,5 @@ class Unit:
 
     def read_first(self) -> set[str]:
         """The parameters whose content at its start the kernel may read."""
-        live = Liveness(self.function, set(), lambda call: [], lambda call: False, strong=False)
+        live = Liveness(self.function, set(), Accesses(), strong=False)
         return live.start & {p.id for p in self.function.args.args}

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from s2sad.infer.inference import Typing
 from s2sad.infer.shapes import single_values
 from s2sad.infer.signatures.laws import whole_number
-from s2sad.liveness import Liveness, base_name, read_names, targets
+from s2sad.liveness import Accesses, Liveness, base_name, read_names, targets
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, IfExp, List, Mult, Name,
@@ -69,7 +69,7 @@ def differing(function: FunctionDef, typing: Typing, writes: Writes) -> Iterator
     if not any(shown for above in links.values() for shown in above.values()):
         return
     parameters = {p.id for p in function.args.args}
-    live = Liveness(function, parameters, writes, lambda called: False, strong=False)
+    live = Liveness(function, parameters, Accesses(), strong=False)
     for statement in walk_statements(function.body):
         if not isinstance(statement, (Assign, AugAssign, Expr)):
             continue
