@@ -48,8 +48,8 @@ def swap_contents(function: FunctionDef, context: NormalContext) -> FunctionDef:
 class _SwapContents:
     def __init__(self, function: FunctionDef, typing: Typing, writes: Writes):
         self.function, self.typing, self.changed = function, typing, False
-        self.held = ListContents(function, typing, writes)
-        self.kept = {n for s in walk_statements(function.body) if isinstance(s, Assign)
+        self.contents = ListContents(function, typing, writes)
+        self.in_tuples = {n for s in walk_statements(function.body) if isinstance(s, Assign)
                      and isinstance(s.value, (Tuple, List))
                      for n in names(s.value)}
 
@@ -72,15 +72,16 @@ class _SwapContents:
         """Whether two arrays of the function's own are swapped, which no other name that is used later shares."""
         pair, holders = set(swap.given), {n for s in swap.statements for n in stored_names(s)}
         kinds = [self.typing.of(name(n)) for n in sorted(pair)]
-        after = self.held.references.after[id(swap.statements[-1])]
+        after = self.contents.uses.after[id(swap.statements[-1])]
         swapping = {id(s) for s in self.swapping(pair)}
         bound = [s for s in walk_statements(self.function.body) if isinstance(s, Assign)
                  and pair & set(stored_names(s.targets[0]))
                  and id(s) not in swapping]
-        fresh = all(isinstance(s.targets[0], Name) and not self.held.sources(s.value) for s in bound)
-        shared = self.held.component(pair) - pair
-        return len(pair) == 2 and kinds[0] == kinds[1] and fresh and not pair & (self.held.parameters | self.kept) and (
-            not shared & after and not shared & self.held.parameters and not holders & after - pair)
+        fresh = all(isinstance(s.targets[0], Name) and not self.contents.sources(s.value) for s in bound)
+        shared = self.contents.component(pair) - pair
+        unshared = not shared & after and not shared & self.contents.parameters and not holders & after - pair
+        return len(pair) == 2 and kinds[0] == kinds[1] and fresh and unshared and not pair & (
+            self.contents.parameters | self.in_tuples)
 
     def swapping(self, pair: set[str]) -> list[AST]:
         """The statements of all swaps of a pair of names."""
@@ -135,7 +136,7 @@ def tail_duplication(function: FunctionDef, context: NormalContext) -> FunctionD
 
 class _TailDuplication:
     def __init__(self, function: FunctionDef, typing: Typing, writes: Writes):
-        self.held, self.left = ListContents(function, typing, writes), _MOST
+        self.contents, self.left = ListContents(function, typing, writes), _MOST
 
     def block(self, block: list[AST]) -> list[AST]:
         block = self.joined(block)
@@ -180,12 +181,12 @@ class _TailDuplication:
         end = used[-1] + 1
         if any(isinstance(s, If) and breaks(s) or isinstance(s, Break) for s in block[start:end]):
             end = len(block)
-        together, moved = self.held.component(chosen), block[start:end]
-        written = {n for s in walk(moved) for n in self.held.written(s)}
+        together, moved = self.contents.component(chosen), block[start:end]
+        written = {n for s in walk(moved) for n in self.contents.stored_arrays(s)}
         return end if written & together and _length(moved) <= self.left else None
 
     def chosen(self, branch: If) -> set[str]:
-        """The names that may stand for different arrays behind a branch, one of which has a name before it."""
+        """The names that may be bound to different arrays behind a branch, one of which has a name before it."""
         arms = [self.bound(arm) for arm in (branch.body, branch.orelse)]
         return {n for n in {**arms[0], **arms[1]} if arms[0].get(n) != arms[1].get(n) and (
             arms[0].get(n) or arms[1].get(n))}
@@ -199,22 +200,22 @@ class _TailDuplication:
                 arms = [self.bound(arm) for arm in (s.body, s.orelse)]
                 for n in {**arms[0], **arms[1]}:
                     found[n] = (*arms[0].get(n, ("",)), *arms[1].get(n, ("",)))
-            elif isinstance(s, Assign) and isinstance(s.targets[0], Name) and self.held.typing.of(
+            elif isinstance(s, Assign) and isinstance(s.targets[0], Name) and self.contents.typing.of(
                     s.targets[0]).is_array:
-                found[s.targets[0].id] = (dump(s.value),) if self.held.sources(s.value) else ()
+                found[s.targets[0].id] = (dump(s.value),) if self.contents.sources(s.value) else ()
         return found
 
     def views_bound(self, chosen: set[str], block: list[AST]) -> set[str]:
-        """The names that stand for different arrays, with those that are bound to parts of them in a block."""
+        """The names that are bound to different arrays, with those that are bound to parts of them in a block."""
         found = set(chosen)
         bound = [s for s in walk_statements(block) if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
-        while more := {s.targets[0].id for s in bound if self.held.sources(s.value) & found} - found:
+        while more := {s.targets[0].id for s in bound if self.contents.sources(s.value) & found} - found:
             found |= more
         return found
 
 
 def _names_alone(branch: If) -> bool:
-    """Whether a branch binds names, and does nothing that its test could tell."""
+    """Whether a branch binds names alone, and none that its test reads."""
     bound = [*branch.body, *branch.orelse]
     return all(isinstance(s, Assign) and isinstance(s.targets[0], Name) and not any(
         isinstance(n, Call) for n in walk(s.value)) for s in bound) and not set(stored_names(bound)) & set(

@@ -6,8 +6,8 @@
         us.append(x[k])                 for k in range(stop):
                                             us.append(x[k])
 
-Requires resolved names. A list that begins empty is made where it is first used (`made_late`), and what a loop that
-fills it calls is called once, before it. `Capacity` multiplies the trip counts of the loops around each append;
+Requires resolved names. A list that begins empty is made where it is first used (`sink_empty_lists`), and what a loop
+that fills it calls is called once, before it. `Capacity` multiplies the trip counts of the loops around each append;
 `IndexIntervals` says between which numbers an index lies, as far as the text shows it:
 
     k for k in range(1, n): 1 and more          t % 2: 0 to 1          1 - t % 2: 0 to 1
@@ -29,8 +29,8 @@ from s2sad.tree import (
 Appended = Callable[[AST], str | None]          # the name of the list that a statement appends to
 
 
-def made_late(tree: FunctionDef, scope: KernelScope, appended: Appended) -> FunctionDef:
-    """The function with lists that are made where they are first used."""
+def sink_empty_lists(tree: FunctionDef, scope: KernelScope, appended: Appended) -> FunctionDef:
+    """The function in which lists that begin empty are made where they are first used."""
     grown = {n for s in walk(tree.body) if (n := appended(s)) is not None}
     new = copy(tree)
     new.body = _block(tree.body, grown, scope, appended) if grown else tree.body
@@ -49,7 +49,7 @@ def _block(block: list[AST], grown: set[str], scope: KernelScope, appended: Appe
             if hasattr(statement, field):
                 setattr(new, field, _block(getattr(statement, field), grown, scope, appended))
         if isinstance(new, For) and any(appended(s) is not None for s in walk(new.body)):
-            made += _called_before(new, scope)
+            made += _name_called_bounds(new, scope)
         used = {n.id for n in walk(new) if isinstance(n, Name)}
         made += [s for s in waiting if s.targets[0].id in used]
         waiting = [s for s in waiting if s.targets[0].id not in used]
@@ -63,8 +63,8 @@ def _starts_empty(statement: AST, grown: set[str]) -> bool:
         statement.value, List) and not statement.value.elts
 
 
-def _called_before(loop: For, scope: KernelScope) -> list[AST]:
-    """Names for the bounds of a range that calls of kernels give; the loop goes by the names."""
+def _name_called_bounds(loop: For, scope: KernelScope) -> list[AST]:
+    """Names for the bounds of a range that are calls of kernels, which the loop reads."""
     calls = any(user_call(n) is not None for n in walk(loop.iter))
     if call_name(loop.iter) != "builtins.range" or not calls:
         return []
@@ -92,7 +92,7 @@ class Capacity:
             inner = [node for node in loops if not any(n is made for n in walk(node))]
             inner = [node for node in inner if not isinstance(node, If)]
             trips = [self.trip_count(inner[:k + 1], made) for k in range(len(inner))]
-            if None in trips or not only_after(made, self.function.body, self.appended):
+            if None in trips or not is_appended_only_after(made, self.function.body, self.appended):
                 return None
             term = reduce(lambda a, b: BinOp(a, Mult(), b), trips) if trips else const(1)
             size = term if isinstance(size, Constant) and size.value == 0 else add(size, term)
@@ -110,30 +110,30 @@ class Capacity:
     def trip_count(self, loops: list[AST], made: Assign) -> AST | None:
         """How often the last of the loops runs at most, if that is known at a statement before them."""
         loop = loops[-1]
-        found = _length(self.widest(loop.iter)) if isinstance(loop, For) else None
-        if found is None or changed(found, made, loops, self.function.body, self.scope.memory):
+        found = _sequence_length(self.widest_range(loop.iter)) if isinstance(loop, For) else None
+        if found is None or may_change(found, made, loops, self.function.body, self.scope.memory):
             return None
         return found if self.is_bound_before(found, made) else None
 
-    def widest(self, iterable: AST) -> AST:
+    def widest_range(self, iterable: AST) -> AST:
         """A range that goes from or to a counter of another loop, as wide as it becomes."""
         args = [copy(a) for a in getattr(iterable, "args", [])]
         if call_name(iterable) != "builtins.range" or len(args) > 2:
             return iterable
-        if len(args) == 2 and self.intervals.from_start(args[0]) and not isinstance(args[0], Constant):
+        if len(args) == 2 and self.intervals.is_nonnegative(args[0]) and not isinstance(args[0], Constant):
             args[0] = const(0)
-        stops = {n: s for n in names(args[-1]) if (s := self.stop(n)) is not None}
+        stops = {n: s for n in names(args[-1]) if (s := self.upper_bound(n)) is not None}
         plain = isinstance(args[-1], Name) or isinstance(args[-1], BinOp) and isinstance(
             args[-1].op, (Add, Sub)) and isinstance(args[-1].right, Constant)
         return call("builtins.range", *args[:-1], substitute(args[-1], stops) if plain else args[-1])
 
-    def stop(self, identifier: str) -> AST | None:
-        """What the counter of one loop stays below."""
+    def upper_bound(self, identifier: str) -> AST | None:
+        """What the counter of a loop stays below."""
         loops = [s for s in walk_statements(self.function.body) if isinstance(s, For)
                  and identifier in stored_names(s.target)]
-        if self.intervals.least(identifier) is None or len(loops) != 1:
+        if self.intervals.lower_bound(identifier) is None or len(loops) != 1:
             return None
-        return self.widest(loops[0].iter).args[-1]
+        return self.widest_range(loops[0].iter).args[-1]
 
     def is_bound_before(self, found: AST, made: Assign) -> bool:
         """Whether what an expression reads is bound before a statement, once."""
@@ -146,15 +146,15 @@ class Capacity:
         return True
 
 
-def only_after(made: Assign, block: list[AST], appended: Appended) -> bool:
+def is_appended_only_after(made: Assign, block: list[AST], appended: Appended) -> bool:
     """Whether all that appends to a list follows in the block in which it is made, so that it is made before."""
     home = next(b for b in _blocks(block) if any(s is made for s in b))
     after = {id(s) for s in _statements(home[home.index(made) + 1:])}
     return all(id(s) in after for s in _statements(block) if appended(s) == made.targets[0].id)
 
 
-def changed(found: AST, made: Assign, loops: list[AST], body: list[AST], memory: Memory) -> bool:
-    """Whether the content that an expression reads may be written between the statement that makes a list and the last
+def may_change(found: AST, made: Assign, loops: list[AST], body: list[AST], memory: Memory) -> bool:
+    """Whether what an expression reads may be stored into between the statement that makes a list and the last
     time that the inner one of the loops around an append, the outermost first, goes by the expression."""
     order = {id(n): k for k, n in enumerate(walk(body))}
     first, last = order[id(made)], order[id(loops[-1])]
@@ -163,16 +163,16 @@ def changed(found: AST, made: Assign, loops: list[AST], body: list[AST], memory:
     return bool(memory.written([found])) or memory.affected(found, memory.written([*parts, *made.value.elts]))
 
 
-def _length(iterable: AST) -> AST | None:
+def _sequence_length(iterable: AST) -> AST | None:
     """How long a sequence is, as an expression."""
     called, args = call_name(iterable), getattr(iterable, "args", [])
     if called == "builtins.range":
         plain = len(args) == 1 and isinstance(args[0], (Constant, Subscript, Attribute))
         return copy(args[0]) if plain else call("builtins.len", copy(iterable))
     if called in ("builtins.enumerate", "builtins.reversed") and args:
-        return _length(args[0])
+        return _sequence_length(args[0])
     if called == "builtins.zip" and args:
-        found = [_length(a) for a in args]
+        found = [_sequence_length(a) for a in args]
         return None if None in found else found[0] if len(found) == 1 else call("builtins.min", *found)
     if isinstance(iterable, (Name, Subscript)):
         return call("builtins.len", copy(iterable))
@@ -200,7 +200,7 @@ def own_part(statement: AST) -> AST:
     return statement.test if isinstance(statement, (If, While)) else statement
 
 
-Span = tuple[int | None, int | None]
+Interval = tuple[int | None, int | None]
 _DEEPEST = 8
 
 
@@ -210,17 +210,17 @@ class IndexIntervals:
     def __init__(self, function: FunctionDef):
         self.function = function
 
-    def from_start(self, place: AST) -> bool:
-        """Whether a place is never negative."""
-        low, _ = self.span(place)
+    def is_nonnegative(self, place: AST) -> bool:
+        """Whether an index is never negative."""
+        low, _ = self.interval(place)
         return low is not None and low >= 0
 
-    def span(self, node: AST, depth: int = 0) -> Span:
+    def interval(self, node: AST, depth: int = 0) -> Interval:
         """What an integer is at least, and at most; None where that is not known."""
         if isinstance(node, Constant):
             return (node.value, node.value) if type(node.value) is int else (None, None)
         if isinstance(node, UnaryOp) and isinstance(node.op, USub):
-            low, high = self.span(node.operand, depth)
+            low, high = self.interval(node.operand, depth)
             return None if high is None else -high, None if low is None else -low
         if isinstance(node, Name):
             return self.of_name(node.id, depth)
@@ -231,37 +231,37 @@ class IndexIntervals:
             return (0, node.right.value - 1) if whole else (None, None)
         if not isinstance(node.op, (Add, Sub)):
             return None, None
-        one, other = self.span(node.left, depth), self.span(node.right, depth)
+        one, other = self.interval(node.left, depth), self.interval(node.right, depth)
         other = other if isinstance(node.op, Add) else other[::-1]
         sign = 1 if isinstance(node.op, Add) else -1
         low, high = (None if a is None or b is None else a + sign * b for a, b in zip(one, other))
         return low, high
 
-    def of_name(self, identifier: str, depth: int) -> Span:
-        low = self.least(identifier)
+    def of_name(self, identifier: str, depth: int) -> Interval:
+        low = self.lower_bound(identifier)
         if low is not None or depth > _DEEPEST:
             return low, None
         bound = [s for s in walk_statements(self.function.body) if isinstance(s, Assign) and any(
             isinstance(t, Name) and t.id == identifier for t in s.targets)]
-        once = len(bound) == self.stores(identifier) == 1 and len(bound[0].targets) == 1
-        return self.span(bound[0].value, depth + 1) if once else (None, None)
+        once = len(bound) == self.store_count(identifier) == 1 and len(bound[0].targets) == 1
+        return self.interval(bound[0].value, depth + 1) if once else (None, None)
 
-    def stores(self, identifier: str) -> int:
+    def store_count(self, identifier: str) -> int:
         given = any(p.id == identifier for p in self.function.args.args)
         return given + sum(isinstance(n, Name) and n.id == identifier and isinstance(n.ctx, Store)
                            for n in walk(self.function.body))
 
-    def least(self, identifier: str) -> int | None:
-        """The least value of a name that only loops over ranges with written starts bind."""
+    def lower_bound(self, identifier: str) -> int | None:
+        """The least value of a name that only loops over ranges with constant starts bind."""
         loops = [s for s in walk_statements(self.function.body) if isinstance(s, For) and isinstance(s.target, Name)
                  and s.target.id == identifier]
-        if not loops or len(loops) != self.stores(identifier):
+        if not loops or len(loops) != self.store_count(identifier):
             return None
-        lows = [_low(s.iter) for s in loops]
+        lows = [_range_start(s.iter) for s in loops]
         return None if None in lows else min(low for low in lows if low is not None)
 
 
-def _low(iterable: AST) -> int | None:
+def _range_start(iterable: AST) -> int | None:
     args = getattr(iterable, "args", [])
     if call_name(iterable) != "builtins.range" or len(args) == 3:
         return None

@@ -1,4 +1,4 @@
-"""growing: lists that grow by `append` become arrays that are filled, after `comprehensions` and `lasting`.
+"""growing: lists that grow by `append` become arrays that are filled.
 
     def f(x, n):                                def f(x, n):
         u = [x[0]]                                  u = list(1 + len(range(n)))
@@ -9,16 +9,18 @@
                                                         u_count += 1
                                                     return u[u_count - 1]
 
-Requires resolved names. `builtins.list(count)` is an array whose type follows from what is stored (`infer`); `rows`
-allocates it. How often a list can grow must be known where it is made: else it is refused.
+Requires resolved names; establishes that there are no comprehensions and no appends. `builtins.list(count)` is an array
+whose type follows from what is stored (`infer`); `list_allocation` allocates it. Before, loops over lists that are
+spelled out are unrolled (`list_iteration`), and comprehensions become loops that append. How often a list can grow must
+be known where it is made (`Capacity`): else it is refused.
 """
 from __future__ import annotations
 
 from s2sad.infer.call_types import LISTED, MARKS, live
 from s2sad.evaluate.loops.comprehensions import HELP, comprehensions, marked
-from s2sad.evaluate.loops.negative_indices import negative_indices, place as place_of
+from s2sad.evaluate.loops.negative_indices import negative_indices, place as index_of
 from s2sad.evaluate.expressions.hoist import impure
-from s2sad.normalize.lists.capacity import Capacity, IndexIntervals, made_late
+from s2sad.normalize.lists.capacity import Capacity, IndexIntervals, sink_empty_lists
 from s2sad.normalize.lists.list_contents import COPIED, row_aliases
 from s2sad.evaluate.loops.escaping_lists import escaping_lists, has_sizes, list_repetition
 from s2sad.evaluate.scope import KernelScope
@@ -31,36 +33,36 @@ from s2sad.tree import (
 
 _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
 
-_ANEW = ("pick its elements by written numbers, or in loops through it, and give it no second name; or allocate an "
+_REBOUND = ("pick its elements by written numbers, or in loops through it, and give it no second name; or allocate an "
          "array before and fill it in a for loop")
 _EXTREME = {"builtins.max": "numpy.max", "builtins.min": "numpy.min"}      # of one list
 
 
 def growing(function: FunctionDef, scope: KernelScope) -> FunctionDef:
-    """The function without such lists and comprehensions."""
+    """The function with arrays in place of these lists and of comprehensions."""
     function = list_repetition(list_iteration(function), scope)
     nodes = list(walk(function.body))
     if not escaping_lists(function) and not any(
             isinstance(n, (ListComp, GeneratorExp)) or _appended(n) or call_name(n) == LISTED for n in nodes):
-        _refuse_named_rows(function, scope)
+        _refuse_row_aliases(function, scope)
         return function
-    new = made_late(comprehensions(_bound_once(function, scope), scope), scope, _appended)
+    new = sink_empty_lists(comprehensions(_renamed_rebindings(function, scope), scope), scope, _appended)
     scope.report.finish()
     scope.begin(new)
-    _refuse_named_rows(new, scope)
+    _refuse_row_aliases(new, scope)
     alone = {s.targets[0].id for s in walk_statements(new.body) if isinstance(s, Assign)
              and isinstance(s.targets[0], Name)}
     return _GrowingLists(new, scope, [n for n in escaping_lists(new) if n in alone],
                          {_appended(n) for n in nodes}).function()
 
 
-def _refuse_named_rows(function: FunctionDef, scope: KernelScope) -> None:
+def _refuse_row_aliases(function: FunctionDef, scope: KernelScope) -> None:
     for store in row_aliases(function, _appended):
         scope.refuse(store, "a list holds another list that is written, not a copy of it", help=COPIED)
 
 
-def _bound_once(function: FunctionDef, scope: KernelScope) -> FunctionDef:
-    """The function in which a list's name that stands for something else from some statement on, as after
+def _renamed_rebindings(function: FunctionDef, scope: KernelScope) -> FunctionDef:
+    """The function in which a list's name that is bound to something else from some statement on, as after
     `us = np.array(us)`, is another name from there on."""
     new = copy(function)
     grown = {n for s in walk(function.body) if (n := _appended(s)) is not None}
@@ -89,18 +91,18 @@ def _appended(node: AST) -> str | None:
 
 
 class _GrowingLists:
-    def __init__(self, tree: FunctionDef, scope: KernelScope, picked: list[str], appended: set[str | None]):
-        self.tree, self.scope, self.picked = tree, scope, picked
+    def __init__(self, tree: FunctionDef, scope: KernelScope, escaping: list[str], appended: set[str | None]):
+        self.tree, self.scope, self.escaping = tree, scope, escaping
         self.intervals, self.capacity = IndexIntervals(tree), Capacity(tree, scope, _appended)
         self.appended = appended        # names that the text appends to, not a comprehension
-        self.plain = _as_arrays(tree)
+        self.as_arrays = _as_arrays(tree)
         self.made: dict[str, Assign] = {}
         self.counts: dict[str, str] = {}
 
     def function(self) -> FunctionDef:
         empty = {s.targets[0].id: s for s in walk_statements(self.tree.body) if isinstance(s, Assign) and call_name(
             s.value) == LISTED}
-        grown = dict.fromkeys([*self.picked, *(n for s in walk(self.tree.body) if (n := _appended(s)) is not None)])
+        grown = dict.fromkeys([*self.escaping, *(n for s in walk(self.tree.body) if (n := _appended(s)) is not None)])
         self.made |= empty
         self.counts |= {n: self.scope.fresh(f"{n}_count") for n in empty}
         for found in grown:
@@ -109,8 +111,8 @@ class _GrowingLists:
             stores = [n for n in walk(self.tree.body) if isinstance(n, Name) and n.id == found
                       and isinstance(n.ctx, Store)]
             if len(bound) != 1 or len(stores) != 1 or len(bound[0].targets) != 1 or not isinstance(
-                    bound[0].value, (List, Tuple) if found in self.picked else List):
-                self.refuse_bound_anew(found)
+                    bound[0].value, (List, Tuple) if found in self.escaping else List):
+                self.refuse_rebound(found)
                 continue
             self.made[found] = bound[0]
             self.counts[found] = self.scope.fresh(f"{found}_count")
@@ -122,13 +124,13 @@ class _GrowingLists:
     def block(self, block: list[AST], loops: list[AST]) -> list[AST]:
         return [at(made, s) for s in block for made in self.statement(s, loops)]
 
-    def refuse_bound_anew(self, found: str) -> None:
+    def refuse_rebound(self, found: str) -> None:
         place = next(s for s in walk(self.tree.body) if _appended(s) == found)
         if found in self.appended:
             self.scope.refuse(place, f"append to {found!r}, which is not bound once, to a list",
                               help="bind it once, as [] or as a list of what it starts with")
         else:
-            self.scope.refuse(place, f"{found!r} is a list that a comprehension binds anew", help=_ANEW)
+            self.scope.refuse(place, f"{found!r} is a list that a comprehension binds anew", help=_REBOUND)
 
     def statement(self, statement: AST, loops: list[AST]) -> list[AST]:
         appended = _appended(statement)
@@ -136,14 +138,14 @@ class _GrowingLists:
             count = self.counts[appended]
             item = statement.value.args[0]
             item = marked(item)
-            place = self.counted(appended, loops) or name(count)
+            place = self.append_index(appended, loops) or name(count)
             return [assign(index(name(appended), place), self.read(item)), augment(count, Add(), const(1))]
         target = statement.targets[0] if isinstance(statement, Assign) else None
         if isinstance(target, Subscript) and isinstance(target.value, Name) and target.value.id in self.made:
             return [assign(self.read(target), self.read(marked(statement.value)))]
         bound = next((n for n, s in self.made.items() if s is statement), None)
         if bound is not None:
-            return self.start(bound, statement)
+            return self.allocation(bound, statement)
         new = head_copy(statement)
         for field in statement._fields:
             inner = getattr(statement, field)
@@ -155,8 +157,8 @@ class _GrowingLists:
                 setattr(new, field, [self.read(i) if isinstance(i, AST) else i for i in inner])
         return [new]
 
-    def counted(self, appended: str, loops: list[AST]) -> AST | None:
-        """The place of an append by its loop's counter, where each iteration appends once and nothing else does."""
+    def append_index(self, appended: str, loops: list[AST]) -> AST | None:
+        """The index of an append by its loop's counter, where each iteration appends once and nothing else does."""
         inner = [node for node in loops if not any(n is self.made[appended] for n in walk(node))]
         loop = inner[0] if len(inner) == 1 and isinstance(inner[0], For) else None
         alone = len(self.capacity.appends(self.tree.body, appended)) == 1
@@ -168,15 +170,15 @@ class _GrowingLists:
         first = len(self.made[appended].value.elts)
         return add(name(loop.target.id), const(first)) if first else name(loop.target.id)
 
-    def start(self, bound: str, statement: Assign) -> list[AST]:
-        """The array in place of the list, as large as the list can become, with what it starts with."""
+    def allocation(self, bound: str, statement: Assign) -> list[AST]:
+        """The array in place of the list, as large as its capacity, with what it starts with."""
         if call_name(statement.value) == LISTED:
             count = statement.value.args[0]
             return [assign(self.counts[bound], count), assign(bound, call(LISTED, name(self.counts[bound])))]
         items = list(map(marked, statement.value.elts))
         first: list[AST] = []
-        if bound in self.picked and not has_sizes(items[0]) and call_name(items[0]) not in MARKS:
-            items[0] = self.scope.held(items[0], f"{bound}_first", first)      # whose sizes `rows` takes
+        if bound in self.escaping and not has_sizes(items[0]) and call_name(items[0]) not in MARKS:
+            items[0] = self.scope.held(items[0], f"{bound}_first", first)      # whose sizes `list_allocation` takes
         made: list[AST] = [*first, assign(bound, call(LISTED, self.size(bound, statement)))]
         made += [assign(index(name(bound), const(k)), self.read(item)) for k, item in enumerate(items)]
         return [*made, assign(self.counts[bound], const(len(items)))]
@@ -208,14 +210,14 @@ class _GrowingLists:
         if isinstance(node, Name) and node.id in self.made:
             if isinstance(node.ctx, Store):
                 return None
-            if id(node) not in self.plain:
+            if id(node) not in self.as_arrays:
                 self.scope.refuse(node, f"the list {node.id!r} is used as a list",
                                   help="make it an array with np.array")
             return at(index(name(node.id), Slice(None, name(self.counts[node.id]), None)), node)
         return None
 
     def element(self, node: Subscript) -> AST:
-        """An element of a list, counted from the end where its place is a negative number."""
+        """An element of a list, counted from the end where its index is negative."""
         place, count = indices(node)[0], name(self.counts[node.value.id])
         if len(indices(node)) > 1 or isinstance(place, Slice):
             self.scope.refuse(node, "a part of a list", help=HELP)
@@ -223,13 +225,13 @@ class _GrowingLists:
             found: AST = sub(count, place.operand)
         else:
             found = self.read(place)
-            if not self.intervals.from_start(place):
-                found = place_of(found, copy(count)) if impure(found) else negative_indices(found, copy(count))
+            if not self.intervals.is_nonnegative(place):
+                found = index_of(found, copy(count)) if impure(found) else negative_indices(found, copy(count))
         return at(index(live(node.value, copy(count)) if isinstance(node.ctx, Store) else node.value, found), node)
 
 
 def _as_arrays(tree: FunctionDef) -> set[int]:
-    """The names that stand where a list is as good as an array of its items."""
+    """The occurrences of names at which a list may be an array of its items."""
     found: set[int] = set()
     for node in walk(tree.body):
         called = call_name(node) or ""

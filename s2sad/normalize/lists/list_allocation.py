@@ -50,7 +50,7 @@ _SHAPED = ("numpy.zeros", "numpy.ones", "numpy.empty", "numpy.full")
 
 
 def list_allocation(function: FunctionDef, context: NormalContext) -> FunctionDef:
-    """The function with those allocations; what cannot be allocated goes into the report."""
+    """The function with those allocations; refuses lists whose rows have no known sizes."""
     typing, program, writes, report = context.typing, context.program, context.written, context.report
     if not any(call_name(n) == LISTED for n in walk(function.body)):
         return function
@@ -64,7 +64,7 @@ def list_allocation(function: FunctionDef, context: NormalContext) -> FunctionDe
 
 
 def _lists_of(function: FunctionDef) -> frozenset[str]:
-    """The names in whose place arrays are allocated."""
+    """The names in place of which arrays are allocated."""
     return frozenset(s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign) and isinstance(
         s.targets[0], Name) and call_name(s.value) == LISTED)
 
@@ -87,7 +87,7 @@ class _ListAllocation:
         first = next((s.value for s in self.stores if stored_into(s.targets[0], [listed])), None)
         sizes = None if first is None else self.sizes(first, kind.rank - 1, node, 0)
         if sizes is None and first is not None and self.typing.of(first).rank == kind.rank - 1:
-            sizes = self.computed.of(first, lambda n: self.there(n, node))
+            sizes = self.computed.of(first, lambda n: self.is_bound(n, node))
         if sizes is None:
             self.report.error("S201", f"the sizes of the rows of {listed!r} are not known where the list is made", node,
                               help="allocate an array before and fill it in a for loop")
@@ -96,16 +96,16 @@ class _ListAllocation:
         return at(assign(listed, call("numpy.empty", shape, *dtype_of(kind))), node)
 
     def sizes(self, value: AST, rank: int, place: AST, depth: int) -> list[AST] | None:
-        """The sizes of an expression with so many axes, from an array in it that is there before a statement."""
+        """The sizes of an expression with so many axes, from an array in it that is bound before a statement."""
         if rank == 0:
             return []
         if depth > 8 or self.typing.of(value).rank != rank:
             return None
         if isinstance(value, Name) and value.id in self.made:
-            return [copy(self.made[value.id].value.args[0])] if rank == 1 and self.there(
+            return [copy(self.made[value.id].value.args[0])] if rank == 1 and self.is_bound(
                 self.made[value.id].value, place) else None
         if call_name(value) == "numpy.array" and isinstance(value.args[0], (List, Tuple)):
-            return list(map(const, written_sizes(value.args[0])))
+            return list(map(const, literal_shape(value.args[0])))
         if call_name(value) == "numpy.stack" and isinstance(value.args[0], (List, Tuple)) and value.args[0].elts and [
                 whole_number(k.value) for k in value.keywords] == [0]:
             inner = self.sizes(value.args[0].elts[0], rank - 1, place, depth + 1)
@@ -120,7 +120,7 @@ class _ListAllocation:
         if call_name(value) in _SHAPED:
             shape = value.args[0]
             parts = list(shape.elts) if isinstance(shape, Tuple) else [shape]
-            return list(map(copy, parts)) if len(parts) == rank and self.there(shape, place) and all(
+            return list(map(copy, parts)) if len(parts) == rank and self.is_bound(shape, place) and all(
                 self.typing.of(p).is_number for p in parts) else None
         rule = rules.find_array(call_name(value))
         if rule is not None and rule.law != "same" and rule.name not in _KEEPING:
@@ -151,17 +151,17 @@ class _ListAllocation:
         if any(isinstance(s, (Slice, Constant)) and getattr(s, "value", None) in (None, Ellipsis) or self.typing.of(
                 s).is_array or self.typing.of(s).kind == "unknown" for s in subscripts):
             return None
-        if self.there(base, place) or not subscripts and self.is_bound_before(base.id, place):
+        if self.is_bound(base, place) or not subscripts and self.has_array_before(base.id, place):
             return [index(attribute(base, "shape"), const(len(subscripts) + k)) for k in range(rank)]
         made = [s.value for s in self.bound if s.targets[0].id == base.id]
         return self.sizes(made[0], rank, place, depth + 1) if made and not subscripts else None
 
-    def is_bound_before(self, identifier: str, place: AST) -> bool:
-        """Whether a name stands for an array before a statement, which a row that it stands for later has to fit."""
+    def has_array_before(self, identifier: str, place: AST) -> bool:
+        """Whether a name is bound to an array before a statement, which a row that it is bound to later has to fit."""
         return any(isinstance(s, Assign) and isinstance(s.targets[0], Name) and s.targets[0].id == identifier
                    and self.order[id(s)] < self.order[id(place)] for s in self.function.body)
 
-    def there(self, node: AST, place: AST) -> bool:
+    def is_bound(self, node: AST, place: AST) -> bool:
         """Whether all names of an expression are bound before a statement, each once."""
         parameters = {p.id for p in self.function.args.args}
         for n in walk(node):
@@ -178,15 +178,15 @@ _MADE = ("numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full")
 _PLAIN = {"builtins.len", "builtins.range", "builtins.min", "builtins.max", "runtime.position", "runtime.position_down"}
 _DEEPEST = 8
 
-There = Callable[[AST], bool]       # whether all that an expression reads is there
+IsBound = Callable[[AST], bool]     # whether all that an expression reads is bound where the list is made
 
 
 class RowShapes:
-    """The sizes of the arrays of one function, of what `there` says of."""
+    """The sizes of the arrays of one function, over what `is_bound` says of."""
 
     def __init__(self, function: FunctionDef, typing: Typing):
         self.function = function
-        self.given = self.typing = typing.copy(Report(typing.report.source))
+        self.initial = self.typing = typing.copy(Report(typing.report.source))
         nodes = list(walk(function.body))
         self.bound = {s.targets[0].id: s.value for s in reversed(nodes) if isinstance(s, Assign)
                       and isinstance(s.targets[0], Name)}
@@ -194,27 +194,27 @@ class RowShapes:
         self.starts = {s.target.id: s.iter.args[0] if len(s.iter.args) > 1 else const(0)
                        for s in nodes if isinstance(s, For) and isinstance(s.target, Name)}
 
-    def of(self, value: AST, there: There) -> list[AST] | None:
+    def of(self, value: AST, is_bound: IsBound) -> list[AST] | None:
         """The sizes of an array; None if they are not known, or change."""
-        found = [self.shape(value, there, trip) for trip in (0, 1)]
+        found = [self.shape(value, is_bound, trip) for trip in (0, 1)]
         if not found[0] or found[0] != found[1]:
             return None
         return [self.shapes.extent(d) for d in found[0] if d is not None]
 
-    def shape(self, value: AST, there: There, trip: int) -> Shape:
+    def shape(self, value: AST, is_bound: IsBound, trip: int) -> Shape:
         """The shape in a loop's first trip, or in the second; () if it is not known."""
-        self.typing = self.given.copy()
+        self.typing = self.initial.copy()
         self.shapes = _SliceShapes(bare_shapes(self.function, self.typing))
-        plain = self.opened(value, there, trip, False)
+        plain = self.substituted(value, is_bound, trip, False)
         if any(is_piece(n, self.typing) for n in walk(plain)):
-            return self.of_pieces(plain, there)
-        found = self.shapes.of(self.opened(value, there, trip))
-        known = all(d is not None and all(self.is_plain(self.shapes.atoms[s], there) for s, _ in d.terms)
+            return self.of_expansion(plain, is_bound)
+        found = self.shapes.of(self.substituted(value, is_bound, trip))
+        known = all(d is not None and all(self.is_plain(self.shapes.atoms[s], is_bound) for s, _ in d.terms)
                     for d in found)
         return found if known and len(found) == self.typing.of(value).rank else ()
 
-    def of_pieces(self, value: AST, there: There) -> Shape:
-        """The shape of what a function gives that is written out in others."""
+    def of_expansion(self, value: AST, is_bound: IsBound) -> Shape:
+        """The shape of the result of a function that is expanded."""
         free = Names({n.id for n in walk(self.function) if isinstance(n, Name)})
         row = self.typing.declare(free.fresh("row"), self.typing.of(value))
         alone = copy(self.function)
@@ -224,21 +224,21 @@ class RowShapes:
             return ()
         alone.body = [*self.function.body, *made.body]
         inner = RowShapes(alone, self.typing)
-        found = inner.shape(name(row), there, 0)
+        found = inner.shape(name(row), is_bound, 0)
         self.shapes = inner.shapes
         return found
 
-    def is_plain(self, size: AST, there: There) -> bool:
-        return there(size) and all(call_name(n) in _PLAIN for n in walk(size) if isinstance(n, Call))
+    def is_plain(self, size: AST, is_bound: IsBound) -> bool:
+        return is_bound(size) and all(call_name(n) in _PLAIN for n in walk(size) if isinstance(n, Call))
 
-    def opened(self, value: AST, there: There, trip: int, named: bool = True, depth: int = 0) -> AST:
-        """The expression over what is there; an array that is allocated has a name of its own, of a shape that is
+    def substituted(self, value: AST, is_bound: IsBound, trip: int, named: bool = True, depth: int = 0) -> AST:
+        """The expression over what is bound; an array that is allocated has a name of its own, of a shape that is
         known, if `named`."""
         def inner(node: AST) -> AST:
-            return self.opened(node, there, trip, named, depth + 1)
+            return self.substituted(node, is_bound, trip, named, depth + 1)
 
         def change(node: AST) -> AST | None:
-            if isinstance(node, Name) and "." not in node.id and not there(node) and depth < _DEEPEST:
+            if isinstance(node, Name) and "." not in node.id and not is_bound(node) and depth < _DEEPEST:
                 if node.id in self.starts and self.times[node.id] == 1:
                     return add(inner(self.starts[node.id]), const(trip)) if trip else inner(self.starts[node.id])
                 again = self.typing.of(node).is_number and self.times[node.id] > 1
@@ -247,7 +247,7 @@ class RowShapes:
                 return self.named(node, self.shapes.asked_for(inner(node.args[0])))
             if named and call_name(node) == "numpy.array" and isinstance(node, Call) and isinstance(
                     node.args[0], (List, Tuple)):
-                return self.named(node, tuple(Affine((), n) for n in written_sizes(node.args[0])))
+                return self.named(node, tuple(Affine((), n) for n in literal_shape(node.args[0])))
             return None
         return rebuild(value, change)
 
@@ -277,8 +277,8 @@ class _SliceShapes(Shapes):
         return size.plus(form) if ends else form
 
 
-def written_sizes(node: AST) -> list[int]:
+def literal_shape(node: AST) -> list[int]:
     """The sizes of the array that nested lists spell."""
     if not isinstance(node, (List, Tuple)):
         return []
-    return [len(node.elts), *(written_sizes(node.elts[0]) if node.elts else [])]
+    return [len(node.elts), *(literal_shape(node.elts[0]) if node.elts else [])]

@@ -47,7 +47,7 @@ class ListContents:
         for s in nodes:
             if isinstance(s, Assign) and isinstance(s.targets[0], Name):
                 self.links.setdefault(s.targets[0].id, set()).update(self.sources(s.value))
-        self.references = UpcomingUses(function)
+        self.uses = UpcomingUses(function)
 
     def sources(self, value: AST) -> set[str]:
         """The names whose memory a value may be."""
@@ -63,20 +63,20 @@ class ListContents:
     def is_shared(self, store: Assign) -> bool:
         return self.typing.of(store.value).is_array and isinstance(store.value, (Name, Subscript, Attribute))
 
-    def views_of(self, held: Iterable[str]) -> set[str]:
+    def views_of(self, arrays: Iterable[str]) -> set[str]:
         """Names and those that may be views of them."""
-        found = set(held)
+        found = set(arrays)
         while more := {n for n, above in self.links.items() if above & found} - found:
             found |= more
         return found
 
-    def component(self, held: Iterable[str]) -> set[str]:
+    def component(self, arrays: Iterable[str]) -> set[str]:
         """All names that may share memory with some, through lists as well."""
-        found = self.views_of(held)
+        found = self.views_of(arrays)
         while True:
             above = {a for n in found for a in self.links.get(n, ())}
             for listed, stores in self.stores.items():
-                of = {a for s in stores if self.is_shared(s) and not self.is_new(s) for a in self.sources(s.value)}
+                of = {a for s in stores if self.is_shared(s) and not self.is_fresh(s) for a in self.sources(s.value)}
                 above |= {listed} if of & found else of if listed in found else set()
             if above <= found:
                 return found
@@ -87,64 +87,64 @@ class ListContents:
         found = self.component({listed})
         return [n for n in self.made if n == listed or n in found]
 
-    def around(self, node: AST, of: AST) -> list[AST]:
+    def loops_around(self, node: AST, of: AST) -> list[AST]:
         """The loops around a statement that are not around another one."""
         return [n for n in walk_statements(self.function.body) if isinstance(n, (For, While))
                 and any(m is node for m in walk(n))
                 and not any(m is of for m in walk(n))]
 
-    def is_new(self, store: Assign, kept: str = "") -> bool:
+    def is_fresh(self, store: Assign, identifier: str = "") -> bool:
         """Whether what is stored is a name that was bound to a new array just before, which lies in no other list;
-        `kept` is the name where it lies in a row that is stored."""
+        `identifier` is the name where it lies in a row that is stored."""
         block = next(b for b in self.blocks if any(s is store for s in b))
-        kept = kept or (store.value.id if isinstance(store.value, Name) else "")
+        identifier = identifier or (store.value.id if isinstance(store.value, Name) else "")
         before = block[:next(k for k, s in enumerate(block) if s is store)]
-        bound = max((k for k, s in enumerate(before) if kept in stored_names(s)), default=-1)
+        bound = max((k for k, s in enumerate(before) if identifier in stored_names(s)), default=-1)
         if bound < 0 or not isinstance(before[bound], Assign) or self.sources(before[bound].value):
             return False
         after = [n for s in block[bound:] for n in walk(s)]
-        return not any(s is not store and kept in self.sources(s.value) and any(n is s for n in after)
+        return not any(s is not store and identifier in self.sources(s.value) and any(n is s for n in after)
                        for stores in self.stores.values() for s in stores)
 
     def is_repeated(self, listed: str) -> bool:
         """Whether a list may hold one array, or one part of it, several times."""
-        shared = [s for s in self.stores[listed] if self.is_shared(s) and not self.is_new(s)]
+        shared = [s for s in self.stores[listed] if self.is_shared(s) and not self.is_fresh(s)]
         if any(self.component(self.sources(a.value)) & self.component(self.sources(b.value))
                for k, a in enumerate(shared) for b in shared[:k]):
             return True
         for s in shared:
-            loops = self.around(s, self.made[listed])
+            loops = self.loops_around(s, self.made[listed])
             own = indices(s.value) if isinstance(s.value, Subscript) else []
-            if len(loops) > 1 or loops and not any(moved(i, loops[0]) is not None for i in own):
+            if len(loops) > 1 or loops and not any(counter_offset(i, loops[0]) is not None for i in own):
                 return True
         return False
 
-    def telling(self, listed: str) -> AST | None:
-        """The first statement that writes what a list holds where other names, or other elements, would tell."""
+    def diverging_store(self, listed: str) -> AST | None:
+        """The first store into what a list holds that other names, or other elements, share in Python."""
         shared = [s for s in self.stores[listed] if self.is_shared(s)]
         if not shared:
             return None
         own, filling = self.views_of({listed}), {id(s) for s in self.stores[listed]}
-        writing = [s for s in walk(self.function.body) if id(s) not in filling and self.written(s) & own]
+        writing = [s for s in walk(self.function.body) if id(s) not in filling and self.stored_arrays(s) & own]
         if writing and self.is_repeated(listed):
             return writing[0]
-        kept = [self.views_of({s.value.id}) if self.is_new(s) and isinstance(s.value, Name)
+        kept = [self.views_of({s.value.id}) if self.is_fresh(s) and isinstance(s.value, Name)
                 else self.component(self.sources(s.value)) for s in shared]
         others = set().union(*kept) - own
         for s in writing:
-            seen = self.references.after[id(s)] | self.parameters | (
+            seen = self.uses.after[id(s)] | self.parameters | (
                 set(names(s.value)) if isinstance(s.value, Call) else set())
             if others & seen or any(n.startswith("array.") for n in others):
                 return s
         return None
 
-    def bound_anew(self, listed: str) -> AST | None:
-        """The first statement that puts another array in place of one that a name stands for, which is read later."""
+    def replaced_element(self, listed: str) -> AST | None:
+        """The first store of another array in place of an element whose name is read later."""
         parts = {n for n in self.views_of({listed}) if self.typing.of(name(n)).rank < self.typing.of(name(listed)).rank}
         return next((s for s in self.stores[listed] if isinstance(s.targets[0].value, Subscript)
-                     and parts & self.references.after[id(s)]), None)
+                     and parts & self.uses.after[id(s)]), None)
 
-    def written(self, statement: AST) -> set[str]:
+    def stored_arrays(self, statement: AST) -> set[str]:
         """The arrays that a statement stores into."""
         if not isinstance(statement, (Assign, AugAssign, Expr)):
             return set()
@@ -155,18 +155,19 @@ class ListContents:
         return found | ({base_name(statement.value.args[k]) for k in self.writes(statement.value)} if called else set())
 
 
-def told_apart(function: FunctionDef, stores: Sequence[AST], typing: Typing, memory: Memory) -> list[AST]:
-    """The stores of an array into a list after which the array may be written by a name of its own."""
-    return [s for s in stores if is_shared(s.value, typing) and is_told(function, s, s.value, stores, memory)]
+def stored_into_later(function: FunctionDef, stores: Sequence[AST], typing: Typing, memory: Memory) -> list[AST]:
+    """The stores of an array into a list after which the array may be stored into under a name of its own."""
+    return [s for s in stores if is_shared(s.value, typing)
+            and is_stored_into_later(function, s, s.value, stores, memory)]
 
 
 def is_shared(value: AST, typing: Typing) -> bool:
-    """Whether a value is an array that something else may hold as well."""
+    """Whether a value is an array that another name or list may share."""
     return (isinstance(value, (Name, Subscript, Attribute)) or shows(value)) and typing.of(value).is_array
 
 
-def is_told(function: FunctionDef, store: AST, value: AST, stores: Sequence[AST], memory: Memory) -> bool:
-    """Whether an array that a store puts into a list may be written after it by a name of its own."""
+def is_stored_into_later(function: FunctionDef, store: AST, value: AST, stores: Sequence[AST], memory: Memory) -> bool:
+    """Whether an array that is put into a list may be stored into later under a name of its own."""
     appended = {id(s) for s in stores}
     every = [p for p in _not_before(function.body, store) if id(p) not in appended]
     made = {id(p) for p in own_parts(_made(function.body, store, value))}
@@ -193,17 +194,17 @@ def _made(block: list[AST], store: AST, value: AST) -> list[AST]:
     return found[1] if found is not None and found[0] else []
 
 
-def _before(block: list[AST], store: AST, kept: str) -> tuple[bool, list[AST]] | None:
+def _before(block: list[AST], store: AST, identifier: str) -> tuple[bool, list[AST]] | None:
     """Whether what binds the array's name was found, and the statements since then; None if the store is not here."""
     for position, statement in enumerate(block):
         if statement is store:
-            return _since(block[:position], kept)
+            return _since(block[:position], identifier)
         for field in ("body", "orelse"):
-            found = _before(getattr(statement, field, []), store, kept)
+            found = _before(getattr(statement, field, []), store, identifier)
             if found is not None and (found[0] or not isinstance(statement, If)):
                 return found if found[0] else (True, [])
             if found is not None:
-                bound, statements = _since(block[:position], kept)
+                bound, statements = _since(block[:position], identifier)
                 return (bound, [*statements, *found[1]]) if statements or not bound else (True, [])
     return None
 
@@ -225,7 +226,7 @@ def _binds(statement: AST, identifier: str) -> bool:
                for n in walk(statement))
 
 
-def moved(place: AST, loop: AST) -> int | None:
+def counter_offset(place: AST, loop: AST) -> int | None:
     """How far a subscript is from a loop's counter."""
     if not isinstance(loop, For) or not isinstance(loop.target, Name):
         return None
@@ -245,7 +246,8 @@ def row_aliases(function: FunctionDef, appended: Appended) -> list[AST]:
     h.append(w)             or h = [w, v], h[0] = w
     w[0] = 0.0              Python's h holds the new number
 
-    Requires resolved names. Only lists that are spelled out are asked about: of others, which are arrays, types tell.
+    Requires resolved names. Only lists that are spelled out are asked about: for others, which are arrays,
+    `stored_into_later` is.
     """
     nodes = list(walk(function.body))
     order = {id(n): k for k, n in enumerate(nodes)}

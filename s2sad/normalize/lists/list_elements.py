@@ -19,7 +19,7 @@ from s2sad.infer.inference import Typing
 from s2sad.infer.types import Type
 from s2sad.liveness import base_name
 from s2sad.normalize.context import NormalContext
-from s2sad.normalize.lists.list_contents import HELP, ListContents, Writes, is_shared, is_told
+from s2sad.normalize.lists.list_contents import HELP, ListContents, Writes, is_shared, is_stored_into_later
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Break, Expr, For, FunctionDef, If, IfExp, List, Name, Return, Slice, Subscript,
     Tuple, While, call, call_name, const, copy, indices, name, names, rebuild, rename, stored_names, times_bound, walk,
@@ -59,21 +59,21 @@ def copies_in_tuples(function: FunctionDef, context: NormalContext) -> None:
     typing, program, writes, report = context.typing, context.program, context.written, context.report
     if not any(call_name(n) == LISTED for n in walk(function.body)):
         return
-    held = ListContents(function, typing, writes)
-    apart = {id(s): [i for i in _items(s.value) if is_shared(i, typing)
-                     and base_name(i) not in held.made]      # a list of its own has stores of its own
-             for stores in held.stores.values() for s in stores if _is_row(s.value)}
-    if not any(apart.values()):
+    contents = ListContents(function, typing, writes)
+    shared_items = {id(s): [i for i in _items(s.value) if is_shared(i, typing)
+                            and base_name(i) not in contents.made]      # a list of its own has stores of its own
+                    for stores in contents.stores.values() for s in stores if _is_row(s.value)}
+    if not any(shared_items.values()):
         return
     memory = Memory(rebuild(function, lambda n: call("numpy.empty", const(0)) if call_name(n) == LISTED else None),
                     program)
-    every = [s for stores in held.stores.values() for s in stores]
-    for listed, stores in held.stores.items():
+    every = [s for stores in contents.stores.values() for s in stores]
+    for listed, stores in contents.stores.items():
         for store in stores:
-            items = apart.get(id(store), [])
-            if any(is_told(function, store, item, every, memory) for item in items):
+            items = shared_items.get(id(store), [])
+            if any(is_stored_into_later(function, store, item, every, memory) for item in items):
                 report.error("S201", "a list holds an array that is written, not a copy of it", store, help=HELP)
-            elif items and (place := _telling(listed, store, items, held, typing)) is not None:
+            elif items and (place := _diverging_store(listed, store, items, contents, typing)) is not None:
                 report.error("S201", f"the list {listed!r} holds views of an array, or one array several times, and "
                              "what it holds is written", place, help=HELP)
 
@@ -85,7 +85,7 @@ def _is_row(value: AST) -> bool:
 
 
 def _items(value: AST) -> Iterator[AST]:
-    """What lies in a row, or in the rows of it."""
+    """What lies in a row, or in the rows in it."""
     if isinstance(value, IfExp):
         yield from (i for v in (value.body, value.orelse) for i in _items(v))
     elif isinstance(value, (Tuple, List)):
@@ -96,36 +96,37 @@ def _items(value: AST) -> Iterator[AST]:
         yield value
 
 
-def _telling(listed: str, store: Assign, items: list[AST], held: ListContents, typing: Typing) -> AST | None:
-    """The first statement that writes an array of a row by the list, where another name or row would tell."""
-    kept = [i for i in items if not _is_alone(store, i, items, held)]
-    rank = min((typing.of(i).rank for i in kept), default=0)
-    own = held.views_of({listed})
-    while more := {n for n, stores in held.stores.items() if any(
-            held.sources(s.value) & own for s in stores)} - own:
-        own |= held.views_of(more)
-    filling = {id(s) for stores in held.stores.values() for s in stores if not isinstance(s.targets[0], Name)}
-    parts = {n for n in own if 0 < held.typing.table[n].rank <= rank}
-    for statement in walk(held.function.body):
-        if not kept or id(statement) in filling or not _written(statement, held) & own:
+def _diverging_store(listed: str, store: Assign, items: list[AST], contents: ListContents,
+                     typing: Typing) -> AST | None:
+    """The first store through the list into an array of a row that another name or row shares in Python."""
+    shared = [i for i in items if not _is_unshared(store, i, items, contents)]
+    rank = min((typing.of(i).rank for i in shared), default=0)
+    own = contents.views_of({listed})
+    while more := {n for n, stores in contents.stores.items() if any(
+            contents.sources(s.value) & own for s in stores)} - own:
+        own |= contents.views_of(more)
+    filling = {id(s) for stores in contents.stores.values() for s in stores if not isinstance(s.targets[0], Name)}
+    parts = {n for n in own if 0 < contents.typing.table[n].rank <= rank}
+    for statement in walk(contents.function.body):
+        if not shared or id(statement) in filling or not _stored_arrays(statement, contents) & own:
             continue
-        if not _puts(statement, rank, typing) or parts & held.references.after[id(statement)]:
+        if not _replaces_element(statement, rank, typing) or parts & contents.uses.after[id(statement)]:
             return statement
     return None
 
 
-def _written(statement: AST, held: ListContents) -> set[str]:
-    """The arrays that a statement stores into; of a name that was bound just before, what it stands for."""
+def _stored_arrays(statement: AST, contents: ListContents) -> set[str]:
+    """The arrays that a statement stores into, through names bound just before in its block as well."""
     found: set[str] = set()
-    for n in held.written(statement):
-        bound = _bound(statement, n, held)
-        found |= {n} if bound is None or n in held.made else held.sources(bound.value)
+    for n in contents.stored_arrays(statement):
+        bound = _binding_before(statement, n, contents)
+        found |= {n} if bound is None or n in contents.made else contents.sources(bound.value)
     return found
 
 
-def _bound(statement: AST, identifier: str, held: ListContents) -> Assign | None:
-    """The statement that binds a name as a statement of the same block finds it; None if it is in no such place."""
-    block = next(b for b in held.blocks if any(s is statement for s in b))
+def _binding_before(statement: AST, identifier: str, contents: ListContents) -> Assign | None:
+    """The last statement before one in its block that binds a name; None if that is no plain assignment."""
+    block = next(b for b in contents.blocks if any(s is statement for s in b))
     for s in reversed(block[:next(k for k, s in enumerate(block) if s is statement)]):
         if isinstance(s, Assign) and isinstance(s.targets[0], Name) and s.targets[0].id == identifier:
             return s
@@ -134,44 +135,44 @@ def _bound(statement: AST, identifier: str, held: ListContents) -> Assign | None
     return None
 
 
-def _is_alone(store: Assign, item: AST, items: list[AST], held: ListContents) -> bool:
-    """Whether a row holds an array that is made for it and is used by no other name."""
+def _is_unshared(store: Assign, item: AST, items: list[AST], contents: ListContents) -> bool:
+    """Whether an array in a row is made for it and used under no other name."""
     if not isinstance(item, Name) or sum(isinstance(i, Name) and i.id == item.id for i in items) > 1:
         return False
-    return held.is_new(store, item.id) and not held.views_of({item.id}) & held.references.after[id(store)]
+    return contents.is_fresh(store, item.id) and not contents.views_of({item.id}) & contents.uses.after[id(store)]
 
 
-def _puts(statement: AST, rank: int, typing: Typing) -> bool:
-    """Whether a statement puts another array into a row, and writes none."""
+def _replaces_element(statement: AST, rank: int, typing: Typing) -> bool:
+    """Whether a statement puts another array in place of an element of a row, and stores into none."""
     target = statement.targets[0] if isinstance(statement, Assign) else None
     return isinstance(target, Subscript) and typing.of(target).rank >= rank and not any(
         isinstance(i, Slice) or typing.of(i).is_array or getattr(i, "value", None) is Ellipsis for i in indices(target))
 
 
 def element_types(function: FunctionDef, typing: Typing, writes: Writes, report: Report) -> None:
-    """Puts into the report what is put into a list and is not like what else it holds."""
-    held = ListContents(function, typing, writes)
-    for listed, stores in held.stores.items():
+    """Refuses what is stored into a list and is of another rank or dtype than what else it holds."""
+    contents = ListContents(function, typing, writes)
+    for listed, stores in contents.stores.items():
         row = typing.of(name(listed))
         if row.rank < 2:
             continue
         kinds = [typing.of(s.value) for s in stores]
-        written = len({k.dtype for k in kinds if k.is_array}) > 1 and _is_written(listed, held)
+        mixed = len({k.dtype for k in kinds if k.is_array}) > 1 and _is_stored_into(listed, contents)
         for store, kind in zip(stores, kinds):
             if kind.is_number or kind.is_array and kind.rank != row.rank - 1:
                 report.error("S201", f"the list {listed!r} holds arrays of several numbers of axes", store, help=_ALIKE)
-            elif kind.is_array and kind.dtype != row.dtype and (written or _is_single(kind, row)):
+            elif kind.is_array and kind.dtype != row.dtype and (mixed or _is_float32(kind, row)):
                 report.error("S201", f"the list {listed!r} holds arrays of several dtypes", store, help=_ALIKE)
 
 
-def _is_single(*kinds: Type) -> bool:
+def _is_float32(*kinds: Type) -> bool:
     return any(k.dtype == "float32" for k in kinds)
 
 
-def _is_written(listed: str, held: ListContents) -> bool:
-    """Whether an array that the list holds is written by the list, or under a name."""
-    own, filling = held.views_of({listed}), {id(s) for s in held.stores[listed]}
-    return any(id(s) not in filling and held.written(s) & own for s in walk(held.function.body))
+def _is_stored_into(listed: str, contents: ListContents) -> bool:
+    """Whether an array that the list holds is stored into, through the list or under a name."""
+    own, filling = contents.views_of({listed}), {id(s) for s in contents.stores[listed]}
+    return any(id(s) not in filling and contents.stored_arrays(s) & own for s in walk(contents.function.body))
 
 
 def coalesce_names(function: FunctionDef, context: NormalContext) -> FunctionDef:
@@ -194,11 +195,11 @@ def coalesce_names(function: FunctionDef, context: NormalContext) -> FunctionDef
         return function
     mentions = Counter(n.id for n in walk(function.body) if isinstance(n, Name))
 
-    def block(given: list[AST]) -> list[AST]:
-        made = [with_blocks(s, block) for s in given]
+    def block(body: list[AST]) -> list[AST]:
+        made = [with_blocks(s, block) for s in body]
         place = 0
         while place < len(made):
-            start = _start(made, place, mentions)
+            start = _allocation_of(made, place, mentions)
             if start is None:
                 place += 1
                 continue
@@ -212,12 +213,13 @@ def coalesce_names(function: FunctionDef, context: NormalContext) -> FunctionDef
     return named
 
 
-def _start(block: list[AST], place: int, mentions: Counter[str]) -> int | None:
-    """Where the array that a statement gives another name is made, if that name may be the only one."""
-    handed = block[place]
-    if not isinstance(handed, Assign) or not isinstance(handed.targets[0], Name) or not isinstance(handed.value, Name):
+def _allocation_of(block: list[AST], place: int, mentions: Counter[str]) -> int | None:
+    """Where the array that a statement binds to another name is made, if that name may be the only one."""
+    rebound = block[place]
+    if not isinstance(rebound, Assign) or not isinstance(rebound.targets[0], Name) or not isinstance(
+            rebound.value, Name):
         return None
-    old, new = handed.value.id, handed.targets[0].id
+    old, new = rebound.value.id, rebound.targets[0].id
     start = next((k for k in range(place - 1, -1, -1) if times_bound([block[k]], Assign, For)[old]), None)
     if start is None or not isinstance(first := block[start], Assign) or not isinstance(first.targets[0], Name) or not (
             fresh_value(first.value)):
@@ -241,7 +243,7 @@ def unsupported_lists(function: FunctionDef, context: NormalContext) -> None:
     """
     report = context.report
     for statement in walk(function.body):
-        value = _value(statement)
+        value = _expression_of(statement)
         if value is None:
             continue
         wrong = next((n for n in walk(value) if isinstance(n, List) or isinstance(n, Subscript) and not isinstance(
@@ -252,7 +254,7 @@ def unsupported_lists(function: FunctionDef, context: NormalContext) -> None:
             report.error("S201", f"{what} is not supported here", place, help=_NAMED)
 
 
-def _value(statement: AST) -> AST | None:
+def _expression_of(statement: AST) -> AST | None:
     if isinstance(statement, (Assign, AugAssign, Expr, Return)):
         return statement.value
     return statement.test if isinstance(statement, (If, While)) else statement.iter if isinstance(

@@ -10,9 +10,9 @@ does it.
                                             u = np.concatenate((t[0], t[1]))
                                             return u[3] * x[0]
 
-Requires structured form and types, and that `lists` has left marks (MARKS) on such rows: in the array in place of a
+Requires structured form and types, and that `growing` has left marks (MARKS) on such rows: in the array in place of a
 list they are rows like any other, whose operators are NumPy's. Establishes that there are no marks. An operator that
-would need more than this, and a function that is given such a row and would, are refused.
+would need more than this, and a function whose argument is such a row and that would, are refused.
 """
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ def _joined(a: Levels, b: Levels) -> Levels:
 
 
 class _ListOperators:
-    """One function; `given` is what its parameters are, `inside` the functions that led here."""
+    """One function; `parameters` says what these are, `callers` the functions that led here."""
 
     def __init__(self, function: FunctionDef, typing: Typing, helpers: Helpers, report: Report,
-                 given: dict[str, Levels], inside: tuple[str, ...]):
-        self.tree, self.typing, self.helpers, self.report, self.inside = function, typing, helpers, report, inside
+                 parameters: dict[str, Levels], callers: tuple[str, ...]):
+        self.tree, self.typing, self.helpers, self.report, self.callers = function, typing, helpers, report, callers
         self.changed = False
-        self.table: dict[str, Levels] = {p.id: given.get(p.id, ()) for p in function.args.args}
+        self.table: dict[str, Levels] = {p.id: parameters.get(p.id, ()) for p in function.args.args}
         self.bound = {n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)}
         self.made = {s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign) and isinstance(
             s.targets[0], Name) and call_name(s.value) == LISTED}
@@ -95,8 +95,8 @@ class _ListOperators:
             return (EITHER,) if found else found
         if call_name(node) in MARKS and isinstance(node, Call):
             return (MARKS[call_name(node) or ""], *(self.of(node.args[0]) or ())[1:])
-        given = isinstance(node, Call) and (call_name(node) or "").startswith("user.") and any(map(self.of, node.args))
-        return (EITHER,) if given and self.typing.of(node).is_array else ()
+        passed = isinstance(node, Call) and (call_name(node) or "").startswith("user.") and any(map(self.of, node.args))
+        return (EITHER,) if passed and self.typing.of(node).is_array else ()
 
     def of_operator(self, node: BinOp, left: Levels | None, right: Levels | None) -> Levels | None:
         if left is None or right is None:
@@ -143,9 +143,9 @@ class _ListOperators:
             for value in node.values:
                 self.refuse_if(value, node, "testing")
         if isinstance(node, (Assign, AugAssign)):
-            self.whole(node)
+            self.refuse_float(node)
         if isinstance(node, AugAssign):
-            self.augmented(node)
+            self.refuse_augmented(node)
         if isinstance(node, Call):
             return self.called(node)
         return None
@@ -201,14 +201,14 @@ class _ListOperators:
         self.changed = True
         return at(compare(call("builtins.len", test), Gt(), const(0)), test)
 
-    def augmented(self, node: AugAssign) -> None:
+    def refuse_augmented(self, node: AugAssign) -> None:
         target, value = self.of(node.target), self.of(node.value)
         longer = isinstance(node.op, Add) and target and (target[0] != "tuple" or value)
         more = isinstance(node.op, Mult) and target and self.typing.of(node.value).is_integer
         if longer or more:
             self.refuse_if(node.target, node, f"{'+' if longer else '*'}= on")
 
-    def whole(self, node: Assign | AugAssign) -> None:
+    def refuse_float(self, node: Assign | AugAssign) -> None:
         """Refuses a float in a list of integers, which is an array of integers."""
         target = node.targets[0] if isinstance(node, Assign) else node.target
         inexact = self.typing.of(node.value).is_inexact or isinstance(node, AugAssign) and isinstance(node.op, Div)
@@ -220,8 +220,8 @@ class _ListOperators:
         called = call_name(node) or ""
         if called in MARKS:
             return at(self.array_of(node.args[0]), node)
-        given = [self.of(a) or () for a in node.args]
-        if called.startswith("user.") and any(given) and self.tells(node, given):
+        passed = [self.of(a) or () for a in node.args]
+        if called.startswith("user.") and any(passed) and self.depends_on_lists(node, passed):
             self.report.error("S201", f"'{called.removeprefix('user.')}' adds, repeats or compares what is a list or a "
                               "tuple that is an element of a list here", node, help=_HELP)
         return None
@@ -229,19 +229,19 @@ class _ListOperators:
     def array_of(self, items: AST) -> AST:
         return call("numpy.array", rebuild(items, self.change))
 
-    def tells(self, node: Call, given: list[Levels]) -> bool:
+    def depends_on_lists(self, node: Call, passed: list[Levels]) -> bool:
         """Whether a function uses an operator that is another one for lists and tuples than for arrays."""
         kernel = (call_name(node) or "").partition(".")[2]
         source = self.helpers.program.kernels.get(kernel)
-        if source is None or source.own is not None or kernel in self.inside:
+        if source is None or source.own is not None or kernel in self.callers:
             return source is not None and source.own is not None
         tree = self.helpers.tree(kernel)
         parameters = [p.id for p in tree.args.args]
         free = Names(n.id for n in walk(tree) if isinstance(n, Name))
         types = dict(zip(parameters, map(self.typing.argument, node.args)))
         tree, typing = self.helpers.typing(tree, types, source.source, free)
-        inner = _ListOperators(tree, typing, self.helpers, Report(source.source), dict(zip(parameters, given)),
-                               (*self.inside, kernel))
+        inner = _ListOperators(tree, typing, self.helpers, Report(source.source), dict(zip(parameters, passed)),
+                               (*self.callers, kernel))
         inner.function()
         return inner.changed or bool(inner.report.found)
 

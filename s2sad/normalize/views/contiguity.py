@@ -150,7 +150,22 @@ def asked_order(node: Call) -> str:
 
 
 def contiguous_arguments(function: FunctionDef, context: NormalContext) -> None:
-    """Adds the parameters that must lie so for the arguments of kernels that ask for it; what may not is reported."""
+    """Refuses arrays that a function reshapes and stores into and that may not be contiguous where it is called.
+
+        def flat(u):
+            r = np.ravel(u)
+            r[0] = 2.0 * r[1]
+
+
+        def f(u: float64[:, :]):
+            flat(u[:, 1:])
+            return u[0, 1]
+
+    refused: an array that the function reshapes and writes may not be contiguous here
+
+    Requires structured form in which functions of whole arrays stand alone; establishes that the context has the
+    parameters that must be contiguous for the functions called.
+    """
     found, whole, report = context.contiguous, context.contiguity, context.report
     for node in walk(function.body):
         if isinstance(node, Call) and (call_name(node) or "").startswith("user."):
@@ -165,7 +180,18 @@ def contiguous_arguments(function: FunctionDef, context: NormalContext) -> None:
 
 
 def contiguity_guards(function: FunctionDef, context: NormalContext) -> FunctionDef:
-    """The function with a guard for each parameter that must lie so."""
+    """The function with a guard for each parameter that must be contiguous.
+
+        def f(u: float64[:, :]):            def f(u):
+            r = np.ravel(u)                     assert u.flags.c_contiguous
+            r[0] = 2.0 * r[1]                   r = np.empty(u.shape[0] * u.shape[1])
+            return u[0, 0]                      r[...] = np.ravel(u)
+                                                ...
+                                                return u[0, 0]
+
+    Requires views resolved, and the parameters that must be contiguous in the context; establishes that generated code
+    asks for them.
+    """
     needed = context.contiguous
     new = copy(function)
     new.body = [*(at(contiguous(name(p.id)), function) for p in function.args.args if p.id in needed), *new.body]
