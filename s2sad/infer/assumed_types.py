@@ -1,9 +1,9 @@
 """assumed_types: the types of a function's parameters where no arguments are at hand, from annotations and from use.
 
 Requires fenced trees with resolved names, callees before callers; establishes a type for every parameter of the entry
-and the reason for it. In this order: what is given; the annotation ("float64[:, :]", float, int); the default value;
-use: a subscript of rank k or unpacking into names means an array of float64, use as a bound, an index or a shift
-int64, what is handed to a helper what the helper does with it, anything else float64.
+and the reason for it. In this order: a type from outside (`--types`); the annotation ("float64[:, :]", float, int); the
+default value; use: a subscript of rank k or unpacking into names means an array of float64, use as a bound, an index or
+a shift int64, an argument of a helper what the helper makes of it, anything else float64.
 
     def f(x, n, c):                 x: float64[:, :]   n: int64   c: float64
         for i in range(n):
@@ -36,7 +36,7 @@ _PASSED_ON = ("builtins.min", "builtins.max", "builtins.abs")
 
 @dataclass(frozen=True)
 class Assumed:
-    """A type, and why; `reason` is empty where it was given or annotated. `extents` are sizes known, by axis."""
+    """A type, and why; `reason` is empty where it was declared. `extents` are sizes known, by axis."""
     type: Type
     reason: str = ""
     extents: tuple[tuple[int, int], ...] = ()
@@ -44,7 +44,7 @@ class Assumed:
 
 @dataclass
 class ParameterUses:
-    """What a function does with each name: how many axes it must have, whether it must be an integer."""
+    """The constraints on each name of a function: how many axes it must have, whether it must be an integer."""
     ranks: dict[str, int] = field(default_factory=dict)
     integers: dict[str, AST] = field(default_factory=dict)
     numbers: dict[str, AST] = field(default_factory=dict)
@@ -52,10 +52,10 @@ class ParameterUses:
     extents: dict[tuple[str, int], int] = field(default_factory=dict)
 
 
-def spelled(text: str) -> Type | None:
-    """The type that a text spells, or None.
+def parsed_type(text: str) -> Type | None:
+    """The type that a text denotes, or None.
 
-    >>> str(spelled("float64[:, ::1]")), str(spelled("int")), spelled("quaternion")
+    >>> str(parsed_type("float64[:, ::1]")), str(parsed_type("int")), parsed_type("quaternion")
     ('float64[:, :]', 'int64', None)
     """
     found = _SPELLED.match(text.strip().strip("\"'"))
@@ -68,19 +68,19 @@ def spelled(text: str) -> Type | None:
 
 
 def assumed_types(entry: str, trees: Mapping[str, FunctionDef], parameters: tuple[str, ...],
-                  annotations: Mapping[str, str], defaults: Mapping[str, Any], given: Mapping[str, Type],
+                  annotations: Mapping[str, str], defaults: Mapping[str, Any], declared: Mapping[str, Type],
                   report: Report) -> dict[str, Assumed]:
-    """The types of the entry's parameters; what contradicts itself goes into the report."""
+    """The types of the entry's parameters; contradictions go into the report."""
     uses = uses_of(trees)[entry]
     types: dict[str, Assumed] = {}
     for parameter in parameters:
         extents = tuple((k, n) for (name, k), n in uses.extents.items() if name == parameter)
-        said = given.get(parameter) or spelled(annotations.get(parameter, ""))
+        known = declared.get(parameter) or parsed_type(annotations.get(parameter, ""))
         used = _used(parameter, uses, report)
-        if said is not None:
-            if parameter not in given:
-                _fits(parameter, said, uses, report)
-            types[parameter] = Assumed(said, "", extents)
+        if known is not None:
+            if parameter not in declared:
+                _check_annotation(parameter, known, uses, report)
+            types[parameter] = Assumed(known, "", extents)
         elif parameter in defaults and not uses.ranks.get(parameter):
             types[parameter] = Assumed(of_value(defaults[parameter]), "its default value")
         else:
@@ -89,7 +89,7 @@ def assumed_types(entry: str, trees: Mapping[str, FunctionDef], parameters: tupl
 
 
 def uses_of(trees: Mapping[str, FunctionDef]) -> dict[str, ParameterUses]:
-    """What each function does with its names."""
+    """The constraints on the names of each function."""
     found: dict[str, ParameterUses] = {}
     for title, tree in trees.items():
         found[title] = _Scan(tree, found, trees).uses()
@@ -109,23 +109,23 @@ def _used(parameter: str, uses: ParameterUses, report: Report) -> Assumed:
     return Assumed(INT, "used as a bound, an index or a shift") if integer else Assumed(FLOAT, "nothing says otherwise")
 
 
-def _fits(parameter: str, said: Type, uses: ParameterUses, report: Report) -> None:
+def _check_annotation(parameter: str, kind: Type, uses: ParameterUses, report: Report) -> None:
     """Reports an annotation that the function's own use contradicts."""
     rank = uses.ranks.get(parameter, 0)
-    if rank > said.rank:
-        better = array(said.dtype or "float64", rank)
-        report.error("S203", f"'{parameter}' is annotated as {said} and used as an array with {rank} "
+    if rank > kind.rank:
+        better = array(kind.dtype or "float64", rank)
+        report.error("S203", f"'{parameter}' is annotated as {kind} and used as an array with {rank} "
                      f"ax{'e' if rank > 1 else 'i'}s", uses.subscripts.get(parameter), note="here",
                      help=f"correct the annotation, or say it here: --types \"{parameter}: {better}\"")
-    elif said.is_float and parameter in uses.integers:
-        better = array("int64", said.rank) if said.is_array else INT
-        report.error("S203", f"'{parameter}' is annotated as {said} and used as a bound, an index or a shift",
+    elif kind.is_float and parameter in uses.integers:
+        better = array("int64", kind.rank) if kind.is_array else INT
+        report.error("S203", f"'{parameter}' is annotated as {kind} and used as a bound, an index or a shift",
                      uses.integers[parameter], note="here",
                      help=f"correct the annotation, or say it here: --types \"{parameter}: {better}\"")
 
 
 class _Scan:
-    """The uses of one function's names, by going over it until nothing new is found."""
+    """The constraints on one function's names, by iteration to a fixpoint."""
 
     def __init__(self, tree: FunctionDef, others: Mapping[str, ParameterUses], trees: Mapping[str, FunctionDef]):
         self.tree, self.others, self.trees, self.found = tree, others, trees, ParameterUses()
@@ -142,7 +142,7 @@ class _Scan:
         return self.found
 
     def demand(self, node: AST, rank: int = 0, integer: bool = False) -> None:
-        """Something needs a value to have (at least) so many axes, or to be an integer."""
+        """Adds a constraint: at least so many axes, or an integer."""
         if isinstance(node, Name):
             if rank > self.found.ranks.get(node.id, 0):
                 self.found.ranks[node.id] = rank

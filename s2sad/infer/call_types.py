@@ -1,4 +1,4 @@
-"""The types of calls, given those of their arguments: of kernels, of functions with rules, of allocations and casts."""
+"""The types of calls by those of their arguments: of kernels, of functions with rules, of allocations and casts."""
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable
 from s2sad import rules
 from s2sad.infer.signatures.laws import LAWS
 from s2sad.infer.scalar_reductions_types import reduced_number
-from s2sad.infer.signatures.dispatch_by_name import piece_type
-from s2sad.infer.promotion import CASTS, dtype_of, listed, promote
+from s2sad.infer.signatures.dispatch_by_name import expansion_type
+from s2sad.infer.promotion import CASTS, array_of_items, dtype_of, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, UNKNOWN, Type, array
-from s2sad.rules.composed import LAW as PIECES
+from s2sad.rules.composed import LAW as COMPOSED
 from s2sad.rules.rule import template
 from s2sad.live_objects.registry import ROOM
 from s2sad.tree import AST, Attribute, Call, Constant, List, Name, Slice, Subscript, Tuple, call_name, index, substitute
@@ -32,7 +32,7 @@ _COMPARED = ("numpy.allclose", "numpy.array_equal")
 
 
 def live(listed: AST, count: AST) -> AST:
-    """The array in place of a list, where an element is written that is there."""
+    """The live part of the array in place of a list, of which a store writes an element."""
     return index(listed, Slice(None, count, None))
 
 
@@ -44,7 +44,7 @@ def stored_into(target: AST, listed: Iterable[str]) -> str:
 
 
 class TypesOfCalls(ABC):
-    """The types of calls; what they are given is for `infer.Typing` to say."""
+    """The types of calls; `inference.Typing` has those of their arguments."""
     call_types: CallTypes
 
     @abstractmethod
@@ -67,7 +67,7 @@ class TypesOfCalls(ABC):
             results = self.call_results(node)
             return UNKNOWN if not results else results[0] if len(results) == 1 else Type("tuple", items=results)
         if name == LISTED:
-            return UNKNOWN  # what is stored tells
+            return UNKNOWN  # it follows from what is stored
         if name in _ALLOCATIONS:
             return self._allocation(name, node)
         if name in _LIKES:
@@ -76,7 +76,7 @@ class TypesOfCalls(ABC):
         if name.startswith(ROOM) and rules.constant_result(name):
             return {"float": FLOAT, "int": INT, "bool": BOOL}[rules.constant_result(name) or ""]
         rule = rules.find_array(name)
-        if rule is not None and types and (rule.law == PIECES or types[0].kind != "tuple"):
+        if rule is not None and types and (rule.law == COMPOSED or types[0].kind != "tuple"):
             return self._array_function(rule, node, types)
         if name in CASTS:
             rank = types[0].rank if types else 0
@@ -103,14 +103,14 @@ class TypesOfCalls(ABC):
             return of_number
         if rule.value:
             return self.of(substitute(template(rule.value), arguments))
-        if rule.law == PIECES:
-            return piece_type(rule.name, [*types, *(self.of(arguments[o]) for o in rule.options)], arguments)
+        if rule.law == COMPOSED:
+            return expansion_type(rule.name, [*types, *(self.of(arguments[o]) for o in rule.options)], arguments)
         return LAWS[rule.law].type(types, arguments)
 
     def _function(self, name: str, types: list[Type], keywords: bool) -> Type:
         if not types:
             return UNKNOWN
-        if name == "numpy.where" and len(types) == 3:    # the bools say nothing of the dtype, only of the rank
+        if name == "numpy.where" and len(types) == 3:    # the condition has a part in the rank only
             chosen = promote(types[1], types[2])
             return Type("array", chosen.dtype, max(t.rank for t in types)) if types[0].is_array else chosen
         result = types[0]
@@ -151,12 +151,12 @@ class TypesOfCalls(ABC):
         return UNKNOWN if node.func.attr != "fill" else NONE
 
     def _dtype(self, node: Call, position: int, default: str) -> str:
-        given = next((k.value for k in node.keywords if k.arg == "dtype"), None)
-        if given is None and len(node.args) > position:
-            given = node.args[position]
-        if given is None or isinstance(given, Constant) and given.value is None:
+        dtype = next((k.value for k in node.keywords if k.arg == "dtype"), None)
+        if dtype is None and len(node.args) > position:
+            dtype = node.args[position]
+        if dtype is None or isinstance(dtype, Constant) and dtype.value is None:
             return default
-        return dtype_of(given) or self._inherited(given) or ""
+        return dtype_of(dtype) or self._inherited(dtype) or ""
 
     def _inherited(self, node: AST) -> str | None:
         if isinstance(node, Attribute) and node.attr == "dtype":
@@ -178,7 +178,7 @@ class TypesOfCalls(ABC):
     def _like(self, name: str, node: Call) -> Type:
         base = self.of(node.args[0])
         if base.kind == "tuple":
-            joined = listed(base)
+            joined = array_of_items(base)
             return _array(self._dtype(node, 1, joined.dtype), joined.rank) if joined.dtype else UNKNOWN
         if not base.is_array:
             return UNKNOWN

@@ -1,4 +1,4 @@
-"""independents: the parameters that a gradient is with respect to where nobody says, whatever a call gives them.
+"""independents: the parameters that a gradient is with respect to by default, whatever the arguments of a call are.
 
 Requires fenced trees with resolved names, callees before callers. In this order: the annotation; the default value;
 use: an array holds floats unless its elements are bounds, indices or shifts, a number is a float unless it is one of
@@ -8,7 +8,7 @@ these or only chooses.
         for i in range(n):
             u[i] *= c ** order if scheme == 2 else 1.0
 
-The value of `c or 1.0` is c: it chooses only where nothing but its own truth is asked.
+The value of `c or 1.0` is c: it only chooses where nothing but its truth is read.
 """
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.infer.assumed_types import spelled, uses_of
+from s2sad.infer.assumed_types import parsed_type, uses_of
 from s2sad.tree import (
     AST, Assert, Assign, BoolOp, Call, Compare, Constant, FunctionDef, If, IfExp, Load, Lt, LtE, Gt, GtE, Name, Not,
     UnaryOp, While, call_name, walk,
@@ -44,9 +44,9 @@ def usable_as_floats(entry: str, trees: Mapping[str, FunctionDef]) -> frozenset[
 
 
 def _is_float(by_use: bool, annotation: str, default: Any) -> bool:
-    said = spelled(annotation)
-    if said is not None or annotation.strip("\"'") in _NO_FLOATS:
-        return said is not None and said.is_inexact
+    kind = parsed_type(annotation)
+    if kind is not None or annotation.strip("\"'") in _NO_FLOATS:
+        return kind is not None and kind.is_inexact
     if isinstance(default, (bool, int, str, np.integer, np.bool_)):
         return False
     return by_use
@@ -56,7 +56,7 @@ def _only_choosing(tree: FunctionDef, others: Mapping[str, set[str]], trees: Map
     """The names of a function that are read, and only to be compared with what is no float, or for their truth."""
     read = Counter(n.id for n in walk(tree.body) if isinstance(n, Name) and isinstance(n.ctx, Load))
     choosing: set[str] = set()
-    while True:     # what is given to a name that only chooses does
+    while True:     # what is bound to a name that only chooses does as well
         chosen = Counter(c.id for node in walk(tree.body) for c in _choices(node, others, trees, choosing)
                          if isinstance(c, Name))
         more = {n for n in read if read[n] == chosen[n]} - choosing
@@ -92,6 +92,6 @@ def _choices(node: AST, others: Mapping[str, set[str]], trees: Mapping[str, Func
     elif isinstance(node, Call):
         helper = (call_name(node) or "").removeprefix("user.")
         if helper in others:
-            given = [*zip((a.id for a in trees[helper].args.args), node.args),
+            passed = [*zip((a.id for a in trees[helper].args.args), node.args),
                      *((k.arg, k.value) for k in node.keywords)]
-            yield from (n for parameter, argument in given if parameter in others[helper] for n in _truth(argument))
+            yield from (n for parameter, argument in passed if parameter in others[helper] for n in _truth(argument))

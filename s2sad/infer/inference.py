@@ -13,11 +13,11 @@ from types import MappingProxyType
 from typing import Final
 
 from s2sad.diagnostics import Report
-from s2sad.infer.signatures.laws import of_rank, written_slice
+from s2sad.infer.signatures.laws import constant_slice, of_rank
 from s2sad.infer.promotion import RANKS, join, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, TEXT, UNKNOWN, Type, array, of_value
 from s2sad.infer.call_types import LISTED, CallTypes, TypesOfCalls, stored_into
-from s2sad.infer.subscript_forms import is_single, keeps
+from s2sad.infer.subscript_forms import is_single, keeps_axis
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
     FunctionDef, If, IfExp, LShift, List, Mult, Name, Not, Pow, RShift, Return, Slice, Subscript, Tuple, USub,
@@ -28,10 +28,10 @@ _MOST = 1 << 14         # items of a tuple, those of tuples within it counted
 
 
 def inference(function: FunctionDef, parameters: Mapping[str, Type], call_types: CallTypes, report: Report,
-              constants: Mapping[str, object] | None = None, confused: set[str] | None = None,
+              constants: Mapping[str, object] | None = None, conflicting: set[str] | None = None,
               wider: bool = False) -> Mapping[str, Type]:
-    """The type of every name; what contradicts itself goes into the report, its name into `confused`. A name of arrays
-    of several floats is of the `wider` one if that is asked for."""
+    """The type of every name; type conflicts go into the report, their names into `conflicting`. With `wider` a
+    name of arrays of several floats has the widest of them."""
     found = _Inference(parameters, call_types, report, constants or {})
     found.wider = wider
     for _ in range(20):
@@ -41,16 +41,16 @@ def inference(function: FunctionDef, parameters: Mapping[str, Type], call_types:
             break
     found.final = True
     found.block(function.body)
-    if confused is not None:
-        confused |= found.confused
+    if conflicting is not None:
+        conflicting |= found.conflicting
     return found.table
 
 
 class Typing(TypesOfCalls):
-    """The types of expressions, given the types of names, which never change: `declare` gives a new name its type.
+    """The types of expressions by those of names, which never change: `declare` gives a new name its type.
 
-    The type of each expression is found once. Expressions of unknown types are not remembered: what is wrong with them
-    is said whenever they are asked for, if the types are `final`.
+    The type of each expression is found once. Expressions of unknown types are not remembered: an error in one is
+    reported at each use, if the types are `final`.
     """
 
     def __init__(self, table: Mapping[str, Type], call_types: CallTypes, report: Report,
@@ -93,12 +93,12 @@ class Typing(TypesOfCalls):
         return replace(self.of(node), ones=ones) if ones else self.of(node)
 
     def single(self, node: AST) -> tuple[int, ...]:
-        """The axes of a part of an array that are written to have length 1."""
+        """The axes of a part of an array that have length 1 by the form of its subscripts."""
         if not isinstance(node, Subscript) or not self.of(node).is_array:
             return ()
-        kept = [s for s in indices(node) if keeps(s)]
+        kept = [s for s in indices(node) if keeps_axis(s)]
         return tuple(k for k, s in enumerate(kept) if is_single(s)) if all(
-            keeps(s) or not self.of(s).is_array for s in indices(node)) and not any(
+            keeps_axis(s) or not self.of(s).is_array for s in indices(node)) and not any(
             isinstance(s, Constant) and s.value is Ellipsis for s in kept) else ()
 
     def of(self, node: AST) -> Type:
@@ -130,7 +130,7 @@ class Typing(TypesOfCalls):
         return self._tuple(node, tuple(map(self.of, node.elts)))
 
     def _tuple(self, node: AST, items: tuple[Type, ...]) -> Type:
-        """The type of a tuple; one that is put together of itself again and again is refused before it is large."""
+        """The type of a tuple; one that grows exponentially is refused before it is large."""
         if sum(item.count for item in items) > _MOST:
             self.report.error("S201", f"a tuple or list of more than {_MOST} items", node, help="make it an array")
             self.report.finish()
@@ -189,7 +189,7 @@ class Typing(TypesOfCalls):
     def _Subscript(self, node: Subscript) -> Type:
         base = self.of(node.value)
         if base.kind == "tuple" and isinstance(node.slice, Slice):
-            part = written_slice(node.slice)
+            part = constant_slice(node.slice)
             return UNKNOWN if part is None else Type("tuple", items=base.items[part])
         if base.kind == "tuple":
             if isinstance(node.slice, Constant) and isinstance(node.slice.value, int) and base.items:
@@ -205,25 +205,25 @@ class Typing(TypesOfCalls):
                       for s in subscripts)
         arrays = [kind for s in subscripts if not isinstance(s, (Slice, Constant)) and (kind := self.of(s)).is_array]
         if arrays:
-            return self._picked(node, base, subscripts, arrays)
-        given = sum(not (isinstance(s, Constant) and s.value in (None, Ellipsis)) for s in subscripts)
-        if given > base.rank:
+            return self._gathered(node, base, subscripts, arrays)
+        count = sum(not (isinstance(s, Constant) and s.value in (None, Ellipsis)) for s in subscripts)
+        if count > base.rank:
             if self.final:
-                self.report.error("S203", f"{given} subscripts for {base}", node,
+                self.report.error("S203", f"{count} subscripts for {base}", node,
                                   help="the types are taken from the arguments: check their ranks")
             return UNKNOWN
         return of_rank(base, base.rank - dropped + added)
 
-    def _picked(self, node: Subscript, base: Type, subscripts: list[AST], arrays: list[Type]) -> Type:
-        """The type of the elements that arrays of integers, or one of bools, pick."""
+    def _gathered(self, node: Subscript, base: Type, subscripts: list[AST], arrays: list[Type]) -> Type:
+        """The type of what arrays of integers gather, or an array of bools."""
         masked = [a for a in arrays if a.dtype == "bool"]
         if masked and len(arrays) > 1 or any(a.is_float for a in arrays):
             if self.final:
                 self.report.error("S203", f"subscripts of {', '.join(map(str, arrays))}", node,
                                   help="pick with one array of bools, or with arrays of integers")
             return UNKNOWN
-        given = sum(not (isinstance(s, Constant) and s.value in (None, Ellipsis)) for s in subscripts)
-        used = given + sum(a.rank - 1 for a in masked)
+        count = sum(not (isinstance(s, Constant) and s.value in (None, Ellipsis)) for s in subscripts)
+        used = count + sum(a.rank - 1 for a in masked)
         if used > base.rank:
             if self.final:
                 self.report.error("S203", f"{used} subscripts for {base}", node,
@@ -237,8 +237,8 @@ class Typing(TypesOfCalls):
 _SEVERAL = ("numpy.unravel_index", "numpy.nonzero", "numpy.meshgrid", "numpy.split", "numpy.indices", "numpy.gradient")
 
 
-def _unknown(value: AST | None) -> tuple[str, str]:
-    """What is said of a value without a type: the function that gives it, with its options; and what to do."""
+def _hint(value: AST | None) -> tuple[str, str]:
+    """The note and the help of the error for a value without a type."""
     called = call_name(value) or ""
     if not called.startswith(("numpy.", "builtins.")) or not isinstance(value, Call):
         return "", "write it with operations on numbers and arrays that are known"
@@ -249,14 +249,14 @@ def _unknown(value: AST | None) -> tuple[str, str]:
         "leave the option out" if options else "write it with operations on numbers and arrays that are known")
 
 
-def _apart(old: Type | None, new: Type) -> str:
+def _rebinding_help(old: Type | None, new: Type) -> str:
     sums = old is not None and old.is_number and new.is_array
     return "start with an array: np.zeros_like(...); or give the second one another name" if sums else (
         "give the second one another name")
 
 
 def _as_array(node: AST, own: Type, other: Type) -> Type:
-    """The type of numbers that are spelled out, and of which an operation with an array makes one."""
+    """The type of a display of numbers, which an operation with an array makes an array."""
     numbers = own.kind == "tuple" and isinstance(node, (List, Tuple)) and other.dtype in ("int64", "float64")
     if not numbers or not other.is_array or not own.items or not all(
             i.is_number and i.dtype in ("int64", "float64") for i in own.items):
@@ -265,21 +265,21 @@ def _as_array(node: AST, own: Type, other: Type) -> Type:
 
 
 def is_inverted(power: AST) -> bool:
-    """Whether an exponent is written with a minus: of two integers the power is a float, `2 ** -k`."""
+    """Whether an exponent has a minus in the text: of two integers the power is a float, `2 ** -k`."""
     return isinstance(power, UnaryOp) and isinstance(power.op, USub) or isinstance(
         power, Constant) and type(power.value) is int and power.value < 0
 
 
 class _Inference(Typing):
-    """The fixpoint: a table that grows with every binding, by statements in their order; what is in it when the types
-    are `final` is refused where it contradicts itself."""
+    """The fixpoint: a table that grows with every binding, by statements in their order; conflicts are reported in
+    the last round, when the types are `final`."""
 
     def __init__(self, table: Mapping[str, Type], call_types: CallTypes, report: Report,
                  constants: Mapping[str, object], final: bool = False,
                  runs_once: Callable[[Call], bool] = lambda call: False):
         super().__init__(table, call_types, report, constants, final, runs_once)
         self.wider = False
-        self.confused: set[str] = set()     # the names bound to what has no type in common
+        self.conflicting: set[str] = set()     # the names whose bindings have no type in common
         self.listed: set[str] = set()       # the arrays in place of lists
 
     def block(self, block: list[AST]) -> None:
@@ -330,7 +330,7 @@ class _Inference(Typing):
     def bind(self, identifier: str, new: Type, place: AST) -> None:
         old = self.table.get(identifier)
         if self.final and (old or new).kind == "unknown":
-            note, help = _unknown(getattr(place, "value", None))
+            note, help = _hint(getattr(place, "value", None))
             self.report.error("S203", f"the type of '{identifier}' cannot be inferred", place, note, help)
         joined = new if old is None else join(old, new)
         if joined is None and self.wider and old is not None and old.is_array and new.is_array and (
@@ -338,9 +338,9 @@ class _Inference(Typing):
             joined = promote(old, new)
         if joined is None:
             if self.final:
-                self.confused.add(identifier)
+                self.conflicting.add(identifier)
                 self.report.error("S203", f"'{identifier}' is bound to {old} and to {new}", place,
-                                  help=_apart(old, new))
+                                  help=_rebinding_help(old, new))
             return
         self._enter(identifier, joined)
 

@@ -1,4 +1,4 @@
-"""The dtype and the type that values have together: by promotion, by a cast, as the bindings of one name."""
+"""promotion: the dtype and the type of several values, by promotion, by a cast, as the bindings of one name."""
 from __future__ import annotations
 
 import numpy
@@ -8,7 +8,7 @@ from s2sad.tree import AST, Constant, Name
 
 RANKS = ("bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64",
          "complex64", "complex128")
-ORDER = ("bool", "int64", "float32", "float64", "complex128")     # of arrays that pieces are written for
+ORDER = ("bool", "int64", "float32", "float64", "complex128")     # of arrays that `normalize.library.expand` takes
 CASTS = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": "bool", "numpy.float64": "float64",
          "numpy.float32": "float32", "numpy.int64": "int64", "numpy.int32": "int32", "numpy.bool_": "bool",
          "builtins.complex": "complex128", "numpy.complex128": "complex128"}
@@ -17,13 +17,13 @@ _COMPLEX = {**dict.fromkeys(("complex", "D", "c16", "numpy.cdouble", "numpy.comp
             **dict.fromkeys(("F", "c8", "numpy.csingle"), "complex64")}
 
 
-def listed(items: Type) -> Type:
-    """The type of the array that nested lists of numbers spell."""
+def array_of_items(items: Type) -> Type:
+    """The type of the array of nested lists of numbers."""
     if not items.items:
         return array("float64", 1)
     joined: Type | None = None
     for item in items.items:
-        inner = listed(item) if item.kind == "tuple" else item
+        inner = array_of_items(item) if item.kind == "tuple" else item
         joined = inner if joined is None else promote(joined, inner)
     assert joined is not None
     return array(joined.dtype, joined.rank + 1) if joined.dtype else UNKNOWN
@@ -31,13 +31,13 @@ def listed(items: Type) -> Type:
 
 def dtype_of(node: AST) -> str | None:
     """The dtype that an expression names: `np.float32`, `float`, `"f4"`; None if it is none that kernels have."""
-    said = node.id if isinstance(node, Name) else node.value if isinstance(node, Constant) else None
-    if not isinstance(said, str):
+    spelling = node.id if isinstance(node, Name) else node.value if isinstance(node, Constant) else None
+    if not isinstance(spelling, str):
         return None
-    if said in _COMPLEX or isinstance(node, Name) and said in CASTS:
-        return _COMPLEX.get(said) or CASTS[said]
-    room, _, last = said.rpartition(".")
-    named = said if isinstance(node, Constant) else getattr(numpy, last, None) if room == "numpy" else None
+    if spelling in _COMPLEX or isinstance(node, Name) and spelling in CASTS:
+        return _COMPLEX.get(spelling) or CASTS[spelling]
+    room, _, last = spelling.rpartition(".")
+    named = spelling if isinstance(node, Constant) else getattr(numpy, last, None) if room == "numpy" else None
     if not isinstance(named, str) and not (isinstance(named, type) and issubclass(named, numpy.generic)):
         return None
     try:
@@ -78,13 +78,13 @@ def join(a: Type, b: Type) -> Type | None:
 
 
 def common(args: list[Type]) -> str:
-    """The dtype that arrays and numbers have together."""
+    """The common dtype of arrays and numbers."""
     arrays = [a for a in args if a.is_array] or args
     found = max((a.dtype for a in arrays), key=lambda d: ORDER.index(d) if d in ORDER else len(ORDER), default="")
     whole = found.startswith(("int", "uint", "bool"))
     return "float64" if whole and any(a.is_number and a.is_float for a in args) else found
 
 
-def known_array(args: list[Type]) -> bool:
-    """Whether the first of these is an array that pieces are written for."""
+def is_expandable(args: list[Type]) -> bool:
+    """Whether the first of these is an array of a dtype that expansions take."""
     return bool(args) and args[0].is_array and args[0].dtype in ORDER

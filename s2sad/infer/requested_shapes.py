@@ -1,7 +1,7 @@
-"""requested_shapes: the shapes that arguments spell, of allocations and of `np.reshape`.
+"""requested_shapes: the shapes that allocations and `np.reshape` request by their arguments.
 
-Requires types. A size of -1 is what is left of the elements, however it is spelled; `unknown` tells which sizes may be
-negative.
+Requires types. A size of -1 is the remainder of the elements, whatever its form; `may_be_remainder` has those that may
+be -1.
 
     (-1, n)     w.shape[:1] + (-1,)     k = -1; (k, n)      SH, which is (-1, 4) in the module
 """
@@ -11,42 +11,41 @@ from collections.abc import Sequence
 
 from s2sad.infer.affine import Affine
 from s2sad.infer.signatures.laws import ONE, Shape, whole_number
-from s2sad.infer.slice_extents import Slices
+from s2sad.infer.slice_extents import SliceExtents
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, FloorDiv, List, Mod, Mult, Name, Subscript, Tuple, call_name, const, copy, dump,
     index,
 )
 
 _COUNTS = ("builtins.len", "numpy.size", "numpy.count_nonzero", "builtins.abs")
-_LEFT = Affine((), -1)
+_REMAINDER = Affine((), -1)
 
 
-class Asked(Slices):
-    """What arguments of one function spell."""
+class RequestedShapes(SliceExtents):
+    """The shapes that arguments in one function request."""
 
-    def asked_for(self, shape: AST, old: Shape | None = None) -> Shape | None:
-        """The shape that an argument spells; of a reshape a size of -1 is what is left of the elements of the old
-        shape."""
+    def requested(self, shape: AST, old: Shape | None = None) -> Shape | None:
+        """The shape that an argument requests; in a reshape of `old` a size of -1 is the remainder of the elements."""
         if isinstance(shape, Attribute) and shape.attr == "shape":
             return self.of(shape.value)
-        parts = self.spelled(shape)
+        parts = self.size_nodes(shape)
         if parts is None:
             return None
         found = [self.length(p) for p in parts]
         for k, part in enumerate(parts):
-            if old is not None and self.is_left(part):
+            if old is not None and self.is_remainder(part):
                 others = [d for j, d in enumerate(found) if j != k]
                 found[k] = None if None in others or None in old else self._rest(old, others)
         return tuple(found)
 
-    def spelled(self, shape: AST) -> list[AST] | None:
-        """The sizes of which an argument is made; None if it does not tell."""
+    def size_nodes(self, shape: AST) -> list[AST] | None:
+        """The expressions of the sizes in an argument; None if they are not known."""
         if isinstance(shape, (Tuple, List)):
             return list(shape.elts)
         if isinstance(shape, Attribute) and shape.attr == "shape" and self.typing.of(shape.value).is_array:
             return [index(copy(shape), const(k)) for k in range(self.typing.of(shape.value).rank)]
         if isinstance(shape, BinOp) and isinstance(shape.op, Add) and self.typing.of(shape).kind == "tuple":
-            left, right = self.spelled(shape.left), self.spelled(shape.right)
+            left, right = self.size_nodes(shape.left), self.size_nodes(shape.right)
             return None if left is None or right is None else left + right
         if self.typing.of(shape).kind != "tuple":
             return [shape]
@@ -54,22 +53,22 @@ class Asked(Slices):
         if isinstance(value, (tuple, list)):
             return [index(copy(shape), const(k)) for k in range(len(value))]
         bound = self.values.get(shape.id) if isinstance(shape, Name) else None
-        return None if bound is None else self.spelled(bound)
+        return None if bound is None else self.size_nodes(bound)
 
-    def is_left(self, part: AST) -> bool:
+    def is_remainder(self, part: AST) -> bool:
         """Whether a size is -1."""
-        return self._constant(part) == -1 or self.size(part) == _LEFT
+        return self._constant(part) == -1 or self.size(part) == _REMAINDER
 
-    def may_be_left(self, shape: AST) -> list[AST]:
-        """The sizes that an argument of a reshape spells and that may be -1; NumPy refuses two of them."""
-        parts = self.spelled(shape) or []
+    def may_be_remainder(self, shape: AST) -> list[AST]:
+        """The sizes in an argument of a reshape that may be -1; NumPy refuses two of them."""
+        parts = self.size_nodes(shape) or []
         texts = [dump(p) for p in parts]
-        if any(map(self.is_left, parts)):
+        if any(map(self.is_remainder, parts)):
             return []
         return [p for p, text in zip(parts, texts) if texts.count(text) == 1 and not self.never_negative(p)]
 
     def never_negative(self, node: AST) -> bool:
-        """Whether an integer expression is known not to be negative: made of sizes, counters and written numbers."""
+        """Whether an integer expression is known not to be negative: made of sizes, counters and constants."""
         value = self._constant(node)
         if type(value) is int:
             return value >= 0
@@ -96,26 +95,26 @@ class Asked(Slices):
         return None
 
     def length(self, node: AST) -> Affine | None:
-        """The size that an argument spells; one that would be negative is none, as of a slice: `max(n - 2, 0)`."""
+        """The size that an argument requests; of `max(n - 2, 0)` it is the extent n - 2, as of a slice."""
         clipped = call_name(node) == "builtins.max" and len(node.args) == 2 and whole_number(node.args[1]) == 0
         inner = node.args[0] if clipped else node
-        asked = self.asked(inner)
-        return self.size(inner) if asked is None else asked
+        extent = self.axis_size(inner)
+        return self.size(inner) if extent is None else extent
 
     def _rest(self, old: Shape, others: list[Affine | None]) -> Affine | None:
-        """The size that is left when the elements of the old shape are put into rows of the others."""
-        above, below = _apart(old, others)
+        """The remaining size of a reshape of `old` to the other sizes."""
+        above, below = _without_common(old, others)
         if not below and len(above) <= 1:
             return above[0] if above else ONE
         made = self._product(above)
         return self.symbol(BinOp(made, FloorDiv(), self._product(below)) if below else made)
 
     def numbers_of_elements(self, old: Shape, new: Shape) -> tuple[AST, AST] | None:
-        """How many elements two shapes have, but for the sizes of both; None if there are no others, or one is not
-        known."""
+        """The numbers of elements of two shapes, without the factors of both; None if there are no others, or one is
+        not known."""
         if None in old or None in new:
             return None
-        above, below = _apart(old, new)
+        above, below = _without_common(old, new)
         return (self._product(above), self._product(below)) if above or below else None
 
     def _product(self, sizes: list[Affine]) -> AST:
@@ -127,7 +126,7 @@ class Asked(Slices):
         return made
 
 
-def _apart(old: Sequence[Affine | None], new: Sequence[Affine | None]) -> tuple[list[Affine], list[Affine]]:
+def _without_common(old: Sequence[Affine | None], new: Sequence[Affine | None]) -> tuple[list[Affine], list[Affine]]:
     """The sizes of two shapes without those that both have."""
     above = [d for d in old if d is not None and d != ONE]
     below = [d for d in new if d is not None and d != ONE]

@@ -1,4 +1,4 @@
-"""The type of a reduction of a number, which NumPy takes for an array without axes: the number itself, or its size."""
+"""The type of a reduction of a number, to NumPy an array without axes: the number itself, or its absolute value."""
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ NORM = "numpy.linalg.norm"
 
 def reduced_number(name: str, kind: Type, options: Mapping[str, AST]) -> Type:
     """The type of the reduction `name` of a number of a type; UNKNOWN for other functions and options that matter."""
-    if not kind.is_number or not all(_says_nothing(o, v, name in ITSELF) for o, v in options.items() if o != "x"):
+    if not kind.is_number or not all(_is_neutral(o, v, name in ITSELF) for o, v in options.items() if o != "x"):
         return UNKNOWN
     if name in ITSELF:
         return kind if kind.dtype == "int64" or kind.is_inexact else UNKNOWN
@@ -24,7 +24,7 @@ def reduced_number(name: str, kind: Type, options: Mapping[str, AST]) -> Type:
     return kind if name in (*SPREAD, NORM) and kind.is_float else UNKNOWN
 
 
-def _says_nothing(option: str, value: AST, ufunc: bool) -> bool:
+def _is_neutral(option: str, value: AST, ufunc: bool) -> bool:
     """Whether an option of a reduction leaves a number as it is; an axis is a ufunc's alone to name."""
     if ufunc and option == "axis" and whole_number(value) in (0, -1):
         return True

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 
 from s2sad import rules
 from s2sad.infer.affine import Affine
-from s2sad.infer.requested_shapes import Asked
+from s2sad.infer.requested_shapes import RequestedShapes
 from s2sad.infer.inference import Typing
-from s2sad.infer.signatures.laws import GIVEN, LAWS, LEAST, ONE, Shape, whole_number
+from s2sad.infer.signatures.laws import LAWS, LEAST, ONE, SIZE_ARGUMENTS, Shape, whole_number
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Name,
     Store, Subscript, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of, walk,
@@ -22,8 +22,8 @@ from s2sad.tree import (
 ALLOCATIONS = frozenset({"numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like"})
 
 
-class Shapes(Asked):
-    """The shapes of one function, as its allocations and guards tell them."""
+class Shapes(RequestedShapes):
+    """The shapes of one function, as they follow from its allocations and guards."""
 
     def of(self, node: AST) -> Shape:
         """The shape of an expression; () for a number."""
@@ -43,29 +43,29 @@ class Shapes(Asked):
             arguments = rule.arguments(node)
             made = LAWS[rule.law].shape([self.of(arguments[o]) for o in rule.operands], arguments)
             if "shape" in rule.operands:
-                made = self.asked_for(arguments["shape"], self.of(arguments["x"]))
+                made = self.requested(arguments["shape"], self.of(arguments["x"]))
             elif "norm" in arguments:
                 made = self.transformed(rule.law, arguments)
             elif rule.law == "raveled":
-                made = self.asked_for(const(-1), self.of(arguments["x"]))
+                made = self.requested(const(-1), self.of(arguments["x"]))
             elif made is not None and LEAST in made:
                 least = self._least(self.of(arguments[rule.operands[0]]))
                 made = tuple(least if d == LEAST else d for d in made)
             elif made is not None:
-                made = tuple(self.size(arguments[GIVEN[d]]) if d in GIVEN else d for d in made)
+                made = tuple(self.size(arguments[SIZE_ARGUMENTS[d]]) if d in SIZE_ARGUMENTS else d for d in made)
             return made if made is not None else (None,) * self.typing.of(node).rank
         return self.broadcast(self.of(part) for part in children(node) if self.typing.of(part).is_array)
 
     def transformed(self, law: str, arguments: Mapping[str, AST]) -> Shape:
-        """The shape of a transform along an axis, or of the adjoint of one: as many elements there as are asked for."""
+        """The shape of a transform along an axis, or of the adjoint of one, with the size of its option there."""
         old = self.of(arguments["x" if "x" in arguments else "g"])
-        axis, asked = (whole_number(arguments["axis"]) or 0) % len(old), arguments.get("size", arguments.get("n"))
-        if asked is None or isinstance(asked, Constant) and asked.value is None:
+        axis, count = (whole_number(arguments["axis"]) or 0) % len(old), arguments.get("size", arguments.get("n"))
+        if count is None or isinstance(count, Constant) and count.value is None:
             found = old[axis]
             if law == "signal" and found is not None:
                 found = found.times(2).shift(-2)
         else:
-            found = self.size(asked)
+            found = self.size(count)
         if law == "half" and found is not None:
             found = self.symbol(BinOp(self.expression(found), FloorDiv(), const(2))).shift(1)
         return (*old[:axis], found, *old[axis + 1:])
@@ -90,7 +90,7 @@ class Shapes(Asked):
                 (symbol, _), = own.terms
                 self.equal.pop(symbol, None)
                 known = self.reduced(size)
-                if len(known.terms) == 1 and known.terms[0][0] in self.passing and known.terms[0][1] == 1:
+                if len(known.terms) == 1 and known.terms[0][0] in self.transient and known.terms[0][1] == 1:
                     self.equal[known.terms[0][0]] = own.shift(-known.constant)
                 elif symbol not in dict(known.terms):
                     self.equal[symbol] = known
@@ -121,7 +121,7 @@ class Shapes(Asked):
             if called in ("numpy.empty_like", "numpy.zeros_like"):
                 self.allocated(target, self.of(value.args[0]))
             elif called in ("numpy.empty", "numpy.zeros"):
-                found = self.asked_for(value.args[0]) or (None,) * self.typing.table[target].rank
+                found = self.requested(value.args[0]) or (None,) * self.typing.table[target].rank
                 self.allocated(target, found)
         elif isinstance(statement, Assert) and isinstance(statement.test, Compare) and isinstance(
                 statement.test.ops[0], Eq):
@@ -147,7 +147,7 @@ class Shapes(Asked):
         if called in ("numpy.empty_like", "numpy.zeros_like"):
             found: Shape | None = self.of(value.args[0])
         elif called in ("numpy.empty", "numpy.zeros"):
-            found = self.asked_for(value.args[0])
+            found = self.requested(value.args[0])
         else:
             return
         known = self.arrays.get(target, found)
@@ -163,7 +163,7 @@ def shape_expression(shapes: Shapes, shape: Shape) -> AST:
 
 
 def shapes_of(function: FunctionDef, typing: Typing) -> Shapes:
-    """The shapes of a function with resolved views, as its allocations and guards tell them."""
+    """The shapes of a function with resolved views, as they follow from its allocations and guards."""
     made = bare_shapes(function, typing)
     _learn_block(made, function.body, True)
     return made
@@ -189,7 +189,7 @@ def _learn_block(shapes: Shapes, block: list[AST], top: bool = False) -> None:
 def bare_shapes(function: FunctionDef, typing: Typing) -> Shapes:
     """The shapes of a function with resolved views of which nothing has been learnt but its counters."""
     made = Shapes(typing, single_values(function))
-    made.settled = True
+    made.guarded = True
     allocations = Counter(s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign)
                           and isinstance(
         s.targets[0], Name) and call_name(s.value) in ALLOCATIONS)
@@ -200,13 +200,13 @@ def bare_shapes(function: FunctionDef, typing: Typing) -> Shapes:
 
 def started_shapes(function: FunctionDef, typing: Typing) -> Shapes:
     """The shapes of which nothing has been learnt but of arrays that several statements allocate, what these share."""
-    made, settled = bare_shapes(function, typing), shapes_of(function, typing)
-    made.arrays |= {array: settled.arrays[array] for array in made.several}
+    made, guarded = bare_shapes(function, typing), shapes_of(function, typing)
+    made.arrays |= {array: guarded.arrays[array] for array in made.several}
     return made
 
 
 def least_of(loop: For) -> dict[str, int]:
-    """The least value of a loop's counter, if it is written."""
+    """The least value of a loop's counter, if it is a constant."""
     args = loop.iter.args
     low = 0 if len(args) == 1 else whole_number(args[0])
     step = 1 if len(args) < 3 else whole_number(args[2])
@@ -243,12 +243,12 @@ def single_values(function: FunctionDef) -> dict[str, AST | None]:
             bound = [(statement.target.id, None)]
         twice |= {n for n, _ in bound if n in found}
         found |= dict(bound)
-    left = _left(function, found)
-    return {n: None if n in left else v for n, v in found.items() if n not in twice}
+    after_loops = _counters_after_loops(function, found)
+    return {n: None if n in after_loops else v for n, v in found.items() if n not in twice}
 
 
-def _left(function: FunctionDef, values: Mapping[str, AST | None]) -> set[str]:
-    """The names that hold a loop's counter behind the loop: it is the last one there."""
+def _counters_after_loops(function: FunctionDef, values: Mapping[str, AST | None]) -> set[str]:
+    """The names that hold a loop's counter after the loop, where it is that of the last iteration."""
     every = Counter(n.id for n in walk(function.body) if isinstance(n, Name))
     found: set[str] = set()
     for loop in walk_statements(function.body):

@@ -1,6 +1,6 @@
 """slice_extents: how many elements a subscript takes of an axis, and where it starts and stops, as forms.
 
-Requires types. Where NumPy would clamp or count from the end and the forms cannot tell, a guard is asked for.
+Requires types. Where NumPy would clamp or count from the end and the forms do not decide it, a guard is required.
 """
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from s2sad.infer.symbolic_integers import Sizes
 from s2sad.tree import AST, Add, BinOp, Constant, Name, Slice, Subscript, call, const, copy, dump, indices, mult, names
 
 
-Step = int | AST        # a written number, or a positive expression that stays what it is
+Step = int | AST        # a constant, or a positive invariant expression
 
 
-class Slices(Sizes):
-    """What the subscripts in one function take; `settled` where guards have been put before it."""
-    settled = False
+class SliceExtents(Sizes):
+    """The extents of the subscripts in one function; `guarded` where the guards stand before it."""
+    guarded = False
 
     def region(self, node: Subscript) -> Shape:
         base = self.of(node.value)
@@ -33,18 +33,18 @@ class Slices(Sizes):
                 found.append(self.sliced(subscript, base[axis]))
             elif (kind := self.typing.of(subscript)).is_array and not picked:
                 picked = True
-                found += [self.chosen(subscript)] if kind.dtype == "bool" else self.picked(node)
+                found += [self.mask_count(subscript)] if kind.dtype == "bool" else self.gathered(node)
             axis += self.width(subscript)
         return tuple(found)
 
-    def chosen(self, mask: AST) -> Affine:
-        """How many elements an array of bools picks in this statement."""
+    def mask_count(self, mask: AST) -> Affine:
+        """The number of elements that an array of bools picks in this statement."""
         key = f"{dump(mask)} {self.serial}"
-        self.passing.add(key)
+        self.transient.add(key)
         return self.symbol(call("numpy.count_nonzero", mask), key)
 
-    def picked(self, node: Subscript) -> Shape:
-        """The shape of the elements that arrays of integers pick."""
+    def gathered(self, node: Subscript) -> Shape:
+        """The shape of what arrays of integers gather."""
         return self.broadcast(self.of(s) for s in indices(node) if not isinstance(s, (Slice, Constant)))
 
     def broadcast(self, shapes: Iterable[Shape]) -> Shape:
@@ -58,14 +58,14 @@ class Slices(Sizes):
         return tuple(result)
 
     def width(self, subscript: AST) -> int:
-        """How many axes a subscript stands for: as many as it has for an array of bools."""
+        """The number of axes that a subscript indexes: an array of bools as many as it has."""
         if isinstance(subscript, Constant) and subscript.value in (None, Ellipsis):
             return 0
         kind = None if isinstance(subscript, (Slice, Constant)) else self.typing.of(subscript)
         return kind.rank if kind is not None and kind.is_array and kind.dtype == "bool" else 1
 
     def full(self, subscripts: list[AST], rank: int) -> list[AST]:
-        """The subscripts with `...` written out and one for every axis."""
+        """The subscripts with `...` expanded, one for every axis."""
         missing: list[AST] = [Slice(None, None, None) for _ in range(rank - sum(map(self.width, subscripts)))]
         made: list[AST] = []
         for s in subscripts:
@@ -76,7 +76,7 @@ class Slices(Sizes):
         return made + missing
 
     def sliced(self, part: Slice, size: Affine | None) -> Affine | None:
-        """How many elements a slice of an axis takes."""
+        """The extent of a slice of an axis."""
         if part.lower is None and part.upper is None and (part.step is None or abs(whole_number(part.step) or 0) == 1):
             return size
         if size is None:
@@ -87,23 +87,23 @@ class Slices(Sizes):
         if span is None:
             return None
         start, stop, step = span
-        if is_step(step, 1) and (stop == size or self.ordered(part)):
+        if is_step(step, 1) and (stop == size or self.is_ordered(part)):
             return stop.plus(start, -1)
-        return self.taken(span)
+        return self.range_length(span)
 
-    def taken(self, span: tuple[Affine, Affine, Step]) -> Affine:
-        """How many elements there are from a start to a stop."""
+    def range_length(self, span: tuple[Affine, Affine, Step]) -> Affine:
+        """The length of a range."""
         start, stop, step = span
         return self.symbol(call("builtins.len", call("builtins.range", self.expression(start), self.expression(stop),
-                                                     spelled(step))))
+                                                     step_expression(step))))
 
     def is_single(self, part: Slice, size: Affine) -> bool:
-        """Whether a slice is written to take one element, `i:i + 1`; that there is one becomes a guard."""
+        """Whether a slice has the form `i:i + 1`; that there is such an element becomes a guard."""
         if part.upper is None or part.step is not None:
             return False
         low, high = (Affine() if p is None else self.size(p) for p in (part.lower, part.upper))
         if low is None or high is None:
-            return self.settled and _is_next(part)
+            return self.guarded and _is_next(part)
         if high.plus(low, -1) != ONE:
             return False
         if part.lower is not None and not self.is_counted(part.lower):
@@ -113,8 +113,8 @@ class Slices(Sizes):
         self.required.append(size.plus(high, -1))
         return True
 
-    def ordered(self, part: Slice) -> bool:
-        """Whether a slice is taken not to stop before it starts: its bounds are written, or follow each other."""
+    def is_ordered(self, part: Slice) -> bool:
+        """Whether a slice is assumed not to stop before it starts: its bounds are constants, or known in order."""
         bounds = [p for p in (part.lower, part.upper) if p is not None and whole_number(p) is None]
         if not bounds or len(bounds) == 1 and (part.lower is None or whole_number(part.lower) == 0):
             return True
@@ -128,31 +128,31 @@ class Slices(Sizes):
             c * self.least()[s] for s, c in rest.terms) >= 0
 
     def span(self, part: Slice, size: Affine) -> tuple[Affine, Affine, Step] | None:
-        """Where a slice of an axis of this size starts and stops, and its step, as a range; None if it may change."""
+        """Start, stop and step of a slice of an axis of this size, as of a range; None if they may change."""
         step = 1 if part.step is None else self.step(part.step)
         if not step:
             return None
         if isinstance(step, int) and step < 0:
-            start = size.shift(-1) if part.lower is None else self.placed("runtime.position_down", part.lower, size)
-            stop = Affine((), -1) if part.upper is None else self.placed("runtime.position_down", part.upper, size)
+            start = size.shift(-1) if part.lower is None else self.clamped("runtime.position_down", part.lower, size)
+            stop = Affine((), -1) if part.upper is None else self.clamped("runtime.position_down", part.upper, size)
         else:
             start = Affine() if part.lower is None else self.lower(part.lower, size)
             stop = size if part.upper is None else self.upper(part.upper, size)
         return None if start is None or stop is None else (start, stop, step)
 
     def step(self, node: AST) -> Step | None:
-        """The step of a slice: a written number, or one that stays what it is and is positive; None if it may not."""
+        """The step of a slice: a constant, or invariant and positive; None for any other."""
         number, form = whole_number(node), self.size(node)
         if number is not None or form is None:
             return number
         if not form.terms:
             return form.constant
         if not self.is_place(form.shift(-1)):
-            self.stepping.append(form.shift(-1))
+            self.positive_steps.append(form.shift(-1))
         return self.expression(form)
 
-    def moved(self, start: Affine, count: Affine, step: Step) -> Affine:
-        """Where one comes to from a position by so many steps."""
+    def position_after(self, start: Affine, count: Affine, step: Step) -> Affine:
+        """The position so many steps after another."""
         if isinstance(step, int):
             return start.plus(count, step)
         if count.terms:
@@ -160,25 +160,25 @@ class Slices(Sizes):
         form = self.size(step)
         return start.plus(form if form is not None else self.symbol(copy(step)), count.constant)
 
-    def here(self, part: Slice, size: Affine) -> Slices:
-        """The shapes for a slice at one place, where the names in its bounds are what they are there."""
-        return self.at_once(part) if self.span(part, size) is None else self
+    def for_slice(self, part: Slice, size: Affine) -> SliceExtents:
+        """The shapes at one slice, where the names in its bounds are invariant."""
+        return self.at_statement(part) if self.span(part, size) is None else self
 
-    def at_once(self, node: AST) -> Slices:
-        """The shapes for an expression at one place, where the names in it are what they are there."""
+    def at_statement(self, node: AST) -> SliceExtents:
+        """The shapes at one statement, where the names in an expression are invariant."""
         made = replica(self)
         made.values, made.equal = {**dict.fromkeys(names(node)), **self.values}, {}
         return made
 
     def lower(self, node: AST, size: Affine) -> Affine | None:
-        """Where a slice starts: a written number as it is (beyond the end nothing is taken anyway)."""
+        """Where a slice starts; a constant is not clamped (beyond the end there are no elements anyway)."""
         number = whole_number(node)
         if number is not None and number >= 0:
             return Affine((), number)
         if number is not None:
             self.required.append(size.shift(number))
             return size.shift(number)
-        return self.placed("runtime.position", node, size)
+        return self.clamped("runtime.position", node, size)
 
     def upper(self, node: AST, size: Affine) -> Affine | None:
         """Where a slice stops."""
@@ -188,10 +188,10 @@ class Slices(Sizes):
         if number is not None:
             return Affine((), min(number, size.constant)) if not size.terms else self.symbol(
                 call("builtins.min", const(number), self.expression(size)))
-        return self.placed("runtime.position", node, size)
+        return self.clamped("runtime.position", node, size)
 
-    def placed(self, function: str, node: AST, size: Affine) -> Affine | None:
-        """A bound as a position: counted from the end if negative, and not beyond either end."""
+    def clamped(self, function: str, node: AST, size: Affine) -> Affine | None:
+        """A bound as a position, as NumPy has it: counted from the end if negative, and clamped to both ends."""
         form = self.size(node)
         if form is None:
             return None
@@ -209,28 +209,26 @@ def is_step(step: Step, number: int) -> bool:
     return isinstance(step, int) and step == number
 
 
-def spelled(step: Step) -> AST:
+def step_expression(step: Step) -> AST:
     """A step as an expression."""
     return const(step) if isinstance(step, int) else copy(step)
 
 
 def _is_next(part: Slice) -> bool:
-    """Whether a slice is spelled `i:i + 1`."""
+    """Whether a slice has the form `i:i + 1`."""
     end = part.upper
     return isinstance(end, BinOp) and isinstance(end.op, Add) and whole_number(end.right) == 1 and (
         part.lower is not None and dump(end.left) == dump(part.lower))
 
 
 def scattered(place: AST, typing: Typing) -> bool:
-    """Whether arrays of integers pick the elements of a place, which may name one twice."""
+    """Whether a store there is a scatter: arrays of integers index it, and may name an element twice."""
     return isinstance(place, Subscript) and any(
         typing.of(s).is_array and typing.of(s).dtype != "bool" for s in indices(place) if not isinstance(s, Slice))
 
 
-def stand_apart(subscripts: list[AST], typing: Typing) -> bool:
-    """Whether a slice or a new axis stands between subscripts of which one is an array.
-
-    NumPy then puts the axis of what they pick first."""
+def are_separated(subscripts: list[AST], typing: Typing) -> bool:
+    """Whether a slice or a new axis separates subscripts of which one is an array: NumPy puts their axis first then."""
     kinds = [isinstance(s, Slice) or isinstance(s, Constant) and s.value in (None, Ellipsis) for s in subscripts]
     if not any(typing.of(s).is_array for s, between in zip(subscripts, kinds) if not between):
         return False

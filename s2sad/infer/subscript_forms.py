@@ -1,17 +1,17 @@
-"""What subscripts say by how they are written."""
+"""What follows from the form of subscripts alone."""
 from __future__ import annotations
 
 from s2sad.infer.signatures.laws import whole_number
 from s2sad.tree import AST, Add, BinOp, Constant, Slice, equal
 
 
-def keeps(subscript: AST) -> bool:
+def keeps_axis(subscript: AST) -> bool:
     """Whether a subscript leaves an axis, or adds one: slices, `...` and `None`."""
     return isinstance(subscript, Slice) or isinstance(subscript, Constant) and subscript.value in (None, Ellipsis)
 
 
 def is_single(subscript: AST) -> bool:
-    """Whether a slice or a new axis is written to have length 1: `None`, `:1`, `-1:`, `2:3`, `i:i + 1`."""
+    """Whether a slice or a new axis has length 1 by its form: `None`, `:1`, `-1:`, `2:3`, `i:i + 1`."""
     if not isinstance(subscript, Slice):
         return isinstance(subscript, Constant) and subscript.value is None
     if subscript.step is not None:

@@ -23,19 +23,18 @@ class Sizes(ABC):
     """The sizes of one function; `values` are the names bound once, with what they are bound to, None if a loop or
     a call binds them."""
 
-
     def __init__(self, typing: Typing, values: Mapping[str, AST | None]):
         self.typing, self.values = typing, values
         self.arrays: dict[str, Shape] = {}
         self.atoms: dict[str, AST] = {}
         self.equal: dict[str, Affine] = {}
-        self.scopes: dict[int, dict[str, Affine]] = {}  # what is equal where a statement is, by its id
+        self.scopes: dict[int, dict[str, Affine]] = {}  # the equalities that hold at a statement, by its id
         self.several: frozenset[str] = frozenset()  # arrays that more than one statement allocates
-        self.serial = 0  # of the statement: an array of bools picks as many as it did only within one
-        self.passing: set[str] = set()  # the symbols that stand for a size within one statement only
+        self.serial = 0  # of the statement: an array of bools has one count only within one
+        self.transient: set[str] = set()  # the symbols that mean a size within one statement only
         self.counters: dict[str, int] = {}  # the loop counters here, with the least that each can be
-        self.stepping: list[Affine] = []  # steps of slices less 1, that must not be negative either
-        self.required: list[Affine] = []  # sizes that must not be negative for slices to mean what they are taken for
+        self.positive_steps: list[Affine] = []  # steps of slices less 1, that must not be negative either
+        self.required: list[Affine] = []  # sizes that must not be negative for slices to have the extents assumed
 
     @abstractmethod
     def of(self, node: AST) -> Shape:
@@ -61,7 +60,7 @@ class Sizes(ABC):
         return a is not None and b is not None and self.reduced(a) == self.reduced(b)
 
     def unify(self, a: Affine, b: Affine) -> None:
-        """Takes two sizes for equal from here on."""
+        """Assumes from here on that two sizes are equal."""
         form = self.reduced(a).plus(self.reduced(b), -1)
         for symbol, coefficient in sorted(form.terms):
             if abs(coefficient) == 1:
@@ -93,9 +92,9 @@ class Sizes(ABC):
                 return inner
         if isinstance(node, Attribute) and node.attr == "ndim" and self.typing.of(node.value).is_array:
             return Affine((), self.typing.of(node.value).rank)
-        asked = self.asked(node)
-        if asked is not None and self.is_extent(asked):
-            return asked
+        extent = self.axis_size(node)
+        if extent is not None and self.is_extent(extent):
+            return extent
         return self.symbol(node) if self.stable(node) else None
 
     def _binary(self, node: BinOp, found: dict[str, Affine | None]) -> Affine | None:
@@ -103,11 +102,11 @@ class Sizes(ABC):
         return form if form is not None and all(map(is_bounded, (form.constant, *dict(form.terms).values()))) else None
 
     def is_extent(self, size: Affine) -> bool:
-        """Whether a form is what it is taken for as part of a sum as well: it is not negative."""
+        """Whether a form may be a term of a sum: it is not negative."""
         return size == ONE or not size.terms and size.constant >= 0 or self.is_place(self.reduced(size))
 
-    def asked(self, node: AST) -> Affine | None:
-        """The size of an axis of an array that an expression asks for."""
+    def axis_size(self, node: AST) -> Affine | None:
+        """The size of the axis that an expression reads, as `len(x)` does; None for any other expression."""
         if isinstance(node, Subscript) and isinstance(node.value, Attribute) and node.value.attr == "shape":
             axis, base = whole_number(node.slice), node.value.value
             rank = self.typing.of(base).rank
@@ -121,7 +120,7 @@ class Sizes(ABC):
         return None
 
     def stable(self, node: AST) -> bool:
-        """Whether an expression is the same wherever it stands: its names are bound once, and it reads no array."""
+        """Whether an expression is invariant: its names are bound once, and it reads no array."""
         if any(n not in self.values for n in names(node) if not self.typing.table[n].is_array):
             return False
         return not any(isinstance(n, Name) and n.id in self.typing.table and self.typing.table[n.id].is_array
@@ -186,7 +185,7 @@ def _is_size(node: AST) -> bool:
 
 
 def _content(node: AST) -> Iterable[AST]:
-    """The nodes below whose content is read, those that ask for a shape left out."""
+    """The nodes below whose content is read; arrays of which only the shape is read are left out."""
     if isinstance(node, Attribute) and node.attr in ("shape", "size", "ndim"):
         return
     yield node

@@ -1,9 +1,10 @@
-"""weak_types: which numbers have a dtype for NumPy, and which are Python's own, which follow the arrays that they meet.
+"""weak_types: which numbers have a dtype for NumPy, and which are weak: Python's own, which take that of arrays.
 
     s = a + p[0]        `p[0]` of an array of float64 is an np.float64: with a float32 array it gives float64
     s = a + 0.5         a Python float: the sum has the dtype of `a`
 
-Requires structured form and types. What a parameter is given counts as Python's own, unless `given` says otherwise.
+Requires structured form and types. Arguments are weak, unless `parameters` has a dtype for them. Establishes the dtype
+of each number, "" for a weak one.
 """
 from __future__ import annotations
 
@@ -26,19 +27,19 @@ _OF_PYTHON = ("builtins.float", "builtins.int", "builtins.bool", "builtins.len",
 _ONE_OF = ("builtins.abs", "builtins.max", "builtins.min", "builtins.round")
 
 
-def together(dtypes: list[str]) -> str:
-    """NumPy's dtype of what has a dtype, weak numbers left out."""
+def promoted_dtype(dtypes: list[str]) -> str:
+    """NumPy's promotion of the dtypes that are not weak."""
     known = [d for d in dtypes if d in RANKS]
     return np.result_type(*known).name if known else WEAK
 
 
-class Strong:
+class StrongDtypes:
     """The dtypes of the numbers of one function, "" for Python's own."""
 
     def __init__(self, function: FunctionDef, typing: Typing, results: Results,
-                 given: Mapping[str, str] | None = None):
+                 parameters: Mapping[str, str] | None = None):
         self.typing, self.results = typing, results
-        self.table: dict[str, str] = dict(given or {})
+        self.table: dict[str, str] = dict(parameters or {})
         before: dict[str, str] | None = None
         while before != self.table:
             before = dict(self.table)
@@ -46,7 +47,7 @@ class Strong:
                 self.learn(node)
 
     def learn(self, node: AST) -> None:
-        """Takes note of what a statement binds; of several bindings the one with a dtype counts."""
+        """Enters what a statement binds; of several bindings one with a dtype decides."""
         target = node.targets[0] if isinstance(node, Assign) else node.target if isinstance(node, AugAssign) else None
         if isinstance(target, Name) and self.typing.of(target).is_number:
             value = BinOp(target, node.op, node.value) if isinstance(node, AugAssign) else node.value
@@ -56,11 +57,11 @@ class Strong:
                 self.bind(item, dtype)
 
     def bind(self, target: AST, dtype: str) -> None:
-        if isinstance(target, Name) and (both := together([self.table.get(target.id, WEAK), dtype])):
+        if isinstance(target, Name) and (both := promoted_dtype([self.table.get(target.id, WEAK), dtype])):
             self.table[target.id] = both
 
     def of(self, node: AST) -> str:
-        """The dtype that an expression has for NumPy: an array its own, a number one of NumPy's or ""."""
+        """The dtype of an expression for NumPy, "" for a weak number."""
         kind = self.typing.of(node)
         if kind.is_array:
             return kind.dtype
@@ -75,17 +76,18 @@ class Strong:
         if isinstance(node, BinOp):
             return self.joined([node.left, node.right], isinstance(node.op, Div))
         if isinstance(node, (IfExp, BoolOp)):
-            return together(list(map(self.of, [node.body, node.orelse] if isinstance(node, IfExp) else node.values)))
+            values = [node.body, node.orelse] if isinstance(node, IfExp) else node.values
+            return promoted_dtype(list(map(self.of, values)))
         return self.of_number(node) if isinstance(node, Call) else WEAK
 
     def joined(self, nodes: list[AST], floats: bool = False) -> str:
         """The dtype of a result of these operands: a weak float makes floats of strong integers."""
-        found = together(list(map(self.of, nodes)))
+        found = promoted_dtype(list(map(self.of, nodes)))
         weak = any(self.typing.of(n).is_float and not self.of(n) for n in nodes)
         return "float64" if found.startswith(("int", "uint", "bool")) and (weak or floats) else found
 
     def of_number(self, node: Call) -> str:
-        """The dtype of a call that gives a number."""
+        """The dtype of a call whose result is a number."""
         called, kind = call_name(node) or "", self.typing.of(node)
         if called.startswith("user."):
             return next(iter(self.of_call(node)), WEAK)
@@ -95,7 +97,7 @@ class Strong:
         if called in CASTS:
             return CASTS[called]
         if called in _ONE_OF:
-            return together(list(map(self.of, node.args)))
+            return promoted_dtype(list(map(self.of, node.args)))
         strong = self.joined(node.args) if not any(self.typing.of(a).is_array for a in node.args) else WEAK
         same = rules.result_kind(called) in ("same", "float") and strong.startswith("float")
         return strong if same else kind.dtype
@@ -104,9 +106,9 @@ class Strong:
         return self.results(node, list(map(self.of, node.args)))
 
     def item(self, node: AST) -> str:
-        """The dtype of an item of an array that is spelled out: Python's numbers have one there, too."""
+        """The dtype of an item of an array display: Python's numbers have one there, too."""
         if isinstance(node, (Tuple, List)):
-            return together(list(map(self.item, node.elts)))
+            return promoted_dtype(list(map(self.item, node.elts)))
         return self.of(node) or self.typing.of(node).dtype
 
 

@@ -42,12 +42,12 @@ def split_live_ranges(function: FunctionDef, types: Mapping[str, Type], call_typ
     """The function with those names, and the types of them all."""
     wider = begun = False
     while True:
-        said, confused = Report(report.source), set[str]()
-        table = inference(function, types, call_types, said, constants, confused, wider)
-        new = _LiveRanges(function, confused).apart(free) if confused else None
-        if new is None and confused and not begun:
-            new, begun = peel_first_iteration(function, confused, free), True
-        if new is None and (wider or not confused):
+        said, conflicting = Report(report.source), set[str]()
+        table = inference(function, types, call_types, said, constants, conflicting, wider)
+        new = _LiveRanges(function, conflicting).apart(free) if conflicting else None
+        if new is None and conflicting and not begun:
+            new, begun = peel_first_iteration(function, conflicting, free), True
+        if new is None and (wider or not conflicting):
             report.found += said.found
             return function, table
         wider = wider or new is None
@@ -57,20 +57,20 @@ def split_live_ranges(function: FunctionDef, types: Mapping[str, Type], call_typ
 class _LiveRanges:
     """The lives of some names: each binding is known by its node, `joined` leads to one of the same life."""
 
-    def __init__(self, function: FunctionDef, confused: set[str]):
+    def __init__(self, function: FunctionDef, conflicting: set[str]):
         self.function = function
         self.joined: dict[int, int] = {}
         self.exits: list[list[State]] = []
-        given = {p.id: frozenset({id(p)}) for p in function.args.args if p.id in confused}
-        self.confused = confused
+        given = {p.id: frozenset({id(p)}) for p in function.args.args if p.id in conflicting}
+        self.conflicting = conflicting
         self.block(function.body, given)
 
     def apart(self, free: Names) -> FunctionDef | None:
         """The function with a name for each life; None if there is one for each name."""
-        first: dict[str, int] = {p.id: self.life(id(p)) for p in self.function.args.args if p.id in self.confused}
+        first: dict[str, int] = {p.id: self.life(id(p)) for p in self.function.args.args if p.id in self.conflicting}
         called: dict[int, str] = {}
         for node in walk(self.function.body):
-            if isinstance(node, Name) and node.id in self.confused:
+            if isinstance(node, Name) and node.id in self.conflicting:
                 life = self.life(id(node))
                 if first.setdefault(node.id, life) != life and life not in called:
                     called[life] = free.numbered(node.id)
@@ -78,7 +78,7 @@ class _LiveRanges:
             return None
 
         def change(node: AST) -> AST | None:
-            new = called.get(self.life(id(node))) if isinstance(node, Name) and node.id in self.confused else None
+            new = called.get(self.life(id(node))) if isinstance(node, Name) and node.id in self.conflicting else None
             if new is None:
                 return None
             made = rebuild(node, lambda n: None)
@@ -103,7 +103,7 @@ class _LiveRanges:
 
     def bind(self, target: AST, state: State) -> State:
         made = {n.id: frozenset({id(n)}) for n in walk(target)
-                if isinstance(n, Name) and isinstance(n.ctx, Store) and n.id in self.confused}
+                if isinstance(n, Name) and isinstance(n.ctx, Store) and n.id in self.conflicting}
         return {**state, **made}
 
     def block(self, block: list[AST], state: State | None) -> State | None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from s2sad.infer.signatures.laws import written_slice
+from s2sad.infer.signatures.laws import constant_slice
 from s2sad.evaluate.argument_binding import result_structure, user_call
 from s2sad.evaluate.expressions.hoist import constant_index
 from s2sad.evaluate.effects import bindings, parameters
@@ -85,7 +85,7 @@ def by_item(node: AST, known: Mapping[str, Nest]) -> Tuple | List | None:
     if not isinstance(node, Subscript):
         return None
     base, place = by_item(node.value, known), constant_index(node)
-    part = written_slice(node.slice) if isinstance(node.slice, Slice) else None
+    part = constant_slice(node.slice) if isinstance(node.slice, Slice) else None
     if base is None or part is None and (place is None or not -len(base.elts) <= place < len(base.elts)):
         return None
     if part is not None:

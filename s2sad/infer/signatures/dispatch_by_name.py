@@ -1,5 +1,5 @@
-"""The type of a function of whole arrays that is written out in pieces, by its name; UNKNOWN where its arguments are
-none that the pieces are written for."""
+"""The type of a function of whole arrays that `normalize.library.expand` expands, by its name; UNKNOWN where its
+arguments have no expansion."""
 from __future__ import annotations
 
 from s2sad.infer.signatures.options import Arguments
@@ -17,7 +17,7 @@ _DTYPED = ("numpy.arange", "numpy.astype", "numpy.eye", "numpy.identity")
 _TYPES = {**SHAPES, **SUMS, **PLACES, **SELECTIONS, **STATISTICS, **TRANSFORMS, **FORMS}
 
 
-def piece_type(function: str, args: list[Type], options: Arguments) -> Type:
+def expansion_type(function: str, args: list[Type], options: Arguments) -> Type:
     """The type of a call of such a function; `args` are the types of its operands, then of its options."""
     made = _TYPES[function](args, options)
     known = (*ORDER, "int32") if function in _DTYPED else ORDER

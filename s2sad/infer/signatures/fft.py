@@ -1,32 +1,31 @@
-"""The type of a transform along several axes, of shifts and frequencies; UNKNOWN where the arguments are none that the
-pieces are written for."""
+"""The type of a transform along several axes, of shifts and frequencies; UNKNOWN where it has no expansion."""
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.infer.signatures.laws import axes_of, written_axes
+from s2sad.infer.signatures.laws import axes_of, distinct_axes
 from s2sad.infer.signatures.options import Arguments, is_none, text_of
 from s2sad.infer.types import UNKNOWN, Type, array
 from s2sad.tree import List, Tuple
 
 
 def transformed_axes(options: Arguments, rank: int) -> list[int] | None:
-    """The axes that a transform goes along, from 0, in its order; None if they are not written out."""
+    """The axes that a transform goes along, from 0, in its order; None if they are no constants."""
     if not is_none(options["axes"]):
-        return written_axes(options["axes"], rank)
+        return distinct_axes(options["axes"], rank)
     count = len(options["s"].elts) if isinstance(options["s"], (Tuple, List)) else rank
     return list(range(rank - count, rank)) if count <= rank else None
 
 
 def _transform(dtype: str) -> Callable[[list[Type], Arguments], Type]:
-    def made(args: list[Type], options: Arguments) -> Type:
+    def type_of(args: list[Type], options: Arguments) -> Type:
         axes, sizes = transformed_axes(options, args[0].rank) if args[0].is_array else None, options["s"]
         fits = is_none(sizes) or isinstance(sizes, (Tuple, List)) and axes is not None and len(sizes.elts) == len(axes)
         known = is_none(options["norm"]) or text_of(options["norm"]) in ("backward", "ortho", "forward")
         if not axes or not fits or not known or args[0].dtype in ("float32", "complex64"):
             return UNKNOWN
         return array(dtype, args[0].rank)
-    return made
+    return type_of
 
 
 def _shifted(args: list[Type], options: Arguments) -> Type:

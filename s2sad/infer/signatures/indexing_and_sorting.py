@@ -1,5 +1,5 @@
-"""The type of a function that is written out in pieces and asks for places, an order or a selection, or that stores
-through places; UNKNOWN where its arguments are none that the pieces are written for."""
+"""The type of an expanded function that finds indices, sorts or selects, or that stores through indices; UNKNOWN where
+its arguments have no expansion."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -13,7 +13,7 @@ from s2sad.tree import List, Tuple
 
 
 def _part(options: Arguments, count: int) -> int | None:
-    """The number of the part that is asked for, if there is such a part."""
+    """The number of the requested part, if there is such a part."""
     found = whole_number(options["part"])
     return found if found is not None and 0 <= found < count else None
 
@@ -27,9 +27,9 @@ def _stored(args: list[Type], options: Arguments) -> Type:
     x, places, values = args
     if x.is_array and places.is_array and places.dtype == "bool":
         return x if places.rank == x.rank and values.kind in ("array", "number") and values.rank <= 1 else UNKNOWN
-    given = _places(places)
-    fits = x.is_array and 0 < len(given) <= x.rank and all(p.holds_integers and p.rank <= 1 for p in given)
-    left = x.rank - len(given) + max((p.rank for p in given), default=0)
+    indices = _places(places)
+    fits = x.is_array and 0 < len(indices) <= x.rank and all(p.holds_integers and p.rank <= 1 for p in indices)
+    left = x.rank - len(indices) + max((p.rank for p in indices), default=0)
     return x if fits and values.kind in ("array", "number") and values.rank <= left else UNKNOWN
 
 
@@ -132,7 +132,7 @@ def _quantile(args: list[Type], options: Arguments) -> Type:
     return _middle(args, options) if args[1].is_number else UNKNOWN
 
 
-def _sought(args: list[Type], options: Arguments) -> Type:
+def _insertion_indices(args: list[Type], options: Arguments) -> Type:
     a, v = args[:2]
     side = getattr(options["side"], "value", None)
     return array("int64", v.rank) if a.is_array and a.rank == 1 and v.is_array and v.rank <= 2 and side in (
@@ -152,7 +152,8 @@ def _order(args: list[Type], options: Arguments) -> Type:
 
 PLACES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     **{f"numpy.{f}.at": _stored for f in ("add", "subtract", "multiply", "divide", "maximum", "minimum")},
-    "numpy.searchsorted.each": _sought, "numpy.argmax.along": _extreme_place, "numpy.argmin.along": _extreme_place,
+    "numpy.searchsorted.each": _insertion_indices,
+    "numpy.argmax.along": _extreme_place, "numpy.argmin.along": _extreme_place,
     "numpy.argsort.along": _order, "numpy.fill_diagonal": _diagonal_filled, "numpy.nonzero": _nonzero,
     "numpy.sort": _sorted,
     "numpy.take": _taken,

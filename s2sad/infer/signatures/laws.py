@@ -1,4 +1,4 @@
-"""How the type and the shape of a function of whole arrays follow from its arguments, by the name that its rule gives.
+"""laws: how the type and the shape of a function of whole arrays follow from its arguments, by the `law` of its rule.
 
 A shape is a tuple of sizes, each an affine form or None where nothing is known of it.
 """
@@ -15,11 +15,11 @@ from s2sad.tree import AST, Constant, List, Slice, Tuple, UnaryOp, USub
 Shape = tuple["Affine | None", ...]
 Options = Mapping[str, AST]
 ONE = Affine((), 1)
-_UNSAID = Constant(None, None)
+_DEFAULT = Constant(None, None)
 MOST_PAIRED = 7     # axes that two factors have together, of which one is summed over (`normalize.contracted`)
-LEAST = Affine.symbol("the least")  # stands for the least size of the first argument
-GIVEN = {Affine.symbol(f"the argument {n}"): n for n in ("m", "n", "size")}    # stand for sizes that are arguments
-_M, _N, _SIZE = GIVEN
+LEAST = Affine.symbol("the least")  # the least size of the first argument
+SIZE_ARGUMENTS = {Affine.symbol(f"the argument {n}"): n for n in ("m", "n", "size")}    # sizes that are arguments
+_M, _N, _SIZE = SIZE_ARGUMENTS
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Law:
 
 
 def whole_number(node: AST) -> int | None:
-    """The integer that an option spells, or None."""
+    """The integer constant of an option, or None."""
     if isinstance(node, UnaryOp) and isinstance(node.op, USub):
         inner = whole_number(node.operand)
         return None if inner is None else -inner
@@ -38,19 +38,19 @@ def whole_number(node: AST) -> int | None:
 
 
 def items_of(node: AST) -> list[AST]:
-    """The items of a tuple or a list that is spelled out, or the one node."""
+    """The items of a tuple or list display, or the one node."""
     return list(node.elts) if isinstance(node, (Tuple, List)) else [node]
 
 
-def written_slice(node: Slice) -> slice | None:
-    """The slice whose ends and step are written out, or None."""
+def constant_slice(node: Slice) -> slice | None:
+    """The slice whose ends and step are constants, or None."""
     ends = [None if e is None else whole_number(e) for e in (node.lower, node.upper, node.step)]
     known = all((e is None) == (f is None) for e, f in zip((node.lower, node.upper, node.step), ends))
     return slice(*ends) if known and ends[2] != 0 else None
 
 
 def axes_of(node: AST, rank: int) -> tuple[int, ...] | None:
-    """The axes that an option names, from 0, all of them for None; None if they are not written out or out of range."""
+    """The axes that an option names, from 0, all of them for None; None if they are no constants or out of range."""
     if isinstance(node, Constant) and node.value is None:
         return tuple(range(rank))
     found = [whole_number(p) for p in items_of(node)]
@@ -61,7 +61,7 @@ def axes_of(node: AST, rank: int) -> tuple[int, ...] | None:
 
 def paired_axes(node: AST | None, ranks: list[int]) -> list[tuple[int, int]] | None:
     """The axes that `np.tensordot` sums over, those of the first operand with those of the second; None if they are
-    not written out or out of range."""
+    no constants or out of range."""
     if isinstance(node, (Tuple, List)) and len(node.elts) == 2:
         found = [[whole_number(p) for p in items_of(side)] for side in node.elts]
     else:
@@ -77,7 +77,7 @@ def paired_axes(node: AST | None, ranks: list[int]) -> list[tuple[int, int]] | N
 
 
 def is_true(node: AST | None) -> bool:
-    """Whether an option is written, and true."""
+    """Whether an option is a true constant."""
     return isinstance(node, Constant) and bool(node.value)
 
 
@@ -87,7 +87,7 @@ def _widened(kind: Type) -> Type:
 
 def _reduced_type(args: list[Type], options: Options) -> Type:
     axes = axes_of(options["axis"], args[0].rank)
-    if not axes or not args[0].is_array or not isinstance(options.get("keepdims", _UNSAID), Constant):
+    if not axes or not args[0].is_array or not isinstance(options.get("keepdims", _DEFAULT), Constant):
         return UNKNOWN
     return of_rank(args[0], args[0].rank if is_true(options.get("keepdims")) else args[0].rank - len(axes))
 
@@ -145,7 +145,7 @@ def _outer_type(args: list[Type], options: Options) -> Type:
 
 
 def _of_matrices(rank: int, shape: Callable[[list[Shape], Options], Shape]) -> Law:
-    """What a matrix gives, or each matrix of a stack; nothing is said of a stack's sizes."""
+    """The law for a matrix, or each matrix of a stack; the sizes of a stack's results stay open."""
     return Law(of_matrices(rank), lambda args, options: shape(args, options) if len(args[0]) == 2 else None)
 
 
@@ -172,9 +172,9 @@ def _same_type(args: list[Type], options: Options) -> Type:
     return args[0]
 
 
-def moved_axes(options: Options, rank: int) -> list[int] | None:
-    """For each axis of the result of `np.moveaxis` the axis that it comes from; None if they are not written out."""
-    source, destination = (written_axes(options[o], rank) for o in ("source", "destination"))
+def moveaxis_order(options: Options, rank: int) -> list[int] | None:
+    """For each axis of the result of `np.moveaxis` the axis that it comes from; None if they are no constants."""
+    source, destination = (distinct_axes(options[o], rank) for o in ("source", "destination"))
     if source is None or destination is None or len(source) != len(destination):
         return None
     order = [k for k in range(rank) if k not in source]
@@ -183,31 +183,31 @@ def moved_axes(options: Options, rank: int) -> list[int] | None:
     return order
 
 
-def written_axes(node: AST, rank: int) -> list[int] | None:
+def distinct_axes(node: AST, rank: int) -> list[int] | None:
     """The different axes that an argument names, from 0, in its order."""
     found = [whole_number(p) for p in items_of(node)]
     axes = [a % rank for a in found if a is not None and -rank <= a < rank]
     return axes if len(axes) == len(found) == len(set(axes)) else None
 
 
-def _moved_type(args: list[Type], options: Options) -> Type:
-    return args[0] if args[0].is_array and moved_axes(options, args[0].rank) is not None else UNKNOWN
+def _moveaxis_type(args: list[Type], options: Options) -> Type:
+    return args[0] if args[0].is_array and moveaxis_order(options, args[0].rank) is not None else UNKNOWN
 
 
 def _transformed_type(dtype: str) -> Callable[[list[Type], Options], Type]:
     """The type of a transform along one axis."""
-    def made(args: list[Type], options: Options) -> Type:
+    def type_of(args: list[Type], options: Options) -> Type:
         axis, norm = whole_number(options["axis"]), options["norm"]
         fits = args[0].is_array and axis is not None and -args[0].rank <= axis < args[0].rank
         known = isinstance(norm, Constant) and norm.value in (None, "backward", "ortho", "forward")
         if not fits or not known:
             return UNKNOWN
         return array("complex64" if args[0].dtype in ("float32", "complex64") else dtype, args[0].rank)
-    return made
+    return type_of
 
 
-def _moved_shape(args: list[Shape], options: Options) -> Shape | None:
-    order = moved_axes(options, len(args[0]))
+def _moveaxis_shape(args: list[Shape], options: Options) -> Shape | None:
+    order = moveaxis_order(options, len(args[0]))
     return None if order is None else tuple(args[0][k] for k in order)
 
 
@@ -220,17 +220,17 @@ def _entries(args: list[Type]) -> bool:
 
 def _sparse_type(data: int, x: int) -> Callable[[list[Type], Options], Type]:
     """The type of a product or a solution; where `data` and `x` stand among the arguments."""
-    def made(args: list[Type], options: Options) -> Type:
+    def type_of(args: list[Type], options: Options) -> Type:
         fits = _entries(args[data:]) and args[x].is_array and args[x].rank in (1, 2)
         dtype = common_dtype([args[data], args[x]])
         return array(dtype, args[x].rank) if fits and dtype in ("float32", "float64") else UNKNOWN
-    return made
+    return type_of
 
 
 def _sparse_matrix(rank: int) -> Callable[[list[Type], Options], Type]:
-    def made(args: list[Type], options: Options) -> Type:
+    def type_of(args: list[Type], options: Options) -> Type:
         return array(args[0].dtype, rank) if _entries(args) and args[0].is_float else UNKNOWN
-    return made
+    return type_of
 
 
 def _joined_size(args: list[Shape], options: Options) -> Shape | None:
@@ -259,7 +259,7 @@ LAWS: dict[str, Law] = {
     "summed": Law(lambda args, options: _widened(_reduced_type(args, options)), _reduced_shape),
     "averaged": Law(_averaged_type, _reduced_shape),
     "transposed": Law(_same_type, lambda args, options: args[0][::-1]),
-    "moved": Law(_moved_type, _moved_shape),
+    "moved": Law(_moveaxis_type, _moveaxis_shape),
     "reshaped": Law(_reshaped_type, lambda args, options: None),
     "raveled": Law(lambda args, options: array(args[0].dtype, 1), lambda args, options: None),
     "spread": Law(_spread_type, lambda args, options: None),

@@ -1,5 +1,4 @@
-"""The types of what functions of matrices give, and of what they give for stacks of these; UNKNOWN where there is no
-rule."""
+"""The types of the results of functions of matrices, and of stacks of these; UNKNOWN where there is no rule."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
@@ -27,7 +26,7 @@ def solved(args: list[Type], options: Options) -> Type:
 
 
 def solution(args: list[Type], options: Options) -> Type:
-    """Of stacks of matrices, too: what is solved for is a vector, or matrices with the same leading axes, or with none
+    """Of stacks of matrices, too: the right-hand side is a vector, or matrices with the same leading axes, or with none
     where the other side has some."""
     a, b = args
     if a.rank < 2 or b.rank < 1 or b.rank > 1 and a.rank != b.rank and 2 not in (a.rank, b.rank):
@@ -39,19 +38,19 @@ def solution(args: list[Type], options: Options) -> Type:
 
 
 def of_matrix(rank: int) -> Callable[[list[Type], Options], Type]:
-    """The type of what a float matrix gives (integers are for NumPy alone)."""
-    def made(args: list[Type], options: Options) -> Type:
+    """The type of a function of a float matrix (integers are for NumPy alone)."""
+    def type_of(args: list[Type], options: Options) -> Type:
         return of_rank(args[0], rank) if args[0].is_inexact and args[0].rank == 2 else UNKNOWN
-    return made
+    return type_of
 
 
 def of_matrices(rank: int) -> Callable[[list[Type], Options], Type]:
-    """The type of what a float matrix gives, or each matrix of a stack
+    """The type of a function of a float matrix, or of each matrix of a stack
     (`normalize/library/expansions/batched_matrices`)."""
-    def made(args: list[Type], options: Options) -> Type:
+    def type_of(args: list[Type], options: Options) -> Type:
         fits = args[0].is_array and args[0].is_inexact and args[0].rank >= 2
         return of_rank(args[0], args[0].rank - 2 + rank) if fits else UNKNOWN
-    return made
+    return type_of
 
 
 def least(args: list[Type], options: Options) -> Type:

@@ -1,4 +1,4 @@
-"""What the options of a function of whole arrays spell: axes, widths, orders, dtypes."""
+"""The values of options of functions of whole arrays: axes, widths, orders, dtypes."""
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -15,12 +15,12 @@ def is_none(node: AST | None) -> bool:
 
 
 def text_of(node: AST) -> str:
-    """The string that an option spells, or ''."""
+    """The string constant of an option, or ''."""
     return node.value if isinstance(node, Constant) and isinstance(node.value, str) else ""
 
 
 def one_axis(node: AST, rank: int) -> int | None:
-    """The one axis that an option names."""
+    """The one axis of an option."""
     found = None if is_none(node) or whole_number(node) is None else axes_of(node, rank)
     return found[0] if found else None
 
@@ -39,7 +39,7 @@ def widths_of(node: AST, rank: int) -> list[tuple[AST, AST]] | None:
 
 
 def norm_order(node: AST) -> int | float | str | None:
-    """The order of a norm that an option spells: a number, "inf", "-inf", "fro", "nuc", None; else ""."""
+    """The order of a norm in an option: a number, "inf", "-inf", "fro", "nuc", None; else ""."""
     if isinstance(node, UnaryOp) and isinstance(node.op, USub):
         inner = norm_order(node.operand)
         return "-inf" if inner == "inf" else -inner if isinstance(inner, (int, float)) else ""
@@ -50,7 +50,7 @@ def norm_order(node: AST) -> int | float | str | None:
 
 
 def astype_dtype(options: Arguments) -> str:
-    """The dtype that `np.astype` is given, "" if it is none that arrays here have."""
+    """The dtype argument of `np.astype`, "" if it is none that arrays here have."""
     node = options["dtype"]
     named = node.id if isinstance(node, Name) else text_of(node)
     found = {"builtins.float": "float64", "builtins.int": "int64", "builtins.bool": "bool", "numpy.bool_": "bool",

@@ -1,5 +1,4 @@
-"""The type of a function that is written out in pieces and arranges elements; UNKNOWN where its arguments are none
-that the pieces are written for."""
+"""The type of an expanded function that rearranges elements; UNKNOWN where its arguments have no expansion."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -7,7 +6,7 @@ from dataclasses import replace
 
 from s2sad.infer.signatures.laws import of_rank, whole_number
 from s2sad.infer.signatures.options import Arguments, astype_dtype, is_none, one_axis, text_of, widths_of
-from s2sad.infer.promotion import ORDER, RANKS, common, known_array, promote
+from s2sad.infer.promotion import ORDER, RANKS, common, is_expandable, promote
 from s2sad.infer.types import UNKNOWN, Type, array
 from s2sad.infer.signatures.selections import repeated
 from s2sad.tree import Constant, List, Tuple
@@ -15,20 +14,20 @@ from s2sad.tree import Constant, List, Tuple
 
 def _diff(args: list[Type], options: Arguments) -> Type:
     times = whole_number(options["n"])
-    fits = known_array(args) and args[0].dtype != "bool" and times is not None and 1 <= times <= 4
+    fits = is_expandable(args) and args[0].dtype != "bool" and times is not None and 1 <= times <= 4
     return args[0] if fits and one_axis(options["axis"], args[0].rank) is not None else UNKNOWN
 
 
 def _parts(options: Arguments, args: list[Type]) -> list[Type]:
-    written = isinstance(options["x"], (Tuple, List))
+    display = isinstance(options["x"], (Tuple, List))
     items = [replace(i, kind="array", rank=1, items=(), dtype=common(list(i.items))) if i.kind == "tuple" else i
              for i in args[0].items]
     known = all(i.kind in ("array", "number") and i.dtype in ORDER for i in items)
-    return items if written and known else []
+    return items if display and known else []
 
 
 def _rows(args: list[Type], options: Arguments) -> Type | None:
-    """The type of what joins the rows of one array, in place of a list of them; None if it joins a written list."""
+    """The type of what joins the rows of one array, in place of a list of them; None if it joins a list display."""
     if not args[0].is_array:
         return None
     first = "axis" not in options or whole_number(options["axis"]) == 0
@@ -84,12 +83,12 @@ def _append(args: list[Type], options: Arguments) -> Type:
 
 
 def _expanded(args: list[Type], options: Arguments) -> Type:
-    found = known_array(args) and one_axis(options["axis"], args[0].rank + 1) is not None
+    found = is_expandable(args) and one_axis(options["axis"], args[0].rank + 1) is not None
     return array(args[0].dtype, args[0].rank + 1) if found else UNKNOWN
 
 
 def _squeezed(args: list[Type], options: Arguments) -> Type:
-    if not known_array(args):
+    if not is_expandable(args):
         return UNKNOWN
     gone = len(args[0].ones) if is_none(options["axis"]) else one_axis(options["axis"], args[0].rank) is not None
     return of_rank(args[0], args[0].rank - gone) if gone else UNKNOWN
@@ -97,20 +96,20 @@ def _squeezed(args: list[Type], options: Arguments) -> Type:
 
 def _swapped(args: list[Type], options: Arguments) -> Type:
     axes = [one_axis(options[a], args[0].rank) for a in ("axis1", "axis2")]
-    return args[0] if known_array(args) and None not in axes else UNKNOWN
+    return args[0] if is_expandable(args) and None not in axes else UNKNOWN
 
 
 def _tiled(args: list[Type], options: Arguments) -> Type:
     reps = options["reps"]
-    written = isinstance(reps, (Tuple, List)) or args[1].is_integer
+    display = isinstance(reps, (Tuple, List)) or args[1].is_integer
     rank = len(reps.elts) if isinstance(reps, (Tuple, List)) else 1
-    return array(args[0].dtype, max(rank, args[0].rank)) if known_array(args) and written else UNKNOWN
+    return array(args[0].dtype, max(rank, args[0].rank)) if is_expandable(args) and display else UNKNOWN
 
 
 def _repeated(args: list[Type], options: Arguments) -> Type:
     if args[1].rank or args[1].kind == "tuple":
         return repeated(args, options)
-    if not known_array(args) or not args[1].is_integer:
+    if not is_expandable(args) or not args[1].is_integer:
         return UNKNOWN
     if is_none(options["axis"]):
         return array(args[0].dtype, 1)
@@ -121,24 +120,24 @@ def _padded(args: list[Type], options: Arguments) -> Type:
     mode = text_of(options["mode"])
     filled = ("constant", "edge", "wrap", "reflect", "symmetric", "linear_ramp", "mean", "maximum", "minimum")
     fits = mode in filled and not isinstance(options["constant_values"], (Tuple, List))
-    return args[0] if known_array(args) and fits and widths_of(options["pad_width"], args[0].rank) else UNKNOWN
+    return args[0] if is_expandable(args) and fits and widths_of(options["pad_width"], args[0].rank) else UNKNOWN
 
 
 def _diag(args: list[Type], options: Arguments) -> Type:
-    fits = known_array(args) and args[0].rank <= 2
+    fits = is_expandable(args) and args[0].rank <= 2
     return array(args[0].dtype, 3 - args[0].rank) if fits else UNKNOWN
 
 
 def _diagonal(args: list[Type], options: Arguments) -> Type:
-    return array(args[0].dtype, 1) if known_array(args) and args[0].rank == 2 else UNKNOWN
+    return array(args[0].dtype, 1) if is_expandable(args) and args[0].rank == 2 else UNKNOWN
 
 
 def _triangle(args: list[Type], options: Arguments) -> Type:
-    return args[0] if known_array(args) and args[0].rank == 2 else UNKNOWN
+    return args[0] if is_expandable(args) and args[0].rank == 2 else UNKNOWN
 
 
 def _trace(args: list[Type], options: Arguments) -> Type:
-    return of_rank(args[0], 0) if known_array(args) and args[0].rank == 2 and args[0].is_inexact else UNKNOWN
+    return of_rank(args[0], 0) if is_expandable(args) and args[0].rank == 2 and args[0].is_inexact else UNKNOWN
 
 
 def _eye(args: list[Type], options: Arguments) -> Type:
@@ -147,8 +146,8 @@ def _eye(args: list[Type], options: Arguments) -> Type:
 
 
 def _linspace(args: list[Type], options: Arguments) -> Type:
-    written = isinstance(options["endpoint"], Constant)
-    return array("float64", 1) if written and all(a.is_number for a in args) else UNKNOWN
+    display = isinstance(options["endpoint"], Constant)
+    return array("float64", 1) if display and all(a.is_number for a in args) else UNKNOWN
 
 
 def _diagflat(args: list[Type], options: Arguments) -> Type:
@@ -156,11 +155,11 @@ def _diagflat(args: list[Type], options: Arguments) -> Type:
 
 
 def _arange(args: list[Type], options: Arguments) -> Type:
-    given = [a for a in args[:3] if a.kind != "none"]
-    own = "float64" if any(a.is_float for a in given) else "int64"
+    numbers = [a for a in args[:3] if a.kind != "none"]
+    own = "float64" if any(a.is_float for a in numbers) else "int64"
     dtype = own if is_none(options["dtype"]) else astype_dtype(options)
     fits = dtype in (own, "float64") or own == "int64" and dtype in ("int32", "float32")
-    return array(dtype, 1) if fits and all(a.is_number for a in given) else UNKNOWN
+    return array(dtype, 1) if fits and all(a.is_number for a in numbers) else UNKNOWN
 
 
 def _cast(args: list[Type], options: Arguments) -> Type:
@@ -169,10 +168,10 @@ def _cast(args: list[Type], options: Arguments) -> Type:
 
 
 def _at_least(rank: int) -> Callable[[list[Type], Arguments], Type]:
-    def made(args: list[Type], options: Arguments) -> Type:
+    def type_of(args: list[Type], options: Arguments) -> Type:
         known = args[0].kind in ("array", "number") and args[0].dtype in ORDER
         return array(args[0].dtype, max(rank, args[0].rank)) if known else UNKNOWN
-    return made
+    return type_of
 
 
 def _deep(args: list[Type], options: Arguments) -> Type:
@@ -183,17 +182,17 @@ def _deep(args: list[Type], options: Arguments) -> Type:
 
 
 def _turned(args: list[Type], options: Arguments) -> Type:
-    return args[0] if known_array(args) and args[0].rank == 2 and whole_number(options["k"]) is not None else UNKNOWN
+    return args[0] if is_expandable(args) and args[0].rank == 2 and whole_number(options["k"]) is not None else UNKNOWN
 
 
 def _section(args: list[Type], options: Arguments) -> Type:
     sections, number = options["sections"], whole_number(options["part"])
-    written = isinstance(sections, (Tuple, List))
-    count = len(sections.elts) + 1 if written else whole_number(sections)
-    fits = known_array(args) and number is not None and (count is None or number < count)
-    if "axis" in options and (not known_array(args) or one_axis(options["axis"], args[0].rank) is None):
+    display = isinstance(sections, (Tuple, List))
+    count = len(sections.elts) + 1 if display else whole_number(sections)
+    fits = is_expandable(args) and number is not None and (count is None or number < count)
+    if "axis" in options and (not is_expandable(args) or one_axis(options["axis"], args[0].rank) is None):
         return UNKNOWN
-    return args[0] if fits and (written or args[1].is_integer) else UNKNOWN
+    return args[0] if fits and (display or args[1].is_integer) else UNKNOWN
 
 
 def _stacked_sections(args: list[Type], options: Arguments) -> Type:

@@ -1,13 +1,12 @@
-"""The type of a function that is written out in pieces and reduces or multiplies elements; UNKNOWN where its arguments
-are none that the pieces are written for."""
+"""The type of an expanded function that reduces or multiplies; UNKNOWN where its arguments have no expansion."""
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
 
-from s2sad.infer.signatures.laws import MOST_PAIRED, axes_of, is_true, of_rank, whole_number, written_axes
+from s2sad.infer.signatures.laws import MOST_PAIRED, axes_of, distinct_axes, is_true, of_rank, whole_number
 from s2sad.infer.signatures.options import Arguments, is_none, norm_order, one_axis, text_of
-from s2sad.infer.promotion import ORDER, common, known_array
+from s2sad.infer.promotion import ORDER, common, is_expandable
 from s2sad.infer.types import UNKNOWN, Type, array
 from s2sad.infer.signatures.norms_and_products import of_matrices
 from s2sad.tree import Constant, List, Tuple
@@ -29,14 +28,14 @@ def _average(args: list[Type], options: Arguments) -> Type:
     made, weights = _averaged(args, options), args[2]
     if is_none(options["weights"]) or made.kind == "unknown":
         return made
-    order = None if is_none(options["axis"]) else written_axes(options["axis"], args[0].rank)
+    order = None if is_none(options["axis"]) else distinct_axes(options["axis"], args[0].rank)
     along = order is not None and order == sorted(order) and weights.rank == len(order)
     fits = weights.is_array and (weights.rank == args[0].rank or along)
     return replace(made, dtype=common([made, weights])) if fits and weights.dtype in ORDER else UNKNOWN
 
 
 def _reduced(args: list[Type], options: Arguments) -> Type:
-    axes = axes_of(options["axis"], args[0].rank) if known_array(args) else None
+    axes = axes_of(options["axis"], args[0].rank) if is_expandable(args) else None
     kept = options.get("keepdims")
     if kept is not None and not (isinstance(kept, Constant) and isinstance(kept.value, bool)):
         return UNKNOWN
@@ -46,7 +45,7 @@ def _reduced(args: list[Type], options: Arguments) -> Type:
 
 
 def _numbered(args: list[Type], options: Arguments) -> Type:
-    return args[0] if known_array(args) and args[0].is_float else UNKNOWN
+    return args[0] if is_expandable(args) and args[0].is_float else UNKNOWN
 
 
 def summed(args: list[Type], options: Arguments) -> Type:
@@ -62,7 +61,7 @@ def _product(args: list[Type], options: Arguments) -> Type:
 def running(args: list[Type], options: Arguments) -> Type:
     if args[0].dtype in _WHOLE and args[0].is_array:
         args = [replace(args[0], dtype="int64"), *args[1:]]
-    if not known_array(args):
+    if not is_expandable(args):
         return UNKNOWN
     if is_none(options["axis"]):
         return array(args[0].dtype, 1)
@@ -77,14 +76,14 @@ def _norm(args: list[Type], options: Arguments) -> Type:
         known = order in (None, "inf", "-inf") or isinstance(order, (int, float)) and order > 0
     else:
         whole = args[0].rank == 2 and is_none(options["axis"])
-        pair = whole or (written_axes(options["axis"], args[0].rank) or ()) and len(axes) == 2
+        pair = whole or (distinct_axes(options["axis"], args[0].rank) or ()) and len(axes) == 2
         known = order in (None, "fro") or pair and not is_true(options["keepdims"]) and order in (
             1, -1, 2, -2, "inf", "-inf", "nuc")
     return made if known and (is_none(options["axis"]) or len(axes) <= 2) else UNKNOWN
 
 
 def _condition(args: list[Type], options: Arguments) -> Type:
-    fits = known_array(args) and args[0].is_float and args[0].rank >= 2
+    fits = is_expandable(args) and args[0].is_float and args[0].rank >= 2
     known = norm_order(options["p"]) in (None, 1, -1, 2, -2, "inf", "-inf", "fro", "nuc")
     return of_rank(args[0], args[0].rank - 2) if fits and known else UNKNOWN
 
@@ -106,7 +105,7 @@ def _inner(args: list[Type], options: Arguments) -> Type:
 
 
 def _trapezoid(args: list[Type], options: Arguments) -> Type:
-    found = known_array(args) and one_axis(options["axis"], args[0].rank) is not None
+    found = is_expandable(args) and one_axis(options["axis"], args[0].rank) is not None
     return _float(of_rank(args[0], args[0].rank - 1)) if found else UNKNOWN
 
 
@@ -114,7 +113,7 @@ def _gradient(args: list[Type], options: Arguments) -> Type:
     axis = options["axis"]
     if not is_none(options["third"]) or whole_number(options["edge_order"]) not in (1, 2):
         return UNKNOWN
-    if not is_none(options["part"]) and known_array(args):
+    if not is_none(options["part"]) and is_expandable(args):
         number, several = whole_number(options["part"]) or 0, args[0].rank > 1 and is_none(axis)
         if several and number < args[0].rank and (is_none(options["second"]) or args[0].rank == 2):
             return _float(args[0])
@@ -122,7 +121,7 @@ def _gradient(args: list[Type], options: Arguments) -> Type:
         return UNKNOWN if several or args[0].rank == 0 or not one else _float(of_rank(args[0], args[0].rank - 1))
     if not is_none(options["second"]):
         return UNKNOWN
-    fits = known_array(args) and (is_none(axis) and args[0].rank == 1 or one_axis(axis, args[0].rank) is not None)
+    fits = is_expandable(args) and (is_none(axis) and args[0].rank == 1 or one_axis(axis, args[0].rank) is not None)
     return _float(args[0]) if fits and not isinstance(options["spacing"], (Tuple, List)) else UNKNOWN
 
 
@@ -162,7 +161,7 @@ def _crossed(args: list[Type], options: Arguments) -> Type:
 
 
 def _powers(args: list[Type], options: Arguments) -> Type:
-    fits = known_array(args) and args[0].rank == 1 and isinstance(options["increasing"], Constant)
+    fits = is_expandable(args) and args[0].rank == 1 and isinstance(options["increasing"], Constant)
     return array("float64" if args[0].dtype == "float32" else args[0].dtype, 2) if fits else UNKNOWN
 
 
@@ -173,7 +172,7 @@ def _polynomial(args: list[Type], options: Arguments) -> Type:
 
 
 def _running_extreme(args: list[Type], options: Arguments) -> Type:
-    return args[0] if known_array(args) and one_axis(options["axis"], args[0].rank) is not None else UNKNOWN
+    return args[0] if is_expandable(args) and one_axis(options["axis"], args[0].rank) is not None else UNKNOWN
 
 
 def _running_logarithm(args: list[Type], options: Arguments) -> Type:
@@ -185,7 +184,7 @@ def _sum_of_exponentials(args: list[Type], options: Arguments) -> Type:
 
 
 def _shares(args: list[Type], options: Arguments) -> Type:
-    return _float(args[0]) if known_array(args) and axes_of(options["axis"], args[0].rank) else UNKNOWN
+    return _float(args[0]) if is_expandable(args) and axes_of(options["axis"], args[0].rank) else UNKNOWN
 
 
 SUMS: dict[str, Callable[[list[Type], Arguments], Type]] = {

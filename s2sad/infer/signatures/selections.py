@@ -1,18 +1,18 @@
 """The type of a function that leaves elements out, repeats them or puts others between, or that counts in bins; UNKNOWN
-where its arguments are none that the pieces are written for."""
+where its arguments have no expansion."""
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from s2sad.infer.signatures.laws import whole_number
 from s2sad.infer.signatures.options import Arguments, is_none, one_axis
-from s2sad.infer.promotion import ORDER, common, known_array
+from s2sad.infer.promotion import ORDER, common, is_expandable
 from s2sad.infer.types import INT, UNKNOWN, Type, array
 from s2sad.tree import Constant, List, Tuple
 
 
 def _whole(kind: Type) -> bool:
-    """Whether an argument is an integer, or an array or a written list of them."""
+    """Whether an argument is an integer, or an array or a list display of them."""
     if kind.kind == "tuple":
         return bool(kind.items) and all(_whole(i) and not i.rank for i in kind.items)
     return kind.holds_integers
@@ -28,7 +28,7 @@ def _flags(options: Arguments, *names: str) -> bool:
 
 def _along(x: Type, options: Arguments) -> Type:
     """The array itself, or its elements in a row."""
-    if not known_array([x]):
+    if not is_expandable([x]):
         return UNKNOWN
     if is_none(options["axis"]):
         return array(x.dtype, 1)
@@ -64,14 +64,14 @@ def _compressed(args: list[Type], options: Arguments) -> Type:
 
 
 def _extracted(args: list[Type], options: Arguments) -> Type:
-    fits = known_array([args[1]]) and args[0].is_array and args[1].rank
+    fits = is_expandable([args[1]]) and args[0].is_array and args[1].rank
     return array(args[1].dtype, 1) if fits else UNKNOWN
 
 
 def _chosen(args: list[Type], options: Arguments) -> Type:
     a, choices = args
-    written = isinstance(options["choices"], (List, Tuple)) and choices.items
-    known = written and all(c.kind in ("array", "number") and c.dtype in ORDER for c in choices.items)
+    display = isinstance(options["choices"], (List, Tuple)) and choices.items
+    known = display and all(c.kind in ("array", "number") and c.dtype in ORDER for c in choices.items)
     if not known or not a.is_array or not _whole(a) or max(c.rank for c in choices.items) > a.rank:
         return UNKNOWN
     return array(common(list(choices.items)), a.rank)
@@ -100,8 +100,8 @@ def _argwhere(args: list[Type], options: Arguments) -> Type:
 
 
 def _lexsorted(args: list[Type], options: Arguments) -> Type:
-    written = isinstance(options["keys"], (List, Tuple)) and args[0].items
-    return array("int64", 1) if written and all(k.is_array and k.rank == 1 for k in args[0].items) else UNKNOWN
+    display = isinstance(options["keys"], (List, Tuple)) and args[0].items
+    return array("int64", 1) if display and all(k.is_array and k.rank == 1 for k in args[0].items) else UNKNOWN
 
 
 def _unique(args: list[Type], options: Arguments) -> Type:
@@ -116,12 +116,12 @@ def _unique(args: list[Type], options: Arguments) -> Type:
 
 def _histogram(args: list[Type], options: Arguments) -> Type:
     x, bins, ends, weights = (*args[:2], options["range"], args[3])
-    written = isinstance(ends, (List, Tuple)) and len(ends.elts) == 2
+    display = isinstance(ends, (List, Tuple)) and len(ends.elts) == 2
     edges = bins.is_array and bins.rank == 1 and bins.is_float and is_none(ends)
-    known = edges or _whole(bins) and not _rank(bins) and written
+    known = edges or _whole(bins) and not _rank(bins) and display
     weighted = weights.is_array and weights.rank == 1 and weights.is_float
     part = whole_number(options["part"])
-    plain = written and all(isinstance(getattr(e, "operand", e), Constant) for e in ends.elts)
+    plain = display and all(isinstance(getattr(e, "operand", e), Constant) for e in ends.elts)
     if x.dtype == "float32" and not edges and not plain:
         return UNKNOWN      # the edges' dtype is that of the ends, too
     if not known or not x.is_array or x.rank != 1 or not (weighted or weights.kind == "none") or part not in (0, 1):
@@ -133,9 +133,9 @@ def _histogram(args: list[Type], options: Arguments) -> Type:
 
 def _put(args: list[Type], options: Arguments) -> Type:
     x, places, values = args
-    given = values.kind in ("array", "number") and values.rank <= 1 or values.kind == "tuple" and all(
+    fits = values.kind in ("array", "number") and values.rank <= 1 or values.kind == "tuple" and all(
         i.is_number for i in values.items)
-    return x if x.is_array and x.rank <= 3 and _whole(places) and _rank(places) <= 1 and given else UNKNOWN
+    return x if x.is_array and x.rank <= 3 and _whole(places) and _rank(places) <= 1 and fits else UNKNOWN
 
 
 def _masked(args: list[Type], options: Arguments) -> Type:

@@ -1,12 +1,12 @@
 """The type of statistics that pass over nans, of several variables, of parts one after the other, and of polynomials;
-UNKNOWN where the arguments are none that the pieces are written for."""
+UNKNOWN where the arguments have no expansion."""
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from s2sad.infer.signatures.laws import whole_number
 from s2sad.infer.signatures.options import Arguments, is_none, one_axis
-from s2sad.infer.promotion import ORDER, common, known_array
+from s2sad.infer.promotion import ORDER, common, is_expandable
 from s2sad.infer.types import UNKNOWN, Type, array
 from s2sad.infer.signatures.reductions import running, summed
 from s2sad.tree import Constant
@@ -25,14 +25,14 @@ def _parts_added(args: list[Type], options: Arguments) -> Type:
     listed = places.kind == "tuple" and places.items and all(i.dtype.startswith("int") and not i.rank
                                                              for i in places.items)
     fits = listed or places.is_array and places.rank == 1 and places.dtype.startswith(("int", "uint"))
-    known = known_array([x]) and x.is_float and fits and one_axis(options["axis"], x.rank) is not None
+    known = is_expandable([x]) and x.is_float and fits and one_axis(options["axis"], x.rank) is not None
     return array(x.dtype, x.rank) if known else UNKNOWN
 
 
 def _variables(args: list[Type], options: Arguments) -> int:
     """How many axes the covariance of these has; -1 if they are none that it is known of."""
     m, y = args[0], args[1]
-    if not known_array([m]) or not isinstance(options["rowvar"], Constant) or m.is_complex:
+    if not is_expandable([m]) or not isinstance(options["rowvar"], Constant) or m.is_complex:
         return -1
     if y.kind != "none":
         fits = y.is_array and m.rank == y.rank == 1 and options["rowvar"].value is True and y.dtype in ORDER

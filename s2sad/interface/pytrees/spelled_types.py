@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from s2sad.diagnostics import Report
-from s2sad.infer.assumed_types import spelled
+from s2sad.infer.assumed_types import parsed_type
 from s2sad.infer.types import NONE, UNKNOWN, Type, array
 from s2sad.evaluate.structures.fields import asks, fields
 from s2sad.program import Kernel, Program
@@ -31,7 +31,7 @@ def form_spelled(text: str) -> Form | None:
     if text == "None":
         return NONE
     if text[:1] + text[-1:] not in ("{}", "()"):
-        return spelled(text)
+        return parsed_type(text)
     parts = [part.partition(":") if text[0] == "{" else ("0", ":", part) for part in listed(text[1:-1])]
     keys = [key.strip().strip("'\"") for key, _, _ in parts]
     items = [form_spelled(rest) for _, colon, rest in parts if colon]

@@ -12,7 +12,7 @@ from s2sad.infer.affine import Affine
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import FITTING, INNER
 from s2sad.infer.shapes import Shapes
-from s2sad.infer.slice_extents import is_whole, stand_apart
+from s2sad.infer.slice_extents import is_whole, are_separated
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
 from s2sad.normalize.buffers.allocations import Allocations
@@ -143,7 +143,7 @@ class AccessPaths:
         if any(self.typing.of(s).is_array for s in (*view[1], *added) if not isinstance(s, Slice)):
             if any(isinstance(s, Slice) or is_new(s) or self.typing.of(s).is_array for s in view[1]):
                 refuse("elements picked from a part of an array")
-            elif stand_apart([*view[1], *added], self.typing):
+            elif are_separated([*view[1], *added], self.typing):
                 refuse("subscripts that pick elements on both sides of a slice")
             return (*view[1], *added)
         if all(not isinstance(s, Slice) and not is_new(s) and not _is_full(s) for s in (*view[1], *added)):

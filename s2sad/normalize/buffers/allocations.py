@@ -70,7 +70,7 @@ class Allocations:
         """Guards that the sizes which a reshape is given are not negative."""
         if call_name(value) != "numpy.reshape":
             return []
-        return [written(s) for s in self.shapes.may_be_left(value.args[1])]
+        return [written(s) for s in self.shapes.may_be_remainder(value.args[1])]
 
     def operands_fit(self, value: AST, shape: Shape) -> list[AST]:
         """Guards that the arrays of an elementwise expression have the shape, or length 1."""
@@ -120,7 +120,7 @@ class Allocations:
 
     def known(self, target: str, shape: AST) -> None:
         """Notes the shape that an array is allocated in, where its sizes stay what they are."""
-        found = self.shapes.asked_for(shape)
+        found = self.shapes.requested(shape)
         if found is not None:
             self.shapes.allocated(target, found)
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from s2sad.infer.affine import Affine
 from s2sad.infer.signatures.laws import ONE, whole_number
 from s2sad.infer.shapes import Shapes
-from s2sad.infer.slice_extents import Step, is_step, is_whole, spelled
+from s2sad.infer.slice_extents import Step, is_step, is_whole, step_expression
 from s2sad.tree import AST, Add, BinOp, Constant, Mult, Name, Slice, call, const, copy
 
 Refuse = Callable[[str], None]
@@ -67,7 +67,7 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
         return inner
     if length == ONE and inner.lower is None and inner.upper is None:
         return outer
-    first = shapes.moved(start, within[0], step)
+    first = shapes.position_after(start, within[0], step)
     if shapes.sliced(inner, length) == ONE and (shapes.is_place(first) or not first.plus(size, -1).terms):
         near = shapes.is_place(first)
         return Slice(_bound(shapes, first) if near else const(first.plus(size, -1).constant),
@@ -77,10 +77,10 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
         refuse("a part of a part of an array whose step is not a written number")
         return inner
     if isinstance(both, int) and both < 0:
-        last = shapes.moved(start, within[1], step)
+        last = shapes.position_after(start, within[1], step)
         return Slice(_bound_down(shapes, first, size), _bound_down(shapes, last, size, True), const(both))
-    last = shapes.moved(start, within[1], step) if is_step(step, 1) or within[1] != length else stop
-    return Slice(_bound(shapes, first), _bound(shapes, last, size), None if is_step(both, 1) else spelled(both))
+    last = shapes.position_after(start, within[1], step) if is_step(step, 1) or within[1] != length else stop
+    return Slice(_bound(shapes, first), _bound(shapes, last, size), None if is_step(both, 1) else step_expression(both))
 
 
 def _product(step: Step, other: Step) -> Step | None:
@@ -89,8 +89,8 @@ def _product(step: Step, other: Step) -> Step | None:
         return step * other
     if any(isinstance(s, int) and s < 0 for s in (step, other)):
         return None
-    return next((spelled(a) for a, b in ((step, other), (other, step)) if is_step(b, 1)),
-                BinOp(spelled(step), Mult(), spelled(other)))
+    return next((step_expression(a) for a, b in ((step, other), (other, step)) if is_step(b, 1)),
+                BinOp(step_expression(step), Mult(), step_expression(other)))
 
 
 def _cell(shapes: Shapes, start: Affine, step: Step, inner: AST, length: Affine) -> AST:
@@ -98,10 +98,10 @@ def _cell(shapes: Shapes, start: Affine, step: Step, inner: AST, length: Affine)
     number = whole_number(inner)
     if number is not None:
         at = Affine((), number) if number >= 0 else length.shift(number)
-        return shapes.expression(shapes.moved(start, at, step))
+        return shapes.expression(shapes.position_after(start, at, step))
     if not shapes.is_counted(inner):
         inner = call("runtime.element", copy(inner), shapes.expression(length))
-    scaled = inner if is_step(step, 1) else BinOp(copy(inner), Mult(), spelled(step))
+    scaled = inner if is_step(step, 1) else BinOp(copy(inner), Mult(), step_expression(step))
     return add_to(scaled, shapes, start)
 
 

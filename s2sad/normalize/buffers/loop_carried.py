@@ -188,7 +188,7 @@ class LoopCarried(Joins):
         """Guards that slices which start from the end start inside."""
         needed, self.shapes.required = self.shapes.required, []
         text = self.report.source.line(origin.lineno).strip() if needed else ""
-        steps, self.shapes.stepping = self.shapes.stepping, []
+        steps, self.shapes.positive_steps = self.shapes.positive_steps, []
         guards = [*(forwards(self.shapes.expression(form)) for form in steps),
                   *(inside(self.shapes.expression(form), text) for form in needed)]
         return list({dump(g): g for g in guards}.values())

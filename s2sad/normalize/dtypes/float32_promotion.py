@@ -18,7 +18,7 @@ from s2sad import rules
 from s2sad.infer.inference import Typing
 from s2sad.infer.promotion import dtype_of
 from s2sad.infer.signatures.laws import items_of
-from s2sad.infer.weak_types import Results, Strong, together
+from s2sad.infer.weak_types import Results, StrongDtypes, promoted_dtype
 from s2sad.tree import (
     AST, BinOp, Call, Constant, FunctionDef, List, Name, Tuple, at, call, call_name, copy, keyword, name, rebuild, walk,
 )
@@ -36,7 +36,7 @@ def float32_promotion(function: FunctionDef, typing: Typing, results: Results) -
     """The function with such conversions, None if it needs none."""
     if not has_singles(function, typing):
         return None
-    pass_ = _Promotion(typing, Strong(function, typing, results))
+    pass_ = _Promotion(typing, StrongDtypes(function, typing, results))
     made = rebuild(function, pass_.change)
     return made if pass_.found else None
 
@@ -54,7 +54,7 @@ def makes_singles(function: FunctionDef) -> bool:
 
 def mixtures(function: FunctionDef, typing: Typing, results: Results, given: Mapping[str, str]) -> int:
     """How many expressions of a function would change where its parameters are given such numbers of NumPy's."""
-    pass_ = _Promotion(typing, Strong(function, typing, results, given))
+    pass_ = _Promotion(typing, StrongDtypes(function, typing, results, given))
     rebuild(function, pass_.change)
     return len(pass_.found)
 
@@ -62,7 +62,7 @@ def mixtures(function: FunctionDef, typing: Typing, results: Results, given: Map
 class _Promotion:
     """The pass over one function; `found` are the expressions that were changed."""
 
-    def __init__(self, typing: Typing, strong: Strong):
+    def __init__(self, typing: Typing, strong: StrongDtypes):
         self.typing, self.strong = typing, strong
         self.found: list[AST] = []
 
@@ -79,9 +79,9 @@ class _Promotion:
         if called == "numpy.linspace" and self.strong.joined(node.args[:2]) == "float32":
             return self.noted(node, call("numpy.astype", copy(node), dtype=name("numpy.float32")))
         places = self.places(called, node)
-        return self.together(node, places, called in _LISTS) if places else None
+        return self.promoted_dtype(node, places, called in _LISTS) if places else None
 
-    def together(self, node: Call, places: list[int], listed: bool) -> AST | None:
+    def promoted_dtype(self, node: Call, places: list[int], listed: bool) -> AST | None:
         """A call whose operands have one dtype for NumPy."""
         given = [item for k in places for item in items_of(node.args[k])]
         if not self.is_wider(node, given, listed):
@@ -107,7 +107,7 @@ class _Promotion:
         is not that; `listed` numbers have a dtype."""
         if self.typing.of(node).dtype == "float64" or not any(map(self.is_single, operands)):
             return False
-        return together(list(map(self.strong.item if listed else self.strong.of, operands))) == "float64"
+        return promoted_dtype(list(map(self.strong.item if listed else self.strong.of, operands))) == "float64"
 
     def is_single(self, node: AST) -> bool:
         kind = self.typing.of(node)

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
-from s2sad.infer.weak_types import WEAK, Strong, together
+from s2sad.infer.weak_types import WEAK, StrongDtypes, promoted_dtype
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.normalize.calls.inline import Helpers, returned
@@ -62,7 +62,7 @@ class WeakResults:
         tree, typing = found
         key = (*self.key(node), tuple(given))
         if key not in self.known.results:
-            strong = Strong(tree, typing, self.inside(typing).results, _given(tree, given))
+            strong = StrongDtypes(tree, typing, self.inside(typing).results, _given(tree, given))
             self.known.results[key] = tuple(map(strong.of, returned(tree)))
         return self.known.results[key]
 
@@ -87,12 +87,12 @@ class WeakResults:
 
     def refuse(self, function: FunctionDef, report: Report) -> None:
         """Reports calls whose function computes with another dtype for what it is given."""
-        strong = Strong(function, self.typing, self.results)
+        strong = StrongDtypes(function, self.typing, self.results)
         for node in walk(function.body):
             if not user_call(node):
                 continue
             numbers = [WEAK if self.typing.of(a).is_array else strong.of(a) for a in node.args]
-            found = self.called(node) if together([*numbers, "float32"]) == "float64" else None
+            found = self.called(node) if promoted_dtype([*numbers, "float32"]) == "float64" else None
             if found is None or not has_singles(*found):
                 continue
             inner = self.inside(found[1]).results

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import reduce
 
-from s2sad.infer.signatures.laws import items_of, moved_axes, whole_number
+from s2sad.infer.signatures.laws import items_of, moveaxis_order, whole_number
 from s2sad.infer.signatures.options import is_none
 from s2sad.rules import bound, find_array
 from s2sad.tree import (
@@ -136,7 +136,7 @@ def _transpose(options: Mapping[str, AST], positions: list[AST], size: Size) -> 
 
 
 def _moveaxis(options: Mapping[str, AST], positions: list[AST], size: Size) -> list[AST]:
-    order = moved_axes(options, len(positions)) or []
+    order = moveaxis_order(options, len(positions)) or []
     return [positions[order.index(k)] for k in range(len(positions))]
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 from functools import reduce
 
 from s2sad.infer.inference import Typing
-from s2sad.infer.signatures.laws import axes_of, whole_number, written_slice
+from s2sad.infer.signatures.laws import axes_of, whole_number, constant_slice
 from s2sad.infer.scalar_reductions_types import NORM, SPREAD, reduced_number
 from s2sad.infer.types import UNKNOWN, Type
 from s2sad.normalize.context import NormalContext
@@ -141,7 +141,7 @@ def _compared(node: Compare, typing: Typing) -> AST | None:
 
 def _sizes(node: Subscript, typing: Typing) -> AST | None:
     """The sizes that a written slice of a shape picks."""
-    shape, part = node.value, written_slice(node.slice)
+    shape, part = node.value, constant_slice(node.slice)
     kind = typing.of(shape.value) if shape.attr == "shape" else None
     if part is None or kind is None or not kind.is_array:
         return None

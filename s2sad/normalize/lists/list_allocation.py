@@ -244,7 +244,7 @@ class RowShapes:
                 again = self.typing.of(node).is_number and self.times[node.id] > 1
                 return inner(self.bound[node.id]) if node.id in self.bound and not again else None
             if named and call_name(node) in _MADE and isinstance(node, Call):
-                return self.named(node, self.shapes.asked_for(inner(node.args[0])))
+                return self.named(node, self.shapes.requested(inner(node.args[0])))
             if named and call_name(node) == "numpy.array" and isinstance(node, Call) and isinstance(
                     node.args[0], (List, Tuple)):
                 return self.named(node, tuple(Affine((), n) for n in literal_shape(node.args[0])))
@@ -264,12 +264,12 @@ class _SliceShapes(Shapes):
 
     def __init__(self, given: Shapes):
         super().__init__(given.typing, given.values)
-        self.settled, self.several, self.counters = given.settled, given.several, given.counters
+        self.guarded, self.several, self.counters = given.guarded, given.several, given.counters
 
-    def ordered(self, part: Slice) -> bool:
+    def is_ordered(self, part: Slice) -> bool:
         return True
 
-    def placed(self, function: str, node: AST, size: Affine) -> Affine | None:
+    def clamped(self, function: str, node: AST, size: Affine) -> Affine | None:
         form = self.size(node)
         if form is None or function != "runtime.position":
             return None

@@ -11,7 +11,7 @@ from s2sad import rules
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import ONE
 from s2sad.infer.shapes import Shapes
-from s2sad.infer.slice_extents import is_step, spelled
+from s2sad.infer.slice_extents import is_step, step_expression
 from s2sad.normalize.buffers.compose_subscripts import is_new
 from s2sad.normalize.library.element_moves import SOURCES
 from s2sad.tree import (
@@ -68,7 +68,7 @@ class Elements:
     def cell(self, base: str, axis: int, part: Slice, position: AST) -> AST:
         """The index on one axis of the element at a position of a slice; of a single one whatever the position."""
         size = self.shapes.own(base, axis)
-        shapes = self.shapes.here(part, size)
+        shapes = self.shapes.for_slice(part, size)
         span = shapes.span(part, size)
         assert span is not None, "the bounds of a slice are names and numbers"
         start, _, step = span
@@ -76,10 +76,10 @@ class Elements:
             return self.shapes.expression(start, reduced=False)
         form = self.shapes.size(position)
         if form is None:
-            moved = position if is_step(step, 1) else mult(position, spelled(step))
+            moved = position if is_step(step, 1) else mult(position, step_expression(step))
             return copy(moved) if not start.terms and not start.constant else add(
                 self.shapes.expression(start, reduced=False), copy(moved))
-        return self.shapes.expression(self.shapes.moved(self.shapes.reduced(start), form, step))
+        return self.shapes.expression(self.shapes.position_after(self.shapes.reduced(start), form, step))
 
     def size_of(self, node: AST, axis: int) -> AST:
         """The size of an axis of an array or a part of one."""

@@ -54,7 +54,7 @@ class Reductions:
             return [self.elements.size_of(operand, k) for k in range(self.typing.of(operand).rank)]
         found = self.shapes.of(operand)
         if None in found:               # a bound of a slice is bound more than once: what it is here
-            found = self.shapes.at_once(operand).of(operand)
+            found = self.shapes.at_statement(operand).of(operand)
         return [self.shapes.expression(d) for d in found if d is not None]
 
     # -- sums of everything ------------------------------------------------------------------------------------------

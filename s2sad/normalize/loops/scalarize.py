@@ -266,7 +266,7 @@ class Scalarize:
                 found.positions.append(name(found.taken))
             else:
                 if picked is None:
-                    sizes = [self.shapes.expression(d) for d in self.shapes.picked(target) if d is not None]
+                    sizes = [self.shapes.expression(d) for d in self.shapes.gathered(target) if d is not None]
                     picked = found.add([[size] for size in sizes], self.counters)
                     found.positions += picked
                 cell.append(self.elements.element(entry, picked[len(picked) - kind.rank:]))
@@ -276,13 +276,13 @@ class Scalarize:
     def sliced(self, found: IndexedPart, base: str, cell: list[AST], entry: Slice) -> None:
         """One axis of which a slice is walked: by the index itself where the step is 1."""
         size = self.shapes.own(base, len(cell))
-        span = self.shapes.here(entry, size).span(entry, size)
+        span = self.shapes.for_slice(entry, size).span(entry, size)
         assert span is not None, "the bounds of a slice are names and numbers"
         start, stop, step = span
         low, high = (self.shapes.expression(x, reduced=False) for x in (start, stop))
         zero = not start.terms and not start.constant
         if not isinstance(step, int):       # the counter counts: its steps are written numbers
-            count = found.add([[self.shapes.expression(self.shapes.taken(span))]], self.counters)[0]
+            count = found.add([[self.shapes.expression(self.shapes.range_length(span))]], self.counters)[0]
             cell.append(mult(count, copy(step)) if zero else add(copy(low), mult(count, copy(step))))
             found.positions.append(count)
             return

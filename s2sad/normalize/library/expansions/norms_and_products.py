@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from s2sad.infer.signatures.laws import written_axes
+from s2sad.infer.signatures.laws import distinct_axes
 from s2sad.infer.signatures.options import norm_order
 from s2sad.normalize.library.expansions.templates import CallArguments, guard, lines, size
 
@@ -17,7 +17,7 @@ def matrix_axes(asked: CallArguments) -> Sequence[int] | None:
     rank = asked.rank("x")
     if not asked.given("axis"):
         return (0, 1) if rank == 2 else None
-    axes = written_axes(asked.arguments["axis"], rank)
+    axes = distinct_axes(asked.arguments["axis"], rank)
     return axes if axes is not None and len(axes) == 2 else None
 
 
