@@ -49,17 +49,20 @@ def read_names(node: AST | list[AST]) -> set[str]:
     waiting = list(node) if isinstance(node, list) else [node]
     while waiting:
         part = waiting.pop()
-        base = part.value if isinstance(part, Attribute) else part.args[0] if call_name(part) in _SHAPES else None
-        if isinstance(base, (Name, Subscript)) and (n := base_name(base)) and (
-                not isinstance(part, Attribute) or part.attr in _ASKED):
+        kind = type(part)
+        if kind is Name:
+            if type(part.ctx) is not Store and "." not in part.id:
+                found.add(part.id)
+            continue
+        base = (part.value if kind is Attribute and part.attr in _ASKED else
+                part.args[0] if kind is Call and call_name(part) in _SHAPES else None)
+        if isinstance(base, (Name, Subscript)) and (n := base_name(base)):
             found.add("=" + n)
             while isinstance(base, Subscript):
                 waiting.append(base.slice)
                 base = base.value
-            continue
-        if isinstance(part, Name) and not isinstance(part.ctx, Store) and "." not in part.id:
-            found.add(part.id)
-        waiting += children(part)
+        elif kind is not Constant:
+            waiting += children(part)
     return found
 
 

@@ -202,19 +202,20 @@ def at(node: AST, origin: AST) -> AST:
     block that have a place keep theirs, and what is in them."""
     place = {key: value for key in _PLACE if (value := origin.__dict__.get(key)) is not None}
     stack = [node] if place else []
+    pop, push = stack.pop, stack.append
     while stack:
-        current = stack.pop()
-        held = current.__dict__
-        if held.get("lineno") is None and "lineno" in current._attributes:
+        current = pop()
+        kind, held = type(current), current.__dict__
+        if held.get("lineno") is None and kind in _placed_kinds:
             held.update(place)
-        for field in _below[type(current)]:
+        for field in _below[kind]:
             value = held.get(field)
             if type(value) is list:
                 blocks = field in _BLOCKS
-                stack += [n for n in value if isinstance(n, AST) and not (
+                stack += [n for n in value if type(n) in _below and not (
                     blocks and n.__dict__.get("lineno") is not None)]
-            elif isinstance(value, AST):
-                stack.append(value)
+            elif type(value) in _below:
+                push(value)
     return node
 
 
@@ -232,6 +233,7 @@ _BARE = {"ctx", "op", "ops", "id", "attr", "name", "arg", "kind", "type_comment"
 _below: dict[type, tuple[str, ...]] = {
     kind: () if kind in (Name, Constant) else tuple(f for f in kind._fields if f not in _BARE)
     for kind in vars(gast).values() if isinstance(kind, type) and issubclass(kind, AST)}
+_placed_kinds = {kind for kind in _below if "lineno" in kind._attributes}
 _backwards = {kind: fields[::-1] for kind, fields in _below.items()}     # as a stack takes them
 
 
@@ -243,18 +245,22 @@ def walk(node: AST | list[AST]) -> Iterator[AST]:
     while stack:
         current = pop()
         fields = fields_of(type(current))
-        if fields is None:      # a name of `global x`, the key that `{**options}` has not
-            assert not isinstance(current, AST), type(current)
-            continue
-        yield current
         if fields:
+            yield current
             held = current.__dict__
             for field in fields:
                 value = held.get(field)
+                if value is None:
+                    continue
                 if type(value) is list:
-                    stack += value[::-1]
-                elif value is not None:
+                    if value:
+                        stack += value[::-1]
+                else:
                     push(value)
+        elif fields is not None:
+            yield current
+        else:       # a name of `global x`, the key that `{**options}` has not
+            assert not isinstance(current, AST), type(current)
 
 
 # of those, the fields that hold statements
@@ -280,9 +286,9 @@ def children(node: AST) -> list[AST]:
     held = node.__dict__
     for field in _below[type(node)]:
         value = held.get(field)
-        if isinstance(value, list):
-            found += [item for item in value if isinstance(item, AST)]
-        elif isinstance(value, AST):
+        if type(value) is list:
+            found += [item for item in value if type(item) in _below]
+        elif type(value) in _below:
             found.append(value)
     return found
 
@@ -294,13 +300,12 @@ def written(node: AST) -> str:
 
 def names(node: AST | list[AST]) -> list[str]:
     """The undotted names that are read, in order, each once."""
-    found = (n.id for n in walk(node) if isinstance(n, Name) and not isinstance(n.ctx, Store) and "." not in n.id)
-    return list(dict.fromkeys(found))
+    return list({n.id: None for n in walk(node) if type(n) is Name and type(n.ctx) is not Store and "." not in n.id})
 
 
 def stored_names(node: AST | list[AST]) -> list[str]:
     """The names that are bound, in order, each once (element stores do not bind)."""
-    return list(dict.fromkeys(n.id for n in walk(node) if isinstance(n, Name) and isinstance(n.ctx, Store)))
+    return list({n.id: None for n in walk(node) if type(n) is Name and type(n.ctx) is Store})
 
 
 def times_bound(node: AST | list[AST], *kinds: type[AST]) -> Counter[str]:
@@ -313,7 +318,7 @@ def times_bound(node: AST | list[AST], *kinds: type[AST]) -> Counter[str]:
 
 def call_name(node: AST | None) -> str | None:
     """The resolved name of the function that a call calls, or None if the node is no such call."""
-    return node.func.id if isinstance(node, Call) and isinstance(node.func, Name) else None
+    return node.func.id if type(node) is Call and type(node.func) is Name else None
 
 
 def user_call(node: AST | None) -> str | None:
@@ -355,35 +360,35 @@ _Made = dict[int, tuple[Any, Change, Any]]      # by `id`: a node, the change, a
 
 
 class _Nested(threading.local):
-    """What a change that runs now has itself rebuilt; None outside."""
+    """What the change that runs now has itself rebuilt; None outside."""
     made: _Made | None = None
 
 
 _nested = _Nested()
+_new = AST.__new__
 
 
-def _rebuild(node: Any, change: Change, known: _Made | None, inside: _Nested) -> Any:
+def _rebuild(node: Any, change: Change, known: _Made | None, made: _Made) -> Any:
     if known and (found := known.get(id(node))) is not None and found[1] == change:
         return found[2]
     kind = type(node)
     if kind is list:
-        return [_rebuild(item, change, known, inside) for item in node]
-    if not isinstance(node, AST):
+        return [_rebuild(item, change, known, made) for item in node]
+    fields = _below.get(kind)
+    if fields is None:
         return node
-    around, inside.made = inside.made, {}
-    try:
-        changed = change(node)
-    finally:
-        own, inside.made = inside.made, around
+    changed = change(node)
+    if made:
+        own = made.copy()
+        made.clear()
+        known = {**known, **own} if known else own
     if changed is not None:
         return changed
-    if own:
-        known = {**known, **own} if known else own
-    new, held = AST.__new__(kind), node.__dict__.copy()
-    for field in _below[kind]:
+    new, held = _new(kind), node.__dict__.copy()
+    for field in fields:
         value = held.get(field)
         if value is not None:
-            held[field] = _rebuild(value, change, known, inside)
+            held[field] = _rebuild(value, change, known, made)
     new.__dict__ = held
     return new
 
@@ -405,10 +410,11 @@ def copy(node: Any) -> Any:
     kind = type(node)
     if kind is list:
         return [copy(item) for item in node]
-    if not isinstance(node, AST):
+    fields = _below.get(kind)
+    if fields is None:
         return node
-    new, held = AST.__new__(kind), node.__dict__.copy()
-    for field in _below[kind]:
+    new, held = _new(kind), node.__dict__.copy()
+    for field in fields:
         value = held.get(field)
         if value is not None:
             held[field] = copy(value)
@@ -434,20 +440,31 @@ def with_body(function: FunctionDef, body: list[AST]) -> FunctionDef:
 
 def substitute(node: Any, mapping: Mapping[str, AST]) -> Any:
     """A copy in which names that are read are replaced by expressions."""
-    def change(n: AST) -> AST | None:
-        if isinstance(n, Name) and n.id in mapping and not isinstance(n.ctx, Store):
-            return copy(mapping[n.id])
-        return None
-    return _rebuild(node, change, None, _nested)
+    kind = type(node)
+    if kind is list:
+        return [substitute(item, mapping) for item in node]
+    if kind is Name and node.id in mapping and type(node.ctx) is not Store:
+        return copy(mapping[node.id])
+    return _replica(node, lambda value: substitute(value, mapping)) if kind in _below else node
 
 
 def rename(node: Any, mapping: Mapping[str, str]) -> Any:
     """A copy in which names have other identifiers, where read and where bound."""
-    def change(n: AST) -> AST | None:
-        if isinstance(n, Name) and n.id in mapping:
-            return gast.copy_location(Name(mapping[n.id], n.ctx, None, None), n)
-        return None
-    return _rebuild(node, change, None, _nested)
+    kind = type(node)
+    if kind is list:
+        return [rename(item, mapping) for item in node]
+    fields = _below.get(kind)
+    if fields is None:
+        return node
+    new, held = _new(kind), node.__dict__.copy()
+    if kind is Name and node.id in mapping:
+        held |= {"id": mapping[node.id], "annotation": None, "type_comment": None}
+    for field in fields:
+        value = held.get(field)
+        if value is not None:
+            held[field] = rename(value, mapping)
+    new.__dict__ = held
+    return new
 
 
 def rebuild(node: Any, change: Change) -> Any:
@@ -456,7 +473,11 @@ def rebuild(node: Any, change: Change) -> Any:
     What `change` has itself rebuilt below a node that it then leaves is not rebuilt once more: the time would double
     with each such node in another.
     """
-    made = _rebuild(node, change, None, _nested)
-    if _nested.made is not None:
-        _nested.made[id(node)] = node, change, made
+    around, _nested.made = _nested.made, {}
+    try:
+        made = _rebuild(node, change, None, _nested.made)
+    finally:
+        _nested.made = around
+    if around is not None:
+        around[id(node)] = node, change, made
     return made

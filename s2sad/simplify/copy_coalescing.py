@@ -76,11 +76,14 @@ def coalesced(function: FunctionDef, family: Mapping[str, str], live_out: set[st
     shared.body = _without_self_copies(shared.body)
     primals = {n: f for n, f in family.items() if n not in shadows}
     short = _numbered_names(shared, primals, fixed, names)
-    present = {n.id for n in walk(rename(shared, short)) if isinstance(n, Name)}
+    made = rename(shared, short)
+    present = {n.id for n in walk(made) if isinstance(n, Name)}
     called = {s: f"{_current_name(p, roots, short, family, present)}_{family[s].rpartition('_')[2]}"
               for s, p in shadows.items() if s in family}
-    short |= _numbered_names(rename(shared, short), called, fixed, names)
-    return rename(shared, short), {n: short.get(r, r) for n, r in roots.items()}
+    if more := _numbered_names(made, called, fixed, names):
+        short |= more
+        made = rename(shared, short)
+    return made, {n: short.get(r, r) for n, r in roots.items()}
 
 
 def _current_name(primal: str, roots: Mapping[str, str], short: Mapping[str, str], family: Mapping[str, str],
