@@ -1,10 +1,7 @@
-"""expand: functions of whole arrays that are made of others are written out in them.
+"""expand: functions of whole arrays that are compositions of others are expanded.
 
 Requires functions that stand alone on operands with names; establishes that none of those in `rules/composed` is left,
-and no `np.broadcast_to` of the kernel's.
-What each is made of stands in `normalize/library/expansions/rearrangement`, `pieces_of_joins`, `pieces_of_sums`,
-`pieces_of_differences`, `pieces_of_places`, `pieces_of_selections`, `pieces_of_statistics`, `pieces_of_exponentials`,
-`pieces_of_transforms`, `pieces_of_matrices`, `pieces_of_forms`, and for stacks of matrices in `pieces_of_stacks`.
+and no `np.broadcast_to` of the kernel's. The expansions are texts, in `normalize/library/expansions`.
 
     def f(x):                                   def f(x):
         return np.sum(np.diff(x[:]) ** 2)           diff_value = x[:][1:] - x[:][:-1]
@@ -22,18 +19,10 @@ from s2sad.naming import Names
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.library.expansions.templates import CallArguments
 from s2sad.normalize.array_anf import named_arrays
-from s2sad.normalize.library.expansions.differences import DIFFERENCES
-from s2sad.normalize.library.expansions.logsumexp import EXPONENTIALS
-from s2sad.normalize.library.expansions.structured_matrices import FORMS
-from s2sad.normalize.library.expansions.concatenation import JOINS
-from s2sad.normalize.library.expansions.norms_and_products import MATRICES
-from s2sad.normalize.library.expansions.indexing_and_sorting import PLACES
-from s2sad.normalize.library.expansions.selections import SELECTIONS
-from s2sad.normalize.library.expansions.rearrangement import SHAPES
-from s2sad.normalize.library.expansions.batched_matrices import of_stack
-from s2sad.normalize.library.expansions.statistics import STATISTICS
-from s2sad.normalize.library.expansions.reductions import SUMS
-from s2sad.normalize.library.expansions.fft import TRANSFORMS
+from s2sad.normalize.library.expansions import (
+    batched_matrices, concatenation, differences, fft, indexing_and_sorting, logsumexp, norms_and_products,
+    rearrangement, reductions, selections, statistics, structured_matrices,
+)
 from s2sad.rules.composed import WRITING
 from s2sad.rules.rule import resolved
 from s2sad.tree import (
@@ -41,45 +30,47 @@ from s2sad.tree import (
     assign, at, call_name, copy, indices, name, names, rebuild, statements, stored_names, walk, walk_statements,
 )
 
-_PIECES = {**JOINS, **SHAPES, **SUMS, **DIFFERENCES, **PLACES, **EXPONENTIALS, **SELECTIONS, **STATISTICS,
-           **TRANSFORMS, **MATRICES, **FORMS}
+_MODULES = (concatenation, rearrangement, reductions, differences, indexing_and_sorting, logsumexp, selections,
+            statistics, fft, norms_and_products, structured_matrices)
+_EXPANSIONS = {name: expansion for module in _MODULES for name, expansion in module.EXPANSIONS.items()}
 RESULT = "result"
 _BUILTINS = ("int", "len", "max", "min", "range")
 
 
 def expand(function: FunctionDef, context: NormalContext) -> FunctionDef:
-    """The function with its pieces."""
+    """The function with such calls expanded."""
     return expanded(function, context.typing, context.names, context.report)
 
 
 def expanded(function: FunctionDef, typing: Typing, free: Names, report: Report) -> FunctionDef:
-    """The function with its pieces; the table of `typing` gains their names."""
-    while any(_is_made(s, typing) for s in walk_statements(function.body) if isinstance(s, Assign)):
+    """The function with such calls expanded; new names are declared in `typing`."""
+    while any(_binds_composed(s, typing) for s in walk_statements(function.body) if isinstance(s, Assign)):
         new = copy(function)
         new.body = _Expand(typing, free).block(function.body)
         function = named_arrays(new, typing, free)
     for statement in walk_statements(function.body):
-        if isinstance(statement, (Assign, Expr)) and any(is_piece(n, typing) for n in walk(statement)):
+        if isinstance(statement, (Assign, Expr)) and any(is_composed(n, typing) for n in walk(statement)):
             report.error("S301", "no derivative rule for this function here", statement,
                          help="bind its result to a name")
     return function
 
 
-def _piece(node: AST, typing: Typing) -> Callable[[CallArguments], str] | None:
-    """What gives the text of a call, None if it is none of such a function."""
+def _expansion(node: AST, typing: Typing) -> Callable[[CallArguments], str] | None:
+    """What gives the text of a call, None for a function that is no composition."""
     rule = rules.find_array(call_name(node))
     if rule is not None and rule.value:
         return lambda _: f"result = {rule.value}"
-    return _PIECES.get(call_name(node) or "") or (of_stack(node, typing) if isinstance(node, Call) else None)
+    return _EXPANSIONS.get(call_name(node) or "") or (
+        batched_matrices.batched_expansion(node, typing) if isinstance(node, Call) else None)
 
 
-def is_piece(node: AST, typing: Typing) -> bool:
-    """Whether a call is one of a function that is written out."""
-    return _piece(node, typing) is not None
+def is_composed(node: AST, typing: Typing) -> bool:
+    """Whether a call is one of a function that is expanded."""
+    return _expansion(node, typing) is not None
 
 
-def _is_made(statement: Assign, typing: Typing) -> bool:
-    return isinstance(statement.targets[0], (Name, Subscript)) and is_piece(statement.value, typing)
+def _binds_composed(statement: Assign, typing: Typing) -> bool:
+    return isinstance(statement.targets[0], (Name, Subscript)) and is_composed(statement.value, typing)
 
 
 class _Expand:
@@ -92,25 +83,25 @@ class _Expand:
     def statement(self, statement: AST) -> list[AST]:
         if isinstance(statement, (For, If, While)):
             return [with_blocks(statement, self.block)]
-        if isinstance(statement, Assign) and _is_made(statement, self.typing):
-            return self.written(statement)
+        if isinstance(statement, Assign) and _binds_composed(statement, self.typing):
+            return self.expansion(statement)
         return [statement]
 
-    def written(self, statement: Assign) -> list[AST]:
-        """The statements in place of one; what they read more than once has a name."""
+    def expansion(self, statement: Assign) -> list[AST]:
+        """The statements in place of one; operands that are read more than once have names."""
         target, value = statement.targets[0], statement.value
         rule = rules.find_array(call_name(value))
-        piece = _piece(value, self.typing)
-        assert rule is not None and piece is not None
-        asked = CallArguments(rule.arguments(value), self.typing)
-        text = piece(asked)
-        before = [made for key, node in asked.arguments.items() for made in self.held(asked, key, node)]
+        expansion = _expansion(value, self.typing)
+        assert rule is not None and expansion is not None
+        args = CallArguments(rule.arguments(value), self.typing)
+        text = expansion(args)
+        before = [made for key, node in args.arguments.items() for made in self.operand(args, key, node)]
         body = [resolved(s) for s in statements(text)]
-        direct = isinstance(target, Name) and target.id not in names([value, *asked.arguments.values()])
+        direct = isinstance(target, Name) and target.id not in names([value, *args.arguments.values()])
         made = {n: self.free.fresh(n) for n in stored_names(body) if n != RESULT or not direct}
         if direct:
             made[RESULT] = target.id
-        body = [at(_filled(s, made, asked.arguments), statement) for s in body]
+        body = [at(_instantiated(s, made, args.arguments), statement) for s in body]
         if rule.value:
             body = [rebuild(s, _without_defaults) for s in body]
         known = self.typing.extended(body).table
@@ -120,16 +111,16 @@ class _Expand:
             return [*before, *body]
         return [*before, *body, *([] if direct else [assign(target, name(made[RESULT]))])]
 
-    def held(self, asked: CallArguments, key: str, node: AST) -> list[AST]:
+    def operand(self, args: CallArguments, key: str, node: AST) -> list[AST]:
         """A name for an argument that is an expression."""
         kind = self.typing.of(node)
         part = isinstance(node, Subscript) and kind.is_array and not any(
             self.typing.of(s).is_array for s in indices(node) if not isinstance(s, Slice))
-        written = isinstance(node, UnaryOp) and isinstance(node.operand, Constant)
-        if isinstance(node, (Name, Constant, Tuple, List)) or part or written or kind.kind not in ("array", "number"):
+        literal = isinstance(node, UnaryOp) and isinstance(node.operand, Constant)
+        if isinstance(node, (Name, Constant, Tuple, List)) or part or literal or kind.kind not in ("array", "number"):
             return []
         held = self.typing.declare(self.free.fresh("operand"), kind)
-        asked.arguments[key] = name(held)
+        args.arguments[key] = name(held)
         return [assign(held, node)]
 
 
@@ -140,8 +131,8 @@ def _without_defaults(node: AST) -> AST | None:
     return plain and Call(plain.func, [rebuild(a, _without_defaults) for a in plain.args], plain.keywords)
 
 
-def _filled(statement: AST, made: dict[str, str], arguments: dict[str, AST]) -> AST:
-    """A statement of a piece with its own names in place, and the arguments of the call."""
+def _instantiated(statement: AST, made: dict[str, str], arguments: dict[str, AST]) -> AST:
+    """A statement of an expansion with new names, and the arguments of the call for the parameters."""
     def change(n: AST) -> AST | None:
         if not isinstance(n, Name):
             return None

@@ -36,7 +36,7 @@ from s2sad.naming import Names
 from s2sad.normalize.array_anf import named_arrays
 from s2sad.normalize.buffers.allocations import dtype_of
 from s2sad.normalize.context import NormalContext
-from s2sad.normalize.library.expand import expanded, is_piece
+from s2sad.normalize.library.expand import expanded, is_composed
 from s2sad.normalize.lists.list_elements import element_types
 from s2sad.normalize.lists.lists_of_views import lists_of_views
 from s2sad.tree import (
@@ -206,7 +206,7 @@ class RowShapes:
         self.typing = self.initial.copy()
         self.shapes = _SliceShapes(bare_shapes(self.function, self.typing))
         plain = self.substituted(value, is_bound, trip, False)
-        if any(is_piece(n, self.typing) for n in walk(plain)):
+        if any(is_composed(n, self.typing) for n in walk(plain)):
             return self.of_expansion(plain, is_bound)
         found = self.shapes.of(self.substituted(value, is_bound, trip))
         known = all(d is not None and all(self.is_plain(self.shapes.atoms[s], is_bound) for s, _ in d.terms)
@@ -220,7 +220,7 @@ class RowShapes:
         alone = copy(self.function)
         alone.body = [assign(row, value)]
         made = expanded(named_arrays(alone, self.typing, free), self.typing, free, self.typing.report)
-        if self.typing.report.found or any(is_piece(n, self.typing) for n in walk(made)):
+        if self.typing.report.found or any(is_composed(n, self.typing) for n in walk(made)):
             return ()
         alone.body = [*self.function.body, *made.body]
         inner = RowShapes(alone, self.typing)

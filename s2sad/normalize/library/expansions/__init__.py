@@ -1,1 +1,1 @@
-"""What library functions are made of, where they have no rule of their own: one module for each topic."""
+"""Functions of whole arrays as functions that have a rule, slices and loops: `EXPANSIONS` of each module, by name."""

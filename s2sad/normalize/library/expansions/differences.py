@@ -1,4 +1,4 @@
-"""What differences, integrals and interpolation are made of: slices and loops."""
+"""Expansions of differences, integrals and interpolation: slices and loops."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -6,59 +6,59 @@ from collections.abc import Callable
 from s2sad.normalize.library.expansions.templates import CallArguments, empty, guard, lines, part, size, sizes
 
 
-def _trapezoid(asked: CallArguments) -> str:
-    rank = asked.rank("y")
-    axis = asked.axis(rank)
+def _trapezoid(args: CallArguments) -> str:
+    rank = args.rank("y")
+    axis = args.axis(rank)
     options = f", axis={axis}" if rank > 1 else ""
     both = f"{part('y', axis, '1:')} + {part('y', axis, ':-1')}"
-    if not asked.given("x"):
+    if not args.has("x"):
         return f"result = 0.5 * dx * numpy.sum({both}{options})"
-    along = axis if asked.rank("x") == rank else 0
+    along = axis if args.rank("x") == rank else 0
     widths = f"widths = {part('x', along, '1:')} - {part('x', along, ':-1')}"
-    fitted = "widths" if along == axis and asked.rank("x") == rank else _along("widths", axis, rank)
+    fitted = "widths" if along == axis and args.rank("x") == rank else _broadcast_along("widths", axis, rank)
     return lines(widths, f"result = 0.5 * numpy.sum(({both}) * {fitted}{options})")
 
 
-def _along(vector: str, axis: int, rank: int, taken: str = ":") -> str:
-    """A vector, or a part of it, laid along one axis of several."""
+def _broadcast_along(vector: str, axis: int, rank: int, taken: str = ":") -> str:
+    """A vector, or a slice of it, broadcast along the other axes."""
     return f"{vector}[{', '.join(taken if k == axis else 'None' for k in range(rank))}]"
 
 
-def _gradient_part(asked: CallArguments) -> str:
+def _gradient_part(args: CallArguments) -> str:
     """The part along one axis; of a vector an element."""
-    number, order = asked.number("part") or 0, f", edge_order={asked.number('edge_order')}"
-    if asked.rank("f") == 1 or asked.given("axis"):
-        options = f", axis={asked.axis(asked.rank('f'))}" if asked.given("axis") else ""
+    number, order = args.number("part") or 0, f", edge_order={args.number('edge_order')}"
+    if args.rank("f") == 1 or args.has("axis"):
+        options = f", axis={args.axis(args.rank('f'))}" if args.has("axis") else ""
         return lines(f"whole = numpy.gradient(f, spacing=spacing{options}{order})", f"result = whole[{number}]")
-    spacing = "second" if number and asked.given("second") else "spacing"
+    spacing = "second" if number and args.has("second") else "spacing"
     return f"result = numpy.gradient(f, spacing={spacing}, axis={number}{order})"
 
 
-def _gradient(asked: CallArguments) -> str:
-    if asked.given("part"):
-        return _gradient_part(asked)
-    rank = asked.rank("f")
-    axis = asked.axis(rank) if asked.given("axis") else 0
+def _gradient(args: CallArguments) -> str:
+    if args.has("part"):
+        return _gradient_part(args)
+    rank = args.rank("f")
+    axis = args.axis(rank) if args.has("axis") else 0
     n = size("f", axis)
-    dtype = asked.type("f").dtype if asked.type("f").is_float else "float64"
-    enough = guard(f"{n} >= {1 + (asked.number('edge_order') or 1)}", "np.gradient of too few elements along an axis")
+    dtype = args.type("f").dtype if args.type("f").is_float else "float64"
+    enough = guard(f"{n} >= {1 + (args.number('edge_order') or 1)}", "np.gradient of too few elements along an axis")
     found = [enough, f"result = {empty(sizes('f', rank), dtype)}"]
 
     def at(array: str, taken: str) -> str:
         return part(array, axis, taken)
     inner, before, here, after = at("result", "1:-1"), at("f", ":-2"), at("f", "1:-1"), at("f", "2:")
-    uniform = asked.rank("spacing") == 0
-    ends = _ends(at, n, uniform, asked.number("edge_order") == 2)
+    uniform = args.rank("spacing") == 0
+    ends = _boundary_differences(at, n, uniform, args.number("edge_order") == 2)
     if uniform:
         return lines(*found, f"{inner} = ({after} - {before}) / (2.0 * spacing)", *ends)
-    lay = (lambda v: v) if rank == 1 else (lambda v: _along(v, axis, rank))
+    lay = (lambda v: v) if rank == 1 else (lambda v: _broadcast_along(v, axis, rank))
     return lines(*found, "widths = spacing[1:] - spacing[:-1]", "low = widths[:-1]", "high = widths[1:]",
                  "left = -high / (low * (low + high))", "middle = (high - low) / (low * high)",
                  "right = low / (high * (low + high))",
                  f"{inner} = {lay('left')} * {before} + {lay('middle')} * {here} + {lay('right')} * {after}", *ends)
 
 
-def _ends(at: Callable[[str, str], str], n: str, uniform: bool, second: bool) -> list[str]:
+def _boundary_differences(at: Callable[[str, str], str], n: str, uniform: bool, second: bool) -> list[str]:
     """The first and the last element, of the first or of the second order."""
     first, last = at("result", "0"), at("result", f"{n} - 1")
     f = [at("f", str(k)) for k in range(3)]
@@ -79,25 +79,25 @@ def _ends(at: Callable[[str, str], str], n: str, uniform: bool, second: bool) ->
     return found
 
 
-def _interp(asked: CallArguments) -> str:
+def _interp(args: CallArguments) -> str:
     """At a point of the table the slope is the one on its left; outside of it 0."""
     last = f"{size('xp', 0)} - 1"
-    right = "right" if asked.given("right") else f"fp[{last}]"
+    right = "right" if args.has("right") else f"fp[{last}]"
 
     def value(point: str, result: str, indent: str) -> list[str]:
         slope = "(fp[place] - fp[place - 1]) / (xp[place] - xp[place - 1])"
         return [indent + line for line in (
             f"place = numpy.searchsorted(xp, {point})", f"if {point} != {point}:", f"    {result} = {point}",
-            *([f"elif {point} < xp[0]:", f"    {result} = left"] if asked.given("left") else []),
+            *([f"elif {point} < xp[0]:", f"    {result} = left"] if args.has("left") else []),
             "elif place == 0:", f"    {result} = fp[0]",
             f"elif place > {last}:", f"    {result} = {right}", "else:",
             f"    {result} = fp[place - 1] + {slope} * ({point} - xp[place - 1])")]
-    if asked.rank("x") == 0:
+    if args.rank("x") == 0:
         return lines(*value("x", "result", ""))
     return lines(f"result = {empty([size('x', 0)], 'float64')}", f"for position in range({size('x', 0)}):",
                  *value("x[position]", "result[position]", "    "))
 
 
-DIFFERENCES: dict[str, Callable[[CallArguments], str]] = {
+EXPANSIONS: dict[str, Callable[[CallArguments], str]] = {
     "numpy.trapezoid": _trapezoid, "numpy.trapz": _trapezoid, "numpy.gradient": _gradient, "numpy.interp": _interp,
 }

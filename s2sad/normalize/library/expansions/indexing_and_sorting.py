@@ -1,4 +1,4 @@
-"""What functions are made of that ask for places, an order or a selection, or that store through places."""
+"""Expansions of functions that search, sort and select, and of stores through indices."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -24,16 +24,16 @@ def _counters(rank: int, first: int = 0) -> list[str]:
 
 # -- stores ----------------------------------------------------------------------------------------------------------
 
-def _stored(asked: CallArguments, function: str) -> str:
-    """One store for each place, also where one is named twice; the values are what they were before."""
-    if asked.type("places").dtype == "bool" and asked.rank("places"):
-        return _where(asked, function)
-    given = [asked.let("places", node) for node in asked.items("places")] if isinstance(
-        asked.arguments["places"], Tuple) else ["places"]
-    arrays = [g for g in given if asked.rank(g)]
-    left = asked.rank("x") - len(given) + (1 if arrays else 0)
-    values = "held" if asked.rank("values") else "values"
-    taken = f"{values}[place]" if arrays and asked.rank("values") == left else values
+def _ufunc_at(args: CallArguments, function: str) -> str:
+    """One store for each index, also where one occurs twice; the values are what they were before."""
+    if args.type("places").dtype == "bool" and args.rank("places"):
+        return _ufunc_at_mask(args, function)
+    given = [args.let("places", node) for node in args.items("places")] if isinstance(
+        args.arguments["places"], Tuple) else ["places"]
+    arrays = [g for g in given if args.rank(g)]
+    left = args.rank("x") - len(given) + (1 if arrays else 0)
+    values = "held" if args.rank("values") else "values"
+    taken = f"{values}[place]" if arrays and args.rank("values") == left else values
     cell = f"x[{', '.join(f'{g}[place]' if g in arrays else g for g in given)}]"
     store = f"{cell} {_SIGNS[function]} {taken}" if function in _SIGNS else (
         f"{cell} = numpy.{function}({cell}, {taken})")
@@ -45,205 +45,206 @@ def _stored(asked: CallArguments, function: str) -> str:
     return lines(*before, *fits, f"for place in range({size(arrays[0], 0)}):", f"    {store}")
 
 
-def _where(asked: CallArguments, function: str) -> str:
-    """A store into what a mask picks, which names no element twice."""
-    before, values = (["held = numpy.copy(values)"], "held") if asked.rank("values") else ([], "values")
+def _ufunc_at_mask(args: CallArguments, function: str) -> str:
+    """A store into what a mask selects, which has no element twice."""
+    before, values = (["held = numpy.copy(values)"], "held") if args.rank("values") else ([], "values")
     store = f"x[places] {_SIGNS[function]} {values}" if function in _SIGNS else (
         f"x[places] = numpy.{function}(x[places], {values})")
     return lines(*before, store)
 
 
-def _fill_diagonal(asked: CallArguments) -> str:
+def _fill_diagonal(args: CallArguments) -> str:
     count = f"min({size('x', 0)}, {size('x', 1)})"
-    if not asked.rank("values"):
+    if not args.rank("values"):
         return lines(f"for place in range({count}):", "    x[place, place] = values")
     fits = guard(f"{size('held', 0)} >= {count}", "np.fill_diagonal with fewer values than the diagonal has")
     return lines("held = numpy.copy(values)", fits, f"for place in range({count}):",
                  "    x[place, place] = held[place]")
 
 
-# -- places ----------------------------------------------------------------------------------------------------------
+# -- indices ---------------------------------------------------------------------------------------------------------
 
-def _nonzero(asked: CallArguments) -> str:
-    return lines("count = numpy.count_nonzero(x)", f"result = runtime.places(x, count, {asked.number('part') or 0})")
+def _nonzero(args: CallArguments) -> str:
+    return lines("count = numpy.count_nonzero(x)", f"result = runtime.places(x, count, {args.number('part') or 0})")
 
 
-def _triangle_places(asked: CallArguments, bounds: tuple[str, str]) -> str:
-    low, high = (b.format(m="m" if asked.given("m") else "n") for b in bounds)
-    value = "row" if asked.number("part") == 0 else "column"
+def _triangle_indices(args: CallArguments, bounds: tuple[str, str]) -> str:
+    low, high = (b.format(m="m" if args.has("m") else "n") for b in bounds)
+    value = "row" if args.number("part") == 0 else "column"
     walk = ["for row in range(n):", f"    for column in range({low}, {high}):"]
     return lines("count = 0", *walk, "        count += 1", f"result = {empty(['count'], 'int64')}", "taken = 0",
                  *walk, f"        result[taken] = {value}", "        taken += 1")
 
 
-def _sizes(asked: CallArguments) -> list[str]:
+def _shape_items(args: CallArguments) -> list[str]:
     """The sizes that a shape has."""
-    node = asked.arguments["shape"]
+    node = args.arguments["shape"]
     if isinstance(node, (Tuple, List)):
-        return [asked.let("size", s) for s in node.elts]
-    return [f"shape[{k}]" for k in range(len(asked.type("shape").items))]
+        return [args.let("size", s) for s in node.elts]
+    return [f"shape[{k}]" for k in range(len(args.type("shape").items))]
 
 
-def _unravel_index(asked: CallArguments) -> str:
-    found = _sizes(asked)
-    number = asked.number("part") or 0
+def _unravel_index(args: CallArguments) -> str:
+    found = _shape_items(args)
+    number = args.number("part") or 0
     below = " * ".join(f"({s})" for s in found[number + 1:])
     left = f"place // ({below})" if below else "place"
     return f"result = {left} % {found[number]}" if number else f"result = {left}"
 
 
-def _indices(asked: CallArguments) -> str:
-    found = _sizes(asked)
+def _indices(args: CallArguments) -> str:
+    found = _shape_items(args)
     count = len(found)
     counters = _counters(count)
     taken = ", ".join(counters)
-    if asked.given("part"):
+    if args.has("part"):
         return lines(f"result = {empty(found, 'int64')}",
-                     *_nest(counters, found, [f"result[{taken}] = {counters[asked.number('part') or 0]}"]))
+                     *_nest(counters, found, [f"result[{taken}] = {counters[args.number('part') or 0]}"]))
     return lines(f"result = {empty([str(count), *found], 'int64')}", *_nest(counters, found, [
         f"result[{k}, {taken}] = {c}" for k, c in enumerate(counters)]))
 
 
-def _meshgrid(asked: CallArguments) -> str:
-    vectors = [v for v in "xyz" if asked.given(v)] if asked.given("z") else ["x", "y"]
+def _meshgrid(args: CallArguments) -> str:
+    vectors = [v for v in "xyz" if args.has(v)] if args.has("z") else ["x", "y"]
     order = list(range(len(vectors)))
-    if asked.text("indexing") == "xy":
+    if args.text("indexing") == "xy":
         order[:2] = [1, 0]
-    number = asked.number("part") or 0
+    number = args.number("part") or 0
     taken = ", ".join(":" if k == number else "None" for k in order)
-    return lines(f"result = {empty([size(vectors[k], 0) for k in order], asked.type(vectors[number]).dtype)}",
+    return lines(f"result = {empty([size(vectors[k], 0) for k in order], args.type(vectors[number]).dtype)}",
                  f"result[{', '.join([':'] * len(order))}] = {vectors[number]}[{taken}]")
 
 
-# -- order -----------------------------------------------------------------------------------------------------------
+# -- sorting ---------------------------------------------------------------------------------------------------------
 
-def _along(rank: int, axis: int, taken: str) -> str:
+def _subscripts_along(rank: int, axis: int, taken: str) -> str:
     """Subscripts with counters but along one axis."""
     return ", ".join(taken if k == axis else f"place{k}" for k in range(rank))
 
 
-def _others(array: str, rank: int, axis: int) -> tuple[list[str], list[str]]:
+def _other_axes(array: str, rank: int, axis: int) -> tuple[list[str], list[str]]:
     kept = [k for k in range(rank) if k != axis]
     return [f"place{k}" for k in kept], [size(array, k) for k in kept]
 
 
-def _sort(asked: CallArguments) -> str:
-    """The elements in their order: each gains what its place in the result gains."""
-    rank = asked.rank("x")
-    if not asked.given("axis") and rank > 1:
+def _sort(args: CallArguments) -> str:
+    """The elements in sorted order: the adjoint of each is that of its place in the result."""
+    rank = args.rank("x")
+    if not args.has("axis") and rank > 1:
         return lines("flat = numpy.ravel(x)", "result = numpy.sort(flat)")
-    axis = asked.axis(rank) if asked.given("axis") else 0
+    axis = args.axis(rank) if args.has("axis") else 0
     if rank == 1:
         return lines("order = numpy.argsort(x)", "result = x[order]")
-    counters, bounds = _others("x", rank, axis)
-    row = _along(rank, axis, ":")
-    return lines(f"result = {empty(sizes('x', rank), asked.type('x').dtype)}", *_nest(counters, bounds, [
+    counters, bounds = _other_axes("x", rank, axis)
+    row = _subscripts_along(rank, axis, ":")
+    return lines(f"result = {empty(sizes('x', rank), args.type('x').dtype)}", *_nest(counters, bounds, [
         f"row = numpy.copy(x[{row}])", "order = numpy.argsort(row)", f"result[{row}] = row[order]"]))
 
 
-def _argsort(asked: CallArguments) -> str:
-    rank = asked.rank("x")
-    kind = ", kind='mergesort'" if asked.given("kind") else ""
-    axis = asked.axis(rank)
-    counters, bounds = _others("x", rank, axis)
-    row = _along(rank, axis, ":")
+def _argsort(args: CallArguments) -> str:
+    rank = args.rank("x")
+    kind = ", kind='mergesort'" if args.has("kind") else ""
+    axis = args.axis(rank)
+    counters, bounds = _other_axes("x", rank, axis)
+    row = _subscripts_along(rank, axis, ":")
     return lines(f"result = {empty(sizes('x', rank), 'int64')}", *_nest(counters, bounds, [
         f"row = numpy.copy(x[{row}])", f"order = numpy.argsort(row{kind})", f"result[{row}] = order"]))
 
 
-def _nan_to_num(asked: CallArguments) -> str:
-    largest = "3.4028234663852886e+38" if asked.type("x").dtype == "float32" else "1.7976931348623157e+308"
-    high, low = ("posinf" if asked.given("posinf") else largest, "neginf" if asked.given("neginf") else f"-{largest}")
+def _nan_to_num(args: CallArguments) -> str:
+    largest = "3.4028234663852886e+38" if args.type("x").dtype == "float32" else "1.7976931348623157e+308"
+    high, low = ("posinf" if args.has("posinf") else largest, "neginf" if args.has("neginf") else f"-{largest}")
     return lines(f"high = numpy.where(x > {largest}, {high}, x)", f"low = numpy.where(x < -{largest}, {low}, high)",
                  "result = numpy.where(numpy.isnan(x), nan, low)")
 
 
-def _taken(asked: CallArguments) -> str:
-    node = asked.arguments["places"]
-    rank = asked.rank("x")
+def _take(args: CallArguments) -> str:
+    node = args.arguments["places"]
+    rank = args.rank("x")
     before = []
     if isinstance(node, (List, Tuple)):
-        asked.arguments["spelled"] = call("numpy.array", node)
+        args.arguments["spelled"] = call("numpy.array", node)
         before = ["taken = spelled"]
-    elif asked.rank("places"):
+    elif args.rank("places"):
         before = ["taken = numpy.copy(places)"]
     whole = "taken" if before else "places"
-    if not asked.given("axis") and rank > 1:
+    if not args.has("axis") and rank > 1:
         return lines(*before, "flat = numpy.ravel(x)", f"result = flat[{whole}]")
-    axis = asked.axis(rank) if asked.given("axis") else 0
+    axis = args.axis(rank) if args.has("axis") else 0
     return lines(*before, f"result = {part('x', axis, whole)}")
 
 
-def _take_along_axis(asked: CallArguments) -> str:
-    rank = asked.rank("x")
-    axis = (axes_of(asked.arguments["axis"], rank) or (0,))[0]
+def _take_along_axis(args: CallArguments) -> str:
+    rank = args.rank("x")
+    axis = (axes_of(args.arguments["axis"], rank) or (0,))[0]
     counters = _counters(rank)
-    found = _along(rank, axis, f"places[{', '.join(counters)}]")
+    found = _subscripts_along(rank, axis, f"places[{', '.join(counters)}]")
     message = "np.take_along_axis with places for another number of rows: repeat them"
     fits = [guard(f"{size('places', k)} == {size('x', k)}", message) for k in range(rank) if k != axis]
-    return lines(*fits, f"result = {empty(sizes('places', rank), asked.type('x').dtype)}", *_nest(
+    return lines(*fits, f"result = {empty(sizes('places', rank), args.type('x').dtype)}", *_nest(
         counters, sizes("places", rank), [f"result[{', '.join(counters)}] = x[{found}]"]))
 
 
-def _median(asked: CallArguments) -> str:
-    rank = asked.rank("x")
-    if rank > 1 and not asked.given("axis"):
+def _median(args: CallArguments) -> str:
+    rank = args.rank("x")
+    if rank > 1 and not args.has("axis"):
         return lines("flat = numpy.ravel(x)", "result = numpy.median(flat)")
-    axis = asked.axis(rank) if asked.given("axis") else 0
+    axis = args.axis(rank) if args.has("axis") else 0
     n = size("x", axis)
     low, high = part("sorted_x", axis, f"({n} - 1) // 2"), part("sorted_x", axis, f"{n} // 2")
-    return lines(f"sorted_x = numpy.sort(x, axis={axis})", *_unless_nan(asked, axis, f"0.5 * ({low} + {high})"))
+    return lines(f"sorted_x = numpy.sort(x, axis={axis})", *_nan_or(args, axis, f"0.5 * ({low} + {high})"))
 
 
-def _unless_nan(asked: CallArguments, axis: int, text: str) -> list[str]:
-    """A value between elements in order, nan where one is: nans come last."""
+def _nan_or(args: CallArguments, axis: int, text: str) -> list[str]:
+    """A value between sorted elements, nan where one is: nans come last."""
     last = part("sorted_x", axis, f"{size('x', axis)} - 1")
-    if asked.rank("x") == 1:
+    if args.rank("x") == 1:
         return [f"if {last} != {last}:", f"    result = {last}", "else:", f"    result = {text}"]
     return [f"middle = {text}", f"result = numpy.where({last} != {last}, {last}, middle)"]
 
 
-def _quantile(asked: CallArguments, scale: str) -> str:
-    """Linear between the two neighbours in order."""
-    rank = asked.rank("x")
+def _quantile(args: CallArguments, scale: str) -> str:
+    """Linear between the two neighbours in sorted order."""
+    rank = args.rank("x")
     name = "quantile" if scale == "1.0" else "percentile"
-    if rank > 1 and not asked.given("axis"):
+    if rank > 1 and not args.has("axis"):
         return lines("flat = numpy.ravel(x)", f"result = numpy.{name}(flat, q)")
-    axis = asked.axis(rank) if asked.given("axis") else 0
+    axis = args.axis(rank) if args.has("axis") else 0
     low, high = part("sorted_x", axis, "below"), part("sorted_x", axis, "above")
     return lines(f"sorted_x = numpy.sort(x, axis={axis})", f"last = {size('x', axis)} - 1",
                  f"level = q / {scale} * last", "below = int(level)", "above = min(below + 1, last)",
-                 "between = level - below", *_unless_nan(asked, axis, f"{low} + between * ({high} - {low})"))
+                 "between = level - below", *_nan_or(args, axis, f"{low} + between * ({high} - {low})"))
 
 
-def _sought(asked: CallArguments) -> str:
-    return f"result = runtime.sought(a, v, {asked.text('side') == 'right'})"
+def _searchsorted(args: CallArguments) -> str:
+    return f"result = runtime.sought(a, v, {args.text('side') == 'right'})"
 
 
-def _extreme_place(asked: CallArguments, function: str) -> str:
-    rank = asked.rank("x")
+def _arg_extremum(args: CallArguments, function: str) -> str:
+    rank = args.rank("x")
     if rank == 1:
         return f"result = numpy.{function}(x)"
-    axis = asked.axis(rank)
-    counters, bounds = _others("x", rank, axis)
+    axis = args.axis(rank)
+    counters, bounds = _other_axes("x", rank, axis)
     return lines(f"result = {empty(bounds, 'int64')}", *_nest(counters, bounds, [
-        f"row = numpy.copy(x[{_along(rank, axis, ':')}])", f"result[{', '.join(counters)}] = numpy.{function}(row)"]))
+        f"row = numpy.copy(x[{_subscripts_along(rank, axis, ':')}])",
+        f"result[{', '.join(counters)}] = numpy.{function}(row)"]))
 
 
 # -- selection -------------------------------------------------------------------------------------------------------
 
-def _select(asked: CallArguments) -> str:
+def _select(args: CallArguments) -> str:
     """The first condition that holds."""
-    pairs = list(zip(asked.items("conditions"), asked.items("choices")))
-    found = asked.let("choice", asked.arguments["default"])
+    pairs = list(zip(args.items("conditions"), args.items("choices")))
+    found = args.let("choice", args.arguments["default"])
     text = found
     for condition, choice in reversed(pairs):
-        text = f"numpy.where({asked.let('condition', condition)}, {asked.let('choice', choice)}, {text})"
+        text = f"numpy.where({args.let('condition', condition)}, {args.let('choice', choice)}, {text})"
     return f"result = {text}"
 
 
-def _bincount(asked: CallArguments) -> str:
-    weighted = asked.given("weights")
+def _bincount(args: CallArguments) -> str:
+    weighted = args.has("weights")
     fits = [guard(f"{size('weights', 0)} == {size('x', 0)}", WEIGHTS)] if weighted else []
     return lines(*fits, "count = minlength", f"for place in range({size('x', 0)}):",
                  "    count = max(count, x[place] + 1)",
@@ -252,18 +253,18 @@ def _bincount(asked: CallArguments) -> str:
                  f"    result[x[place]] += {'weights[place]' if weighted else '1'}")
 
 
-PLACES: dict[str, Callable[[CallArguments], str]] = {
-    **{f"numpy.{f}.at": lambda asked, f=f: _stored(asked, f) for f in (*_SIGNS, "maximum", "minimum")},
-    "numpy.searchsorted.each": _sought, "numpy.argmax.along": lambda asked: _extreme_place(asked, "argmax"),
-    "numpy.argmin.along": lambda asked: _extreme_place(asked, "argmin"),
+EXPANSIONS: dict[str, Callable[[CallArguments], str]] = {
+    **{f"numpy.{f}.at": lambda args, f=f: _ufunc_at(args, f) for f in (*_SIGNS, "maximum", "minimum")},
+    "numpy.searchsorted.each": _searchsorted, "numpy.argmax.along": lambda args: _arg_extremum(args, "argmax"),
+    "numpy.argmin.along": lambda args: _arg_extremum(args, "argmin"),
     "numpy.argsort.along": _argsort, "numpy.fill_diagonal": _fill_diagonal, "numpy.nonzero": _nonzero,
     "numpy.sort": _sort, "numpy.nan_to_num": _nan_to_num,
-    "numpy.take": _taken,
+    "numpy.take": _take,
     "numpy.take_along_axis": _take_along_axis, "numpy.select": _select, "numpy.meshgrid": _meshgrid,
     "numpy.indices": _indices, "numpy.unravel_index": _unravel_index, "numpy.bincount": _bincount,
-    "numpy.triu_indices": lambda asked: _triangle_places(asked, ("max(0, row + k)", "{m}")),
-    "numpy.tril_indices": lambda asked: _triangle_places(asked, ("0", "max(0, min({m}, row + k + 1))")),
-    "numpy.diag_indices": lambda asked: "result = numpy.arange(n)",
-    "numpy.median": _median, "numpy.percentile": lambda asked: _quantile(asked, "100.0"),
-    "numpy.quantile": lambda asked: _quantile(asked, "1.0"),
+    "numpy.triu_indices": lambda args: _triangle_indices(args, ("max(0, row + k)", "{m}")),
+    "numpy.tril_indices": lambda args: _triangle_indices(args, ("0", "max(0, min({m}, row + k + 1))")),
+    "numpy.diag_indices": lambda args: "result = numpy.arange(n)",
+    "numpy.median": _median, "numpy.percentile": lambda args: _quantile(args, "100.0"),
+    "numpy.quantile": lambda args: _quantile(args, "1.0"),
 }

@@ -1,6 +1,6 @@
-"""What sums of exponentials and shares in them are made of: exponentials of what is left of the largest.
+"""Expansions of sums of exponentials, and of softmax: exponentials of differences to the largest element.
 
-What is taken off is the integer next to that: it has no derivative, and the results do not depend on it.
+The shift is the integer next to that: it has no derivative, and the results do not depend on it.
 """
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from collections.abc import Callable
 from s2sad.normalize.library.expansions.templates import CallArguments, lines
 
 
-def _shifted(asked: CallArguments, x: str) -> tuple[str, str, str]:
-    """The text that makes `shift` and `left`, which is x less that, and the options of a sum without and with all
+def _shifted(args: CallArguments, x: str) -> tuple[str, str, str]:
+    """The text that binds `shift` and `left`, the difference to it, and the options of a sum without and with all
     axes."""
-    rank = asked.rank(x)
-    axes = asked.axes(rank) if asked.given("axis") else ()
+    rank = args.rank(x)
+    axes = args.axes(rank) if args.has("axis") else ()
     if not axes:
         found = [f"top = numpy.max({x})", "if numpy.isfinite(top):", "    shift = numpy.rint(top)", "else:",
                  "    shift = 0.0"]
@@ -24,26 +24,26 @@ def _shifted(asked: CallArguments, x: str) -> tuple[str, str, str]:
     return lines(*found, f"left = {x} - shift"), axis, f"{axis}, keepdims=True"
 
 
-def _logsumexp(asked: CallArguments) -> str:
-    before, axis, kept = _shifted(asked, "a")
-    if not axis or asked.true("keepdims"):
+def _logsumexp(args: CallArguments) -> str:
+    before, axis, kept = _shifted(args, "a")
+    if not axis or args.flag("keepdims"):
         return lines(before, f"result = shift + numpy.log(numpy.sum(numpy.exp(left){kept}))")
-    axes = asked.axes(asked.rank("a"))
-    flat = ", ".join("0" if k in axes else ":" for k in range(asked.rank("a")))
+    axes = args.axes(args.rank("a"))
+    flat = ", ".join("0" if k in axes else ":" for k in range(args.rank("a")))
     return lines(before, f"result = shift[{flat}] + numpy.log(numpy.sum(numpy.exp(left){axis}))")
 
 
-def _softmax(asked: CallArguments) -> str:
-    before, _, kept = _shifted(asked, "x")
+def _softmax(args: CallArguments) -> str:
+    before, _, kept = _shifted(args, "x")
     return lines(before, "grown = numpy.exp(left)", f"result = grown / numpy.sum(grown{kept})")
 
 
-def _log_softmax(asked: CallArguments) -> str:
-    before, _, kept = _shifted(asked, "x")
+def _log_softmax(args: CallArguments) -> str:
+    before, _, kept = _shifted(args, "x")
     return lines(before, f"result = left - numpy.log(numpy.sum(numpy.exp(left){kept}))")
 
 
-EXPONENTIALS: dict[str, Callable[[CallArguments], str]] = {
+EXPANSIONS: dict[str, Callable[[CallArguments], str]] = {
     "scipy.special.logsumexp": _logsumexp, "scipy.special.softmax": _softmax,
     "scipy.special.log_softmax": _log_softmax,
 }

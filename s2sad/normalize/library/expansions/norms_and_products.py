@@ -1,4 +1,4 @@
-"""What norms and products of matrices are made of, and the parts of decompositions that are the reduced ones."""
+"""Expansions of norms and products of matrices, and of complete decompositions in reduced ones."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
@@ -12,12 +12,12 @@ _LAST = (-2, -1)
 WIDE = "more {} than the smaller size of the matrix are not determined: pass {}"
 
 
-def matrix_axes(asked: CallArguments) -> Sequence[int] | None:
+def matrix_axes(args: CallArguments) -> Sequence[int] | None:
     """The axes of the rows and the columns of a norm of matrices, from 0; None if it is one of vectors."""
-    rank = asked.rank("x")
-    if not asked.given("axis"):
+    rank = args.rank("x")
+    if not args.has("axis"):
         return (0, 1) if rank == 2 else None
-    axes = distinct_axes(asked.arguments["axis"], rank)
+    axes = distinct_axes(args.arguments["axis"], rank)
     return axes if axes is not None and len(axes) == 2 else None
 
 
@@ -35,9 +35,9 @@ def matrix_norm(order: Order, axes: Sequence[int], rank: int) -> str:
     return lines(f"sums = numpy.sum(numpy.abs(x), axis={summed})", f"result = numpy.{extreme}(sums{along})")
 
 
-def _condition(asked: CallArguments) -> str:
+def _condition(args: CallArguments) -> str:
     """By singular values, or with the inverse."""
-    order, stack = norm_order(asked.arguments["p"]), asked.rank("x") - 2
+    order, stack = norm_order(args.arguments["p"]), args.rank("x") - 2
     if order in (None, 2, -2):
         deep, least = ":, " * stack, size("values", stack)
         large, small = f"values[{deep}0]", f"values[{deep}{least} - 1]"
@@ -50,28 +50,28 @@ def _condition(asked: CallArguments) -> str:
                  f"numpy.linalg.norm(inverse, ord={spelled}, axis={_LAST})")
 
 
-def _reduced(asked: CallArguments, function: str, least: int, message: str) -> str:
-    """A part of a complete decomposition, where it is that of the reduced one."""
-    rank = asked.rank("a")
+def _reduced_factor(args: CallArguments, function: str, least: int, message: str) -> str:
+    """A factor of a complete decomposition, where it is that of the reduced one."""
+    rank = args.rank("a")
     sizes = [size("a", rank - 2 + k) for k in (least, 1 - least)]
     return lines(guard(" <= ".join(sizes), message), f"result = runtime.{function}(a)")
 
 
-def _inner(asked: CallArguments) -> str:
-    """Of vectors and matrices; `batched` has made others sums."""
-    a, b = asked.rank("a"), asked.rank("b")
+def _inner(args: CallArguments) -> str:
+    """Of vectors and matrices; others are sums (`einsum.batched_products`)."""
+    a, b = args.rank("a"), args.rank("b")
     if b == 1:
         return "result = numpy.matmul(a, b)"
     return "result = numpy.matmul(b, a)" if a == 1 else "result = numpy.matmul(a, numpy.transpose(b))"
 
 
-def _kron(asked: CallArguments) -> str:
+def _kron(args: CallArguments) -> str:
     """Of arrays of different ranks: the shorter shape has ones before it."""
-    rank = max(asked.rank(p) for p in "ab")
+    rank = max(args.rank(p) for p in "ab")
     parts, whole = {}, []
     for p, kept in (("a", ":, None"), ("b", "None, :")):
-        missing = rank - asked.rank(p)
-        parts[p] = f"{p}[{', '.join(['None, None'] * missing + [kept] * asked.rank(p))}]"
+        missing = rank - args.rank(p)
+        parts[p] = f"{p}[{', '.join(['None, None'] * missing + [kept] * args.rank(p))}]"
         whole.append([size(p, k - missing) if k >= missing else "1" for k in range(rank)])
     sizes = ", ".join(f"{m} * {n}" for m, n in zip(*whole))
     return f"result = numpy.reshape({parts['a']} * {parts['b']}, ({sizes},))"
@@ -79,9 +79,9 @@ def _kron(asked: CallArguments) -> str:
 
 _MANY = WIDE.format("singular vectors", "full_matrices=False")
 _COMPLETE = WIDE.format("columns of q", "mode='reduced'")
-MATRICES: dict[str, Callable[[CallArguments], str]] = {
+EXPANSIONS: dict[str, Callable[[CallArguments], str]] = {
     "numpy.linalg.cond": _condition, "numpy.inner": _inner, "numpy.kron": _kron,
-    "numpy.linalg.svd.left": lambda asked: _reduced(asked, "left_vectors", 0, _MANY),
-    "numpy.linalg.svd.right": lambda asked: _reduced(asked, "right_vectors", 1, _MANY),
-    "numpy.linalg.qr.orthogonal": lambda asked: _reduced(asked, "orthogonal_part", 0, _COMPLETE),
-    "numpy.linalg.qr.triangular": lambda asked: _reduced(asked, "triangular_part", 0, _COMPLETE)}
+    "numpy.linalg.svd.left": lambda args: _reduced_factor(args, "left_vectors", 0, _MANY),
+    "numpy.linalg.svd.right": lambda args: _reduced_factor(args, "right_vectors", 1, _MANY),
+    "numpy.linalg.qr.orthogonal": lambda args: _reduced_factor(args, "orthogonal_part", 0, _COMPLETE),
+    "numpy.linalg.qr.triangular": lambda args: _reduced_factor(args, "triangular_part", 0, _COMPLETE)}

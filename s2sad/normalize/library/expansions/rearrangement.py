@@ -1,4 +1,4 @@
-"""What functions that arrange elements are made of: views, allocations and stores into parts."""
+"""Expansions of functions that rearrange elements: views, allocations and stores into slices."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -7,59 +7,59 @@ from s2sad.infer.signatures.options import astype_dtype, widths_of
 from s2sad.normalize.library.expansions.templates import (
     SECTIONS, CallArguments, dtype_option, empty, guard, lines, part, size, sizes, zeros,
 )
-from s2sad.normalize.library.expansions.selections import repeated
+from s2sad.normalize.library.expansions.selections import repeat_each
 from s2sad.tree import List, Tuple
 
 
-def _diff(asked: CallArguments) -> str:
-    axis, times = asked.axis(asked.rank("x")), asked.number("n") or 1
+def _diff(args: CallArguments) -> str:
+    axis, times = args.axis(args.rank("x")), args.number("n") or 1
     steps = ["x", *(f"apart{k}" for k in range(1, times)), "result"]
     return lines(*(f"{new} = {part(old, axis, '1:')} - {part(old, axis, ':-1')}" for old, new in zip(steps, steps[1:])))
 
 
 # -- axes ------------------------------------------------------------------------------------------------------------
 
-def _expand_dims(asked: CallArguments) -> str:
-    return f"result = {part('x', asked.axis(asked.rank('x') + 1), 'None')}"
+def _expand_dims(args: CallArguments) -> str:
+    return f"result = {part('x', args.axis(args.rank('x') + 1), 'None')}"
 
 
-def _squeeze(asked: CallArguments) -> str:
-    if not asked.given("axis"):
-        rank, gone = asked.rank("x"), asked.typing.argument(asked.arguments["x"]).ones
+def _squeeze(args: CallArguments) -> str:
+    if not args.has("axis"):
+        rank, gone = args.rank("x"), args.typing.argument(args.arguments["x"]).ones
         more = [guard(f"{size('x', k)} != 1", "np.squeeze without an axis leaves out every axis of length 1: name it")
                 for k in range(rank) if k not in gone]
         return lines(*more, f"result = x[{', '.join('0' if k in gone else ':' for k in range(rank))}]")
-    axis = asked.axis(asked.rank("x"))
+    axis = args.axis(args.rank("x"))
     fits = guard(f"{size('x', axis)} == 1", "np.squeeze along an axis of another length than 1")
     return lines(fits, f"result = {part('x', axis, '0')}")
 
 
-def _atleast(asked: CallArguments, rank: int) -> str:
-    if not asked.rank("x"):
-        dtype = asked.type("x").dtype
+def _atleast(args: CallArguments, rank: int) -> str:
+    if not args.rank("x"):
+        dtype = args.type("x").dtype
         return lines(f"result = {empty(['1'] * rank, dtype)}", f"result[{', '.join(['0'] * rank)}] = x")
-    return f"result = x[{'None, ' * (rank - asked.rank('x'))}...]" if asked.rank("x") < rank else "result = x[...]"
+    return f"result = x[{'None, ' * (rank - args.rank('x'))}...]" if args.rank("x") < rank else "result = x[...]"
 
 
-def _rot90(asked: CallArguments) -> str:
-    turns = (asked.number("k") or 0) % 4
+def _rot90(args: CallArguments) -> str:
+    turns = (args.number("k") or 0) % 4
     return ["result = numpy.copy(x)", "result = numpy.flip(numpy.transpose(x), axis=0)", "result = numpy.flip(x)",
             "result = numpy.flip(numpy.transpose(x), axis=1)"][turns]
 
 
-def _astype(asked: CallArguments) -> str:
-    return lines(f"result = {empty(sizes('x', asked.rank('x')), astype_dtype(asked.arguments))}", "result[...] = x")
+def _astype(args: CallArguments) -> str:
+    return lines(f"result = {empty(sizes('x', args.rank('x')), astype_dtype(args.arguments))}", "result[...] = x")
 
 
-def _split(asked: CallArguments, axis: int | None = None, even: bool = True) -> str:
+def _split(args: CallArguments, axis: int | None = None, even: bool = True) -> str:
     """One of the sections: of equal sizes, the first ones one larger if they do not divide the whole, or between
-    written places."""
-    rank = asked.rank("x")
-    axis = asked.axis(rank) if axis is None else axis
-    number, n = asked.number("part") or 0, size("x", axis)
-    node = asked.arguments["sections"]
+    indices that are spelled out."""
+    rank = args.rank("x")
+    axis = args.axis(rank) if axis is None else axis
+    number, n = args.number("part") or 0, size("x", axis)
+    node = args.arguments["sections"]
     if isinstance(node, (Tuple, List)):
-        bounds = ["", *(asked.let("bound", e) for e in node.elts), ""]
+        bounds = ["", *(args.let("bound", e) for e in node.elts), ""]
         return f"result = numpy.copy({part('x', axis, f'{bounds[number]}:{bounds[number + 1]}')})"
     if even:
         return lines(guard(f"{n} % sections == 0", SECTIONS), f"step = {n} // sections",
@@ -70,54 +70,54 @@ def _split(asked: CallArguments, axis: int | None = None, even: bool = True) -> 
                  f"result = numpy.copy({part('x', axis, 'start:stop')})")
 
 
-def _swapaxes(asked: CallArguments) -> str:
-    rank = asked.rank("x")
-    a, b = asked.axis(rank, "axis1"), asked.axis(rank, "axis2")
+def _swapaxes(args: CallArguments) -> str:
+    rank = args.rank("x")
+    a, b = args.axis(rank, "axis1"), args.axis(rank, "axis2")
     return f"result = numpy.moveaxis(x, ({a}, {b}), ({b}, {a}))" if a != b else "result = x[...]"
 
 
-def _broadcast_to(asked: CallArguments) -> str:
-    return lines(f"result = numpy.empty(shape{dtype_option(asked.type('x').dtype)})", "result[...] = x")
+def _broadcast_to(args: CallArguments) -> str:
+    return lines(f"result = numpy.empty(shape{dtype_option(args.type('x').dtype)})", "result[...] = x")
 
 
 # -- repetition ------------------------------------------------------------------------------------------------------
 
-def _tile(asked: CallArguments) -> str:
-    times = [asked.let("times", node) for node in asked.items("reps")]
-    rank = asked.rank("x")
+def _tile(args: CallArguments) -> str:
+    times = [args.let("times", node) for node in args.items("reps")]
+    rank = args.rank("x")
     whole = max(rank, len(times))
     times = ["1"] * (whole - len(times)) + times
     own = ["1"] * (whole - rank) + sizes("x", rank)
     taken = ["None"] * (2 * (whole - rank)) + ["None, :"] * rank
-    return lines(f"rows = {empty([s for pair in zip(times, own) for s in pair], asked.type('x').dtype)}",
+    return lines(f"rows = {empty([s for pair in zip(times, own) for s in pair], args.type('x').dtype)}",
                  f"rows[...] = x[{', '.join(taken)}]",
                  f"result = numpy.reshape(rows, ({', '.join(f'{t} * {s}' for t, s in zip(times, own))},))")
 
 
-def _repeat(asked: CallArguments) -> str:
-    if asked.rank("repeats") or isinstance(asked.arguments["repeats"], (List, Tuple)):
-        return repeated(asked)
-    rank = asked.rank("x")
-    if rank > 1 and not asked.given("axis"):
+def _repeat(args: CallArguments) -> str:
+    if args.rank("repeats") or isinstance(args.arguments["repeats"], (List, Tuple)):
+        return repeat_each(args)
+    rank = args.rank("x")
+    if rank > 1 and not args.has("axis"):
         return lines("flat = numpy.ravel(x)", "result = numpy.repeat(flat, repeats)")
-    axis = asked.axis(rank)
+    axis = args.axis(rank)
     rows, whole = sizes("x", rank), sizes("x", rank)
     rows.insert(axis + 1, "repeats")
     whole[axis] += " * repeats"
-    return lines(f"rows = {empty(rows, asked.type('x').dtype)}",
+    return lines(f"rows = {empty(rows, args.type('x').dtype)}",
                  f"rows[...] = x[{', '.join([':'] * (axis + 1))}, None{', :' * (rank - axis - 1)}]",
                  f"result = numpy.reshape(rows, ({', '.join(whole)},))")
 
 
 
 
-def _pad(asked: CallArguments) -> str:
-    rank, mode = asked.rank("x"), asked.text("mode")
-    widths = [(asked.let("low", a), asked.let("high", b)) for a, b in
-              widths_of(asked.arguments["pad_width"], rank) or []]
+def _pad(args: CallArguments) -> str:
+    rank, mode = args.rank("x"), args.text("mode")
+    widths = [(args.let("low", a), args.let("high", b)) for a, b in
+              widths_of(args.arguments["pad_width"], rank) or []]
     whole = [f"{a} + {size('x', k)} + {b}" for k, (a, b) in enumerate(widths)]
     inner = ", ".join(f"{a}:{a} + {size('x', k)}" for k, (a, b) in enumerate(widths))
-    start = zeros(whole, asked.type("x").dtype)
+    start = zeros(whole, args.type("x").dtype)
     found = [f"result = {start}", f"result[{inner}] = x"]
     if mode == "constant":
         return lines(found[0], "result[...] = constant_values", found[1])
@@ -157,17 +157,17 @@ def _borders(mode: str, axis: int, a: str, b: str, n: str) -> list[str]:
 
 # -- diagonals and triangles -----------------------------------------------------------------------------------------
 
-def _diag(asked: CallArguments, offset: str = "k") -> str:
-    dtype = asked.type("x").dtype
-    if asked.number(offset) == 0:   # the diagonal itself
-        rows, columns = size("x", 0), size("x", asked.rank("x") - 1)
-        if asked.rank("x") == 1:
+def _diag(args: CallArguments, offset: str = "k") -> str:
+    dtype = args.type("x").dtype
+    if args.number(offset) == 0:   # the diagonal itself
+        rows, columns = size("x", 0), size("x", args.rank("x") - 1)
+        if args.rank("x") == 1:
             return lines(f"result = {zeros([rows, rows], dtype)}", f"for place in range({rows}):",
                          "    result[place, place] = x[place]")
         return lines(f"count = min({rows}, {columns})", f"result = {empty(['count'], dtype)}",
                      "for place in range(count):", "    result[place] = x[place, place]")
     shift = [f"right = max(0, {offset})", f"down = max(0, -{offset})"]
-    if asked.rank("x") == 1:
+    if args.rank("x") == 1:
         side = f"{size('x', 0)} + right + down"
         return lines(*shift, f"result = {zeros([side, side], dtype)}", f"for place in range({size('x', 0)}):",
                      "    result[place + down, place + right] = x[place]")
@@ -176,12 +176,12 @@ def _diag(asked: CallArguments, offset: str = "k") -> str:
                  "    result[place] = x[place + down, place + right]")
 
 
-def _diagonal(asked: CallArguments) -> str:
-    return _diag(asked, "offset")
+def _diagonal(args: CallArguments) -> str:
+    return _diag(args, "offset")
 
 
-def _trace(asked: CallArguments) -> str:
-    if asked.number("offset") == 0:
+def _trace(args: CallArguments) -> str:
+    if args.number("offset") == 0:
         return lines("result = 0.0", f"for place in range(min({size('x', 0)}, {size('x', 1)})):",
                      "    result += x[place, place]")
     return lines("right = max(0, offset)", "down = max(0, -offset)", "result = 0.0",
@@ -189,67 +189,67 @@ def _trace(asked: CallArguments) -> str:
                  "    result += x[place + down, place + right]")
 
 
-def _triangle(asked: CallArguments, kept: str, first: str) -> str:
-    return lines(f"result = {zeros(sizes('x', 2), asked.type('x').dtype)}", f"for row in range({size('x', 0)}):",
+def _triangle(args: CallArguments, kept: str, first: str) -> str:
+    return lines(f"result = {zeros(sizes('x', 2), args.type('x').dtype)}", f"for row in range({size('x', 0)}):",
                  f"    bound = max(0, min(row + k{first}, {size('x', 1)}))",
                  f"    result[row, {kept}] = x[row, {kept}]")
 
 
-def _tri(asked: CallArguments) -> str:
-    columns = "M" if asked.given("M") else "N"
+def _tri(args: CallArguments) -> str:
+    columns = "M" if args.has("M") else "N"
     return lines(f"result = {zeros(['N', columns], 'float64')}", "for row in range(N):",
                  f"    bound = max(0, min(row + k + 1, {columns}))", "    result[row, :bound] = 1.0")
 
 
-def _eye(asked: CallArguments) -> str:
-    columns = "M" if asked.given("M") else "N"
-    dtype = astype_dtype(asked.arguments)
+def _eye(args: CallArguments) -> str:
+    columns = "M" if args.has("M") else "N"
+    dtype = astype_dtype(args.arguments)
     one = {"bool": "True", "int64": "1", "int32": "1"}.get(dtype, "1.0")
     return lines(f"result = {zeros(['N', columns], dtype)}",
                  f"for place in range(max(0, -k), min(N, {columns} - k)):", f"    result[place, place + k] = {one}")
 
 
-def _identity(asked: CallArguments) -> str:
-    return f"result = numpy.eye(n{dtype_option(astype_dtype(asked.arguments), default='')})"
+def _identity(args: CallArguments) -> str:
+    return f"result = numpy.eye(n{dtype_option(astype_dtype(args.arguments), default='')})"
 
 
-def _linspace(asked: CallArguments) -> str:
-    gaps = "max(num - 1, 1)" if asked.true("endpoint") else "num"
+def _linspace(args: CallArguments) -> str:
+    gaps = "max(num - 1, 1)" if args.flag("endpoint") else "num"
     found = [f"gap = (stop - start) / {gaps}", f"result = {empty(['num'], 'float64')}", "for place in range(num):",
              "    result[place] = start + place * gap"]
-    return lines(*found, *(["if num > 1:", "    result[num - 1] = stop"] if asked.true("endpoint") else []))
+    return lines(*found, *(["if num > 1:", "    result[num - 1] = stop"] if args.flag("endpoint") else []))
 
 
-def _arange(asked: CallArguments) -> str:
-    numbers = [asked.type(p) for p in ("start", "stop", "step")]
-    low, high = ("start", "stop") if asked.given("stop") else ("0", "start")
+def _arange(args: CallArguments) -> str:
+    numbers = [args.type(p) for p in ("start", "stop", "step")]
+    low, high = ("start", "stop") if args.has("stop") else ("0", "start")
     if any(n.is_float for n in numbers):
         count, dtype = f"max(0, math.ceil(({high} - {low}) / step))", "float64"
-    elif asked.number("step") == 1:
+    elif args.number("step") == 1:
         count, dtype = f"max(0, {high} - {low})" if low != "0" else high, "int64"
     else:
         count, dtype = f"len(range({low}, {high}, step))", "int64"
-    dtype = dtype if not asked.given("dtype") else astype_dtype(asked.arguments)
-    value = "place" if low == "0" and asked.number("step") == 1 else f"{low} + place * step"
+    dtype = dtype if not args.has("dtype") else astype_dtype(args.arguments)
+    value = "place" if low == "0" and args.number("step") == 1 else f"{low} + place * step"
     return lines(f"count = {count}", f"result = {empty(['count'], dtype)}", "for place in range(count):",
                  f"    result[place] = {value}")
 
 
-def _along_diagonal(asked: CallArguments) -> str:
-    dtype = asked.type("values").dtype if asked.type("values").is_float else "float64"
+def _along_diagonal(args: CallArguments) -> str:
+    dtype = args.type("values").dtype if args.type("values").is_float else "float64"
     return lines(f"result = {empty(['size'], dtype)}", "result[...] = values")
 
 
-SHAPES: dict[str, Callable[[CallArguments], str]] = {
+EXPANSIONS: dict[str, Callable[[CallArguments], str]] = {
     "numpy.diff": _diff, "numpy.broadcast_to": _broadcast_to,
     "numpy.expand_dims": _expand_dims, "numpy.squeeze": _squeeze, "numpy.swapaxes": _swapaxes, "numpy.tile": _tile,
     "numpy.repeat": _repeat, "numpy.pad": _pad, "numpy.diag": _diag, "numpy.diagonal": _diagonal,
-    "numpy.trace": _trace, "numpy.tril": lambda asked: _triangle(asked, ":bound", " + 1"),
-    "numpy.triu": lambda asked: _triangle(asked, "bound:", ""), "numpy.eye": _eye, "numpy.identity": _identity,
+    "numpy.trace": _trace, "numpy.tril": lambda args: _triangle(args, ":bound", " + 1"),
+    "numpy.triu": lambda args: _triangle(args, "bound:", ""), "numpy.eye": _eye, "numpy.identity": _identity,
     "numpy.linspace": _linspace, "numpy.arange": _arange, "numpy.tri": _tri,
-    "numpy.atleast_1d": lambda asked: _atleast(asked, 1), "numpy.atleast_2d": lambda asked: _atleast(asked, 2),
+    "numpy.atleast_1d": lambda args: _atleast(args, 1), "numpy.atleast_2d": lambda args: _atleast(args, 2),
     "numpy.rot90": _rot90, "numpy.astype": _astype, "numpy.diagflat": _diag, "numpy.split": _split,
-    "numpy.array_split": lambda asked: _split(asked, even=False), "numpy.vsplit": lambda asked: _split(asked, 0),
-    "numpy.hsplit": lambda asked: _split(asked, min(asked.rank("x") - 1, 1)),
-    "scipy.sparse.entries": lambda asked: "result = data * c", "scipy.sparse.along": _along_diagonal,
+    "numpy.array_split": lambda args: _split(args, even=False), "numpy.vsplit": lambda args: _split(args, 0),
+    "numpy.hsplit": lambda args: _split(args, min(args.rank("x") - 1, 1)),
+    "scipy.sparse.entries": lambda args: "result = data * c", "scipy.sparse.along": _along_diagonal,
 }

@@ -1,4 +1,4 @@
-"""What a piece asks about the call that it stands for, and text that pieces are made of."""
+"""The arguments of a call that is expanded, and the texts that expansions are made of."""
 from __future__ import annotations
 
 from s2sad.infer.inference import Typing
@@ -9,7 +9,7 @@ from s2sad.tree import AST, List, Tuple, call
 
 
 class CallArguments:
-    """The arguments of one call, by parameter; pieces refer to them by their parameters' names."""
+    """The arguments of one call, by parameter; the text of an expansion has the names of the parameters."""
 
     def __init__(self, arguments: dict[str, AST], typing: Typing):
         self.arguments, self.typing = dict(arguments), typing
@@ -20,11 +20,11 @@ class CallArguments:
     def rank(self, parameter: str) -> int:
         return self.type(parameter).rank
 
-    def given(self, parameter: str) -> bool:
+    def has(self, parameter: str) -> bool:
         """Whether an option is anything but None."""
         return not is_none(self.arguments[parameter])
 
-    def true(self, parameter: str) -> bool:
+    def flag(self, parameter: str) -> bool:
         return is_true(self.arguments[parameter])
 
     def number(self, parameter: str) -> int | None:
@@ -40,7 +40,7 @@ class CallArguments:
         return self.axes(rank, parameter)[0]
 
     def items(self, parameter: str) -> list[AST]:
-        """The items of a written tuple, or the one argument."""
+        """The items of a tuple that is spelled out, or the one argument."""
         return items_of(self.arguments[parameter])
 
     def as_array(self, parameter: str) -> None:
@@ -65,12 +65,12 @@ SECTIONS = "np.split into sections that are not of one length: np.array_split ma
 
 
 def guard(test: str, message: str) -> str:
-    """The text of an assertion that says what to do."""
+    """The text of an assertion and its message."""
     return f"assert {test}, {message!r}"
 
 
 def part(array: str, axis: int, taken: str) -> str:
-    """The text of a part of an array along an axis."""
+    """The text of a subscript of one axis of an array."""
     return f"{array}[{':, ' * axis}{taken}]"
 
 
