@@ -9,6 +9,7 @@ from tests.derivatives import check_derivatives
 from tests.engines import engines, located, running
 
 CASES = dict(corpus.cases())
+pytestmark = pytest.mark.filterwarnings("error:Casting complex values")
 
 
 @pytest.mark.parametrize(("case", "engine"), [

@@ -1,0 +1,32 @@
+"""Float32 arrays that meet wider dtypes, where NumPy's dtype is not known."""
+from __future__ import annotations
+
+import numpy as np
+
+from tests.corpus import Case
+
+A, P = np.float32([0.5, 1.7, 2.2]), np.array([1.5, 2.5, 3.5])
+BIG = np.array([1e8])
+
+
+def kept(a, s):
+    return np.sum((a + s - s) ** 2)
+
+
+def given_an_element(a, p):
+    return kept(a, p[0])
+
+
+def edges_from_an_end(a, p):
+    return np.histogram(a, bins=2, range=(p[0], 3))[1]
+
+
+def cases():
+    # a function that is given a number of NumPy's
+    yield Case(given_an_element, (A, BIG), "a", refused=(
+            "S201 at `kept(a, p[0])`: a number of NumPy's with 64 bits makes float64 of float32 arrays in 'kept': "
+            "give it a Python number: float(p[0]), int(k[0])"))
+    # edges in a precision that is not known
+    yield Case(edges_from_an_end, (A, P), of=None, refused=(
+            "S301 at `np.histogram(a, bins=2, range=(p[0], 3))`: no derivative rule for numpy.histogram: give "
+            "range=(low, high), or an array of edges, and no density="))
