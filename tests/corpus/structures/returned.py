@@ -1,0 +1,126 @@
+"""Structures that a kernel makes and gives to functions that return them."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tests.corpus import Case
+
+X = np.array([0.3, 0.7, 1.1, 2.5, 0.9])
+
+
+@dataclass
+class S:
+    u: np.ndarray
+    k: float
+
+
+def in_array(s, x):
+    s.u[0] = s.u[1] * x[0]
+    return s
+
+
+def in_field(s, x):
+    s.k = s.k * x[0]
+    return s
+
+
+def twice(x):
+    s = S(x.copy(), 1.5)
+    s = in_array(s, x)
+    t = in_array(s, x[1:])
+    return np.sum(s.u) * s.k * t.u[0] * t.k
+
+
+def in_a_loop(x):
+    s = S(x.copy(), 1.5)
+    for _ in range(3):
+        s = in_array(s, x)
+        in_array(s, x)
+    return np.sum(s.u) * s.k
+
+
+def field_of_its_own(x):
+    s = S(x.copy(), 1.5)
+    s = in_field(s, x)
+    in_field(s, x)
+    return np.sum(s.u) * s.k
+
+
+def without_a_name(x):
+    s = in_array(S(x.copy(), 2.0 * x[1]), x)
+    return np.sum(s.u) * s.k
+
+
+def of_parts_of_another(x):
+    s = in_array(S(x[:3], 2.0 * x[4]), x[3:])
+    t = in_array(S(k=s.k * x[1], u=s.u[1:]), x=x * 1.0)
+    x[1] *= 2.0
+    s.u[0] *= t.u[0]
+    return np.sum(x * x) * t.k * s.k
+
+
+def one_in_another(x):
+    s = in_array(in_array(S(x, 2.0), x * 1.0), x[2:] * 1.0)
+    x = 3.0 * x
+    return np.sum(s.u ** 2) * s.k + np.sum(x)
+
+
+def written(x):
+    x[0] = 2.0 * x[1]
+    return x[0]
+
+
+def scaled(c, s):
+    s.u[0] *= c
+    return s
+
+
+def beside_a_call(x):
+    s = scaled(written(x), S(x * 1.0, 1.0))
+    return np.sum(s.u)
+
+
+def moved(s, v):
+    s.u += 0.1 * v * s.k
+    s.u %= 2.0
+
+
+def added_in_place(x):
+    """What is added to an array is added in place, and so to the array that the caller has, and to its argument."""
+    s = S(x * 2.0, 1.5)
+    t = S(x, x[1])
+    for _ in range(2):
+        moved(s, x)
+        moved(t, s.u[0])
+    moved(S(s.u[1:], 0.5), t.u[:-1])
+    return np.sum(s.u ** 2) * t.k
+
+
+def added_to_a_number(x):
+    s = S(x[0], 1.5)
+    moved(s, x[1])
+    return s.u
+
+
+def cases():
+    # added in place
+    yield Case(added_in_place, (X,), ("x",), ("x", "return"))
+    yield Case(added_in_place, (X[:2].astype(np.float32),), ("x",), ("x", "return"))
+    # derivatives
+    for kernel in (twice, in_a_loop, without_a_name, of_parts_of_another, one_in_another):
+        yield Case(kernel, (X,), ("x",))
+    # what is refused
+    for kernel, refused in (
+            (field_of_its_own,
+             "S201 at `in_field(s, x)`: 'in_field' assigns 's.k', which was made in this kernel: return the new "
+             "value, and assign it here\nS201 at `in_field(s, x)`: 'in_field' assigns 's.k', which was made in "
+             "this kernel: return the new value, and assign it here"),
+            (beside_a_call,
+             "S201 at `scaled(written(x), S(x * 1.0, 1.0))`: a structure is written out where it is given to a "
+             "function that returns it: give it a name before: s = S(...)")):
+        yield Case(kernel, (X,), refused=refused)
+    # a number in a field for an array is refused
+    yield Case(added_to_a_number, (X,), refused=(
+        "S203 at `s.u`: a float64 cannot be indexed\nS203 at `s.u`: a float64 cannot be indexed"))
