@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.gradbench import inputs
-from tests.gradbench import asked, differences
+from tests.benchmarks.gradbench import asked, differences
 
 
 @pytest.mark.parametrize("ell", [1, 2, 3, 4, 5])

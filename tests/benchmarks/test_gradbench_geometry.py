@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from benchmarks.gradbench import inputs
-from tests.gradbench import asked, differences
+from tests.benchmarks.gradbench import asked, differences
 
 
 def reprojected(values, given):

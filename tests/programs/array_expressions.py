@@ -2,13 +2,13 @@
 
 A shape is a tuple of sizes, a size its text: "n", "3", "n - 1", "2", "1", "n - i". A program with arrays has n of at
 least 4, so that what is cut off both ends of "n" and "n - 1" is there. "3 - 2" is a size that the text does not show
-to be 1: it does not broadcast. As in `program_expressions` every element is
+to be 1: it does not broadcast. As in `expressions` every element is
 between about -2 and 2 if those of the names are.
 """
 from __future__ import annotations
 
 
-from tests.program_expressions import Expressions
+from tests.programs.expressions import Expressions
 
 Shape = tuple[str, ...]
 SHORTER = {"n": "n - 1", "n - 1": "n - 2", "3": "2", "2": "3 - 2"}

@@ -5,8 +5,8 @@ places, lists of arrays of which a variable picks one.
 """
 from __future__ import annotations
 
-from tests.program_array_expressions import Shape
-from tests.program_combinations import CombinedStatements
+from tests.programs.array_expressions import Shape
+from tests.programs.combinations import CombinedStatements
 
 # how often each kind is chosen
 GIVEN = {"viewed": 2, "made": 3, "exchanged": 1, "picked_one": 1}

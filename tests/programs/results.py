@@ -4,7 +4,7 @@ Systems that are solved, factors and functions of whole arrays, in rounds that s
 """
 from __future__ import annotations
 
-from tests.program_functions import FunctionStatements
+from tests.programs.functions import FunctionStatements
 
 # how often each kind is chosen
 RESULTS = {"solved": 3, "left": 2}

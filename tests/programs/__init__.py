@@ -22,8 +22,8 @@ from pathlib import Path
 import numpy as np
 from hypothesis import strategies as st
 
-from tests.program_expressions import Choices, Scope
-from tests.program_loops import Writer
+from tests.programs.expressions import Choices, Scope
+from tests.programs.loops import Writer
 
 _FOLDER: list[tempfile.TemporaryDirectory] = []
 HEAD = "import math\n\nimport numpy as np\n\nG = 0.37\n\n"
@@ -211,7 +211,7 @@ def generate(choices: Choices, without: frozenset[str] = frozenset()) -> Program
 
 
 def random_kernel(seed: int, without: frozenset[str] = frozenset()) -> Program:
-    """The program with this number; `without` leaves out features, see `program_loops.FEATURES`."""
+    """The program with this number; `without` leaves out features, see `loops.FEATURES`."""
     return generate(Choices.seeded(seed), without)
 
 

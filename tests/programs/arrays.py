@@ -4,8 +4,8 @@ Feature group "arrays": `without` leaves out all of it, or single kinds.
 """
 from __future__ import annotations
 
-from tests.program_array_expressions import ArrayExpressions, Shape
-from tests.program_statements import SimpleStatements
+from tests.programs.array_expressions import ArrayExpressions, Shape
+from tests.programs.statements import SimpleStatements
 
 # how often each kind is chosen
 ARRAYS = {"part": 8, "view": 3, "rebound": 1, "broadcast": 3, "fresh_array": 4, "masked": 3, "mask_bound": 2,

@@ -5,7 +5,7 @@ that are written into given arrays, axes and slices under names, helpers that wr
 """
 from __future__ import annotations
 
-from tests.program_arrays import ArrayStatements
+from tests.programs.arrays import ArrayStatements
 
 # how often each kind is chosen
 COMBINED = {"remasked": 2, "sought": 2, "multiplied": 2, "into": 1, "along": 1, "sliced": 1, "given_back": 2}

@@ -3,11 +3,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from tests.program_arrays import ARRAYS
-from tests.program_combinations import COMBINED
-from tests.program_functions import GIVEN
-from tests.program_results import RESULTS, ResultStatements
-from tests.program_statements import SIMPLE
+from tests.programs.arrays import ARRAYS
+from tests.programs.combinations import COMBINED
+from tests.programs.functions import GIVEN
+from tests.programs.results import RESULTS, ResultStatements
+from tests.programs.statements import SIMPLE
 
 COMPOUND = {"branch": 3, "loop": 5, "over": 2, "trips": 2}
 EXITS = {"leave": 1, "skip": 1, "result": 1}

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from tests.program_expressions import Choices, Expressions, Scope
+from tests.programs.expressions import Choices, Expressions, Scope
 
 # how often each kind is chosen; the simplest first
 SIMPLE = {"scalar": 5, "store": 6, "augment": 5, "accumulate": 3, "whole": 2, "local": 2, "row": 1, "integer": 1,
@@ -11,7 +11,7 @@ SIMPLE = {"scalar": 5, "store": 6, "augment": 5, "accumulate": 3, "whole": 2, "l
 
 
 class SimpleStatements(Expressions):
-    """Writes the body of one function, line by line; loops and branches are added by `program_loops`."""
+    """Writes the body of one function, line by line; loops and branches are added by `loops`."""
 
     def __init__(self, choices: Choices, scope: Scope, without: frozenset[str] = frozenset()):
         super().__init__(choices)
