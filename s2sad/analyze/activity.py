@@ -40,8 +40,9 @@ class Activity:
 
 def activity(function: FunctionDef, context: AnalysisContext) -> None:
     """Leaves the table for the inputs and outputs of the request in `context.activity`."""
-    wanted = context.request
-    context.activity = activity_of(function, context.typing, set(wanted.wrt), set(wanted.of), context.calls.call_edges)
+    request = context.request
+    context.activity = activity_of(function, context.typing, set(request.wrt), set(request.of),
+                                   context.calls.call_edges)
 
 
 def activity_of(function: FunctionDef, typing: Typing, independents: set[str], dependents: set[str],
@@ -54,13 +55,13 @@ def activity_of(function: FunctionDef, typing: Typing, independents: set[str], d
         forwards.setdefault(a, []).append(b)
         backwards.setdefault(b, []).append(a)
     varied = reach(forwards, independents)
-    _none_together(function, typing, varied)
+    _refuse_tuples(function, typing, varied)
     return Activity(frozenset(varied), frozenset(reach(backwards, dependents)), edges)
 
 
-def _none_together(function: FunctionDef, typing: Typing, varied: set[str]) -> None:
-    """Raises where values that vary are together in a tuple that is bound, given to a kernel or returned: it would be
-    taken for one that has no derivative."""
+def _refuse_tuples(function: FunctionDef, typing: Typing, varied: set[str]) -> None:
+    """Raises where a tuple of values that vary is bound, passed to a kernel or returned: its derivative would be
+    lost."""
     for statement in walk(function.body):
         values = []
         if isinstance(statement, (Assign, AugAssign, Expr)):
@@ -78,7 +79,7 @@ def _none_together(function: FunctionDef, typing: Typing, varied: set[str]) -> N
 
 
 def _in_tuple(node: AST, typing: Typing) -> Iterator[str]:
-    """The names on which what is in a tuple depends differentiably."""
+    """The names on which the items of a tuple depend differentiably."""
     for item in node.elts if isinstance(node, (Tuple, List)) else ():
         yield from _in_tuple(item, typing) if isinstance(item, (Tuple, List)) else sources(item, typing)
 

@@ -13,8 +13,8 @@ from s2sad.tree import AST, Call, call_name
 
 @dataclass(frozen=True)
 class ActivityPattern:
-    """What a call asks of the callee's derivative: positions of active arguments and of active results; `unbounded`
-    says which "values" and "seeds" that it has to do with can be infinite or nan (`analyze.unbounded_values`)."""
+    """What a call requires of the callee's derivative: positions of active arguments and of active results; whether
+    "values" and "seeds" at its boundary can be infinite or nan (`unbounded`, see `unbounded_values`)."""
     kernel: str
     types: tuple[Type, ...]
     arguments: tuple[int, ...]
@@ -24,7 +24,7 @@ class ActivityPattern:
 
 @dataclass(frozen=True)
 class CalleeDerivative:
-    """A derivative that was made: its name, the positions with shadows, with seeds, and with returned adjoints;
+    """A derivative of a callee: its name, the positions with shadows, with seeds, and with returned adjoints;
     `reads` and `writes` are the positions of arrays whose content it reads at its start, and overwrites.
 
     Of a user's own adjoint `forward` is the name of its first half, which returns the `results` and one more, that the
@@ -51,9 +51,9 @@ def is_kernel_call(statement: AST) -> bool:
     return (call_name(getattr(statement, "value", None)) or "").startswith("user.")
 
 
-def pattern(statement: AST, typing: Typing, active: frozenset[str],
+def activity_pattern(statement: AST, typing: Typing, active: frozenset[str],
             unbounded: Callable[[AST], frozenset[str]] = lambda statement: frozenset()) -> ActivityPattern:
-    """What the call of a statement asks for, given what is active around it."""
+    """The pattern of a statement's call, by the active names around it."""
     called: Call = statement.value
     bound = [base_name(t) for t in targets(statement)]
     return ActivityPattern((call_name(called) or "").partition(".")[2], tuple(map(typing.argument, called.args)),
@@ -65,10 +65,10 @@ def pattern(statement: AST, typing: Typing, active: frozenset[str],
 def call_uses(statement: AST, typing: Typing, active: frozenset[str], derive: Derive, found: OperandUses,
               unbounded: Callable[[AST], frozenset[str]]) -> None:
     """What the adjoint of a call reads: its numbers, and the arrays whose content the callee's adjoint reads."""
-    wanted = pattern(statement, typing, active, unbounded)
-    if not wanted.arguments and not wanted.results:
+    pattern = activity_pattern(statement, typing, active, unbounded)
+    if not pattern.arguments and not pattern.results:
         return
-    callee = derive(wanted)
+    callee = derive(pattern)
     for position, argument in enumerate(statement.value.args):
         if typing.of(argument).is_array:
             found.place(argument, typing)

@@ -1,7 +1,7 @@
 """commuting_iterations: the loops whose iterations may run in any order, so that the reverse sweep need not run them
 backwards.
 
-Requires the structure table and the plan; establishes `plan.forwards`. A loop is free if no number and no element
+Requires the structure table and the plan; establishes `plan.forwards`. A loop commutes if no number and no element
 flows between its iterations, except sums. What a sum overwrites may be recorded: it is restored last first, so that
 such a sum counts as a store.
 Forwards is the order that compilers vectorise and memory prefetches.

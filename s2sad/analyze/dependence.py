@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import chain, product
 
-from s2sad.analyze.reallocated_arrays import escapes, own_loops, within as within_loops
+from s2sad.analyze.reallocated_arrays import outlives_loop, allocation_loops, is_nested_in
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.infer.types import INT
 from s2sad.infer.affine import Affine, at_most, combined, equals, feasible
@@ -70,10 +70,10 @@ class Dependence:
         self.structure = structure
         self.extents: dict[str, list[Affine | None]] = {}
         self._known: dict[tuple[ArrayReference, ArrayReference, int, bool], bool] = {}
-        self._kinds: dict[ArrayReference, _ReferenceClass] = {}
+        self._classes: dict[ArrayReference, _ReferenceClass] = {}
         self._numbers: dict[tuple[tuple[Affine | None, ...], ...], int] = {}
-        self._apart: dict[tuple[int, int], bool] = {}
-        self._escapes: dict[str, bool] = {}
+        self._met: dict[tuple[int, int], bool] = {}
+        self._outliving: dict[str, bool] = {}
 
     # -- affine forms ------------------------------------------------------------------------------------------------
 
@@ -127,8 +127,8 @@ class Dependence:
         made = self.structure.bindings.get(array, [])
         if not made or depth > 20:
             return Affine.symbol(f"{array}.shape[{axis}]")
-        if len(made) > 1 or self.last_of_many(array):
-            return None                                 # a size that no expression gives wherever it is asked for
+        if len(made) > 1 or self.outlives_its_loop(array):
+            return None                                 # no expression has its size at every use
         value = made[0].value
         if (call_name(value) or "").endswith("_like"):
             return self._shape(value.args[0], axis, depth + 1)
@@ -142,7 +142,7 @@ class Dependence:
     # -- systems -----------------------------------------------------------------------------------------------------
 
     def bounds(self, reference: ArrayReference) -> list[Affine]:
-        """What the loops around a statement say of their counters."""
+        """The inequalities of the loops around a statement for their counters."""
         system: list[Affine] = []
         for loop in self.structure.place(reference.statement).loops:
             if isinstance(loop, For):
@@ -200,7 +200,7 @@ class Dependence:
         a, b = self.structure.place(first.statement), self.structure.place(later.statement)
         common = [x for x, y in zip(a.loops, b.loops) if x is y]
         fixed = common.index(within) + 1 if within is not None and within in common else 0
-        fixed = max(fixed, self._own(first, later))
+        fixed = max(fixed, self._allocation_level(first, later))
         if within is not None and within not in common:
             return False
         for level in range(fixed, len(common) + 1):
@@ -211,21 +211,21 @@ class Dependence:
                 return True
         return False
 
-    def _own(self, first: ArrayReference, later: ArrayReference) -> int:
-        """In how many loops around both references the array is another one in each iteration."""
-        own = own_loops(self.structure, first.array)
+    def _allocation_level(self, first: ArrayReference, later: ArrayReference) -> int:
+        """The number of loops around both references in whose iterations the array is a new one."""
+        own = allocation_loops(self.structure, first.array)
         places = [self.structure.place(r.statement) for r in (first, later)]
-        inside = all(within_loops(p.loops, own) and not is_allocation(p.statement) for p in places)
+        inside = all(is_nested_in(p.loops, own) and not is_allocation(p.statement) for p in places)
         return len(own) if inside else 0
 
-    def last_of_many(self, array: str) -> bool:
+    def outlives_its_loop(self, array: str) -> bool:
         """Whether an array that a loop allocates is used after the loop."""
-        if array not in self._escapes:
-            self._escapes[array] = escapes(self.structure, array)
-        return self._escapes[array]
+        if array not in self._outliving:
+            self._outliving[array] = outlives_loop(self.structure, array)
+        return self._outliving[array]
 
-    def _kind(self, reference: ArrayReference) -> _ReferenceClass:
-        if reference not in self._kinds:
+    def _reference_class(self, reference: ArrayReference) -> _ReferenceClass:
+        if reference not in self._classes:
             axes = [self.subscript_cases(reference, axis) for axis in range(len(reference.subscripts))]
             forms = [tuple(self.bounds(reference))]
             for cases in axes:
@@ -234,20 +234,20 @@ class Dependence:
                         if isinstance(loop, For)]
             used = {s for form in chain(*forms) if form is not None for s, _ in form.terms}
             names = {s: s for s in used} | {c: f"{k}" for k, c in enumerate(counters)}
-            said = tuple(tuple(form and form.renamed(names) for form in held) for held in forms)
-            self._kinds[reference] = _ReferenceClass(self._numbers.setdefault(said, len(self._numbers)),
+            key = tuple(tuple(form and form.renamed(names) for form in held) for held in forms)
+            self._classes[reference] = _ReferenceClass(self._numbers.setdefault(key, len(self._numbers)),
                                                      frozenset(counters),
                                                      frozenset(used - {*counters}))
-        return self._kinds[reference]
+        return self._classes[reference]
 
     def _overlap(self, first: ArrayReference, later: ArrayReference, common: list[AST], level: int) -> bool:
         """The case in which the common loops are equal up to `level` and the next one is further on."""
-        a, b = self._kind(first), self._kind(later)
+        a, b = self._reference_class(first), self._reference_class(later)
         if common or not a.counters.isdisjoint(b.free):
             return self._meet(first, later, common, level)
-        if (a.number, b.number) not in self._apart:     # loops in turn ask the same for many statements
-            self._apart[a.number, b.number] = self._meet(first, later, common, level)
-        return self._apart[a.number, b.number]
+        if (a.number, b.number) not in self._met:     # many statements have the same question
+            self._met[a.number, b.number] = self._meet(first, later, common, level)
+        return self._met[a.number, b.number]
 
     def _meet(self, first: ArrayReference, later: ArrayReference, common: list[AST], level: int) -> bool:
         primed = _LaterInstance(self.structure, common[:level], later)

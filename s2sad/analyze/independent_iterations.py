@@ -12,16 +12,16 @@ from s2sad import rules
 from s2sad.analyze.dependence import ArrayReference
 from s2sad.liveness import base_name
 from s2sad.analyze.recording_plan import RecordingProblem, reads
-from s2sad.analyze.reallocated_arrays import escapes, own_loops
+from s2sad.analyze.reallocated_arrays import outlives_loop, allocation_loops
 from s2sad.analyze.program_structure import StatementPlace, ProgramStructure, heads, is_simple
-from s2sad.analyze.trip_counts import known_trips
+from s2sad.analyze.trip_counts import invariant_trip_counts
 from s2sad.analyze.reverse_values import ReverseValues
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, Call, For, While, call_name, dump, walk
 
 
-def rerun_arrays(loop: For, problem: RecordingProblem) -> list[str] | None:
-    """The arrays that must be as they were for an iteration of a loop to run again; None if none can."""
+def snapshot_arrays(loop: For, problem: RecordingProblem) -> list[str] | None:
+    """The arrays of which an iteration of a loop needs snapshots to run again; None if none can run again."""
     structure, typing = problem.structure, problem.structure.typing
     inner = structure.inner[id(loop)]
     if not any(isinstance(p.statement, (For, While)) or not is_simple(p.statement, typing) for p in inner):
@@ -31,25 +31,25 @@ def rerun_arrays(loop: For, problem: RecordingProblem) -> list[str] | None:
     if any(isinstance(n, Call) and typing.runs_once(n) for n in walk(loop.body)):
         return None
     own = {p.statement.targets[0].id for p in inner if is_allocation(p.statement)}
-    if any(escapes(structure, array) for array in own):
+    if any(outlives_loop(structure, array) for array in own):
         return None                                     # the last array's shadow is in use before the loop is reversed
     written = {base_name(t) for p in inner for t in problem.writes(p.statement)} - own
     flowing = [array for array in sorted(written) if not _private(array, loop, inner, problem)]
     around = (*structure.place(loop).loops, loop)
-    if flowing and (any(own_loops(structure, array) for array in flowing)
-                    or known_trips(structure, around, around[0]) is None):
+    if flowing and (any(allocation_loops(structure, array) for array in flowing)
+                    or invariant_trip_counts(structure, around, around[0]) is None):
         return None
     return flowing
 
 
-def is_dear(loop: For, structure: ProgramStructure) -> bool:
-    """Whether a loop has products and solves in it, which take longer than to record what they give."""
+def is_expensive(loop: For, structure: ProgramStructure) -> bool:
+    """Whether a loop has products and solves in it, which take longer than recording their results."""
     return any(rules.find_array(call_name(n)) is not None and not is_allocation(p.statement)
                for p in structure.inner[id(loop)] for head in heads(p.statement) for n in walk(head))
 
 
 def carries(loop: For, structure: ProgramStructure) -> bool:
-    """Whether a number flows from iteration to iteration; what is only added up does not."""
+    """Whether a number flows from iteration to iteration; a sum does not."""
     return any(x is loop and not all(isinstance(b, AugAssign) for b in structure.bindings[n][1:])
                for n, x in ReverseValues(structure).loops.items())
 
@@ -62,7 +62,7 @@ def _private(array: str, loop: For, inner: list[StatementPlace], problem: Record
     loads = [(p, x) for p in structure.places.values() if not is_allocation(p.statement)
              for x in reads(p.statement, typing) if base_name(x) == array]
     outside = [p for p, _ in loads if p not in inner and (around or p.order < start)]
-    if outside or any(_gives(p.statement, array) for p in structure.places.values()
+    if outside or any(_is_result(p.statement, array) for p in structure.places.values()
                       if p not in inner and (around or p.order < start)):
         return False
     inside = [(p, x) for p, x in loads if p in inner]
@@ -76,8 +76,8 @@ def _private(array: str, loop: For, inner: list[StatementPlace], problem: Record
     return False
 
 
-def _gives(statement: AST, array: str) -> bool:
-    """Whether an array is what a function of arrays gives, which its adjoint may read: `y[...] = solve(a, b)`."""
+def _is_result(statement: AST, array: str) -> bool:
+    """Whether an array is the result of a function of arrays, which its adjoint may read: `y[...] = solve(a, b)`."""
     return (isinstance(statement, Assign) and base_name(statement.targets[0]) == array
             and rules.find_array(call_name(statement.value)) is not None and not is_allocation(statement))
 

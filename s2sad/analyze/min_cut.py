@@ -1,4 +1,4 @@
-"""The least weight of nodes that separates sources from sinks: what to record (Moses et al., SC 2021, section 4.2)."""
+"""min_cut: nodes of least weight that separate sources from sinks: what to record (Moses et al., SC 2021, 4.2)."""
 from __future__ import annotations
 
 from collections import deque
@@ -40,7 +40,7 @@ class Network:
         self.residual.setdefault(b, {}).setdefault(a, 0)
 
     def _distances(self) -> dict[str, int]:
-        """How many arcs each node that can still be reached is away from the sources."""
+        """The distance in arcs of each node that is still reachable from the sources."""
         found = {"<": 0}
         waiting = deque(["<"])
         while waiting:
@@ -52,7 +52,7 @@ class Network:
         return found
 
     def _fill(self, distances: dict[str, int]) -> None:
-        """Sends what the shortest paths take; an arc that leads no further is not tried again."""
+        """A blocking flow along shortest paths; an arc that leads no further is not tried again."""
         untried = {here: list(self.residual[here]) for here in distances}
         path = ["<"]
         while path:

@@ -124,7 +124,7 @@ class _Walk:
     def __init__(self, table: ProgramStructure):
         self.table = table
         self.order = 0
-        self.simple: dict[int, bool] = {}       # by `id(statement)`: a branch is asked for by all that are around it
+        self.simple: dict[int, bool] = {}       # by `id(statement)`: all branches around one read it
 
     def is_simple(self, statement: AST) -> bool:
         found = self.simple.get(id(statement))

@@ -1,10 +1,10 @@
 """reallocated_arrays: arrays that a loop allocates anew in every iteration, in a size that may change there.
 
-Requires the structure table; `workspace` has moved out every allocation whose shape does not change. Such a name stands
-for one array after another, and is read only after the allocation of the same iteration, or after the loop (`views`
-refuses the rest). The reverse sweep binds it to each again, last first: before an allocation the forward sweep records
-the size of the array that the name gives up, and its content if that is read. A loop that runs forward and back per
-iteration allocates it again instead.
+Requires the structure table; `hoist_allocations` has moved out every allocation whose shape does not change. Such a
+name has one array after another, and is read only after the allocation of the same iteration, or after the loop
+(`resolve_views` refuses the rest). The reverse sweep binds it to each again, last first: before an allocation the
+forward sweep records the size of the array that the name gives up, and its content if that is read. A loop that runs
+forward and back per iteration allocates it again instead.
 """
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ def allocations(structure: ProgramStructure, array: str) -> list[AST]:
     return [b for b in structure.bindings.get(array, []) if is_allocation(b)]
 
 
-def repeated(structure: ProgramStructure, statement: AST) -> bool:
+def is_reallocation(structure: ProgramStructure, statement: AST) -> bool:
     """Whether a statement allocates in a loop."""
     return is_allocation(statement) and bool(structure.place(statement).loops)
 
 
-def own_loops(structure: ProgramStructure, array: str) -> tuple[AST, ...]:
+def allocation_loops(structure: ProgramStructure, array: str) -> tuple[AST, ...]:
     """The loops around all allocations of an array: each iteration of the innermost has an array of its own."""
     found = [structure.place(a).loops for a in allocations(structure, array)]
     if not found:
@@ -34,21 +34,21 @@ def own_loops(structure: ProgramStructure, array: str) -> tuple[AST, ...]:
     return tuple(x for k, x in enumerate(shortest) if all(loops[k] is x for loops in found))
 
 
-def escapes(structure: ProgramStructure, array: str) -> bool:
-    """Whether an array that a loop allocates is used outside of that loop, where the last one is meant."""
-    own = own_loops(structure, array)
+def outlives_loop(structure: ProgramStructure, array: str) -> bool:
+    """Whether an array that a loop allocates is used outside of that loop, where the last one is live."""
+    own = allocation_loops(structure, array)
     return bool(own) and any(
-        not within(place.loops, own) for place in structure.places.values()
+        not is_nested_in(place.loops, own) for place in structure.places.values()
         if any(isinstance(n, Name) and n.id == array for head in heads(place.statement) for n in walk(head)))
 
 
-def within(loops: tuple[AST, ...], outer: tuple[AST, ...]) -> bool:
-    """Whether loops around a statement begin with the given ones."""
+def is_nested_in(loops: tuple[AST, ...], outer: tuple[AST, ...]) -> bool:
+    """Whether the loops around a statement begin with the loops `outer`."""
     return len(loops) >= len(outer) and all(x is y for x, y in zip(loops, outer))
 
 
-def to_reverse(structure: ProgramStructure, active: Callable[[AST], bool]) -> list[AST]:
+def reallocations_to_reverse(structure: ProgramStructure, active: Callable[[AST], bool]) -> list[AST]:
     """The allocations in nests of loops in which there is something to reverse."""
     nests = {id(p.loops[0]) for p in structure.places.values() if p.loops and active(p.statement)}
     return [p.statement for p in structure.places.values()
-            if repeated(structure, p.statement) and id(p.loops[0]) in nests]
+            if is_reallocation(structure, p.statement) and id(p.loops[0]) in nests]

@@ -1,4 +1,4 @@
-"""recomputation: where in the reverse sweep a value is had again, and whether it can be.
+"""recomputation: where in the reverse sweep a value is recomputed, and whether it can be.
 
 Early, at the top of its block, in the state that the block leaves; late, at the top of its segment, in the state in
 which the segment begins; reloaded from the element where it was stored; or lost, and so recorded.
@@ -15,7 +15,7 @@ from s2sad.tree import AST, If, dump, names
 
 
 class RecomputationPlaces(ReverseUses):
-    """The needs, each with the place where it is had again."""
+    """The required values, each with the place of its recomputation."""
 
     def place_values(self) -> None:
         for key in self.order():
@@ -66,12 +66,12 @@ class RecomputationPlaces(ReverseUses):
         return found
 
     def valid(self, value: ReverseValue, when: str) -> bool:
-        """Whether every element that a value reads is in the state in which it is had again as it was."""
-        return all(not self.disturbs(store, load, statement, when)
+        """Whether every element that a value reads is intact where it is recomputed."""
+        return all(not self.invalidates(store, load, statement, when)
                    for load, statement in self.value_loads(value) for store in self.stores_to.get(base_name(load), ()))
 
-    def disturbs(self, store: Store, load: AST, statement: AST, when: str) -> bool:
-        """Whether a store of the same iteration spoils the state: earlier in the segment, or later in the block."""
+    def invalidates(self, store: Store, load: AST, statement: AST, when: str) -> bool:
+        """Whether a store of an iteration overwrites an operand: before it in the segment, or after it in the block."""
         here, there = self.structure.place(statement), self.structure.place(store.statement)
         if base_name(store.place) != base_name(load) or here.block not in there.blocks or not here.loops:
             return False
@@ -82,7 +82,7 @@ class RecomputationPlaces(ReverseUses):
         return there.order > here.order and self.problem.dependence.may_overwrite(a, b, here.loops[-1])
 
     def is_reloaded(self, value: ReverseValue) -> bool:
-        """Whether a value comes back from the element that it was stored in: it replaced one that it was made from."""
+        """Whether a value is reloaded from the element where it was stored, in place of an operand of its own."""
         stored = self.stored_at(value)
         if stored is None or self._segment_branches(stored) != len(self.structure.place(stored).branches):
             return False
@@ -92,7 +92,7 @@ class RecomputationPlaces(ReverseUses):
         place = targets(stored)[0]
         chain = self.chain(value, set())
         made_from = any(base_name(load) == base_name(place) and dump(load) == dump(place) for load, _ in chain)
-        later = any(self.disturbs(other, place, stored, "early") for other in self.stores_to[base_name(place)])
+        later = any(self.invalidates(other, place, stored, "early") for other in self.stores_to[base_name(place)])
         if made_from and not later:
             self.result.reloaded[value.key] = stored
         return made_from and not later

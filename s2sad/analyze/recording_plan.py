@@ -1,4 +1,4 @@
-"""The nouns of planning: what is asked, and the table of what is recorded, computed again and run again."""
+"""recording_plan: the problem of recording, and its solution: what is recorded, recomputed and run again."""
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable
@@ -9,7 +9,7 @@ from typing import TypeVar
 from s2sad.analyze.dependence import Dependence
 from s2sad.liveness import targets
 from s2sad.analyze.program_structure import ProgramStructure, heads
-from s2sad.analyze.uses import OperandUses, loads_of, owns_result
+from s2sad.analyze.uses import OperandUses, loads_of, reads_own_result
 from s2sad.analyze.reverse_values import ReverseValue
 from s2sad.infer.inference import Typing
 from s2sad.tree import AST, Assign, AugAssign, Call, Expr, Subscript, dump
@@ -52,9 +52,9 @@ class Shift:
 
 @dataclass
 class RecordingPlan:
-    """The table. Keys are ids of statements and blocks of the function that was analysed; `resized` are the allocations
-    in loops whose arrays the reverse sweep binds again, `after` the statements whose adjoints run in the state that
-    they leave."""
+    """The table. Keys are ids of statements and blocks of the function that was analysed: `reversed` are the compound
+    statements with something to reverse, `reallocated` the allocations in loops whose arrays the reverse sweep binds
+    again, `after` the statements whose adjoints run in the state that they leave."""
     rerun: frozenset[int] = frozenset()
     snapshots: tuple[Snapshot, ...] = ()
     values: dict[str, ReverseValue] = field(default_factory=dict)
@@ -64,9 +64,9 @@ class RecordingPlan:
     late: dict[tuple[int, int], list[str]] = field(default_factory=dict)
     reloaded: dict[str, AST] = field(default_factory=dict)
     shifted: dict[str, Shift] = field(default_factory=dict)
-    working: set[int] = field(default_factory=set)
+    reversed: set[int] = field(default_factory=set)
     forwards: frozenset[int] = frozenset()
-    resized: set[int] = field(default_factory=set)
+    reallocated: set[int] = field(default_factory=set)
     after: frozenset[int] = frozenset()
     weight: int = 0
     readers: dict[str, list[AST]] = field(default_factory=dict)
@@ -74,15 +74,14 @@ class RecordingPlan:
 
 @dataclass
 class RecordingProblem:
-    """What the planner is told: the tables, what each statement's adjoint reads, what each statement writes, and
-    whether its adjoint runs in the state that it leaves; `quick` if loops run so fast that to record takes longer than
-    to run them again."""
+    """The tables, what the adjoint of each statement reads, what each statement stores, and whether its adjoint runs
+    in the state that it leaves; `quick` if loops run so fast that recording takes longer than running them again."""
     structure: ProgramStructure
     dependence: Dependence
     active: Callable[[AST], bool]
     uses: Callable[[AST], OperandUses]
     writes: Callable[[AST], list[AST]]
-    after: Callable[[AST], bool] = owns_result
+    after: Callable[[AST], bool] = reads_own_result
     quick: bool = False
 
 

@@ -1,4 +1,4 @@
-"""recording_planner: the least cut between what is lost and what is read decides what is recorded.
+"""recording_planner: what is recorded is a minimum cut between lost values and values that are read.
 
 (Moses et al., SC 2021, section 4.2.)
 """
@@ -13,7 +13,7 @@ from s2sad.analyze.recomputation import RecomputationPlaces
 from s2sad.analyze.recording_plan import (
     RecordingPlan, RecordingProblem, Shift, Snapshot, Store, by_key, reads, subscripts,
 )
-from s2sad.analyze.reallocated_arrays import to_reverse
+from s2sad.analyze.reallocated_arrays import reallocations_to_reverse
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.uses import loads_of
 from s2sad.analyze.reverse_values import ReverseValue
@@ -23,21 +23,22 @@ from s2sad.tree import AST, Assign, AugAssign, Expr, dump
 
 def plan_for(problem: RecordingProblem, rerun: frozenset[int], snapshots: tuple[Snapshot, ...],
              shifts: dict[str, Shift] | None = None) -> RecordingPlan:
-    """The plan in which the given loops run again; what is recorded must be restored, which may need more."""
+    """The plan in which the loops in `rerun` run again; to restore what is recorded may require more."""
     table = problem.structure
-    resized = {id(a): a for a in to_reverse(table, problem.active) if id(table.place(a).loops[-1]) not in rerun}
-    working: set[int] = {id(s) for a in resized.values() for s in table.place(a).inside}
-    restored: set[int] = set(resized)
+    reallocated = {id(a): a for a in reallocations_to_reverse(table, problem.active)
+                   if id(table.place(a).loops[-1]) not in rerun}
+    reversed: set[int] = {id(s) for a in reallocated.values() for s in table.place(a).inside}
+    restored: set[int] = set(reallocated)
     while True:
-        plan = RecordingPlanner(problem, rerun, snapshots, working, restored, shifts or {}).plan()
-        plan.resized = {i for i in restored if is_allocation(table.places[i].statement)}
+        plan = RecordingPlanner(problem, rerun, snapshots, reversed, restored, shifts or {}).plan()
+        plan.reallocated = {i for i in restored if is_allocation(table.places[i].statement)}
         recorded_at = [s.statement for s in plan.stores.values()] + [v.home for v in plan.recorded.values()]
         more = {id(s) for x in recorded_at for s in table.place(x).inside}
         more |= {id(s) for value in plan.recorded.values() for b in value.bindings
                  for s in table.place(b).inside}
-        if more <= plan.working and {id(x) for x in recorded_at} <= restored:
+        if more <= plan.reversed and {id(x) for x in recorded_at} <= restored:
             return plan
-        working = plan.working | more
+        reversed = plan.reversed | more
         restored |= {id(x) for x in recorded_at}
 
 
@@ -45,23 +46,23 @@ class RecordingPlanner(RecomputationPlaces):
     """The plan for one choice of loops that run again."""
 
     def plan(self) -> RecordingPlan:
-        """Work, needs, placements, the network, the cut, and what follows from it."""
-        self.find_work()
+        """What is reversed, needs, placements, the network, the cut, and what follows from it."""
+        self.find_reversed()
         self.result.after = frozenset(i for i, p in self.structure.places.items() if self.problem.after(p.statement))
-        wanted: list[tuple[str, AST]] = []
+        required: list[tuple[str, AST]] = []
         mandatory: list[tuple[AST, AST]] = []
         for place in self.structure.places.values():
             found = self.needs(place.statement)
-            wanted += [(n, place.statement) for n in sorted(found.names)]
+            required += [(n, place.statement) for n in sorted(found.names)]
             mandatory += [(load, place.statement) for load in found.loads]
-        self.collect(wanted)
+        self.collect(required)
         self.place_values()
-        self.build(wanted, mandatory)
-        self.choose(mandatory)
+        self.build(required, mandatory)
+        self.cut(mandatory)
         self.result.readers = {key: self.readers_of(key) for key in (*self.result.recorded, *self.result.stores)}
         return self.result
 
-    def build(self, wanted: list[tuple[str, AST]], mandatory: list[tuple[AST, AST]]) -> None:
+    def build(self, required: list[tuple[str, AST]], mandatory: list[tuple[AST, AST]]) -> None:
         for store in self.stores:
             self.network.node(store.key, self.store_weight(store))
             self.network.source(store.key)
@@ -104,7 +105,7 @@ class RecordingPlanner(RecomputationPlaces):
         return self.loads[value.key]
 
     def conflict(self, store: Store, load: AST, statement: AST, itself: bool = False, again: bool = False) -> bool:
-        """Whether a store destroys what a load of the reverse sweep must still find.
+        """Whether a store must_be_restored what a load of the reverse sweep must still find.
 
         `itself` counts the store of the load's own statement; `again` says that the load runs with its loop again.
         """
@@ -137,15 +138,15 @@ class RecordingPlanner(RecomputationPlaces):
         rank = self.typing.of(store.place).rank
         return 8 * 16 ** (self.depth(self.structure.place(store.statement).loops) + rank)
 
-    def choose(self, mandatory: list[tuple[AST, AST]]) -> None:
-        """The cut, and what of the rest is computed again and where."""
+    def cut(self, mandatory: list[tuple[AST, AST]]) -> None:
+        """The minimum cut, and which of the other values are recomputed, and where."""
         self.mandatory = _by_array(mandatory)
-        self.again = _by_array([(load, place.statement) for place, _ in self.rerun_places()
+        self.rerun_loads = _by_array([(load, place.statement) for place, _ in self.rerun_places()
                                 for load in reads(place.statement, self.typing)])
         for array, stores in self.stores_to.items():
-            needed, again = self.mandatory.get(array, ()), self.again.get(array, ())
+            needed, again = self.mandatory.get(array, ()), self.rerun_loads.get(array, ())
             for store in stores:
-                if any(self.destroys(store, load, s) for load, s in needed) or any(
+                if any(self.must_be_restored(store, load, s) for load, s in needed) or any(
                         self.conflict(store, load, s, again=True) for load, s in again):
                     self.network.sink(store.key)
         cut = dict.fromkeys(self.network.least_cut())
@@ -153,7 +154,7 @@ class RecordingPlanner(RecomputationPlaces):
             weight_of(s, self.structure) for s in self.result.snapshots)
         self.result.stores = {s.key: s for s in self.stores if s.key in cut}
         self.result.recorded = {k: v for k, v in self.result.values.items() if k in cut}
-        kept = self.kept(cut)
+        kept = self.recomputed(cut)
         for key in kept:
             value = self.result.values[key]
             place = self.structure.place(value.home)
@@ -174,8 +175,9 @@ class RecordingPlanner(RecomputationPlaces):
         waiting, seen = [key], {key}
         store = self.result.stores.get(key)
         if store is not None:
-            found += [s for load, s in self.mandatory.get(base_name(store.place), ()) if self.destroys(store, load, s)]
-            found += [s for load, s in self.again.get(base_name(store.place), ())
+            found += [s for load, s in self.mandatory.get(base_name(store.place), ())
+                      if self.must_be_restored(store, load, s)]
+            found += [s for load, s in self.rerun_loads.get(base_name(store.place), ())
                       if self.conflict(store, load, s, again=True)]
             waiting = [k for _, k in self.restored_for.get(key, ())]
         while waiting:
@@ -187,8 +189,8 @@ class RecordingPlanner(RecomputationPlaces):
                     waiting.append(user)
         return sorted({id(s): s for s in found}.values(), key=lambda s: self.structure.place(s).order)
 
-    def kept(self, cut: Collection[str]) -> dict[str, None]:
-        """The values computed again: those that are read and not recorded, back to what is recorded."""
+    def recomputed(self, cut: Collection[str]) -> dict[str, None]:
+        """The values that are recomputed: those that are read and not recorded, back to recorded ones."""
         waiting = deque(k for k, users in self.users.items() if any(not isinstance(u, str) for u in users))
         seen: dict[str, None] = {}
         while waiting:
@@ -208,18 +210,19 @@ class RecordingPlanner(RecomputationPlaces):
                     waiting.append(inner.key)
         return seen
 
-    def destroys(self, store: Store, load: AST, statement: AST) -> bool:
+    def must_be_restored(self, store: Store, load: AST, statement: AST) -> bool:
         """Whether a store must be undone for a load of a statement's adjoint: what the statement itself overwrites is
         put back as it was before it, whatever was stored there since, unless the adjoint reads what it left there."""
-        if not self.conflict(store, load, statement, self.spoils(statement)):
+        if not self.conflict(store, load, statement, self.overwrites_operands(statement)):
             return False
         if self.problem.after(statement):
             return True
         own = next((s for s in self.stores_by.get(id(statement), ()) if dump(s.place) == dump(load)), None)
-        return own is None or own is store or not self.conflict(own, load, statement, self.spoils(statement))
+        return own is None or own is store or not self.conflict(own, load, statement,
+                                                                self.overwrites_operands(statement))
 
-    def spoils(self, statement: AST) -> bool:
-        """Whether a statement's own store can destroy what its adjoint reads."""
+    def overwrites_operands(self, statement: AST) -> bool:
+        """Whether a statement's own store can overwrite what its adjoint reads."""
         return isinstance(statement, (Assign, AugAssign, Expr)) and not self.problem.after(statement)
 
 
@@ -229,5 +232,5 @@ def _by_array(loads: Iterable[tuple[AST, AST]]) -> dict[str, list[tuple[AST, AST
 
 
 def weight_of(snapshot: Snapshot, structure: ProgramStructure) -> int:
-    """What the snapshots of all iterations weigh."""
+    """The weight of the snapshots of all iterations."""
     return 8 * 16 ** (len(structure.place(snapshot.loop).loops) + 1 + structure.typing.table[snapshot.array].rank)

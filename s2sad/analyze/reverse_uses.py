@@ -1,4 +1,4 @@
-"""reverse_uses: the values that the reverse sweep reads and that are lost by then, back to those that never are."""
+"""reverse_uses: the lost values that the reverse sweep reads, back to values that are never lost."""
 from __future__ import annotations
 
 from collections import deque
@@ -13,15 +13,15 @@ from s2sad.tree import AST, Assign, For, If, Name, names
 
 
 class ReverseUses:
-    """Which values the reverse sweep must have again, and who reads them."""
+    """The values that the reverse sweep requires, with their users."""
 
     def __init__(self, problem: RecordingProblem, rerun: frozenset[int], snapshots: tuple[Snapshot, ...],
-                 working: set[int],
+                 reversed: set[int],
                  restored: set[int], shifts: dict[str, Shift]):
         self.problem, self.rerun, self.restored, self.shifts = problem, rerun, restored, shifts
         self.structure, self.typing = problem.structure, problem.structure.typing
         self.all_values = ReverseValues(problem.structure)
-        self.result = RecordingPlan(rerun=rerun, snapshots=snapshots, working=set(working))
+        self.result = RecordingPlan(rerun=rerun, snapshots=snapshots, reversed=set(reversed))
         self.users: dict[str, list[AST | str]] = {}
         self.stores = [Store(p.statement, t, self._is_whole(t)) for p in problem.structure.places.values()
                        for t in problem.writes(p.statement)]
@@ -32,7 +32,7 @@ class ReverseUses:
         self.network = Network()
         self.loads: dict[str, list[Store]] = {}
         self.mandatory: dict[str, list[tuple[AST, AST]]] = {}
-        self.again: dict[str, list[tuple[AST, AST]]] = {}
+        self.rerun_loads: dict[str, list[tuple[AST, AST]]] = {}
         self.restored_for: dict[str, list[tuple[str, str]]] = {}
         self.placement: dict[str, str] = {}
         self.first: set[str] = set()
@@ -40,28 +40,28 @@ class ReverseUses:
     def _is_whole(self, place: AST) -> bool:
         return self.typing.of(place).is_array
 
-    def find_work(self) -> None:
-        """The compound statements with something in them to reverse."""
+    def find_reversed(self) -> None:
+        """The compound statements with something to reverse in them."""
         for place in self.structure.places.values():
             if self.problem.active(place.statement):
-                self.result.working |= {id(s) for s in place.inside}
+                self.result.reversed |= {id(s) for s in place.inside}
 
     def needs(self, statement: AST) -> OperandUses:
-        """What reversing one statement reads, bounds and tests of working loops and branches included."""
+        """What reversing one statement reads, bounds and tests of reversed loops and branches included."""
         found = OperandUses()
-        if isinstance(statement, If) and id(statement) in self.result.working:
+        if isinstance(statement, If) and id(statement) in self.result.reversed:
             found.value(statement.test, self.typing)
-        elif isinstance(statement, For) and id(statement) in self.result.working:
+        elif isinstance(statement, For) and id(statement) in self.result.reversed:
             for bound in statement.iter.args:
                 found.value(bound, self.typing)
         elif self.problem.active(statement):
             found = self.problem.uses(statement)
         if id(statement) in self.restored:
-            self.restoring(statement, found)
+            self.needs_of_restore(statement, found)
         return found
 
-    def restoring(self, statement: AST, found: OperandUses) -> None:
-        """What restoring an element reads: its subscripts and the tests on the way, before anything else is had."""
+    def needs_of_restore(self, statement: AST, found: OperandUses) -> None:
+        """What restoring an element reads: its subscripts and the tests on the way, before any recomputation."""
         before = OperandUses()
         for target in targets(statement):
             before.place(target, self.typing)
@@ -76,9 +76,9 @@ class ReverseUses:
         return [(place, loop) for place in self.structure.places.values() for loop in place.loops
                 if id(loop) in self.rerun]
 
-    def collect(self, wanted: list[tuple[str, AST]]) -> None:
-        """The values that must be had again, with who reads them, back to those that are never lost."""
-        waiting: deque[tuple[str, AST | str, AST]] = deque((n, s, s) for n, s in wanted)
+    def collect(self, required: list[tuple[str, AST]]) -> None:
+        """The required values with their users, back to those that are never lost."""
+        waiting: deque[tuple[str, AST | str, AST]] = deque((n, s, s) for n, s in required)
         for place, loop in self.rerun_places():
             for name in names(heads(place.statement)):
                 value = self.all_values.at(name, place.statement)
@@ -100,7 +100,7 @@ class ReverseUses:
             waiting += [(n, value.key, b) for n, b in self.inputs(value)]
 
     def inputs(self, value: ReverseValue) -> list[tuple[str, AST]]:
-        """The names that computing a value again reads, those of the branches around its bindings included."""
+        """The names that the recomputation of a value reads, those of the branches around its bindings included."""
         found = value.reads()
         home = self.structure.place(value.home)
         for binding in value.bindings:

@@ -13,7 +13,7 @@ from s2sad.tree import AST, Assign, If, names
 
 @dataclass(frozen=True)
 class ReverseValue:
-    """`kind`: "expression" (can be computed again from its operands), "merge" (by running its branches again),
+    """`kind`: "expression" (recomputed from its operands), "merge" (recomputed by its branches),
     "carried" (held where an iteration begins) or "opaque" (what a loop or a call leaves)."""
     key: str
     name: str
@@ -22,7 +22,7 @@ class ReverseValue:
     home: AST
 
     def reads(self) -> list[tuple[str, AST]]:
-        """The names, each with the statement that reads it, that computing the value again reads."""
+        """The names, each with the statement that reads it, that a recomputation of the value reads."""
         return [(n, b) for b in self.bindings for n in names(b.value)]
 
 

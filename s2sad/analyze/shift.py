@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from s2sad.liveness import base_name
 from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem, Shift, Store
-from s2sad.analyze.trip_counts import known_trips
+from s2sad.analyze.trip_counts import invariant_trip_counts
 from s2sad.analyze.reverse_values import ReverseValue
 from s2sad.tree import AST, Assign, For, Name, Subscript, dump
 
@@ -40,7 +40,7 @@ def shift_of(value: ReverseValue, plan: RecordingPlan, problem: RecordingProblem
         home = next((x for x in there.loops if id(x) in plan.rerun), there.loops[0] if there.loops else loop)
         if (same and plain and here.loops[-1:] == (loop,) and here.order < there.order
                 and dump(store.place) == dump(load[0].value) and _undisturbed(store, load[0], plan, problem)
-                and known_trips(structure, there.loops[last + 1:], home) is not None):
+                and invariant_trip_counts(structure, there.loops[last + 1:], home) is not None):
             return Shift(store, before.value.id, loop)
     return None
 

@@ -9,8 +9,8 @@ A value has this property where all that is ever assigned to it has: squares and
 exponentials and constants that are not negative; sums, products and powers of these, roots, quotients by what is one
 of these, a choice between two, elements of arrays that hold nothing else. `flat` is a wider word: no slope at 0, of
 either sign. A quotient of such a sum is, or its product with what is held fixed. A name or an array that holds
-anything else as well, at any time, does not count: there the slope stays infinite, and `differentiate.zero_law` asks
-what it is multiplied with.
+anything else as well, at any time, does not count: there the slope stays infinite, and `differentiate.zero_law` tests
+its factors.
 """
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Squares:
     """Names of numbers and arrays that hold nothing but what is never negative and has no slope at 0."""
     typing: Typing
     active: frozenset[str]
-    held: frozenset[str] = frozenset()
+    members: frozenset[str] = frozenset()
 
     def square(self, node: AST) -> bool:
         """Whether an expression is never negative, and has no slope where it is 0."""
@@ -50,7 +50,7 @@ class Squares:
         if value is not None:
             return value >= 0
         if isinstance(node, (Name, Subscript)):
-            return base_name(node) in self.held
+            return base_name(node) in self.members
         if isinstance(node, BinOp):
             return not self.typing.of(node).is_complex and self._operation(node)
         if isinstance(node, IfExp):
@@ -88,11 +88,11 @@ class Squares:
             return exponent >= 2 and exponent % 2 == 0 or exponent > 0 and self.square(node.left)
         if isinstance(node.op, Mult):
             return all(map(self.square, _single(node)))
-        if isinstance(node.op, Div) and self._counts(node.right):
+        if isinstance(node.op, Div) and self._is_count(node.right):
             return self.square(node.left)
         return isinstance(node.op, (Add, Div)) and self.square(node.left) and self.square(node.right)
 
-    def _counts(self, node: AST) -> bool:
+    def _is_count(self, node: AST) -> bool:
         """Whether an expression is a number of elements."""
         if isinstance(node, Subscript):
             node = node.value
@@ -129,30 +129,31 @@ def _single(node: AST) -> list[AST]:
 
 
 def squares(function: FunctionDef, typing: Typing, active: frozenset[str]) -> Squares:
-    """The table of one function: all names that are bound and filled, without those that something else gets to."""
+    """The table of one function, the greatest fixpoint: all names that are bound and filled, less those with a binding
+    of another kind."""
     parameters = {p.id for p in function.args.args}
     statements = [s for s in walk_statements(function.body) if isinstance(s, (Assign, AugAssign, Expr))]
-    wanted = {b for s in statements for t in targets(s) if (b := base_name(t)) and typing.of(t).is_inexact}
-    wanted -= parameters | set(_otherwise(function, statements))
-    found = Squares(typing, active, frozenset(wanted))
+    candidates = {b for s in statements for t in targets(s) if (b := base_name(t)) and typing.of(t).is_inexact}
+    candidates -= parameters | set(_other_writes(function, statements))
+    found = Squares(typing, active, frozenset(candidates))
     while True:
-        lost = {base_name(t) for s in statements for t in targets(s) if base_name(t) in found.held
-                and not _keeps(found, s, t)}
+        lost = {base_name(t) for s in statements for t in targets(s) if base_name(t) in found.members
+                and not _preserves(found, s, t)}
         if not lost:
             return found
-        found = replace(found, held=found.held - lost)
+        found = replace(found, members=found.members - lost)
 
 
-def _keeps(known: Squares, statement: AST, target: AST) -> bool:
-    """Whether a statement leaves its target what it is said to be."""
+def _preserves(known: Squares, statement: AST, target: AST) -> bool:
+    """Whether a statement preserves the property of its target."""
     if isinstance(statement, AugAssign):
         return known.square(BinOp(target, statement.op, statement.value))
     return isinstance(target, (Name, Subscript)) and (
         call_name(statement.value) in _ALLOCATING or known.square(statement.value))
 
 
-def _otherwise(function: FunctionDef, statements: list[AST]) -> Iterator[str]:
-    """The names that something else than an assignment of one value may write."""
+def _other_writes(function: FunctionDef, statements: list[AST]) -> Iterator[str]:
+    """The names that something other than an assignment of one value may store."""
     bound = {base_name(t) for s in statements for t in targets(s)}
     for node in walk(function.body):
         for t in targets(node) if not isinstance(node, (Assign, AugAssign, Expr)) else ():

@@ -1,22 +1,23 @@
-"""to_be_recorded: what the forward sweep records, what the reverse sweep computes again, and which loops it runs again.
+"""to_be_recorded: what the forward sweep records, what the reverse sweep recomputes, and which loops it runs again.
 
 Requires structure, activity and what can be infinite; establishes `context.plan`. A value that the reverse sweep reads
 and that later iterations overwrite is
-- computed again where its operands are intact or restored, at the top of the reverse block ("early": in the state
+- recomputed where its operands are intact or restored, at the top of the reverse block ("early": in the state
   that the block leaves) or of its own segment ("late": in the state in which the segment begins),
 - read back from the element where it was stored ("reloaded"),
-- or recorded. An element that is overwritten while something computed again still reads it is recorded and restored.
-What to record is a least cut between what is lost and what is read. (To be recorded: Hascoet, Naumann, Pascual, FGCS
-21, 2005; the cut: Moses et al., SC 2021.) A loop can be run forward and back per iteration: its tape is then that of
-one iteration (Hascoet, Pascual, TOMS 39, 2013, II-LOOP), and snapshots of what flows from iteration to iteration.
+- or recorded. An element that is overwritten while a recomputation still reads it is recorded and restored.
+What to record is a minimum cut between lost values and values that are read. (To be recorded: Hascoet, Naumann,
+Pascual, FGCS 21, 2005; the cut: Moses et al., SC 2021.) A loop can be run forward and back per iteration: its tape is
+then that of one iteration (Hascoet, Pascual, TOMS 39, 2013, II-LOOP), and snapshots of what flows from iteration to
+iteration.
 """
 from __future__ import annotations
 
 from s2sad.analyze.callee_derivatives import call_uses, is_kernel_call
 from s2sad.analyze.context import AnalysisContext
 from s2sad.analyze.dependence import Dependence
-from s2sad.analyze.independent_iterations import carries, is_dear, rerun_arrays
-from s2sad.analyze.reallocated_arrays import repeated
+from s2sad.analyze.independent_iterations import carries, is_expensive, snapshot_arrays
+from s2sad.analyze.reallocated_arrays import is_reallocation
 from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem, Snapshot
 from s2sad.analyze.recording_planner import plan_for, weight_of
 from s2sad.analyze.shift import shift_of
@@ -36,20 +37,23 @@ def to_be_recorded(function: FunctionDef, context: AnalysisContext) -> None:
 
 
 def _problem(context: AnalysisContext) -> RecordingProblem:
-    """What the plan must provide for."""
+    """The tables that the plan is made from."""
     structure, typing, active, calls = context.structure, context.typing, context.activity.active, context.calls
 
+    def of_call(statement: AST, found: OperandUses) -> None:
+        if is_kernel_call(statement):
+            call_uses(statement, typing, active, context.derive, found, context.unbounded.adjoint_boundary)
+
     def reads_of(statement: AST) -> OperandUses:
-        return uses(statement, typing, active, lambda s, found: call_uses(
-            s, typing, active, context.derive, found, context.unbounded.called_left) if is_kernel_call(s) else None)
+        return uses(statement, typing, active, of_call)
 
     def writes(statement: AST) -> list[AST]:
-        if repeated(structure, statement):
+        if is_reallocation(structure, statement):
             return [index(statement.targets[0], const(...))]
         return calls.writes(statement)
 
     return RecordingProblem(structure, Dependence(structure), lambda s: has_adjoint(s, typing, active), reads_of,
-                            writes, calls.seen_after, quick=context.in_loops)
+                            writes, calls.adjoint_after, quick=context.in_loops)
 
 
 def has_adjoint(statement: AST, typing: Typing, active: frozenset[str]) -> bool:
@@ -89,11 +93,11 @@ def rerun_plan(problem: RecordingProblem) -> RecordingPlan:
 
 def _lighter(plan: RecordingPlan, loop: For, problem: RecordingProblem) -> RecordingPlan:
     """The plan, or the one in which a loop runs again as well, if that is worth it."""
-    arrays = rerun_arrays(loop, problem)
+    arrays = snapshot_arrays(loop, problem)
     if arrays is None:
         return plan
     flows = bool(arrays) or carries(loop, problem.structure)
-    if flows and (not problem.quick or is_dear(loop, problem.structure)):
+    if flows and (not problem.quick or is_expensive(loop, problem.structure)):
         return plan
     worth = _WORTH if flows else 1
     if worth * sum(weight_of(Snapshot(loop, array), problem.structure) for array in arrays) >= plan.weight:

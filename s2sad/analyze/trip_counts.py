@@ -1,4 +1,4 @@
-"""trip_counts: how often a loop runs, where that is known before it starts.
+"""trip_counts: the number of iterations of a loop, where it is known before the loop starts.
 
 Requires the structure table.
 """
@@ -53,7 +53,7 @@ def bound_before(structure: ProgramStructure, loop: AST) -> set[str]:
     return before
 
 
-def known_trips(structure: ProgramStructure, loops: tuple[AST, ...], home: AST) -> list[AST] | None:
+def invariant_trip_counts(structure: ProgramStructure, loops: tuple[AST, ...], home: AST) -> list[AST] | None:
     """The numbers of iterations of nested loops, None unless all are known before the loop `home` starts."""
     sizes = [trip_counts(structure, loop) for loop in loops]
     outside = bound_before(structure, home)

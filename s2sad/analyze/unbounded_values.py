@@ -1,16 +1,16 @@
 """unbounded_values: which values and tangents of a function can be infinite or nan, and which values a choice may
-leave.
+discard.
 
     l = np.log(x)                   l can be infinite
     y = x * l                       so can y, and the partial of x, which is l
-    z = np.where(x > 0, y, 0.0)     y may be left, and x and l with it
+    z = np.where(x > 0, y, 0.0)     y may be discarded, and x and l with it
 
 Requires activity; establishes `context.unbounded`.
 
 A value can be infinite or nan where a function that has poles, or is not defined everywhere, is computed of an active
 operand, or of one that the kernel compares with something; so can everything that is computed of it. Where a kernel
-asks for nan, all that it asks, and what that is computed of, can be nan. What is read under a branch, of a part of an
-array, or in an operand of a choice may be left, and what it is computed of. A tangent can be infinite behind a function
+tests for nan, its operands, and what these are computed of, can be nan. What is read under a branch, of a part of an
+array, or in an operand of a choice may be discarded, with its operands. A tangent can be infinite behind a function
 whose slope is infinite where the function is not, or that overflows; so can, without overflow, a seed in front of one.
 `differentiate.zero_law` has the law.
 """
@@ -34,7 +34,7 @@ from s2sad.tree import (
     Name, Pow, Subscript, call_name, dump, indices, names, stored_names, walk, walk_statements,
 )
 
-_ASKING = ("numpy.isnan", "numpy.isfinite", "numpy.isinf", "math.isnan", "math.isfinite", "math.isinf", "numpy.fmax",
+_NAN_TESTS = ("numpy.isnan", "numpy.isfinite", "numpy.isinf", "math.isnan", "math.isfinite", "math.isinf", "numpy.fmax",
            "numpy.fmin", "numpy.nan_to_num")
 _EXTREMES = ("numpy.max", "numpy.min", "numpy.amax", "numpy.amin")
 _POSITIVE = frozenset([f"{m}.{n}" for m in ("numpy", "math", "builtins") for n in (
@@ -49,14 +49,14 @@ _QUOTIENTS = ("a / b", "a % b", "numpy.divide", "numpy.true_divide", "numpy.reci
 
 @dataclass(frozen=True)
 class UnboundedValues:
-    """Names: those whose `values` can be infinite or nan, those that a choice may leave (`left`), those whose
+    """Names: those whose `values` can be infinite or nan, those that a choice may discard (`discarded`), those whose
     `tangents` or `seeds` can be infinite, what comparisons read; `called` gives this of a kernel that is called;
     `definitions` are the values of names that are bound once, `squares` what has no slope where it is 0."""
     typing: Typing
     active: frozenset[str]
     squares: Squares
     values: frozenset[str] = frozenset()
-    left: frozenset[str] = frozenset()
+    discarded: frozenset[str] = frozenset()
     tangents: frozenset[str] = frozenset()
     seeds: frozenset[str] = frozenset()
     compared: frozenset[str] = frozenset()
@@ -111,18 +111,18 @@ class UnboundedValues:
         root = root or exponent is not None and 0.5 <= exponent < 1
         return root and self.squares.flat(next(iter(operands.values())))
 
-    def called_left(self, statement: AST) -> frozenset[str]:
-        """What a call has to do with: "values" that can be infinite or nan, where a choice may leave what it gives, and
-        "seeds" that can be infinite."""
+    def adjoint_boundary(self, statement: AST) -> frozenset[str]:
+        """The boundary of a call's adjoint: "values" that can be infinite or nan, if a choice may discard the results,
+        and "seeds" that can be infinite."""
         called, bound = statement.value, {base_name(t) for t in targets(statement)}
         bound |= {base_name(a) for a in called.args if self.typing.of(a).is_array}
         inner = self.called(called)
         poles = inner is not None and bool(inner.values)
-        values = not self.left.isdisjoint(bound) and (poles or any(map(self.value, called.args)))
+        values = not self.discarded.isdisjoint(bound) and (poles or any(map(self.value, called.args)))
         return frozenset(["values"] * values + ["seeds"] * (not self.seeds.isdisjoint(bound)))
 
-    def called_steep(self, statement: AST) -> frozenset[str]:
-        """Whether a call is given tangents that can be infinite: so can its values."""
+    def tangent_boundary(self, statement: AST) -> frozenset[str]:
+        """The boundary of a call's tangent: "values" if a tangent of an argument can be infinite."""
         return frozenset(["values"] * any(map(self.tangent, statement.value.args)))
 
     def _singular(self, node: AST) -> Iterator[tuple[Rule, AST, dict[str, AST]]]:
@@ -156,7 +156,7 @@ def unbounded_values_of(function: FunctionDef, typing: Typing, activity: Activit
                         called: Callable[[Call], UnboundedValues | None] = lambda called: None,
                         boundary: frozenset[str] = frozenset()) -> UnboundedValues:
     """The table for one function; `called` has that of a callee. With "values" in `boundary` the arguments can be
-    infinite, and a choice of the caller's may leave the results; with "seeds" in it the seeds of results can be
+    infinite, and a choice of the caller's may discard the results; with "seeds" in it the seeds of results can be
     infinite."""
     forwards: dict[str, list[str]] = {}
     backwards: dict[str, list[str]] = {}
@@ -183,11 +183,11 @@ def unbounded_values_of(function: FunctionDef, typing: Typing, activity: Activit
         elif not isinstance(s, Expr):
             poles |= bound if any(map(first.has_poles, walk(s.value))) else set()
             steep |= bound if any(map(first.is_steep, walk(s.value))) else set()
-    asked = reach(backwards, set(_asked_for_nan(function, typing)))
-    left = reach(backwards, set(_left(function, typing))) if poles | asked else set[str]()
+    tested = reach(backwards, set(_nan_tested(function, typing)))
+    discarded = reach(backwards, set(_discarded(function, typing))) if poles | tested else set[str]()
     seeds = reach(backwards, set(_seeds(function, first, called)))
-    return UnboundedValues(typing, activity.active, flat, frozenset(reach(forwards, poles | asked)),
-                           activity.active if "values" in boundary else frozenset(left),
+    return UnboundedValues(typing, activity.active, flat, frozenset(reach(forwards, poles | tested)),
+                           activity.active if "values" in boundary else frozenset(discarded),
                            frozenset(reach(forwards, steep)),
                            activity.active if "seeds" in boundary else frozenset(seeds), compared, called, definitions)
 
@@ -236,16 +236,16 @@ def _read_in_part(function: FunctionDef, typing: Typing) -> Iterator[str]:
     yield from (n for n, found in parts.items() if len(found) == 1 and "" not in found)
 
 
-def _asked_for_nan(function: FunctionDef, typing: Typing) -> Iterator[str]:
-    """The names of which a function asks whether they are finite."""
+def _nan_tested(function: FunctionDef, typing: Typing) -> Iterator[str]:
+    """The names that a function tests for being finite."""
     for node in walk(function.body):
-        if call_name(node) in _ASKING:
+        if call_name(node) in _NAN_TESTS:
             yield from (n for a in node.args for n in sources(a, typing))
         elif isinstance(node, Compare) and len(node.ops) == 1 and dump(node.left) == dump(node.comparators[0]):
             yield from sources(node.left, typing)
 
 
-def _left(function: FunctionDef, typing: Typing) -> Iterator[str]:
+def _discarded(function: FunctionDef, typing: Typing) -> Iterator[str]:
     """The names that choices, branches and parts of arrays read, and arrays that are overwritten in part."""
     bound = set(stored_names(function.body))
     stores = [t for s in walk_statements(function.body) if isinstance(s, Assign) for t in targets(s)

@@ -125,7 +125,7 @@ def operated(node: AST, typing: Typing) -> tuple[Rule, dict[str, AST]] | None:
     return found[0].plane, found[1]
 
 
-def owns_result(statement: AST) -> bool:
+def reads_own_result(statement: AST) -> bool:
     """Whether a statement fills an array with a function of whole arrays: its adjoint runs while it holds that."""
     return isinstance(statement, Assign) and isinstance(statement.targets[0], Subscript) and \
         rules.find_array(call_name(statement.value)) is not None
@@ -143,7 +143,7 @@ def uses(statement: AST, typing: Typing, active: frozenset[str],
     if base_name(target) not in active or not typing.of(target).is_inexact:
         return found
     found.place(target, typing)
-    _pull(statement.value, target if isinstance(target, Name) or owns_result(statement) else None,
+    _pull(statement.value, target if isinstance(target, Name) or reads_own_result(statement) else None,
           DerivativeFlow(typing, active), found)
     return found
 

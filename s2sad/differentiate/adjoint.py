@@ -17,9 +17,9 @@ Requires the plan of what is recorded; establishes the grammar "derivative" of `
 from __future__ import annotations
 
 from s2sad.liveness import base_name, targets
-from s2sad.analyze.uses import owns_result
+from s2sad.analyze.uses import reads_own_result
 from s2sad.differentiate.arithmetic import Term
-from s2sad.analyze.callee_derivatives import is_kernel_call, pattern
+from s2sad.analyze.callee_derivatives import is_kernel_call, activity_pattern
 from s2sad.differentiate.trip_counters import TripCounters
 from s2sad.differentiate.context import DifferentiationContext
 from s2sad.differentiate.derivative import Derivative
@@ -47,7 +47,7 @@ REVERSE = "reverse sweep"
 
 def adjoint(function: FunctionDef, context: DifferentiationContext) -> FunctionDef:
     """The adjoint of a function."""
-    context.derivative = _Adjoint(context).made(context.title)
+    context.derivative = _Adjoint(context).build(context.title)
     return context.derivative.function
 
 
@@ -56,7 +56,7 @@ class _Adjoint(Shadows):
         assert context.plan is not None
         self.structure, self.typing, self.plan = context.structure, context.typing, context.plan
         self.active, self.bounds = context.activity.active, context.unbounded
-        self.wanted, self.free, self.derive = context.request, context.names, context.derive
+        self.request, self.free, self.derive = context.request, context.names, context.derive
         self.shadows: dict[str, str] = {}
         self.scopes: dict[int, list[str]] = {}
         self.tape = Tape(self.structure, self.typing, self.free, self.plan.rerun,
@@ -64,33 +64,33 @@ class _Adjoint(Shadows):
         self.shapes = shapes_of(self.structure.function, self.typing)
         self.halves = SplitAdjoints(self.typing, self.active, self.free, self.derive, self.bounds)
         self.sweeps = Sweeps(self.structure, self.plan, self.tape, self.free, self.statement, self.zeros, self.shapes,
-                             context.family, self.halves.first)
+                             context.family, self.halves.forward_call)
         self.pullback = Pullback(self.typing, self.active, self.free, self.bind, self.shapes, ZeroLaw(self.bounds))
         self.parameters = [p.id for p in self.structure.function.args.args]
         self.written = {base_name(t) for s in walk_statements(self.structure.function.body)
                         if isinstance(s, (Assign, AugAssign))
                         for t in targets(s) if isinstance(t, Subscript)}
 
-    def bind(self, wanted: str, like: AST) -> str:
-        made = self.typing.declare(self.free.fresh(wanted), self.typing.of(like))
+    def bind(self, base: str, like: AST) -> str:
+        made = self.typing.declare(self.free.fresh(base), self.typing.of(like))
         self.shapes.arrays[made] = self.shapes.of(like)
         return made
 
     # -- the function ------------------------------------------------------------------------------------------------
 
-    def made(self, title: str) -> Derivative:
+    def build(self, title: str) -> Derivative:
         signature, seeds = self.signature()
         self.seeds = seeds
         self.find_scopes()
-        added = self.own_shadows()
+        added = self.private_shadows()
         forward = [*empty_at_first(self.structure), *self.sweeps.forward(self.structure.function.body)]
         reverse = self.sweeps.reverse(self.structure.function.body)
         last = [augment(index(name(p), const(...)), Add(), name(s)) for p, s in added]
-        returned = [p for p in self.wanted.wrt if self.typing.table[p].is_number]
+        returned = [p for p in self.request.wrt if self.typing.table[p].is_number]
         values: list[AST] = [name(self.shadow(p)) for p in returned]
         closing: list[AST] = [Return(tuple_of(*values))] if values else []
         held: list[AST] = []
-        if self.wanted.with_primal:
+        if self.request.with_primal:
             result = self.primal_result()
             if touched(reverse) & set(names(result)):   # an iteration that runs again in the reverse sweep adds again
                 held = [assign(self.bind("value", result), result)]
@@ -100,7 +100,7 @@ class _Adjoint(Shadows):
         body = [comment("forward sweep"), *self.halves.stacks(), *forward, *held, *self.seeds_fit(), comment(REVERSE),
                 *zeros, *reverse, *last, *closing]
         made = function(title, [n for n, _, _ in signature], body)
-        return Derivative(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + returned,
+        return Derivative(made, self.shadows, signature, (["result"] if self.request.with_primal else []) + returned,
                           self.tape, self.halves.lists())
 
     def primal_result(self) -> AST:
@@ -113,9 +113,9 @@ class _Adjoint(Shadows):
         for parameter in self.parameters:
             signature.append((parameter, "primal", parameter))
             kind = self.typing.table[parameter]
-            if kind.is_array and kind.is_inexact and {parameter} & {*self.wanted.wrt, *self.wanted.of}:
+            if kind.is_array and kind.is_inexact and {parameter} & {*self.request.wrt, *self.request.of}:
                 signature.append((self.shadow(parameter), "shadow", parameter))
-        results = [o for o in self.wanted.of if o.startswith("return ")]
+        results = [o for o in self.request.of if o.startswith("return ")]
         single = self.results_count() == 1
         seeds: dict[int, str] = {}
         for result in results:
@@ -127,7 +127,7 @@ class _Adjoint(Shadows):
         return signature, seeds
 
     def seeds_fit(self) -> list[AST]:
-        """Guards that the seeds of arrays have their shapes, before a shadow is written."""
+        """Guards that the seeds of arrays have their shapes, before a store to a shadow."""
         return [Assert(compare(attribute(copy(self.results()[number]), "shape"), Eq(), attribute(name(seed), "shape")),
                        const(f"{seed}{MISFIT}")) for number, seed in self.seeds.items()
                 if self.typing.table[seed].is_array]
@@ -159,11 +159,11 @@ class _Adjoint(Shadows):
         whole = isinstance(place, Subscript) and isinstance(place.slice, Constant) and place.slice.value is Ellipsis
         return place.value if whole else place
 
-    def gained(self, node: AST, seed: Term, result: AST | None = None, region: AST | None = None) -> list[AST]:
-        gains = self.pullback.gains(node, seed, result, region)
-        return [*gains.before, *(self.gain(leaf, term) for leaf, term in gains.sums())]
+    def increments(self, node: AST, seed: Term, result: AST | None = None, region: AST | None = None) -> list[AST]:
+        gains = self.pullback.increments(node, seed, result, region)
+        return [*gains.before, *(self.increment(leaf, term) for leaf, term in gains.sums())]
 
-    def gain(self, leaf: AST, term: Term) -> AST:
+    def increment(self, leaf: AST, term: Term) -> AST:
         """The statement that adds to the shadow of a leaf; an element that is picked twice gains twice."""
         op = Sub() if term.negative else Add()
         if not isinstance(leaf, Subscript) or not scattered(leaf, self.typing):
@@ -179,9 +179,9 @@ class _Adjoint(Shadows):
         if is_kernel_call(statement):
             return [at(s, statement) for s in self.call(statement)]
         if isinstance(statement, Return):
-            self.pullback.vanishing.enter("")
+            self.pullback.zero_law.enter("")
             return [s for number, seed in self.seeds.items()
-                    for s in self.gained(self.results()[number], Term(name(seed)))]
+                    for s in self.increments(self.results()[number], Term(name(seed)))]
         if is_allocation(statement):
             return self.allocation(statement)
         if not isinstance(statement, (Assign, AugAssign)):
@@ -189,23 +189,23 @@ class _Adjoint(Shadows):
         target = targets(statement)[0]
         if base_name(target) not in self.active or not self.typing.of(target).is_inexact:
             return []
-        self.pullback.vanishing.enter(base_name(target))
+        self.pullback.zero_law.enter(base_name(target))
         if isinstance(target, Name):
             return self.number(target, statement)
         return self.store(target, statement)
 
     def allocation(self, statement: Assign) -> list[AST]:
-        """The shadow of the array that the name stood for before: nothing has been read of it yet."""
+        """The shadow of the array that the name had before: nothing has been read of it yet."""
         array, home = statement.targets[0].id, self.structure.place(statement).block
-        if id(statement) not in self.plan.resized or array not in self.active or array in self.scopes.get(home, []):
+        if id(statement) not in self.plan.reallocated or array not in self.active or array in self.scopes.get(home, []):
             return []
         return [assign(self.shadow(array), call("numpy.zeros_like", name(array)))]
 
     def number(self, target: Name, statement: AST) -> list[AST]:
         seed = name(self.shadow(target.id))
         if isinstance(statement, AugAssign):
-            return self.gained(statement.value, Term(seed, isinstance(statement.op, Sub)))
-        made = self.gained(statement.value, Term(seed), name(target.id))
+            return self.increments(statement.value, Term(seed, isinstance(statement.op, Sub)))
+        made = self.increments(statement.value, Term(seed), name(target.id))
         if len(self.structure.bindings[target.id]) > 1:
             made.append(assign(seed, const(0.0)))
         return made
@@ -226,8 +226,8 @@ class _Adjoint(Shadows):
         if not adds:
             made.append(assign(copy(self.place(target)), const(0.0)))
         negative = adds and isinstance(statement.op, Sub)
-        result = copy(self.load(target)) if owns_result(statement) else None
-        return made + self.gained(statement.value, Term(copy(seed), negative), result, region)
+        result = copy(self.load(target)) if reads_own_result(statement) else None
+        return made + self.increments(statement.value, Term(copy(seed), negative), result, region)
 
     def reads(self, identifier: str, array: str) -> bool:
         """Whether a name is an array, or a number that was read from it, whose gain goes there as well."""
@@ -240,18 +240,18 @@ class _Adjoint(Shadows):
         return target.value if whole else target
 
     def call(self, statement: AST) -> list[AST]:
-        wanted = pattern(statement, self.typing, self.active, self.bounds.called_left)
-        if not wanted.arguments and not wanted.results:
+        pattern = activity_pattern(statement, self.typing, self.active, self.bounds.adjoint_boundary)
+        if not pattern.arguments and not pattern.results:
             return []
-        callee = self.derive(wanted)
+        callee = self.derive(pattern)
         args = with_shadows(statement.value, callee, self.value)
         bound = [base_name(t) for t in targets(statement)]
         args += [name(bound[k]) for k in callee.values]
         args += [name(self.shadow(bound[k])) for k in callee.seeds]
         made: list[AST] = []
         if callee.forward:
-            made.append(self.halves.popped(statement))
-            args.append(name(self.halves.kept(statement).value))
+            made.append(self.halves.pop(statement))
+            args.append(name(self.halves.saved_state(statement).value))
         returned = [self.typing.declare(self.free.fresh("gain"), self.typing.of(statement.value.args[position]))
                     for position in callee.returns]
         called = call(callee.name, *args)

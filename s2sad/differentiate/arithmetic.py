@@ -1,4 +1,4 @@
-"""Products and sums of trees, written as one would by hand: no factors 1, no terms 0, signs in front."""
+"""arithmetic: products and sums of trees in the form of a text by hand: no factors 1, no terms 0, signs in front."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -68,14 +68,14 @@ def total(terms: list[Term]) -> Term:
     return Term(made, first.negative)
 
 
-def guarded(seed: AST, term: Term, whole: bool) -> Term:
+def zero_unless(seed: AST, term: Term, whole: bool) -> Term:
     """The term, and exactly zero where the seed is: also against an infinite partial."""
     test = compare(copy(seed), NotEq(), const(0.0))
     made = call("numpy.where", test, term.tree, const(0.0)) if whole else IfExp(test, term.tree, const(0.0))
     return Term(made, term.negative)
 
 
-def picked(tangent: Term, partial: AST) -> Term | None:
+def choice_product(tangent: Term, partial: AST) -> Term | None:
     """The product of a tangent or a seed with a partial that is a choice between something and zero: zero there,
     whatever the other is."""
     if isinstance(partial, IfExp):
@@ -103,7 +103,7 @@ def scalar_choices(node: AST, chosen: Callable[[AST], bool] = lambda n: True) ->
 
 
 def is_plain(node: AST) -> bool:
-    """Whether an expression can be written twice at no cost."""
+    """Whether an expression may be repeated at no cost."""
     if isinstance(node, UnaryOp):
         return is_plain(node.operand)
     return isinstance(node, (Name, Constant)) or isinstance(node, Subscript) and isinstance(node.value, Name)

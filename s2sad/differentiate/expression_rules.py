@@ -1,4 +1,5 @@
-"""One expression: its adjoint (what each operand's shadow gains) and its tangent, from the same partials.
+"""expression_rules: the adjoint of an expression (an increment of each operand's shadow) and its tangent, from the
+same partials.
 
     y = alpha * (u[i] - v)          seed = alpha * y_bar
                                     alpha_bar += (u[i] - v) * y_bar
@@ -12,7 +13,7 @@ from dataclasses import dataclass, field
 
 from s2sad import rules
 from s2sad.analyze.uses import DerivativeFlow, operated
-from s2sad.differentiate.arithmetic import Term, is_plain, picked, scalar_choices, total, unsigned
+from s2sad.differentiate.arithmetic import Term, is_plain, choice_product, scalar_choices, total, unsigned
 from s2sad.differentiate.zero_law import ZeroLaw
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import ONE
@@ -29,19 +30,19 @@ from s2sad.tree import (
 
 @dataclass
 class Increments:
-    """What the leaves of an expression gain: `before`, the bindings of shared seeds; then leaf and term, in order."""
+    """The increments of the leaves of an expression: `before`, the bindings of shared seeds; then leaf and term."""
     before: list[AST] = field(default_factory=list)
     terms: dict[str, tuple[AST, list[Term]]] = field(default_factory=dict)
-    held: dict[str, str] = field(default_factory=dict)      # the names of shared seeds, by what these are
+    seeds: dict[str, str] = field(default_factory=dict)      # the names of shared seeds, by their text
 
     def add(self, leaf: AST, term: Term) -> None:
         self.terms.setdefault(dump(leaf), (leaf, []))[1].append(term)
 
     def sums(self) -> list[tuple[AST, Term]]:
-        return [(leaf, total(_doubled(terms))) for leaf, terms in self.terms.values()]
+        return [(leaf, total(_merged(terms))) for leaf, terms in self.terms.values()]
 
 
-def _doubled(terms: list[Term]) -> list[Term]:
+def _merged(terms: list[Term]) -> list[Term]:
     """The terms with equal ones counted: 2.0 * x * seed instead of x * seed + x * seed."""
     groups: dict[tuple[str, bool], list[Term]] = {}
     for term in terms:
@@ -53,19 +54,19 @@ def _doubled(terms: list[Term]) -> list[Term]:
 class Pullback:
     """Pulls a seed back through expressions of one function.
 
-    `bind(wanted, like)` allocates a name for a shared seed and types it as the expression `like`.
+    `bind(base, like)` allocates a name for a shared seed and types it as the expression `like`.
     """
 
     def __init__(self, typing: Typing, active: frozenset[str], free: Names, bind: Callable[[str, AST], str],
-                 shapes: Shapes, vanishing: ZeroLaw):
+                 shapes: Shapes, zero_law: ZeroLaw):
         self.typing, self.free, self.bind, self.shapes = typing, free, bind, shapes
-        self.vanishing = vanishing
+        self.zero_law = zero_law
         self.flow = DerivativeFlow(typing, active)
         self._leaves: dict[AST, int] = {}       # by identity
 
-    def gains(self, node: AST, seed: Term, result: AST | None = None, region: AST | None = None) -> Increments:
-        """The gains of an expression's leaves; `result` is where the expression's value lies, `region` the array
-        that a whole-array expression fills."""
+    def increments(self, node: AST, seed: Term, result: AST | None = None, region: AST | None = None) -> Increments:
+        """The increments of an expression's leaves; `result` holds the expression's value, `region` is the array that a
+        whole-array expression fills."""
         found = Increments()
         self.pull(node, seed, result, region, found)
         return found
@@ -75,47 +76,47 @@ class Pullback:
             return
         seed = self.real(node, seed)
         if isinstance(node, (Name, Subscript)):
-            found.add(node, self.narrowed(node, seed, region))
+            found.add(node, self.unbroadcast(node, seed, region))
             return
         if rules.find_array(call_name(node)) is not None:
-            self.pull_function(node, self.narrowed(node, seed, region), result, found)
+            self.pull_function(node, self.unbroadcast(node, seed, region), result, found)
             return
         operation = operated(node, self.typing)
         assert operation is not None
         rule, operands = operation
         flowing = [p for p, o in operands.items() if p not in rule.zero and self.flow.through(o)]
         partials = {p: rule.partial(p, operands, node if result is None else result) for p in flowing}
-        asked = {p for p in flowing if self.vanishing.of_seed(rule, p, operands)}
-        if len(flowing) > 1 or asked:
-            seed = self.shared(node, seed, found, len(flowing) > 1)
+        tested = {p for p in flowing if self.zero_law.tests_seed(rule, p, operands)}
+        if len(flowing) > 1 or tested:
+            seed = self.bind_seed(node, seed, found, len(flowing) > 1)
         for parameter, partial in partials.items():
             operand = operands[parameter]
-            root = self.vanishing.of_operand(rule, parameter, operands, result)
-            term = self.through(rule, seed, partial, [*([seed.tree] if parameter in asked else []), *(
+            root = self.zero_law.root_test(rule, parameter, operands, result)
+            term = self.contribution(rule, seed, partial, [*([seed.tree] if parameter in tested else []), *(
                 [] if root is None else [root])], found)
             if self.leaves(operand) > 1:
-                term = self.shared(operand, term, found)
-            with self.vanishing.pulled(rule, parameter, operands):
+                term = self.bind_seed(operand, term, found)
+            with self.zero_law.pulled(rule, parameter, operands):
                 self.pull(operand, term, None, region, found)
 
-    def through(self, rule: Rule, seed: Term, partial: AST, asked: list[AST], found: Increments) -> Term:
-        """What an operand gains, zero where a factor of it is that is asked, and where the partial is, if need be."""
+    def contribution(self, rule: Rule, seed: Term, partial: AST, tested: list[AST], found: Increments) -> Term:
+        """The increment of an operand, zero where a tested factor is, and where the partial is, if need be."""
         whole = self.typing.of(partial).is_array or self.typing.of(seed.tree).is_array
         partial = partial if whole else scalar_choices(partial)
-        zero = self.vanishing.of_slope(seed, partial)
+        zero = self.zero_law.slope_test(seed, partial)
         if zero is not None and not is_plain(zero):
             held = self.bind("slope", partial)
             found.before.append(assign(held, partial))
             zero = partial = name(held)
-        asked = asked if zero is None else [*asked, zero]
-        return self.vanishing.product(self.term(rule, seed, partial), asked, whole)
+        tested = tested if zero is None else [*tested, zero]
+        return self.zero_law.product(self.term(rule, seed, partial), tested, whole)
 
     def term(self, rule: Rule, seed: Term, partial: AST) -> Term:
-        """What an operand gains: the product of the seed with the conjugate of the partial."""
+        """The increment of an operand: the product of the seed with the conjugate of the partial."""
         if rule.kind == "conjugate":
             return Term(conjugated(seed.tree, self.typing), seed.negative)
         factor = partial if rule.kind == "gradient" else conjugated(partial, self.typing)
-        return picked(seed, factor) or seed.times(factor)
+        return choice_product(seed, factor) or seed.times(factor)
 
     def real(self, node: AST, seed: Term) -> Term:
         """The one place where the imaginary part of a seed is dropped: what meets complex numbers but is real itself
@@ -125,40 +126,40 @@ class Pullback:
         return Term(call("numpy.real", seed.tree), seed.negative)
 
     def pull_function(self, node: AST, seed: Term, result: AST | None, found: Increments) -> None:
-        """The gains of the operands of a function of whole arrays."""
+        """The increments of the operands of a function of whole arrays."""
         rule = rules.find_array(call_name(node))
         assert rule is not None and isinstance(node, Call)
         arguments, ranks = rule.arguments(node), tuple(self.typing.of(a).rank for a in node.args)
         if rule.name == "numpy.sum" and not node.keywords:
             operand = node.args[0]
-            self.pull(operand, self.shared(operand, seed, found), None, operand, found)
+            self.pull(operand, self.bind_seed(operand, seed, found), None, operand, found)
             return
         flowing = [p for p in rule.adjoints if self.flow.through(arguments[p])]
-        seed = self.shared(node, seed, found, len(flowing) > 1 or any(
+        seed = self.bind_seed(node, seed, found, len(flowing) > 1 or any(
             names(rule.adjoint(p, ranks)).count(SEED) != 1 for p in flowing))
         filled = {**arguments, RESULT: copy(node) if result is None else result}
         if rule.name in HOLOMORPHIC:
             read = {n for p in flowing for n in rule.uses(p, ranks)}
             filled = {p: conjugated(value, self.typing) if p in read else value for p, value in filled.items()}
         filled[SEED] = seed.tree
-        for wanted in dict.fromkeys(s for p in flowing for s in rule.needs(p, ranks)):
-            value = substitute(rule.shared[wanted], filled)
-            held = self.bind(wanted, value)
-            found.held.setdefault(dump(value), held)
+        for shared in dict.fromkeys(s for p in flowing for s in rule.needs(p, ranks)):
+            value = substitute(rule.shared[shared], filled)
+            held = self.bind(shared, value)
+            found.seeds.setdefault(dump(value), held)
             found.before.append(assign(held, value))
-            filled[wanted] = name(held)
+            filled[shared] = name(held)
         for parameter in flowing:
             operand = arguments[parameter]
             gain, negative = unsigned(self.sized(substitute(rule.gain(parameter, ranks, arguments), filled)))
             term = Term(gain, seed.negative != negative)
-            if self.vanishing.steep and isinstance(gain, BinOp) and isinstance(gain.op, Mult) and is_plain(gain.right):
-                term = self.vanishing.product(term, [gain.right], True)
+            if self.zero_law.steep and isinstance(gain, BinOp) and isinstance(gain.op, Mult) and is_plain(gain.right):
+                term = self.zero_law.product(term, [gain.right], True)
             if self.leaves(operand) > 1:
-                term = self.shared(operand, term, found)
+                term = self.bind_seed(operand, term, found)
             self.pull(operand, term, None, operand, found)
 
     def sized(self, gain: AST) -> AST:
-        """A gain that asks names for sizes, not expressions, which would be computed for that."""
+        """An increment that reads sizes of names, not of expressions, which would be computed for that."""
         def change(n: AST) -> AST | None:
             if not isinstance(n, Attribute) or n.attr != "shape" or isinstance(n.value, (Name, Subscript)):
                 return None
@@ -171,12 +172,12 @@ class Pullback:
         return rebuild(gain, change)
 
     def leaves(self, node: AST) -> int:
-        """How often a derivative leaves an expression, up to two."""
+        """The number of active leaves of an expression, up to two."""
         if node not in self._leaves:
-            self._leaves[node] = self._counted(node)
+            self._leaves[node] = self._count_leaves(node)
         return self._leaves[node]
 
-    def _counted(self, node: AST) -> int:
+    def _count_leaves(self, node: AST) -> int:
         if not self.flow.through(node):
             return 0
         operation = operated(node, self.typing)
@@ -184,19 +185,19 @@ class Pullback:
             return 1
         return min(2, sum(self.leaves(o) for p, o in operation[1].items() if p not in operation[0].zero))
 
-    def shared(self, node: AST, seed: Term, found: Increments, several: bool = True) -> Term:
-        """The seed as something that can be written more than once."""
+    def bind_seed(self, node: AST, seed: Term, found: Increments, several: bool = True) -> Term:
+        """The seed as an expression that may be repeated: it is bound to a name, if it is not plain."""
         if is_plain(seed.tree) or not several and isinstance(seed.tree, (Name, Subscript)):
             return seed
-        spelled = dump(seed.tree)
-        held = found.held.get(spelled)
+        key = dump(seed.tree)
+        held = found.seeds.get(key)
         if held is None:
-            held = found.held[spelled] = self.bind("seed", seed.tree)
+            held = found.seeds[key] = self.bind("seed", seed.tree)
             found.before.append(assign(held, seed.tree))
         return Term(name(held), seed.negative)
 
-    def narrowed(self, leaf: AST, seed: Term, region: AST | None) -> Term:
-        """The one place where broadcasting is undone: a number that met an array gains the sum over it."""
+    def unbroadcast(self, leaf: AST, seed: Term, region: AST | None) -> Term:
+        """The one place where broadcasting is undone: the increment of an operand is summed over its new axes."""
         if region is None:
             return seed
         whole, own = self.shapes.of(region), self.shapes.of(leaf)
@@ -233,13 +234,13 @@ def conjugated(node: AST, typing: Typing) -> AST:
 
 
 def axes(numbers: Iterable[int]) -> AST:
-    """The option that names these axes."""
+    """The value of `axis=` for these axes."""
     found = list(map(const, numbers))
     return found[0] if len(found) == 1 else tuple_of(*found)
 
 
 def size_of(region: AST, shapes: Shapes) -> AST:
-    """How many elements an array expression has."""
+    """The number of elements of an array expression."""
     if isinstance(region, (Name, Subscript)):
         return attribute(copy(region), "size")
     sizes = [shapes.extent(d) for d in shapes.of(region) if d is not None]
@@ -254,9 +255,9 @@ class Pushforward:
     that the partial is bound to."""
 
     def __init__(self, typing: Typing, active: frozenset[str], dot: Callable[[AST], AST], shapes: Shapes,
-                 vanishing: ZeroLaw, held: Callable[[AST], AST]):
+                 zero_law: ZeroLaw, bind_partial: Callable[[AST], AST]):
         self.typing, self.dot, self.shapes, self.flow = typing, dot, shapes, DerivativeFlow(typing, active)
-        self.vanishing, self.held = vanishing, held
+        self.zero_law, self.bind_partial = zero_law, bind_partial
 
     def tangent(self, node: AST, result: AST | None = None) -> Term | None:
         """The tangent of an expression, None if it is zero."""
@@ -279,13 +280,13 @@ class Pushforward:
             partial = partial if whole else scalar_choices(partial)
             if number(partial) == 0:        # whatever the tangent is
                 continue
-            asked = self.vanishing.of_partial(rule, operand, inner, partial)
-            partial = self.held(partial) if asked else partial
-            root = self.vanishing.of_operand(rule, parameter, operands, result)
+            tested = self.zero_law.tests_partial(rule, operand, inner, partial)
+            partial = self.bind_partial(partial) if tested else partial
+            root = self.zero_law.root_test(rule, parameter, operands, result)
             factors = [] if root is None else [root]
             factors += [inner.tree] if rule.is_singular(parameter, operands) else []
-            factors += [partial] if asked else []
-            terms.append(self.vanishing.product(self.term(rule, inner, partial), factors, whole))
+            factors += [partial] if tested else []
+            terms.append(self.zero_law.product(self.term(rule, inner, partial), factors, whole))
         return total(terms) if terms else None
 
     def term(self, rule: Rule, inner: Term, partial: AST) -> Term:
@@ -295,7 +296,7 @@ class Pushforward:
         if rule.kind == "gradient":
             made = inner.times(conjugated(partial, self.typing))
             return Term(call("numpy.real", made.tree), made.negative)
-        return picked(inner, partial) or inner.times(partial)
+        return choice_product(inner, partial) or inner.times(partial)
 
     def function(self, node: AST, result: AST | None) -> Term | None:
         """The tangent of a function of whole arrays."""
@@ -316,7 +317,7 @@ class Pushforward:
         return Term(*unsigned(value))
 
     def summed(self, node: Call, inner: Term) -> Term:
-        """The sum of a tangent; one that does not reach over the whole operand is spread over it first."""
+        """The sum of a tangent, which is broadcast to the whole operand first."""
         operand, dot = node.args[0], inner.tree
         whole = self.shapes.of(operand)
         if not node.keywords and not self.typing.of(dot).is_array:

@@ -1,6 +1,6 @@
 """implicit: the derivative of a function that solves residual(x, p) = 0 is one linear solve at the solution.
 
-Requires the function, as `Owner` has it, and derivatives of the residual; establishes a function that is called with
+Requires the function (`UserFunction`) and derivatives of the residual; establishes a function that is called with
 the state that the function leaves. With R the residual, an adjoint solves (dR/dx)^T s = -x_bar and adds (dR/dp)^T s to
 p_bar; a tangent solves (dR/dx) x_dot = -(dR/dp) p_dot. (Griewank and Walther, Evaluating Derivatives, 2008, chap. 15.)
 
@@ -29,8 +29,8 @@ from s2sad.tree import (
 
 @dataclass(frozen=True)
 class Residual:
-    """The residual of an implicit function: its parameters, the types of its results, what it writes, and how one of
-    its derivatives is had (mode, of which parameters, of what)."""
+    """The residual of an implicit function: its parameters, the types of its results, what it stores to, and how its
+    derivatives are made (mode, of which parameters, of what)."""
     title: str
     parameters: tuple[str, ...]
     results: tuple[Type, ...]
@@ -40,12 +40,12 @@ class Residual:
     def called(self, callee: CalleeDerivative, arguments: Mapping[str, AST], shadows: Mapping[str, AST],
                *seeds: AST) -> Call:
         """The call of a derivative with these arguments and shadows, by parameter."""
-        given: list[AST] = []
+        passed: list[AST] = []
         for position, parameter in enumerate(self.parameters):
-            given.append(arguments.get(parameter, name(parameter)))
+            passed.append(arguments.get(parameter, name(parameter)))
             if position in callee.shadows:
-                given.append(shadows[parameter])
-        return call(callee.name, *given, *seeds)
+                passed.append(shadows[parameter])
+        return call(callee.name, *passed, *seeds)
 
 
 def solution_of(taken: tuple[str, ...], written: frozenset[str]) -> str:
@@ -54,7 +54,7 @@ def solution_of(taken: tuple[str, ...], written: frozenset[str]) -> str:
     return taken[1] if len(taken) > 1 and taken[1] in written else ""
 
 
-def wrong_implicit(owner: UserFunction, residual: Residual, wanted: DerivativeRequest) -> str:
+def implicit_refusal(owner: UserFunction, residual: Residual, request: DerivativeRequest) -> str:
     """Why a call cannot have a derivative through the residual, in words; empty if it can."""
     solution, where = solution_of(residual.parameters, owner.written), f"a residual, '{residual.title}',"
     others = residual.parameters[2:] if solution else residual.parameters[1:]
@@ -71,7 +71,7 @@ def wrong_implicit(owner: UserFunction, residual: Residual, wanted: DerivativeRe
     changed = [p for p in others if p in owner.written]
     if changed:
         return f"overwrites '{changed[0]}', which its residual, '{residual.title}', reads"
-    beside = [o for o in wanted.of if o != solution and not (o.startswith("return ") and not solution)]
+    beside = [o for o in request.of if o != solution and not (o.startswith("return ") and not solution)]
     if beside:
         what = "what it returns" if beside[0].startswith("return ") else f"'{beside[0]}'"
         return f"has {where} that gives no derivative of {what}, which is differentiated"
@@ -81,24 +81,24 @@ def wrong_implicit(owner: UserFunction, residual: Residual, wanted: DerivativeRe
 class Implicit:
     """The derivatives of one call of an implicit function."""
 
-    def __init__(self, owner: UserFunction, residual: Residual, wanted: DerivativeRequest, title: str, ending: str,
+    def __init__(self, owner: UserFunction, residual: Residual, request: DerivativeRequest, title: str, ending: str,
                  product: str):
-        self.owner, self.residual, self.wanted, self.product = owner, residual, wanted, product
-        self.wrapper = UserFunctionWrapper(owner, wanted, title, ending)
+        self.owner, self.residual, self.request, self.product = owner, residual, request, product
+        self.wrapper = UserFunctionWrapper(owner, request, title, ending)
         self.solution = solution_of(residual.parameters, owner.written)
         self.free: Names = self.wrapper.free
         self.others = residual.parameters[2:] if self.solution else residual.parameters[1:]
-        self.active = tuple(p for p in self.others if p in wanted.wrt)
+        self.active = tuple(p for p in self.others if p in request.wrt)
         self.shadows = {p: name(self.wrapper.shadows[p]) for p in self.active}
         self.filled = residual.parameters[0]
 
     def solved(self, right: AST) -> AST:
         """The call that solves the linear system."""
         own = self.owner.own
-        given = [name(f"user.{self.product}"), right, tuple_of(*map(name, self.operands))]
+        passed = [name(f"user.{self.product}"), right, tuple_of(*map(name, self.operands))]
         if "solver" in own.functions:
-            return call("runtime.solved_by", name(own.name("solver")), *given)
-        return call(f"runtime.{own.solver}", *given)
+            return call("runtime.solved_by", name(own.name("solver")), *passed)
+        return call(f"runtime.{own.solver}", *passed)
 
     @property
     def operands(self) -> tuple[str, ...]:
@@ -129,18 +129,18 @@ class Implicit:
     def adjoint(self) -> tuple[Derivative, tuple[FunctionDef, ...]]:
         """The adjoint, and what stands beside it."""
         wrapper, owner = self.wrapper, self.owner
-        numbers = [n for n in self.wanted.wrt if n in owner.numbers]
+        numbers = [n for n in self.request.wrt if n in owner.numbers]
         body: list[AST] = []
         beside: tuple[FunctionDef, ...] = ()
-        if self.solution and self.solution in (*self.wanted.wrt, *self.wanted.of):
+        if self.solution and self.solution in (*self.request.wrt, *self.request.of):
             beside = (self.matrix("bar"),)
             body = self.array_adjoint()
-        elif not self.solution and self.wanted.of:
+        elif not self.solution and self.request.of:
             body = self.number_adjoint()
         gained = [n for n in numbers if n in self.active and body]
         zeros = [assign(wrapper.shadows[n], const(0.0)) for n in numbers if n not in gained]
         last: list[AST] = [Return(tuple_of(*(name(wrapper.shadows[n]) for n in numbers)))] if numbers else []
-        return wrapper.made([*zeros, *body, *last], numbers), beside
+        return wrapper.build([*zeros, *body, *last], numbers), beside
 
     def array_adjoint(self) -> list[AST]:
         bar = name(self.wrapper.shadows[self.solution])
@@ -156,7 +156,7 @@ class Implicit:
         (result,) = self.owner.floats
         value = self.free.fresh("result")
         self.wrapper.signature.append((value, "value", f"return {result}"))
-        self.wrapper.seeded()
+        self.wrapper.add_seeds()
         if not self.active:
             return []
         bar, slope, seed = self.wrapper.seeds[result], self.free.fresh("slope"), self.free.fresh("seed")
@@ -179,10 +179,10 @@ class Implicit:
         primal = call(f"user.{self.owner.title}", *map(name, self.owner.types))
         bound = name(results[0]) if len(results) == 1 else tuple_of(*map(name, results))
         body: list[AST] = [assign(bound, primal) if results else Expr(primal)]
-        returned = [o for o in self.wanted.of if o.startswith("return ")]
+        returned = [o for o in self.request.of if o.startswith("return ")]
         dots: list[AST] = []
         beside: tuple[FunctionDef, ...] = ()
-        if self.solution and self.solution in (*self.wanted.wrt, *self.wanted.of):
+        if self.solution and self.solution in (*self.request.wrt, *self.request.of):
             place = index(name(self.wrapper.shadows[self.solution]), const(...))
             if self.active:
                 beside = (self.matrix("dot"),)
@@ -194,7 +194,7 @@ class Implicit:
             body += self.number_tangent(results, dots[0])
         values = [*map(name, results), *dots]
         last: list[AST] = [Return(tuple_of(*values))] if values else []
-        return self.wrapper.made([*body, *last], ["result", *returned]), beside
+        return self.wrapper.build([*body, *last], ["result", *returned]), beside
 
     def array_tangent(self, place: AST) -> list[AST]:
         filled, right = self.free.fresh("residual"), self.free.fresh("residual_dot")

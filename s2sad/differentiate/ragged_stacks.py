@@ -1,4 +1,4 @@
-"""Ragged stacks: the elements of arrays of several sizes, one array after the other, last on top.
+"""ragged_stacks: the elements of arrays of several sizes, one array after the other, last on top.
 
     w_stack = grow(w_stack, w_top + w.size)         w_top -= w.size
     for i in range(w.shape[0]):                     for i in range(w.shape[0]):
@@ -38,7 +38,7 @@ class RecordedRegion:
         return index(copy(self.base), *map(copy, self.kept), *map(name, self.counters))
 
     def offset(self) -> AST:
-        """How many elements lie before the one at the counters."""
+        """The row-major offset of the element at the counters."""
         found: AST = name(self.counters[0])
         for axis in range(1, len(self.counters)):
             found = add(mult(found, self.extent(axis)), name(self.counters[axis]))
@@ -51,13 +51,13 @@ class RecordedRegion:
         return body[0]
 
 
-def pushed(stack: str, top: str, region: RecordedRegion) -> list[AST]:
-    """The statements that put all elements of a region on a stack."""
+def push_region(stack: str, top: str, region: RecordedRegion) -> list[AST]:
+    """The push of all elements of a region."""
     return [assign(stack, call("runtime.grow", name(stack), add(name(top), region.size))),
             region.over([assign(index(name(stack), add(name(top), region.offset())), region.element)]),
             augment(top, Add(), region.size)]
 
 
-def put_back(stack: str, top: str, region: RecordedRegion) -> AST:
-    """The statement that puts the elements from `top` on into a region."""
+def pop_region(stack: str, top: str, region: RecordedRegion) -> AST:
+    """The pop of a region, of the elements from `top` on."""
     return region.over([assign(region.element, index(name(stack), add(name(top), region.offset())))])

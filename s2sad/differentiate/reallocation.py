@@ -1,12 +1,12 @@
-"""reallocation: the names of arrays that a loop allocates anew stand in the reverse sweep for each of them again,
-last first.
+"""reallocation: the reverse sweep binds the name of an array that a loop allocates anew to each of them again, last
+first.
 
     w = np.empty(0)
     for i in range(n):              w_size_stack[i] = w.shape[0]            for i in range(n - 1, -1, -1):
         w = np.zeros(i + 1)         w = np.zeros(i + 1)                         ...
         ...                         ...                                         w = np.empty(w_size_stack[i])
 
-What they held is put back by the tape, as for any array that is overwritten.
+Their content is restored from the tape, as for any array that is overwritten.
 """
 from __future__ import annotations
 

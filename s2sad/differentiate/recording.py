@@ -1,4 +1,4 @@
-"""Which stack holds what is recorded: of a store, a number, a snapshot, the trips of a loop.
+"""recording: the stack of each recorded value: of a store, a number, a snapshot, the trips of a loop.
 
     u[i] = ...      (u[i] is read by the reverse sweep and lost here)   ->   a stack of elements of u
 """
@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from s2sad.liveness import base_name
 from s2sad.analyze.recording_plan import RecordingPlan, Snapshot, Store
-from s2sad.analyze.reallocated_arrays import own_loops
+from s2sad.analyze.reallocated_arrays import allocation_loops
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.reverse_values import ReverseValue
 from s2sad.differentiate.tape import Stack, Tape
@@ -33,7 +33,7 @@ class Recording:
         return [s for s in self.plan.stores.values() if s.statement is statement]
 
     def snapshot(self, store: Store) -> AST:
-        """What is recorded of a store: the place itself, or all of its array where the place's size changes."""
+        """The recorded part of a store: the place itself, or all of its array where the place's size changes."""
         place = store.place
         if not isinstance(place, Subscript) or not self.typing.of(place).is_array:
             return place
@@ -42,7 +42,7 @@ class Recording:
         changing = {n for loop in self.structure.place(store.statement).loops for n in stored_names(loop)}
         self.shapes.enter(store.statement)
         fixed = self.shape_of(place)
-        resized = bool(own_loops(self.structure, base_name(place)))
+        resized = bool(allocation_loops(self.structure, base_name(place)))
         return place.value if fixed is None or resized or changing & set(names(fixed)) else place
 
     def shape_of(self, place: AST) -> AST | None:
@@ -57,11 +57,11 @@ class Recording:
 
     def store_stack(self, store: Store) -> Stack:
         kept = self.snapshot(store)
-        return self.tape.overwritten(store.key, kept, self.structure.place(store.statement).loops,
+        return self.tape.content_stack(store.key, kept, self.structure.place(store.statement).loops,
                                      self.shape_of(kept) if self.typing.of(kept).is_array else None)
 
-    def popped(self, store: Store) -> list[AST]:
-        """The snapshot of a store put back."""
+    def restore(self, store: Store) -> list[AST]:
+        """Pops the snapshot of a store."""
         return self.tape.pop(self.store_stack(store), whole_place(self.snapshot(store)))
 
     def content(self, store: Store) -> AST:
@@ -73,8 +73,8 @@ class Recording:
         loops = self.structure.place(value.home).loops
         if value.kind == "carried":
             loops = (*loops, value.home)
-        wanted = self.family.get(value.name, value.name)
-        return self.tape.stack(key, wanted, self.typing.table[value.name], loops, None, value.kind == "carried")
+        base = self.family.get(value.name, value.name)
+        return self.tape.stack(key, base, self.typing.table[value.name], loops, None, value.kind == "carried")
 
     def snapshots_of(self, loop: AST) -> list[Snapshot]:
         return [s for s in self.plan.snapshots if s.loop is loop]
@@ -89,5 +89,5 @@ class Recording:
 
 
 def whole_place(place: AST) -> AST:
-    """Where a snapshot goes back: into the array, whose name stays bound to it."""
+    """The target of a restore: into the array, whose name stays bound to it."""
     return index(copy(place), const(...)) if isinstance(place, Name) else copy(place)

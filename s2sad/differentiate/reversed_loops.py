@@ -8,7 +8,7 @@ from s2sad.tree import AST, BinOp, Constant, For, Mult, Sub, USub, UnaryOp, add,
 def reversed_bounds(loop: For, trips: AST | None) -> list[AST]:
     """The bounds of the loop run backwards; `trips` if it was left early."""
     start, stop, step = range_parts(loop)
-    first, end = known(start), known(stop)
+    first, end = constant_integer(start), constant_integer(stop)
     if trips is None and isinstance(step, int) and step and first is not None and end is not None:
         back = range(first, end, step)[::-1]
         return [const(back.start), const(back.stop), const(back.step)][:2 if back.step == 1 else 3]
@@ -27,8 +27,8 @@ def reversed_bounds(loop: For, trips: AST | None) -> list[AST]:
         const(0), Sub(), size)]
 
 
-def known(node: AST) -> int | None:
-    """The number that a bound spells, if it is one."""
+def constant_integer(node: AST) -> int | None:
+    """The integer constant of a bound, if it is one."""
     if isinstance(node, UnaryOp) and isinstance(node.op, USub) and isinstance(node.operand, Constant):
         return -node.operand.value
     return node.value if isinstance(node, Constant) and type(node.value) is int else None

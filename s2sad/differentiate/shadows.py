@@ -1,4 +1,4 @@
-"""The shadows of an adjoint: which name has which, and where each is zero at first.
+"""shadows: the shadow of each name in an adjoint, and where it is initialized.
 
     for i in range(n):                   for i in range(n - 1, -1, -1):
         t = x[i] * x[i]          ->          t_bar = 0.0
@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.analyze.callee_derivatives import CalleeDerivative, is_kernel_call
-from s2sad.analyze.reallocated_arrays import escapes, own_loops
+from s2sad.analyze.reallocated_arrays import outlives_loop, allocation_loops
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.request import DerivativeRequest
 from s2sad.infer.inference import Typing
@@ -22,7 +22,7 @@ class Shadows:
     structure: ProgramStructure
     typing: Typing
     active: frozenset[str]
-    wanted: DerivativeRequest
+    request: DerivativeRequest
     free: Names
     shapes: Shapes
     parameters: list[str]
@@ -37,12 +37,12 @@ class Shadows:
             self.shapes.like(self.shadows[primal], primal)
         return self.shadows[primal]
 
-    def own_shadows(self) -> list[tuple[str, str]]:
-        """Shadows of its own for arrays whose final content is no output, though an input is asked for."""
+    def private_shadows(self) -> list[tuple[str, str]]:
+        """Private shadows for arrays that are inputs of the request, but whose final content is no output."""
         added: list[tuple[str, str]] = []
         for parameter in self.parameters:
-            if (self.typing.table[parameter].is_array and parameter in self.wanted.wrt
-                    and parameter not in self.wanted.of and parameter in self.written and parameter in self.active):
+            if (self.typing.table[parameter].is_array and parameter in self.request.wrt
+                    and parameter not in self.request.of and parameter in self.written and parameter in self.active):
                 public = self.shadows[parameter]
                 own = self.typing.declare(self.free.fresh(f"{parameter}_shadow"), self.typing.table[parameter])
                 self.shadows[parameter] = own
@@ -61,8 +61,8 @@ class Shadows:
                     if isinstance(part, Name) and part.id in self.active:
                         chains.setdefault(part.id, []).append(place.blocks)
         for used, found in chains.items():
-            if escapes(self.structure, used):           # what the last array is used for lies outside
-                found.append(self.structure.place(own_loops(self.structure, used)[0]).blocks)
+            if outlives_loop(self.structure, used):           # what the last array is used for lies outside
+                found.append(self.structure.place(allocation_loops(self.structure, used)[0]).blocks)
             common = [b for level, b in enumerate(found[0])
                       if all(len(c) > level and c[level] == b for c in found[1:])]
             self.scopes.setdefault(common[-1], []).append(used)
@@ -73,7 +73,7 @@ class Shadows:
             kind = self.typing.table[used]
             if kind.is_number and kind.is_inexact:
                 made.append(assign(self.shadow(used), const(0.0)))
-            elif kind.is_array and (used not in self.parameters or used not in (*self.wanted.wrt, *self.wanted.of)
+            elif kind.is_array and (used not in self.parameters or used not in (*self.request.wrt, *self.request.of)
                                     or self.shadow(used) in self.own):
                 made.append(assign(self.shadow(used), call("numpy.zeros_like", name(used))))
         return made

@@ -1,5 +1,5 @@
-"""split_adjoints: calls whose adjoint a user gave in two halves. What the first keeps, of any type, lies on a list
-of the call's own, from which the second takes it.
+"""split_adjoints: calls whose adjoint a user gave in two halves. The state that the first saves, of any type, is on a
+list of the call's own, from which the second takes it.
 
     y = f(u, t)                     y, kept = f_forward(u, t)
                                     kept_stack.append(kept)
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from s2sad.liveness import targets
 from s2sad.analyze.unbounded_values import UnboundedValues
-from s2sad.analyze.callee_derivatives import Derive, is_kernel_call, pattern
+from s2sad.analyze.callee_derivatives import Derive, is_kernel_call, activity_pattern
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import UNKNOWN
 from s2sad.naming import Names
@@ -25,7 +25,7 @@ EMPTY, PUSH, POP = "builtins.list", "builtins.list.append", "builtins.list.pop"
 
 @dataclass(frozen=True)
 class SavedState:
-    """What a first half keeps: the list that it lies on, and its name."""
+    """What a first half saves: the list that it is on, and its name."""
     stack: str
     value: str
 
@@ -38,22 +38,22 @@ class SplitAdjoints:
         self.made: dict[int, SavedState] = {}
         self.calls: dict[int, AST] = {}
 
-    def kept(self, statement: AST) -> SavedState:
-        """The names for what the first half of a call's adjoint keeps."""
+    def saved_state(self, statement: AST) -> SavedState:
+        """The names for what the first half of a call's adjoint saves."""
         if id(statement) not in self.made:
             made = SavedState(*(self.typing.declare(self.free.fresh(n), UNKNOWN) for n in ("kept_stack", "kept")))
             self.made[id(statement)], self.calls[id(statement)] = made, statement
         return self.made[id(statement)]
 
-    def first(self, statement: AST) -> list[AST]:
-        """The call of a first half, and the push of what it keeps; nothing for any other statement."""
+    def forward_call(self, statement: AST) -> list[AST]:
+        """The call of a first half, and the push of its state; nothing for any other statement."""
         if not is_kernel_call(statement):
             return []
-        wanted = pattern(statement, self.typing, self.active, self.bounds.called_left)
-        callee = self.derive(wanted) if wanted.arguments or wanted.results else None
+        pattern = activity_pattern(statement, self.typing, self.active, self.bounds.adjoint_boundary)
+        callee = self.derive(pattern) if pattern.arguments or pattern.results else None
         if callee is None or not callee.forward:
             return []
-        kept = self.kept(statement)
+        kept = self.saved_state(statement)
         held = [*map(copy, targets(statement)), name(kept.value)]
         if len(held) <= callee.results:                 # the call's results are not bound
             unread = [self.typing.declare(self.free.fresh("unread"), UNKNOWN) for _ in range(callee.results)]
@@ -62,9 +62,9 @@ class SplitAdjoints:
         return [assign(held[0] if len(held) == 1 else tuple_of(*held), called),
                 Expr(call(PUSH, name(kept.stack), name(kept.value)))]
 
-    def popped(self, statement: AST) -> AST:
-        """The statement that takes back what a call's first half kept."""
-        kept = self.kept(statement)
+    def pop(self, statement: AST) -> AST:
+        """The pop of what a call's first half saved."""
+        kept = self.saved_state(statement)
         return assign(kept.value, call(POP, name(kept.stack)))
 
     def stacks(self) -> list[AST]:

@@ -1,4 +1,4 @@
-"""The two sweeps of an adjoint: control flow, records and restores, around the adjoints of single statements.
+"""sweeps: the two sweeps of an adjoint: control flow, records and restores, around the adjoints of single statements.
 
 The forward sweep is the primal with its pushes. The reverse sweep of a block is that of its segments, last first; of a
 segment: restore the elements that it overwrote, compute again what its adjoints read, then the adjoints, last first.
@@ -28,11 +28,11 @@ Adjoint = Callable[[AST], list[AST]]
 
 
 class Sweeps(Recording):
-    """Writes both sweeps of one function from its plan.
+    """Both sweeps of one function, by its plan.
 
-    `adjoint(statement)` gives the adjoint of a simple statement, a whole-array statement or a call, `called(statement)`
-    what takes the place of a call in the forward sweep, where its callee keeps something;
-    `zeros(block)` what must be zero where the reverse of a block begins; `family` says which variable a name is of.
+    `adjoint(statement)` is the adjoint of a simple statement, a whole-array statement or a call, `called(statement)`
+    the first half of an adjoint in place of a call in the forward sweep;
+    `zeros(block)` the shadows to initialize where the reverse of a block begins; `family` the variable of each version.
     """
 
     def __init__(self, structure: ProgramStructure, plan: RecordingPlan, tape: Tape, free: Names, adjoint: Adjoint,
@@ -62,7 +62,7 @@ class Sweeps(Recording):
             return made + self.records(statement)
         before = [s for store in self.stores_of(statement)
                   for s in self.tape.push(self.store_stack(store), self.content(store))]
-        if id(statement) in self.plan.resized:
+        if id(statement) in self.plan.reallocated:
             before += push_sizes(statement, self.tape)
         return [*before, *(self.called(statement) or [copy(statement)]), *self.records(statement)]
 
@@ -78,7 +78,7 @@ class Sweeps(Recording):
         body = self.forward(loop.body)
         before: list[AST] = []
         after: list[AST] = []
-        if id(loop) in self.plan.working and self.counting.counts(loop):
+        if id(loop) in self.plan.reversed and self.counting.counts(loop):
             trips = self.counting.count(loop)
             before = [assign(trips, const(0))]
             counted = augment(trips, Add(), const(1))
@@ -91,7 +91,7 @@ class Sweeps(Recording):
         return [*self.tape.allocations.pop(id(loop), []), *before, made, *after]
 
     def records(self, statement: AST) -> list[AST]:
-        """The pushes of what a statement has just bound."""
+        """The pushes of the names that a statement has just bound."""
         return [s for key, value in self.plan.recorded.items()
                 if value.kind != "carried" and value.home is statement
                 for s in self.tape.push(self.value_stack(key, value), name(value.name))]
@@ -110,7 +110,7 @@ class Sweeps(Recording):
         keys |= {k for k, v in self.plan.recorded.items()
                  if v.kind != "carried" and self.structure.place(v.home).block == id(block)}
         if keys:
-            made += self.again(block, keys)
+            made += self.recompute(block, keys)
         cut = self.structure.blocks.get(id(block), [])
         for number in range(len(cut) - 1, -1, -1):
             made += self.reverse_segment(cut[number], (id(block), number))
@@ -126,10 +126,10 @@ class Sweeps(Recording):
             return [at(s, run[0]) for s in self.reverse_compound(run[0])]
         made = self.restores(run)
         late = set(self.plan.late.get(where, []))
-        return made + (self.again(run, late) if late else []) + self.adjoints(run)
+        return made + (self.recompute(run, late) if late else []) + self.adjoints(run)
 
     def restores(self, run: list[AST]) -> list[AST]:
-        """The elements that a segment overwrote and that are read, as they were, last first."""
+        """Restores the elements that a segment overwrote and that are read, last first."""
         made: list[AST] = []
         for statement in reversed(run):
             if isinstance(statement, If):
@@ -137,25 +137,25 @@ class Sweeps(Recording):
                 if body or orelse:
                     made.append(at(If(copy(statement.test), body, orelse), statement))
             for store in self.stores_of(statement):
-                made += [at(s, statement) for s in self.popped(store)]
+                made += [at(s, statement) for s in self.restore(store)]
         return made
 
-    def again(self, block: list[AST], keys: set[str]) -> list[AST]:
-        """The bindings of the given values, in the order of the text: computed again, reloaded or popped."""
+    def recompute(self, block: list[AST], keys: set[str]) -> list[AST]:
+        """The bindings of these values, in the order of the text: recomputed, reloaded or popped."""
         made: list[AST] = []
         for statement in block:
             if isinstance(statement, If) and is_simple(statement, self.typing):
-                body, orelse = self.again(statement.body, keys), self.again(statement.orelse, keys)
+                body, orelse = self.recompute(statement.body, keys), self.recompute(statement.orelse, keys)
                 if body or orelse:
                     made.append(at(If(copy(statement.test), body, orelse), statement))
             elif not isinstance(statement, (For, While, If)):
-                made += [at(s, statement) for s in self.again_statement(statement, keys)]
+                made += [at(s, statement) for s in self.recompute_statement(statement, keys)]
             made += [at(s, statement) for key, value in self.plan.recorded.items()
                      if key in keys and value.home is statement
                      for s in self.tape.pop(self.value_stack(key, value), name(value.name))]
         return made
 
-    def again_statement(self, statement: AST, keys: set[str]) -> list[AST]:
+    def recompute_statement(self, statement: AST, keys: set[str]) -> list[AST]:
         bound = {t.id for t in targets(statement) if isinstance(t, Name)}
         for number in sorted(bound & keys - set(self.plan.recorded)):
             stored = self.plan.reloaded.get(number)
@@ -178,25 +178,25 @@ class Sweeps(Recording):
 
     def reverse_compound(self, statement: AST) -> list[AST]:
         if isinstance(statement, (For, While)):
-            return self.reverse_loop(statement) if id(statement) in self.plan.working else []
+            return self.reverse_loop(statement) if id(statement) in self.plan.reversed else []
         if isinstance(statement, If):
-            if id(statement) not in self.plan.working:
+            if id(statement) not in self.plan.reversed:
                 return []
             return [If(copy(statement.test), self.reverse(statement.body), self.reverse(statement.orelse))]
         stores = self.stores_of(statement)
-        popped = [s for store in stores for s in self.popped(store)]
+        popped = [s for store in stores for s in self.restore(store)]
         called = isinstance(getattr(statement, "value", None), Call) and (
             call_name(statement.value) or "").startswith("user.")
         again = [s for store in stores if called
                  for s in self.tape.read(self.store_stack(store), whole_place(self.snapshot(store)))]
-        if id(statement) in self.plan.resized:
+        if id(statement) in self.plan.reallocated:
             popped = [*pop_sizes(statement, self.tape), *popped]
         if id(statement) in self.plan.after:
             return [*self.adjoint(statement), *popped]
         return [*popped, *self.adjoint(statement), *again]
 
-    def written(self, loop: AST) -> list[str]:
-        """The arrays whose elements a loop writes, each iteration anew."""
+    def stored_arrays(self, loop: AST) -> list[str]:
+        """The arrays that a loop stores to."""
         return sorted({base_name(t) for s in walk_statements(loop.body) if isinstance(s, (Assign, AugAssign))
                        for t in targets(s)
                        if isinstance(t, Subscript)})
@@ -208,8 +208,8 @@ class Sweeps(Recording):
         if rerun:
             saved = [s for snapshot in self.snapshots_of(loop) for s in self.tape.read(
                 self.snapshot_stack(snapshot), index(name(snapshot.array), const(...)))]
-            written = self.written(loop)
-            body = [*([forget(written)] if written else []), *saved, *self.carried(loop, self.tape.pop),
+            stored = self.stored_arrays(loop)
+            body = [*([forget(stored)] if stored else []), *saved, *self.carried(loop, self.tape.pop),
                     *self.forward(loop.body), *body]
             before += self.tape.allocations.pop(id(loop), [])
         if self.counting.counts(loop) and self.counting.in_loop(loop):
@@ -221,10 +221,10 @@ class Sweeps(Recording):
         forwards = id(loop) in self.plan.forwards and not any(
             stack.top and any(x is loop for x in stack.loops) for stack in self.tape.stacks.values())
         bounds = list(map(copy, loop.iter.args)) if forwards else reversed_bounds(loop, trips)
-        return [*before, counted_for(loop.target.id, bounds, body), *self.as_before(loop)]
+        return [*before, counted_for(loop.target.id, bounds, body), *self.restore_snapshots(loop)]
 
-    def as_before(self, loop: For) -> list[AST]:
-        """The arrays of which there are snapshots, put back as they were before the loop."""
+    def restore_snapshots(self, loop: For) -> list[AST]:
+        """Restores the arrays of which there are snapshots to their state before the loop."""
         made: list[AST] = []
         for snapshot in self.snapshots_of(loop):
             cell = self.tape.cell(self.snapshot_stack(snapshot))

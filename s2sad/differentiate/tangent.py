@@ -10,12 +10,12 @@ Requires activity and what can be infinite; establishes the grammar "derivative"
 from __future__ import annotations
 
 from s2sad.liveness import base_name, targets
-from s2sad.analyze.uses import owns_result
+from s2sad.analyze.uses import reads_own_result
 from s2sad.differentiate.arithmetic import Term, is_plain
 from s2sad.differentiate.context import DifferentiationContext
 from s2sad.differentiate.derivative import Derivative
 from s2sad.differentiate.shadows import with_shadows
-from s2sad.analyze.callee_derivatives import is_kernel_call, pattern
+from s2sad.analyze.callee_derivatives import is_kernel_call, activity_pattern
 from s2sad.differentiate.expression_rules import Pushforward
 from s2sad.differentiate.zero_law import ZeroLaw
 from s2sad.infer.shapes import shapes_of
@@ -28,36 +28,36 @@ from s2sad.tree import (
 
 def tangent(function: FunctionDef, context: DifferentiationContext) -> FunctionDef:
     """The tangent of a function."""
-    context.derivative = _Tangent(context).made(context.title)
+    context.derivative = _Tangent(context).build(context.title)
     return context.derivative.function
 
 
 class _Tangent:
     def __init__(self, context: DifferentiationContext):
         self.structure, self.typing, self.active = context.structure, context.typing, context.activity.active
-        self.wanted, self.free, self.derive = context.request, context.names, context.derive
+        self.request, self.free, self.derive = context.request, context.names, context.derive
         self.flat, self.bounds = context.flat, context.unbounded
         self.shadows: dict[str, str] = {}
         self.shapes = shapes_of(self.structure.function, self.typing)
         self.pushforward = Pushforward(self.typing, self.active, self.value, self.shapes, ZeroLaw(self.bounds),
-                                       self.held)
+                                       self.bind_partial)
         self.before: list[AST] = []
         self.parameters = [p.id for p in self.structure.function.args.args]
 
-    def made(self, title: str) -> Derivative:
+    def build(self, title: str) -> Derivative:
         signature: list[tuple[str, str, str]] = []
         for parameter in self.parameters:
             signature.append((parameter, "primal", parameter))
             kind = self.typing.table[parameter]
-            if kind.is_inexact and (parameter in self.wanted.wrt or kind.is_array and parameter in self.wanted.of):
+            if kind.is_inexact and (parameter in self.request.wrt or kind.is_array and parameter in self.request.of):
                 signature.append((self.shadow(parameter), "shadow", parameter))
         before = [assign(self.shadow(p), call("numpy.zeros_like", name(p))) for p in self.parameters
-                  if p in self.active and self.typing.table[p].is_array and p not in (*self.wanted.wrt,
-                                                                                      *self.wanted.of)]
+                  if p in self.active and self.typing.table[p].is_array and p not in (*self.request.wrt,
+                                                                                      *self.request.of)]
         body = before + self.block(self.structure.function.body)
-        results = [o for o in self.wanted.of if o.startswith("return ")]
+        results = [o for o in self.request.of if o.startswith("return ")]
         made = function(title, [n for n, _, _ in signature], body)
-        return Derivative(made, self.shadows, signature, (["result"] if self.wanted.with_primal else []) + results)
+        return Derivative(made, self.shadows, signature, (["result"] if self.request.with_primal else []) + results)
 
     def shadow(self, primal: str) -> str:
         if primal not in self.shadows:
@@ -73,7 +73,7 @@ class _Tangent:
         assert isinstance(leaf, Name)
         return name(self.shadow(leaf.id))
 
-    def held(self, partial: AST) -> AST:
+    def bind_partial(self, partial: AST) -> AST:
         """A name for a partial that is read twice, bound before the tangent."""
         if is_plain(partial):
             return partial
@@ -82,7 +82,7 @@ class _Tangent:
         self.before.append(assign(made, partial))
         return name(made)
 
-    def moved(self, node: AST, result: AST | None = None) -> tuple[list[AST], Term | None]:
+    def tangent_of(self, node: AST, result: AST | None = None) -> tuple[list[AST], Term | None]:
         """The tangent of an expression, and what is bound before it."""
         outer, self.before = self.before, []
         term = self.pushforward.tangent(node, result)
@@ -116,9 +116,9 @@ class _Tangent:
             return [copy(statement)]
         if is_allocation(statement):
             return [copy(statement), assign(self.shadow(target.id), call("numpy.zeros_like", name(target.id)))]
-        after = isinstance(target, Name) or owns_result(statement)
+        after = isinstance(target, Name) or reads_own_result(statement)
         held = after and isinstance(statement, Assign)     # the value itself, not a sum with it
-        before, term = self.moved(statement.value, self.primal(target) if held else None)
+        before, term = self.tangent_of(statement.value, self.primal(target) if held else None)
         place = self.value(target)
         if isinstance(target, Subscript) and isinstance(place, Name):
             place = index(place, const(...))
@@ -137,26 +137,26 @@ class _Tangent:
 
     def returned(self, statement: Return) -> list[AST]:
         if statement.value is None:
-            return [Return(tuple_of(const(None)))] if self.wanted.with_primal and not self.flat else []
+            return [Return(tuple_of(const(None)))] if self.request.with_primal and not self.flat else []
         parts = list(statement.value.elts) if isinstance(statement.value, Tuple) else [statement.value]
         dots: list[AST] = []
         first: list[AST] = []
-        for result in (o for o in self.wanted.of if o.startswith("return ")):
+        for result in (o for o in self.request.of if o.startswith("return ")):
             part = parts[int(result.split()[1])]
-            before, term = self.moved(part)
+            before, term = self.tangent_of(part)
             first += before
             zero = call("numpy.zeros_like", copy(part)) if self.typing.of(part).is_array else const(0.0)
             dots.append(zero if term is None else term.expression())
-        if self.wanted.with_primal:
+        if self.request.with_primal:
             primals = map(copy, parts) if self.flat else [copy(statement.value)]
             return [*first, Return(tuple_of(*primals, *dots))]
         return [*first, Return(tuple_of(*dots))] if dots else []
 
     def call(self, statement: AST) -> list[AST]:
-        wanted = pattern(statement, self.typing, self.active, self.bounds.called_steep)
-        if not wanted.arguments and not wanted.results:
+        pattern = activity_pattern(statement, self.typing, self.active, self.bounds.tangent_boundary)
+        if not pattern.arguments and not pattern.results:
             return [copy(statement)]
-        callee = self.derive(wanted)
+        callee = self.derive(pattern)
         args = with_shadows(statement.value, callee, self.value)
         bound = [base_name(t) for t in targets(statement)]
         called = call(callee.name, *args)

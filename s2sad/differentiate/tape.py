@@ -1,8 +1,8 @@
-"""Tape placement: for every value recorded, the local names that hold it between the sweeps.
+"""tape: for every recorded value the local names that hold it between the sweeps.
 
-A push outside of loops is a number. Inside loops with known trips the stack is an array with one index a loop, written
-at the counters. Elsewhere the array doubles when it is full: inside one loop it is written at the number of the
-iteration, inside several at an integer of its own.
+A push outside of loops is a number. Inside loops with known trips the stack is an array with one index a loop,
+indexed by the counters. Elsewhere the array doubles when it is full: inside one loop it is indexed by the number of the
+iteration, inside several by an integer of its own.
 
     u_stack = np.empty((len(range(steps)),) + u.shape)     x_stack, trips = np.empty(64), 0
     for s in range(steps):                                 while ...:
@@ -16,11 +16,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from s2sad.liveness import base_name
-from s2sad.analyze.reallocated_arrays import own_loops
+from s2sad.analyze.reallocated_arrays import allocation_loops
 from s2sad.analyze.program_structure import ProgramStructure
-from s2sad.analyze.trip_counts import counter, known_trips
+from s2sad.analyze.trip_counts import counter, invariant_trip_counts
 from s2sad.differentiate.trip_counters import TripCounters
-from s2sad.differentiate.ragged_stacks import RecordedRegion, pushed, put_back
+from s2sad.differentiate.ragged_stacks import RecordedRegion, push_region, pop_region
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import INT, UNKNOWN, Type, array
 from s2sad.naming import Names
@@ -61,22 +61,22 @@ class Tape:
     stacks: dict[str, Stack] = field(default_factory=dict)
     allocations: dict[int, list[AST]] = field(default_factory=dict)
 
-    def stack(self, key: str, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None,
+    def stack(self, key: str, base: str, kind: Type, loops: tuple[AST, ...], shape: AST | None,
               carried: bool = False) -> Stack:
         """The stack of a value of type `kind` (an array type with its `shape`) pushed inside `loops`, a `carried` one
         where an iteration begins."""
         if key not in self.stacks:
-            self.stacks[key] = self._made(wanted, kind, loops, shape, carried)
+            self.stacks[key] = self._make(base, kind, loops, shape, carried)
         return self.stacks[key]
 
-    def overwritten(self, key: str, place: AST, loops: tuple[AST, ...], shape: AST | None) -> Stack:
-        """The stack of what a store inside `loops` overwrites: an element, or an array or part of one of this shape."""
+    def content_stack(self, key: str, place: AST, loops: tuple[AST, ...], shape: AST | None) -> Stack:
+        """The stack of the content that a store inside `loops` overwrites: an element, or a region of this shape."""
         kind, array = self.typing.of(place), base_name(place)
         inner, home = self._homes(loops, carried=False)
-        if not kind.is_array or not inner or all(x is not home[0] for x in own_loops(self.structure, array)):
+        if not kind.is_array or not inner or all(x is not home[0] for x in allocation_loops(self.structure, array)):
             return self.stack(key, array, kind, loops, shape)
         if key not in self.stacks:
-            self.stacks[key] = self._made(array, Type("number", kind.dtype), loops, None, ragged=True)
+            self.stacks[key] = self._make(array, Type("number", kind.dtype), loops, None, ragged=True)
             self.stacks[key].shape = shape
         return self.stacks[key]
 
@@ -86,27 +86,27 @@ class Tape:
         again = [k for k, loop in enumerate(loops[:-1] if carried else loops) if id(loop) in self.rerun]
         return loops[again[-1] + 1 if again else 0:], loops[again[0] if again else 0:][:1]
 
-    def _made(self, wanted: str, kind: Type, loops: tuple[AST, ...], shape: AST | None, carried: bool = False,
+    def _make(self, base: str, kind: Type, loops: tuple[AST, ...], shape: AST | None, carried: bool = False,
               ragged: bool = False) -> Stack:
         inner, home = self._homes(loops, carried)
-        made = Stack(self.free.fresh(f"{wanted}_stack" if inner else f"{wanted}_before"), loops=inner, kind=kind,
+        made = Stack(self.free.fresh(f"{base}_stack" if inner else f"{base}_before"), loops=inner, kind=kind,
                      shape=shape, ragged=ragged)
         if not inner:
             self.typing.declare(made.array, kind)
             return made
-        sizes = None if ragged else known_trips(self.structure, inner, home[0])
+        sizes = None if ragged else invariant_trip_counts(self.structure, inner, home[0])
         if sizes is not None:
             made.counters = tuple(counter(loop) for loop in inner)
             made.sizes = tuple(sizes)
             allocated = [self._allocate(made.array, kind, sizes, shape)]
         else:
             allocated = [self._allocate(made.array, kind, [const(_FIRST)], shape),
-                         *self._growing(made, wanted, carried)]
+                         *self._growing(made, base, carried)]
         self.typing.declare(made.array, array(kind.dtype, kind.rank + max(1, len(made.counters))))
         self.allocations.setdefault(id(home[0]), []).extend(allocated)
         return made
 
-    def _growing(self, made: Stack, wanted: str, carried: bool) -> list[AST]:
+    def _growing(self, made: Stack, base: str, carried: bool) -> list[AST]:
         """Sets what indexes a stack that grows; the statements that begin it."""
         made.grows = True
         single = len(made.loops) == 1 and not made.ragged
@@ -114,7 +114,7 @@ class Tape:
         if found is not None:
             made.pushed, made.counters = found[0], (found[1],)
             return []
-        made.top = self.typing.declare(self.free.fresh(f"{wanted}_top"), INT)
+        made.top = self.typing.declare(self.free.fresh(f"{base}_top"), INT)
         return [assign(made.top, const(0))]
 
     def _allocate(self, target: str, kind: Type, sizes: list[AST], shape: AST | None) -> AST:
@@ -129,7 +129,7 @@ class Tape:
 
     def push(self, stack: Stack, value: AST) -> list[AST]:
         if stack.ragged:
-            return pushed(stack.array, stack.top, self.region(value))
+            return push_region(stack.array, stack.top, self.region(value))
         whole = self.typing.of(value).is_array
         if not stack.counters and not stack.top:
             return [assign(stack.array, call("numpy.copy", value) if whole else value)]
@@ -158,18 +158,18 @@ class Tape:
 
     def read(self, stack: Stack, target: AST) -> list[AST]:
         """The last entry into the target, left where it is."""
-        return [put_back(stack.array, stack.top, self.region(target))] if stack.ragged else [
+        return [pop_region(stack.array, stack.top, self.region(target))] if stack.ragged else [
             assign(target, self.cell(stack))]
 
     def region(self, place: AST) -> RecordedRegion:
         """The array or row that an entry of a ragged stack is of."""
         base = place.value if isinstance(place, Subscript) else place
-        kept = [] if isinstance(place, Name) else given(place)
+        kept = [] if isinstance(place, Name) else explicit_subscripts(place)
         counters = [self.typing.declare(self.free.fresh(c), INT)
                     for c in ("i", "j", "k", "l", "m", "o")[:self.typing.of(place).rank]]
         return RecordedRegion(base, tuple(kept), tuple(counters))
 
 
-def given(place: Subscript) -> list[AST]:
+def explicit_subscripts(place: Subscript) -> list[AST]:
     """The subscripts of an element or a row; none of `x[...]`."""
     return [s for s in indices(place) if not (isinstance(s, Constant) and s.value is Ellipsis)]

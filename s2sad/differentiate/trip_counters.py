@@ -1,4 +1,4 @@
-"""Counting: the trips of loops whose number is known only when they have run, and the number of an iteration.
+"""trip_counters: the trips of loops whose number is known only after they have run, and the number of an iteration.
 
     trips = 0                               for trip in range(trips - 1, -1, -1):
     while ...:                                  x = x_stack[trip]
@@ -43,7 +43,7 @@ class TripCounters:
         return bool(loops) and id(loops[-1]) not in self.plan.rerun
 
     def iteration(self, loop: AST, carried: bool) -> tuple[AST, AST] | None:
-        """The number of an iteration in the forward and in the reverse sweep, from 0; None if nothing tells it.
+        """The number of an iteration in the forward and in the reverse sweep, from 0; None if it is not known.
 
         `carried`: where the iteration begins, else later in it. A while loop is counted where its iteration ends, or
         after what is carried if the loop may be left before.
@@ -52,15 +52,15 @@ class TripCounters:
             start, _, step = range_parts(loop)
             read = any(isinstance(n, Subscript) and isinstance(n.value, Name) for n in walk(start))
             return (counter(loop), counter(loop)) if step in (1, -1) and not read else None
-        if id(loop) not in self.plan.working:
+        if id(loop) not in self.plan.reversed:
             return None
         trips = name(self.count(loop))
         forward = sub(trips, const(1)) if has_break(loop) and not carried else trips
         return forward, name(self._named(self.iterations, loop, "trip"))
 
-    def _named(self, names: dict[int, str], loop: AST, wanted: str) -> str:
+    def _named(self, names: dict[int, str], loop: AST, base: str) -> str:
         if id(loop) not in names:
-            names[id(loop)] = self.structure.typing.declare(self.free.fresh(wanted), INT)
+            names[id(loop)] = self.structure.typing.declare(self.free.fresh(base), INT)
         return names[id(loop)]
 
 

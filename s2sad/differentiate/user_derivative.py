@@ -1,6 +1,6 @@
 """user_derivative: a derivative of the user's own for one call, with all that its callers must know.
 
-Requires the function, its residual if it is implicit, and what the call asks for; establishes the function that is
+Requires the function, its residual if it is implicit, and the request of the call; establishes the function that is
 called, those beside it, and what they read and write.
 """
 from __future__ import annotations
@@ -12,7 +12,7 @@ from s2sad.analyze.request import DerivativeRequest
 from s2sad.differentiate.derivative import Derivative
 from s2sad.analyze.callee_derivatives import CalleeDerivative
 from s2sad.differentiate.implicit import Implicit, Residual
-from s2sad.differentiate.user_functions import UserFunction, own_adjoint, own_forward, own_tangent
+from s2sad.differentiate.user_functions import UserFunction, user_adjoint, user_forward, user_tangent
 from s2sad.infer.types import UNKNOWN, Type
 from s2sad.tree import FunctionDef
 
@@ -30,7 +30,7 @@ class CompleteDerivative:
     writes: frozenset[int]
 
 
-def user_derivative(owner: UserFunction, residual: Residual | None, mode: str, wanted: DerivativeRequest, title: str,
+def user_derivative(owner: UserFunction, residual: Residual | None, mode: str, request: DerivativeRequest, title: str,
                     forward: str,
           fresh: Callable[[str], str]) -> CompleteDerivative:
     """The derivative; `forward` is the name of the first half of the adjoint, where it is made already, and `fresh`
@@ -40,13 +40,13 @@ def user_derivative(owner: UserFunction, residual: Residual | None, mode: str, w
     beside: tuple[FunctionDef, ...] = ()
     if residual is not None:
         product = fresh(f"{owner.title}_{'transposed' if reverse else 'linear'}")
-        implicit = Implicit(owner, residual, wanted, title, "bar" if reverse else "dot", product)
+        implicit = Implicit(owner, residual, request, title, "bar" if reverse else "dot", product)
         made, beside = implicit.adjoint() if reverse else implicit.tangent()
     else:
-        made = own_adjoint(owner, wanted, title) if reverse else own_tangent(owner, wanted, title)
+        made = user_adjoint(owner, request, title) if reverse else user_tangent(owner, request, title)
     if pair and not forward:
         forward = fresh(f"{owner.title}_forward")
-        beside = (own_forward(owner, forward),)
+        beside = (user_forward(owner, forward),)
     read, written = touched(owner, residual, mode)
     types = {**owner.types, **{s: owner.types[p] for p, s in made.shadows.items()}}
     for parameter, _, primal in made.parameters:
@@ -57,8 +57,8 @@ def user_derivative(owner: UserFunction, residual: Residual | None, mode: str, w
     order = list(owner.types)
     callee = CalleeDerivative(
         f"user.{title}", tuple(order.index(p) for p in shadows.values()),
-        tuple(int(o.split()[1]) for o in wanted.of if o.startswith("return ")),
-        tuple(order.index(p) for p in wanted.wrt if p in owner.numbers),
+        tuple(int(o.split()[1]) for o in request.of if o.startswith("return ")),
+        tuple(order.index(p) for p in request.wrt if p in owner.numbers),
         tuple(k for k, p in enumerate(order) if p in read), tuple(k for k, p in enumerate(order) if p in written),
         f"user.{forward}" if pair else "", len(owner.results), residual is not None,
         tuple(int(p.split()[1]) for _, role, p in made.parameters if role == "value"))

@@ -1,7 +1,7 @@
-"""user_functions: the derivatives that a user gave a function, as functions of the generated file with s2sad's
+"""user_functions: the user's own derivatives of a function, as functions of the generated file with s2sad's
 signatures.
 
-Requires what a call asks for (`Wanted`) and the types of the function; establishes a function that calls the user's.
+Requires the request of a call and the types of the function; establishes a function that calls the user's.
 That takes a shadow for every float array, and returns the adjoints of all float numbers: shadows that the call has no
 use for are zeros, adjoints that it has no use for are dropped.
 
@@ -23,7 +23,7 @@ from s2sad.live_objects.registry import RegisteredDerivative
 from s2sad.tree import AST, Expr, FunctionDef, Return, assign, call, const, function, name, tuple_of
 
 
-ENDINGS = {"adjoint": "bar", "reverse": "bar", "tangent": "dot"}
+SUFFIXES = {"adjoint": "bar", "reverse": "bar", "tangent": "dot"}
 
 
 @dataclass(frozen=True)
@@ -47,26 +47,26 @@ class UserFunction:
         return [k for k, t in enumerate(self.results) if t.is_number and t.is_float]
 
     def seed(self, result: int) -> str:
-        """What an adjoint calls the seed of a result."""
+        """The name of the seed of a result in an adjoint."""
         return "result_bar" if len(self.floats) == 1 else f"result_{result}_bar"
 
-    def wrong(self, what: str, wanted: DerivativeRequest) -> str:
-        """Why a call cannot have a derivative from one of the user's functions, in words; empty if it can."""
+    def refusal(self, what: str, request: DerivativeRequest) -> str:
+        """Why a derivative of the user's own cannot serve a call, in words; empty if it can."""
         what = self.half(what)
         if any(t.is_array for t in self.results):
             return "returns an array, which no function with a derivative of its own may: write it"
         if what not in self.own.functions:
             return f"has no {what} of its own, only its {'tangent' if what == 'adjoint' else self.half('adjoint')}"
-        return self.unasked(what, wanted) or self.misfit(what) or self.unreturned(what)
+        return self.missing_parameters(what, request) or self.unavailable_parameters(what) or self.wrong_returns(what)
 
     def half(self, what: str) -> str:
         """Which of the user's functions a call of a derivative calls: of an adjoint in two halves the second."""
         return "reverse" if what == "adjoint" and "reverse" in self.own.functions else what
 
-    def unasked(self, what: str, wanted: DerivativeRequest) -> str:
-        """What the call asks for and the function does not take."""
-        path, roles, ending = self.own.functions[what].path, self.own.roles[what], ENDINGS[what]
-        for primal in (*wanted.wrt, *wanted.of):
+    def missing_parameters(self, what: str, request: DerivativeRequest) -> str:
+        """Which parameter that the request needs the function does not take."""
+        path, roles, ending = self.own.functions[what].path, self.own.roles[what], SUFFIXES[what]
+        for primal in (*request.wrt, *request.of):
             if primal.startswith("return "):
                 seed = self.seed(int(primal.removeprefix("return ")))
                 if ending == "bar" and ("seed", seed) not in roles:
@@ -75,9 +75,9 @@ class UserFunction:
                 return f"has a derivative, '{path}', that takes no shadow of '{primal}', which is differentiated"
         return ""
 
-    def misfit(self, what: str) -> str:
-        """What the function takes and cannot be had for these types."""
-        path, ending = self.own.functions[what].path, ENDINGS[what]
+    def unavailable_parameters(self, what: str) -> str:
+        """Which parameter the function takes that does not exist for these types."""
+        path, ending = self.own.functions[what].path, SUFFIXES[what]
         for role, primal in self.own.roles[what]:
             if role == "seed" and primal not in map(self.seed, self.floats):
                 there = " and ".join(map(self.seed, self.floats)) or "no seed"
@@ -90,8 +90,8 @@ class UserFunction:
                 return f"has a derivative, '{path}', that overwrites '{primal}', which it does not write itself"
         return ""
 
-    def unreturned(self, what: str) -> str:
-        """What the function does not return."""
+    def wrong_returns(self, what: str) -> str:
+        """Which result the function should return, and does not."""
         path, count = self.own.functions[what].path, len(self.numbers)
         wish = f"the adjoint{'s' * (count > 1)} of {' and '.join(self.numbers)}" if count else "nothing"
         if what == "tangent":
@@ -118,9 +118,9 @@ class UserFunction:
 Edge = tuple[int, int | str]
 
 
-def own_edges(types: Mapping[str, Type], results: tuple[Type, ...], written: Set[str], edges: list[Edge],
+def user_edges(types: Mapping[str, Type], results: tuple[Type, ...], written: Set[str], edges: list[Edge],
               residual: tuple[str, ...] | None) -> list[Edge]:
-    """What depends on what in a function with a derivative of its own, as pairs: all results and all that it writes on
+    """The edges of dependence in a function with a derivative of its own: all results and all that it writes on
     all of its floats, whatever its text says. Where it is implicit (`residual` has the parameters of that) the solution
     depends on what the residual reads, all else as in the text."""
     order = list(types)
@@ -138,26 +138,27 @@ def own_edges(types: Mapping[str, Type], results: tuple[Type, ...], written: Set
 class UserFunctionWrapper:
     """The function that stands between a call and the user's function."""
 
-    def __init__(self, owner: UserFunction, wanted: DerivativeRequest, title: str, ending: str):
-        self.owner, self.wanted, self.title, self.ending = owner, wanted, title, ending
+    def __init__(self, owner: UserFunction, request: DerivativeRequest, title: str, ending: str):
+        self.owner, self.request, self.title, self.ending = owner, request, title, ending
         self.free = Names(owner.types)
         self.shadows = {p: self.free.fresh(f"{p}_{ending}") for p, t in owner.types.items() if t.is_float}
         self.signature: list[tuple[str, str, str]] = []
         for primal, kind in owner.types.items():
             self.signature.append((primal, "primal", primal))
-            asked = primal in wanted.wrt or kind.is_array and primal in wanted.of
-            if asked and primal in self.shadows and (kind.is_array or ending == "dot"):
+            requested = primal in request.wrt or kind.is_array and primal in request.of
+            if requested and primal in self.shadows and (kind.is_array or ending == "dot"):
                 self.signature.append((self.shadows[primal], "shadow", primal))
         self.seeds = {k: self.free.fresh(owner.seed(k)) for k in owner.floats} if ending == "bar" else {}
 
-    def seeded(self) -> None:
+    def add_seeds(self) -> None:
         """The seeds of the results that the call has a use for become parameters."""
-        self.signature += [(s, "seed", f"return {k}") for k, s in self.seeds.items() if f"return {k}" in self.wanted.of]
+        self.signature += [(s, "seed", f"return {k}") for k, s in self.seeds.items()
+                           if f"return {k}" in self.request.of]
 
     def arguments(self, what: str, kept: str = "") -> tuple[list[AST], list[AST]]:
-        """Statements that make what the call does not give, and the arguments of the user's function."""
+        """Statements that make what the call does not pass, and the arguments of the user's function."""
         before: list[AST] = []
-        given = {n for n, _, _ in self.signature}
+        passed = {n for n, _, _ in self.signature}
         arguments: list[AST] = []
         seeds = {self.owner.seed(k): s for k, s in self.seeds.items()}
         for role, primal in self.owner.own.roles[what]:
@@ -166,8 +167,8 @@ class UserFunctionWrapper:
             elif role == "kept":
                 arguments.append(name(kept))
             elif role == "seed":
-                arguments.append(name(seeds[primal]) if seeds[primal] in given else const(0.0))
-            elif self.shadows[primal] in given:
+                arguments.append(name(seeds[primal]) if seeds[primal] in passed else const(0.0))
+            elif self.shadows[primal] in passed:
                 arguments.append(name(self.shadows[primal]))
             elif self.owner.types[primal].is_array:
                 before.append(assign(self.shadows[primal], call("numpy.zeros_like", name(primal))))
@@ -176,7 +177,7 @@ class UserFunctionWrapper:
                 arguments.append(const(0.0))
         return before, arguments
 
-    def made(self, body: list[AST], returns: list[str]) -> Derivative:
+    def build(self, body: list[AST], returns: list[str]) -> Derivative:
         """The function with its table."""
         tree = function(self.title, [n for n, _, _ in self.signature], body)
         return Derivative(tree, dict(self.shadows), self.signature, returns)
@@ -191,12 +192,12 @@ def bound(targets: list[str], owner: UserFunction, what: str, arguments: list[AS
     return assign(targets[0] if single else tuple_of(*map(name, targets)), called)
 
 
-def own_adjoint(owner: UserFunction, wanted: DerivativeRequest, title: str) -> Derivative:
+def user_adjoint(owner: UserFunction, request: DerivativeRequest, title: str) -> Derivative:
     """The adjoint that calls the user's, or the second half of a pair; what the first half kept is its last
     parameter."""
     what = owner.half("adjoint")
-    wrapper = UserFunctionWrapper(owner, wanted, title, "bar")
-    wrapper.seeded()
+    wrapper = UserFunctionWrapper(owner, request, title, "bar")
+    wrapper.add_seeds()
     kept = ""
     if what == "reverse":
         kept = wrapper.free.fresh("kept")
@@ -204,12 +205,12 @@ def own_adjoint(owner: UserFunction, wanted: DerivativeRequest, title: str) -> D
     before, arguments = wrapper.arguments(what, kept)
     bars = [wrapper.shadows[n] for n in owner.numbers]
     first = bound(bars, owner, what, arguments)
-    returned = [n for n in wanted.wrt if n in owner.numbers]
+    returned = [n for n in request.wrt if n in owner.numbers]
     last: list[AST] = [Return(tuple_of(*(name(wrapper.shadows[n]) for n in returned)))] if returned else []
-    return wrapper.made([*before, first, *last], returned)
+    return wrapper.build([*before, first, *last], returned)
 
 
-def own_forward(owner: UserFunction, title: str) -> FunctionDef:
+def user_forward(owner: UserFunction, title: str) -> FunctionDef:
     """The first half of a pair: what the function returns, one by one, and what is kept."""
     parameters = list(owner.types)
     called = call(owner.own.name("forward"), *(name(p) for _, p in owner.own.roles["forward"]))
@@ -222,14 +223,14 @@ def own_forward(owner: UserFunction, title: str) -> FunctionDef:
     return function(title, parameters, [first, Return(tuple_of(*map(name, results), name(kept)))])
 
 
-def own_tangent(owner: UserFunction, wanted: DerivativeRequest, title: str) -> Derivative:
+def user_tangent(owner: UserFunction, request: DerivativeRequest, title: str) -> Derivative:
     """The tangent that calls the user's: results and tangents side by side."""
-    wrapper = UserFunctionWrapper(owner, wanted, title, "dot")
+    wrapper = UserFunctionWrapper(owner, request, title, "dot")
     before, arguments = wrapper.arguments("tangent")
     results = [wrapper.free.fresh("result") for _ in owner.results]
     dots = {k: wrapper.free.fresh("result_dot") for k in owner.floats}
     first = bound([*results, *dots.values()], owner, "tangent", arguments)
-    returned = [o for o in wanted.of if o.startswith("return ")]
+    returned = [o for o in request.of if o.startswith("return ")]
     values = [*results, *(dots[int(o.split()[1])] for o in returned)]
     last: list[AST] = [Return(tuple_of(*map(name, values)))] if values else []
-    return wrapper.made([*before, first, *last], ["result", *returned])
+    return wrapper.build([*before, first, *last], ["result", *returned])

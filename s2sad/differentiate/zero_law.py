@@ -5,12 +5,12 @@ partials, a seed and a tangent; where one factor of a product is exactly zero, s
     y_dot = -(slope * b_dot if slope != 0.0 else 0.0)               of y = 1.0 / b, where b = 1.0 + np.exp(-x)
 
 Going backwards, a seed is the product of all that comes behind, and a choice makes it zero where it takes something
-else. It is asked where the next partial can be infinite or nan: by its rule, or because it reads such a value, if a
-choice may leave the operation. Going forwards, a choice drops the tangent of what it leaves; a tangent is asked where
-the next partial can be infinite by its rule. The partial is asked where the tangent can be infinite, and going
+else. It is tested where the next partial can be infinite or nan: by its rule, or because it reads such a value, if a
+choice may leave the operation. Going forwards, a choice drops the tangent of what it leaves; a tangent is tested where
+the next partial can be infinite by its rule. The partial is tested where the tangent can be infinite, and going
 backwards where the seed can be, in front of a root and what else has an infinite slope where its value is finite. So a
 nan stays one wherever no factor is zero. Where the operand of a root is known to be a sum of squares, it has no slope
-where the root has an infinite one: there the root is asked, once, in place of all these (`analyze.squares`).
+where the root has an infinite one: there the root is tested, once, in place of all these (`analyze.squares`).
 """
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from s2sad.analyze.unbounded_values import UnboundedValues
-from s2sad.differentiate.arithmetic import Term, guarded, picked, unsigned
+from s2sad.differentiate.arithmetic import Term, zero_unless, choice_product, unsigned
 from s2sad.rules.rule import RESULT, Rule, number
 from s2sad.tree import AST, BinOp, Div, Mult, names
 
@@ -27,38 +27,38 @@ _SATURATED = frozenset(f"{m}.{n}" for m in ("numpy", "math", "scipy.special") fo
 
 
 class ZeroLaw:
-    """Where factors of one function's derivative are asked for zero."""
+    """Where factors of one function's derivative are tested for zero."""
 
     def __init__(self, unbounded: UnboundedValues):
         self.unbounded = unbounded
-        self.left = False           # whether a choice may leave the operand at hand
+        self.discarded = False           # whether a choice may leave the operand at hand
         self.steep = False          # whether the seed at hand can be infinite
 
     def enter(self, target: str) -> None:
         """Goes to the statement that binds or fills a name."""
-        self.left = target in self.unbounded.left
+        self.discarded = target in self.unbounded.discarded
         self.steep = target in self.unbounded.seeds
 
     @contextmanager
     def pulled(self, rule: Rule, parameter: str, operands: dict[str, AST]) -> Iterator[None]:
         """Goes to an operand."""
-        before = self.left, self.steep
-        self.left |= rule.chooses(parameter)
+        before = self.discarded, self.steep
+        self.discarded |= rule.chooses(parameter)
         self.steep |= self.unbounded.is_steep_in(rule, parameter, operands)
         yield
-        self.left, self.steep = before
+        self.discarded, self.steep = before
 
-    def of_seed(self, rule: Rule, parameter: str, operands: dict[str, AST]) -> bool:
-        """Whether the seed of an operation is asked, in front of the partial of an operand."""
+    def tests_seed(self, rule: Rule, parameter: str, operands: dict[str, AST]) -> bool:
+        """Whether the seed of an operation is tested, in front of the partial of an operand."""
         if rule.is_singular(parameter, operands):
-            return self.left or not self.unbounded.flat_root(rule, operands)
+            return self.discarded or not self.unbounded.flat_root(rule, operands)
         read = rule.uses(parameter, operands)
-        if not read or not self.left or rule.chooses(parameter):
+        if not read or not self.discarded or rule.chooses(parameter):
             return False
         return any(self.unbounded.value(o) for p, o in operands.items() if p in read or RESULT in read)
 
-    def of_operand(self, rule: Rule, parameter: str, operands: dict[str, AST], result: AST | None) -> AST | None:
-        """What is asked in front of the slope of a root: where it is 0, so is the slope of the squares below it."""
+    def root_test(self, rule: Rule, parameter: str, operands: dict[str, AST], result: AST | None) -> AST | None:
+        """What is tested in front of the slope of a root: where it is 0, so is the slope of the squares below it."""
         if not rule.is_singular(parameter, operands) or not self.unbounded.flat_root(rule, operands):
             return None
         operand = operands[parameter]
@@ -66,22 +66,22 @@ class ZeroLaw:
             return None
         return result if result is not None and RESULT in rule.uses(parameter, operands) else operand
 
-    def of_slope(self, seed: Term, partial: AST) -> AST | None:
-        """What is asked in front of the seed at hand: a partial, or what it is a multiple of."""
+    def slope_test(self, seed: Term, partial: AST) -> AST | None:
+        """What is tested in front of the seed at hand: a partial, or what it is a multiple of."""
         zero = _numerator(partial)
-        return zero if self.steep and _varies(zero) and picked(seed, partial) is None else None
+        return zero if self.steep and _varies(zero) and choice_product(seed, partial) is None else None
 
-    def of_partial(self, rule: Rule, operand: AST, tangent: Term, partial: AST) -> bool:
-        """Whether a partial is asked, in front of the tangent of an operand: where this can be infinite, or where the
+    def tests_partial(self, rule: Rule, operand: AST, tangent: Term, partial: AST) -> bool:
+        """Whether a partial is tested, in front of the tangent of an operand: where this can be infinite, or where the
         slope is 0 at infinity, which a quotient may be."""
-        if not _varies(partial) or picked(tangent, partial) is not None:
+        if not _varies(partial) or choice_product(tangent, partial) is not None:
             return False
         return self.unbounded.tangent(operand) or rule.name in _SATURATED and self.unbounded.value(operand)
 
-    def product(self, term: Term, asked: list[AST], whole: bool) -> Term:
-        """The product, zero where a factor of it is that is asked."""
-        for factor in asked:
-            term = guarded(factor, term, whole)
+    def product(self, term: Term, tested: list[AST], whole: bool) -> Term:
+        """The product, zero where one of the tested factors is."""
+        for factor in tested:
+            term = zero_unless(factor, term, whole)
         return term
 
 

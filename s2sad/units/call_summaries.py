@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from s2sad.liveness import base_name, targets
-from s2sad.analyze.uses import owns_result
+from s2sad.analyze.uses import reads_own_result
 from s2sad.analyze.callee_derivatives import is_kernel_call
 from s2sad.tree import AST, Assign, AugAssign, Call, Expr, FunctionDef, Subscript, call_name, walk_statements
 from s2sad.units.unit import Unit
@@ -37,10 +37,10 @@ class Calls:
             found += [statement.value.args[p] for p in unit.summary.written]
         return found
 
-    def seen_after(self, statement: AST) -> bool:
+    def adjoint_after(self, statement: AST) -> bool:
         """Whether a statement's adjoint runs in the state that it leaves: it solves for what it writes."""
         unit = self.called(statement.value) if is_kernel_call(statement) else None
-        return owns_result(statement) if unit is None else bool(unit.kernel.residual)
+        return reads_own_result(statement) if unit is None else bool(unit.kernel.residual)
 
 
 def written_arrays(tree: FunctionDef, calls: Calls) -> set[str]:

@@ -8,7 +8,7 @@ from s2sad import normalize, optimize
 from s2sad.analyze.activity import activity_of, reach
 from s2sad.analyze.program_structure import structure_of
 from s2sad.diagnostics import Report
-from s2sad.differentiate.user_functions import own_edges
+from s2sad.differentiate.user_functions import user_edges
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import FLOAT, Type, of_value
 from s2sad.naming import Names
@@ -108,7 +108,7 @@ class NormalForms(Calls):
         results = (FLOAT,) * own.returns
         table = {**given, **dict.fromkeys(stored_names(tree.body), FLOAT)}
         typing = Typing(table, self.call_types, Report(kernel.source), {})
-        edges = own_edges(given, results, set(own.writes), [], self.solved_by(kernel))
+        edges = user_edges(given, results, set(own.writes), [], self.solved_by(kernel))
         written = tuple(k for k, p in enumerate(parameters) if p in own.writes)
         summary = UnitSummary(written, results, {}, tuple(edges), True)
         return Unit(kernel, title, types, tree, typing, {}, Names(table), tree, structure_of(tree, typing), summary,
@@ -130,7 +130,7 @@ class NormalForms(Calls):
         calls = [n for n in walk(tree.body) if isinstance(n, Call) and (call_name(n) or "").startswith("user.")]
         results = tuple(map(typing.of, parts))
         if kernel.own is not None:
-            edges = own_edges({p: typing.table[p] for p in parameters}, results, written, edges,
+            edges = user_edges({p: typing.table[p] for p in parameters}, results, written, edges,
                               self.solved_by(kernel))
         return UnitSummary(tuple(k for k, p in enumerate(parameters) if p in written), tuple(map(typing.of, parts)),
                        {k: p.id for k, p in enumerate(parts) if isinstance(p, Name) and p.id in parameters

@@ -13,7 +13,7 @@ from s2sad.analyze.unbounded_values import UnboundedValues, unbounded_values_of
 from s2sad.differentiate import PASSES as DIFFERENTIATION
 from s2sad.differentiate.context import DifferentiationContext
 from s2sad.differentiate.derivative import Derivative
-from s2sad.differentiate.implicit import Residual, solution_of, wrong_implicit
+from s2sad.differentiate.implicit import Residual, solution_of, implicit_refusal
 from s2sad.differentiate.user_derivative import user_derivative
 from s2sad.form import verify
 from s2sad.infer.inference import Typing
@@ -125,14 +125,14 @@ class Units(NormalForms):
         if unit.pairs:
             return "is given one array twice, and writes it; no derivative of its own is for that"
         if residual is not None:
-            return wrong_implicit(unit.owner, residual, wanted)
+            return implicit_refusal(unit.owner, residual, wanted)
         entry = next(u for u in self.made.values() if u.kernel.name == self.program.entry)
         parameters = [p.id for p in entry.function.args.args]
         written = {parameters[k] for k in entry.summary.written}
         outside = [a for p, a in hidden_arrays(self.program).items() if p in unit.owner.types and p in written]
         if outside:
             return f"reads '{outside[0]}', an array of its module that is written; so may its own derivative, too late"
-        return unit.owner.wrong(mode, wanted)
+        return unit.owner.refusal(mode, wanted)
 
     def _own(self, mode: str, unit: Unit, wanted: DerivativeRequest, title: str) -> UnitDerivative:
         """The derivative that calls the user's."""
