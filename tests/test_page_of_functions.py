@@ -10,9 +10,9 @@ import pytest
 
 import s2sad
 from s2sad import rules
-from tests import test_rules
 from tests.engines import compiling
 from tests.page_of_functions import PAGE, expressions, function
+from tests.rules import test_rules
 
 HEAD = "import math\n\nimport numpy as np\nimport scipy.linalg\nimport scipy.sparse.linalg\nimport scipy.special\n\n\n"
 FLOATS = ("x", "y", "m", "s")

@@ -15,5 +15,5 @@
     sums          sums that derivatives make
 
     document      the tables of `docs/accuracy.md`
-    literals      partials of 25 digits for `tests/test_ulp.py`
+    literals      partials of 25 digits for `tests/rules/test_ulp.py`
 """

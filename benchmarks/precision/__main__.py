@@ -1,5 +1,5 @@
 """`python -m benchmarks precision [rules expressions sums] [--quick]` measures errors and writes the tables of
-`docs/accuracy.md`, and the literals of `tests/partials.txt`; with `--quick` it prints them and writes nothing."""
+`docs/accuracy.md`, and the literals of `tests/rules/partials.txt`; with `--quick` it prints them and writes nothing."""
 from __future__ import annotations
 
 import argparse

@@ -13,7 +13,7 @@ from benchmarks.precision.rules import LARGEST, LEAST, Measured, exact
 from benchmarks.precision.truths import truth
 from s2sad import rules
 
-PLACE = Path(__file__).parents[2] / "tests" / "partials.txt"
+PLACE = Path(__file__).parents[2] / "tests" / "rules" / "partials.txt"
 DIGITS, DRAWN = 25, 12
 OFTEN = 4           # points of a rule beside those of the largest errors
 

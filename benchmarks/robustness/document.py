@@ -21,10 +21,10 @@ DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "accuracy.md"
 LAW = """A derivative is a sum, over the ways from an input to an output, of products of partials and a seed; a product
 with a factor that is exactly 0 is 0, whatever its other factors are, inf and nan included. So what a choice does not
 take, and what has a seed or a tangent of 0, gives nothing, in both modes; nothing is asked where all is finite. What is
-left open is in [Limits](limits.md). Tested by `tests/test_robustness.py` and `tests/test_zeros.py`."""
+left open is in [Limits](limits.md). Tested by `tests/benchmarks/test_robustness.py` and `tests/test_zeros.py`."""
 KINKS = """Where a function is not differentiable one side is taken, always the same one; `explain` lists the places. Of
 equal eigenvalues each has the derivative along the vector that LAPACK gives it. Tested by
-`tests/test_robustness.py`."""
+`tests/benchmarks/test_robustness.py`."""
 PUBLISHED = """What users of other tools have reported, or what these document, as NumPy kernels. What is differentiable
 is right; where it is not, the derivative is that of the side taken, and `explain` lists the place."""
 RUNS = """Adjoint and tangent are derivatives of the same steps: how far they are apart, over the gradient's largest
@@ -33,7 +33,7 @@ horizon, and so does its error against that of the exact run, for the run itself
 on: where the numbers have no correct digit left, the adjoint is still exact for the steps that were computed, and says
 nothing of the system any more. Lorenz's system comes there behind time 40, the double pendulum that is let go at large
 angles behind time 25. Errors are against differences of 120 digits, of the shock, whose limiter chooses by what it
-compares, against 113 bits. Tested by `tests/test_robustness.py`."""
+compares, against 113 bits. Tested by `tests/benchmarks/test_robustness.py`."""
 UNWRITTEN = """`pytest --poison` fills whatever a derivative allocates with nan until it is written, under every engine:
 work arrays, tapes and what they grow by, those that are kept between calls, and the scratch arrays of the run time;
 integers hold a number that is no index. Whatever reads what was not written shows. A sample runs always,

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from s2sad.diagnostics import S2sadError
 from benchmarks.kernels import cases
-from tests.structured_cases import CASES, text_of
-from tests.structured_form import form, run_both, shown
+from s2sad.diagnostics import S2sadError
+from tests.normalize.structured_cases import CASES, text_of
+from tests.normalize.structured_form import form, run_both, shown
 
 
 @pytest.mark.parametrize("name", CASES)

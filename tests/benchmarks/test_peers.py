@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from benchmarks.peers import document, sections
-from benchmarks.peers.lines import changed
 from benchmarks.peers.gradbench import render as render_gradbench
+from benchmarks.peers.lines import changed
 from benchmarks.peers.measuring import Comparison, too_long
 from benchmarks.peers.problems import SIZES, Problem, error
 from benchmarks.peers.process import Process

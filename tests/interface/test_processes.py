@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 import s2sad
-from s2sad.run.compiler_lock import COMPILER_LOCK
 from s2sad.dispatch.cache import derivatives_of
+from s2sad.run.compiler_lock import COMPILER_LOCK
 from tests.documents import environment
 
 

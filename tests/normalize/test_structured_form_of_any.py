@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.structured_form import run_both, shown
+from tests.normalize.structured_form import run_both, shown
 
 HELPERS = '''
 def push(x, v):
