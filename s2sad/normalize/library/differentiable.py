@@ -26,13 +26,13 @@ from s2sad.tree import (
 )
 
 _COPIES = frozenset({"numpy.copy", "numpy.asarray", "numpy.ascontiguousarray", "numpy.array"})
-# what makes arrays, asks for their shape, or is no computation at all
-_OTHER = frozenset({
+# allocations, properties, and what is no computation at all
+_ALLOCATING = frozenset({
     "numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full", "numpy.empty_like", "numpy.zeros_like", "numpy.ones_like",
     "numpy.full_like", "numpy.shape", "builtins.range"}) | _COPIES
-# functions of whole arrays whose derivative is zero, or that `pieces` writes out; what else has no adjoint is a part of
-# derivatives
-_FLAT = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to",
+# functions of whole arrays whose derivative is zero, or that `expand` expands; others without an adjoint are for the
+# text of derivatives
+_ZERO_DERIVATIVE = frozenset({"numpy.argsort", "runtime.det_sign", "runtime.extreme_mask", "numpy.broadcast_to",
                    "runtime.sparse_rows", "runtime.sparse_span", "runtime.sparse_joined"})
 _SUMS = ("numpy.sum",)
 _OPTIONS = {**dict.fromkeys(("numpy.empty", "numpy.zeros", "numpy.ones"), ("shape", "dtype", "order")),
@@ -73,11 +73,11 @@ _SPARSE = {
 _LOOP = "write it as a loop over the elements"
 _OTHERS = "write it with functions that have a rule, or give it one: s2sad.rule, s2sad.nondifferentiable"
 
-_OF_ARRAYS = ("shape", "size", "ndim", "dtype", "T")
+_PROPERTIES = ("shape", "size", "ndim", "dtype", "T")
 
 
 def differentiable(function: FunctionDef, context: NormalContext) -> None:
-    """Puts one diagnostic into the report for each operation that nothing is known about."""
+    """Refuses each operation without a rule, with one diagnostic."""
     typing, report = context.typing, context.report
     counted = OperandTypes(function, typing, report)
     for statement in function.body:
@@ -93,7 +93,7 @@ def _visit(node: AST, typing: Typing, report: Report, counted: OperandTypes) -> 
         _visit(child if method is None or child is not node.func else method, typing, report, counted)
     if len(report.found) > before:
         return  # what is refused inside explains it
-    if isinstance(node, Attribute) and node.attr not in _OF_ARRAYS and typing.of(node.value).is_array:
+    if isinstance(node, Attribute) and node.attr not in _PROPERTIES and typing.of(node.value).is_array:
         report.error("S201", f"the attribute '{node.attr}' of an array", node, help="write it with the array itself: "
                      "x[i, j], x[...], x.shape, x.size")
     if isinstance(node, UnaryOp) and isinstance(node.op, USub) and typing.of(node.operand).dtype.startswith("uint"):
@@ -111,12 +111,12 @@ def _visit(node: AST, typing: Typing, report: Report, counted: OperandTypes) -> 
         report.error("S203", f"{typing.of(node.value)} is stored in an element", node,
                      help="the types are taken from the arguments: check their ranks; of one element, write x[0]")
     if isinstance(node, (Assign, AugAssign)) and typing.of(targets(node)[0]).is_array or typing.of(node).is_array:
-        _alone(node, typing, report)
+        _refuse_elementwise_use(node, typing, report)
     if isinstance(node, Call):
         _call(node, typing, report)
 
 
-def _alone(node: AST, typing: Typing, report: Report) -> None:
+def _refuse_elementwise_use(node: AST, typing: Typing, report: Report) -> None:
     """Refuses a user's function of whole arrays where elements are computed: it takes the arrays."""
     for part in walk(node):
         name = call_name(part) or ""
@@ -127,7 +127,7 @@ def _alone(node: AST, typing: Typing, report: Report) -> None:
 
 
 def _unknown_option(name: str, node: Call) -> str:
-    """An option of a function that makes an array, or that has no derivative, and that would be passed over."""
+    """An option, of an allocation or of a function without a derivative, that would be ignored."""
     given = [k.arg or "**" for k in node.keywords]
     known = _OPTIONS.get(name)
     copied = [k for k in node.keywords if k.arg == "copy" and getattr(k.value, "value", None) is True]
@@ -159,14 +159,14 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
         report.error("S301", f"no derivative rule for {name} of an array with these options", node, help=_LOOP)
         return
     rule = rules.find_array(name)
-    if rule is not None and not rule.adjoints and rule.law != COMPOSED and name not in _FLAT:
+    if rule is not None and not rule.adjoints and rule.law != COMPOSED and name not in _ZERO_DERIVATIVE:
         report.error("S301", f"no derivative rule for {name}", node, help=_OTHERS)
         return
     if name in _SPARSE and typing.of(node).kind == "unknown":
         message, help = _SPARSE[name]
         report.error("S301", f"no derivative rule for {message}", node, help=help)
         return
-    if name is None or name.startswith(("user.", "runtime.")) or name in _OTHER or rules.constant_result(name):
+    if name is None or name.startswith(("user.", "runtime.")) or name in _ALLOCATING or rules.constant_result(name):
         return
     if rule is not None and typing.of(node).kind != "unknown":
         return

@@ -21,8 +21,8 @@ from s2sad.tree import (
     with_body, walk,
 )
 
-_BATCH = "abcdefgh"
-_OPEN = "ABCDEF"
+_BATCH_LETTERS = "abcdefgh"
+_ELLIPSIS_LETTERS = "ABCDEF"
 _LETTERS = "ijklmnop"
 _LAST = {"numpy.dot": 2, "numpy.inner": 1}      # sum over the last axis of the first, and the last or last but one
 REPEATING = "numpy.einsum.matmul"
@@ -30,14 +30,14 @@ _PRODUCTS = {"numpy.matmul", REPEATING, "numpy.tensordot", "numpy.outer", *_LAST
 
 
 def einsum(function: FunctionDef, context: Context) -> FunctionDef:
-    """The function with each `np.einsum` whose subscripts are written out as such products."""
+    """The function with each `np.einsum` of constant subscripts as such products."""
     def change(node: AST) -> AST | None:
         if call_name(node) != "numpy.einsum" or len(node.args) < 2 or any(k.arg != "optimize" for k in node.keywords):
             return None
         subscripts, *operands = node.args
         if not isinstance(subscripts, Constant) or not isinstance(subscripts.value, str):
             return None
-        inputs, output = _letters(subscripts.value)
+        inputs, output = _subscript_letters(subscripts.value)
         twice = [len(part) == 2 and part[0] == part[1] for part in inputs]
         if len(inputs) == len(operands):    # the diagonals of matrices
             operands = [call("numpy.diagonal", o) if t else o for o, t in zip(operands, twice)]
@@ -68,7 +68,7 @@ def einsum_ellipsis(function: FunctionDef, context: NormalContext) -> FunctionDe
         if not isinstance(text, str) or "..." not in text:
             return None
         kinds = list(map(typing.of, node.args[1:]))
-        spelled = _spelled_out(text, [k.rank for k in kinds]) if all(k.is_array for k in kinds) else None
+        spelled = _without_ellipsis(text, [k.rank for k in kinds]) if all(k.is_array for k in kinds) else None
         if spelled is None:
             return None
         found.append(node)
@@ -78,24 +78,26 @@ def einsum_ellipsis(function: FunctionDef, context: NormalContext) -> FunctionDe
     return einsum(new, context) if found else function
 
 
-def _spelled_out(subscripts: str, ranks: list[int]) -> str | None:
+def _without_ellipsis(subscripts: str, ranks: list[int]) -> str | None:
     """The subscripts with letters for `...`, of the last axes the same for all operands.
 
-    >>> _spelled_out("...i,ij->...j", [3, 2]), _spelled_out("...i,...i", [2, 1])
+    >>> _without_ellipsis("...i,ij->...j", [3, 2]), _without_ellipsis("...i,...i", [2, 1])
     ('ABi,ij->ABj', 'Ai,i->A')
     """
     text = subscripts.replace(" ", "").replace("...", ".")
-    given, arrow, output = text.partition("->")
-    inputs = given.split(",")
+    operands, arrow, output = text.partition("->")
+    inputs = operands.split(",")
     if len(inputs) != len(ranks):
         return None
     open_axes = [r - len(i.replace(".", "")) for i, r in zip(inputs, ranks)]
     most = max((n for i, n in zip(inputs, open_axes) if "." in i), default=0)
-    if min(open_axes) < 0 or most > len(_OPEN) or any(n and "." not in i for i, n in zip(inputs, open_axes)):
+    if min(open_axes) < 0 or most > len(_ELLIPSIS_LETTERS):
+        return None
+    if any(n and "." not in i for i, n in zip(inputs, open_axes)):
         return None
     if not arrow:
-        output = "." + "".join(sorted(c for c in set(given) - {",", "."} if given.count(c) == 1))
-    letters = _OPEN[:most]
+        output = "." + "".join(sorted(c for c in set(operands) - {",", "."} if operands.count(c) == 1))
+    letters = _ELLIPSIS_LETTERS[:most]
     spelled = [i.replace(".", letters[most - n:]) for i, n in zip(inputs, open_axes)]
     return ",".join(spelled) + "->" + output.replace(".", letters)
 
@@ -117,11 +119,11 @@ def batched_products(function: FunctionDef, context: NormalContext) -> FunctionD
         if not isinstance(node, Call) or call_name(node) not in _PRODUCTS or len(node.args) != 2:
             return None
         if call_name(node) == REPEATING:
-            plain = at(_repeated(node, typing), node)
+            plain = at(_repeating_product(node, typing), node)
             return rebuild(plain, change)
         ranks = [typing.of(a).rank for a in node.args]
         if call_name(node) == "numpy.outer":
-            return _raveled(node, ranks, [rebuild(a, change) for a in node.args])
+            return _raveled_outer(node, ranks, [rebuild(a, change) for a in node.args])
         if call_name(node) == "numpy.tensordot":
             return tensor_product(node, ranks, [rebuild(a, change) for a in node.args])
         if call_name(node) == "numpy.dot" and min(ranks) < 1 <= max(ranks):
@@ -132,7 +134,7 @@ def batched_products(function: FunctionDef, context: NormalContext) -> FunctionD
             axes = tuple_of(const(ranks[0] - 1), const(max(ranks[1] - _LAST[call_name(node) or ""], 0)))
             product = at(call("numpy.tensordot", *node.args, axes=axes), node)
             return tensor_product(product, ranks, [rebuild(a, change) for a in node.args])
-        outer = _BATCH[:max(ranks) - 2]
+        outer = _BATCH_LETTERS[:max(ranks) - 2]
         left, right = ("j" if r == 1 else outer[len(outer) - (r - 2):] + own for r, own in zip(ranks, ("ij", "jk")))
         output = outer + ("i" if ranks[0] > 1 else "") + ("k" if ranks[1] > 1 else "")
         made = contraction([left, right], output, [rebuild(a, change) for a in node.args])
@@ -140,7 +142,7 @@ def batched_products(function: FunctionDef, context: NormalContext) -> FunctionD
     return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
-def _raveled(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:
+def _raveled_outer(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:
     """`np.outer` of all elements."""
     if max(ranks) < 2 or min(ranks) < 1:
         return None
@@ -148,7 +150,7 @@ def _raveled(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:
 
 
 def tensor_product(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:
-    """`np.tensordot` over written axes."""
+    """`np.tensordot` over constant axes."""
     pairs = paired_axes({k.arg: k.value for k in node.keywords}.get("axes"), ranks)
     if pairs is None or sum(ranks) - len(pairs) > len(_LETTERS):
         return None
@@ -161,15 +163,15 @@ def tensor_product(node: Call, ranks: list[int], operands: list[AST]) -> AST | N
     return None if made is None else at(made, node)
 
 
-def _letters(subscripts: str) -> tuple[list[str], str]:
+def _subscript_letters(subscripts: str) -> tuple[list[str], str]:
     """The letters of the operands and of the result.
 
-    >>> _letters("ij, jk")
+    >>> _subscript_letters("ij, jk")
     (['ij', 'jk'], 'ik')
     """
-    given, arrow, output = subscripts.replace(" ", "").partition("->")
-    inputs = given.split(",")
-    return inputs, output if arrow else "".join(sorted(c for c in set(given) - {","} if given.count(c) == 1))
+    operands, arrow, output = subscripts.replace(" ", "").partition("->")
+    inputs = operands.split(",")
+    return inputs, output if arrow else "".join(sorted(c for c in set(operands) - {","} if operands.count(c) == 1))
 
 
 def contraction(inputs: list[str], output: str, operands: list[AST], matmul: str = "numpy.matmul") -> AST | None:
@@ -186,13 +188,13 @@ def contraction(inputs: list[str], output: str, operands: list[AST], matmul: str
             return made
     if len(operands) > 2 and (made := _pairwise(inputs, output, operands, matmul)) is not None:
         return made
-    order = _order(inputs, output, letters)
+    order = _common_order(inputs, output, letters)
     if order is None:       # the axes of some operand are put in an order that all have
         order = output + "".join(c for c in letters if c not in output)
         places = [[part.index(c) for c in order if c in part] for part in inputs]
-        operands = [_moved(o, p) for o, p in zip(operands, places)]
+        operands = [_with_axes(o, p) for o, p in zip(operands, places)]
         inputs = ["".join(c for c in order if c in part) for part in inputs]
-    product = reduce(mult, (_spread(part, order, operand) for part, operand in zip(inputs, operands)))
+    product = reduce(mult, (_broadcast(part, order, operand) for part, operand in zip(inputs, operands)))
     axes = [const(k) for k, c in enumerate(order) if c not in output]
     if not axes:
         return product
@@ -201,7 +203,7 @@ def contraction(inputs: list[str], output: str, operands: list[AST], matmul: str
 
 
 def _pairwise(inputs: list[str], output: str, operands: list[AST], matmul: str) -> AST | None:
-    """The first two operands first: no larger array is made than the two have."""
+    """The first two operands first, so that no array is larger than these two require."""
     later = {*"".join(inputs[2:]), *output}
     middle = "".join(c for c in dict.fromkeys(inputs[0] + inputs[1]) if c in later)
     first = contraction(inputs[:2], middle, operands[:2], matmul)
@@ -209,7 +211,7 @@ def _pairwise(inputs: list[str], output: str, operands: list[AST], matmul: str) 
 
 
 def _matrix_product(inputs: list[str], output: str, operands: list[AST], matmul: str) -> AST | None:
-    """The product of two matrices or vectors over the one letter that both have."""
+    """The product of two matrices or vectors, summed over the one letter that both have."""
     both = set(inputs[0]) & set(inputs[1])
     left, right = (part.replace(c, "") for part in inputs for c in both) if len(both) == 1 else ("", "")
     if len(both) != 1 or max(map(len, inputs)) > 2 or output != left + right:
@@ -220,10 +222,10 @@ def _matrix_product(inputs: list[str], output: str, operands: list[AST], matmul:
     return call(matmul, a, b)
 
 
-def _repeated(node: Call, typing: Typing) -> AST:
+def _repeating_product(node: Call, typing: Typing) -> AST:
     """The matrix product of `np.einsum`, in which an axis of length 1 is as long as the other one."""
     alone = [typing.argument(x) for x in node.args]
-    places = [_summed(x, typing, last) for x, last in zip(node.args, (True, False))]
+    places = [_summation_axis(x, typing, last) for x, last in zip(node.args, (True, False))]
     single = [axis in kind.ones for kind, (_, axis) in zip(map(typing.argument, (x for x, _ in places)), places)]
     if single[0] == single[1]:
         return call("numpy.matmul", *node.args)
@@ -233,7 +235,7 @@ def _repeated(node: Call, typing: Typing) -> AST:
     return call("numpy.outer", *factors) if all(k.rank == 2 for k in alone) else mult(*factors)
 
 
-def _summed(operand: AST, typing: Typing, last: bool) -> tuple[AST, int]:
+def _summation_axis(operand: AST, typing: Typing, last: bool) -> tuple[AST, int]:
     """The array that an operand is or transposes, and which axis of it is summed over."""
     rank = typing.of(operand).rank
     axis = rank - 1 if last else max(rank - 2, 0)
@@ -242,15 +244,15 @@ def _summed(operand: AST, typing: Typing, last: bool) -> tuple[AST, int]:
     return operand, axis
 
 
-def _order(inputs: list[str], output: str, letters: str) -> str | None:
-    """An order of all letters in which the output's are in their order, and each operand's, or reversed."""
-    orders = [o for o in map("".join, permutations(letters)) if _within(output, o)]
-    straight = next((o for o in orders if all(_within(part, o) for part in inputs)), None)
-    turned = (o for o in orders if all(_within(part, o) or _within(part[::-1], o) for part in inputs))
+def _common_order(inputs: list[str], output: str, letters: str) -> str | None:
+    """An order of all letters that has those of the output in their order, and each operand's, or reversed."""
+    orders = [o for o in map("".join, permutations(letters)) if _is_ordered(output, o)]
+    straight = next((o for o in orders if all(_is_ordered(part, o) for part in inputs)), None)
+    turned = (o for o in orders if all(_is_ordered(part, o) or _is_ordered(part[::-1], o) for part in inputs))
     return straight or next(turned, None)
 
 
-def _moved(operand: AST, places: list[int]) -> AST:
+def _with_axes(operand: AST, places: list[int]) -> AST:
     """The operand with its axes in another order."""
     if places == sorted(places):
         return operand
@@ -259,13 +261,13 @@ def _moved(operand: AST, places: list[int]) -> AST:
     return call("numpy.moveaxis", operand, tuple_of(*map(const, places)), tuple_of(*map(const, range(len(places)))))
 
 
-def _within(part: str, order: str) -> bool:
+def _is_ordered(part: str, order: str) -> bool:
     return "".join(c for c in order if c in part) == part
 
 
-def _spread(part: str, order: str, operand: AST) -> AST:
+def _broadcast(part: str, order: str, operand: AST) -> AST:
     """The operand with its axes where the order has them."""
-    if not _within(part, order):
+    if not _is_ordered(part, order):
         operand = call("numpy.transpose", operand)
     if len(part) == len(order):
         return operand

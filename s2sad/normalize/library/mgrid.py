@@ -29,7 +29,7 @@ def mgrid(function: FunctionDef, scope: KernelScope) -> FunctionDef:
     def change(node: AST) -> AST | None:
         if not isinstance(node, Subscript) or not isinstance(node.value, Name) or node.value.id not in (_OPEN, _FULL):
             return None
-        made = _made(node)
+        made = _grid(node)
         if made is None:
             scope.refuse(node, f"a grid by np.{node.value.id[6:]} of other slices than one to three with ends",
                          help="write np.meshgrid(x, y, indexing='ij'), of ranges that have names")
@@ -39,16 +39,16 @@ def mgrid(function: FunctionDef, scope: KernelScope) -> FunctionDef:
     return new
 
 
-def _made(node: Subscript) -> AST | None:
+def _grid(node: Subscript) -> AST | None:
     slices = [s for s in indices(node) if isinstance(s, Slice) and s.upper is not None]
     if len(slices) != len(indices(node)) or not 1 <= len(slices) <= 3:
         return None
-    counted = [_count(s) for s in slices]
+    counted = [_point_count(s) for s in slices]
     if any(c is not None and not isinstance(c, int) for c in counted):
         return None
     floats = any(k is not None for k in counted) or any(isinstance(n, Constant) and isinstance(
         n.value, float) for s in slices for n in walk(s))
-    axes = [_axis(s, c, floats) if floats else _with_others(s, slices) for s, c in zip(slices, counted)]
+    axes = [_axis(s, c, floats) if floats else _promoted_axis(s, slices) for s, c in zip(slices, counted)]
     if not isinstance(node.slice, Tuple):
         return axes[0]
     if node.value.id == _OPEN:
@@ -62,8 +62,8 @@ def _made(node: Subscript) -> AST | None:
     return grid
 
 
-def _count(part: Slice) -> int | float | None:
-    """How many numbers a slice asks for by an imaginary step; None if the step is a step."""
+def _point_count(part: Slice) -> int | float | None:
+    """The number of points of a slice, its imaginary step; None if the step is real."""
     step = part.step.operand if isinstance(part.step, UnaryOp) and isinstance(part.step.op, USub) else part.step
     value = step.value if isinstance(step, Constant) else None
     if not isinstance(value, complex):
@@ -71,22 +71,22 @@ def _count(part: Slice) -> int | float | None:
     return int(value.imag) if value.imag == int(value.imag) and value.real == 0.0 else value.imag
 
 
-def _with_others(part: AST, slices: list[AST]) -> AST:
-    """An axis of bounds that have names: it is of floats if one of another axis is."""
+def _promoted_axis(part: AST, slices: list[AST]) -> AST:
+    """An axis of bounds that are names: it is of floats if one of another axis is."""
     made, own = _axis(part, None, False), {dump(n) for n in children(part)}
     for bound in (b for other in slices for b in children(other)):
-        if dump(bound) not in own and not isinstance(bound, Constant) and not _is_size(bound):
+        if dump(bound) not in own and not isinstance(bound, Constant) and not _is_integer(bound):
             own.add(dump(bound))
             made = add(made, mult(const(0), copy(bound)))
     return made
 
 
-def _is_size(bound: AST) -> bool:
+def _is_integer(bound: AST) -> bool:
     """Whether a bound is an integer, as its text shows."""
     if isinstance(bound, BinOp):
-        return not isinstance(bound.op, Div) and _is_size(bound.left) and _is_size(bound.right)
+        return not isinstance(bound.op, Div) and _is_integer(bound.left) and _is_integer(bound.right)
     if isinstance(bound, UnaryOp):
-        return _is_size(bound.operand)
+        return _is_integer(bound.operand)
     shape = bound.value if isinstance(bound, Subscript) else bound
     return call_name(bound) == "builtins.len" or isinstance(shape, Attribute) and shape.attr in (
         "shape", "size") or isinstance(bound, Constant) and isinstance(bound.value, int)

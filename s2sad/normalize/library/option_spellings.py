@@ -1,4 +1,4 @@
-"""option_spellings: calls with an option that says what is computed, in the spelling that has a rule.
+"""option_spellings: calls with an option that changes what is computed, in the spelling that has a rule.
 
     np.sum(a, axis=0, where=m)              np.sum(np.where(m, a, 0), axis=0)
     np.sum(a, initial=2)                    np.sum(a) + 2
@@ -9,7 +9,7 @@
     np.add.at(x, [0, 0, 1], v)              np.add.at(x, np.array([0, 0, 1]), v)
     np.linalg.matrix_power(a, 1)            np.asarray(a)           which is a itself
 
-Requires that methods are functions: `spelled` asks for each call.
+Requires that methods are functions; `canonical_calls` applies it to each call.
 """
 from __future__ import annotations
 
@@ -18,41 +18,41 @@ from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Tuple, at, call, call_name, const, index, keyword, tuple_of,
 )
 
-_NEUTRAL = {"numpy.sum": 0, "numpy.prod": 1}
-_TYPED = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
-_ORDERED = {"numpy.copy": 1, "numpy.full": 3, "numpy.full_like": 3, **{f"numpy.{f}": 2 for f in (
-    "zeros", "ones", "empty", "zeros_like", "ones_like", "empty_like", "asarray")}}     # where it stands by place
+_NEUTRAL_ELEMENT = {"numpy.sum": 0, "numpy.prod": 1}
+_ACCUMULATING = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
+_ORDER_POSITION = {"numpy.copy": 1, "numpy.full": 3, "numpy.full_like": 3, **{f"numpy.{f}": 2 for f in (
+    "zeros", "ones", "empty", "zeros_like", "ones_like", "empty_like", "asarray")}}     # its position
 _FLOATS = ("builtins.float", "numpy.float64", "numpy.double")
 
 
 def option_spellings(node: Call) -> AST | None:
     """The call in its other spelling, None if it has no such option."""
     called = call_name(node) or ""
-    given = {str(k.arg): k.value for k in node.keywords}
+    options = {str(k.arg): k.value for k in node.keywords}
     if not node.args:
         return None
-    if called == "numpy.astype" and isinstance(copied := given.get("copy"), Constant):
-        return _converted(node, given, copied.value)
-    if called in _TYPED and getattr(given.get("dtype"), "id", "") in _FLOATS:
-        made = call("numpy.astype", node.args[0], dtype=given["dtype"])
+    if called == "numpy.astype" and isinstance(copied := options.get("copy"), Constant):
+        return _astype(node, options, copied.value)
+    if called in _ACCUMULATING and getattr(options.get("dtype"), "id", "") in _FLOATS:
+        made = call("numpy.astype", node.args[0], dtype=options["dtype"])
         return _without(node, ("dtype",), made)
-    if called in _ORDERED and "order" not in given and len(node.args) == _ORDERED[called] + 1:
+    if called in _ORDER_POSITION and "order" not in options and len(node.args) == _ORDER_POSITION[called] + 1:
         order = at(keyword("order", node.args[-1]), node)
         return Call(node.func, node.args[:-1], [*node.keywords, order])
-    if called == "numpy.copy" and "subok" in given and not _is_true(given["subok"]):
+    if called == "numpy.copy" and "subok" in options and not _is_true(options["subok"]):
         return _without(node, ("subok",), node.args[0])
-    if called in _NEUTRAL:
-        return _picked(node, called, given)
-    if called == "numpy.linalg.matrix_power" and not given and [getattr(n, "value", 0) for n in node.args[1:]] == [1]:
+    if called in _NEUTRAL_ELEMENT:
+        return _masked_reduction(node, called, options)
+    if called == "numpy.linalg.matrix_power" and not options and [getattr(n, "value", 0) for n in node.args[1:]] == [1]:
         return call("numpy.asarray", node.args[0])
     if called in WRITING and len(node.args) > 1:
-        made = [node.args[0], *map(_listed, node.args[1:])]
+        made = [node.args[0], *map(_indices_as_arrays, node.args[1:])]
         return None if all(a is b for a, b in zip(made, node.args)) else Call(node.func, made, node.keywords)
     return None
 
 
 def item(node: Call) -> AST | None:
-    """`x.item(...)` of written places as an element."""
+    """`x.item(...)` of several indices as an element."""
     if not isinstance(node.func, Attribute) or node.func.attr != "item" or node.keywords or not node.args:
         return None
     places = node.args[0].elts if isinstance(node.args[0], Tuple) and len(node.args) == 1 else node.args
@@ -63,38 +63,38 @@ def _is_true(node: AST | None) -> bool:
     return node is not None and not (isinstance(node, Constant) and not node.value)
 
 
-def _converted(node: Call, given: dict[str, AST], copied: object) -> AST | None:
-    dtype = node.args[1] if len(node.args) > 1 else given.get("dtype")
+def _astype(node: Call, options: dict[str, AST], copied: object) -> AST | None:
+    dtype = node.args[1] if len(node.args) > 1 else options.get("dtype")
     if dtype is None:
         return None
     if copied:
         return _without(node, ("copy",), node.args[0])
-    return call("numpy.asarray", node.args[0], dtype=dtype) if set(given) <= {"dtype", "copy"} else None
+    return call("numpy.asarray", node.args[0], dtype=dtype) if set(options) <= {"dtype", "copy"} else None
 
 
-def _picked(node: Call, called: str, given: dict[str, AST]) -> AST | None:
-    """A sum or product of the elements where a mask says so, and of what it starts with: of integers NumPy makes that
-    an integer, so that it must be written as one."""
-    where, initial = given.get("where"), given.get("initial")
+def _masked_reduction(node: Call, called: str, options: dict[str, AST]) -> AST | None:
+    """A sum or product over a mask, with an initial value: for integers NumPy converts that to an integer, so that it
+    must be spelled as one."""
+    where, initial = options.get("where"), options.get("initial")
     whole = isinstance(initial, Constant) and type(initial.value) is int
     if where is None and initial is None or initial is not None and not whole:
         return None
     operand = node.args[0]
     if where is not None:
-        operand = call("numpy.where", where, operand, const(_NEUTRAL[called]))
+        operand = call("numpy.where", where, operand, const(_NEUTRAL_ELEMENT[called]))
     made: AST = _without(node, ("where", "initial"), operand)
     if initial is None:
         return made
     return BinOp(made, Add() if called == "numpy.sum" else Mult(), initial)
 
 
-def _without(node: Call, options: tuple[str, ...], operand: AST) -> Call:
-    return Call(node.func, [operand, *node.args[1:]], [k for k in node.keywords if k.arg not in options])
+def _without(node: Call, gone: tuple[str, ...], operand: AST) -> Call:
+    return Call(node.func, [operand, *node.args[1:]], [k for k in node.keywords if k.arg not in gone])
 
 
-def _listed(node: AST) -> AST:
-    """A list as an array, also within a tuple of places."""
+def _indices_as_arrays(node: AST) -> AST:
+    """A list as an array, also within a tuple of indices."""
     if isinstance(node, Tuple):
-        parts = [_listed(e) for e in node.elts]
+        parts = [_indices_as_arrays(e) for e in node.elts]
         return node if all(a is b for a, b in zip(parts, node.elts)) else tuple_of(*parts)
     return call("numpy.array", node) if isinstance(node, List) else node

@@ -1,27 +1,26 @@
-"""positional_arguments: what NumPy takes by place and by name alike is given by place.
+"""positional_arguments: required arguments of NumPy's functions are positional.
 
     def f(x: "float64[:]"):                                     def f(x):
         return np.sum(np.clip(a=x, a_min=0.0, a_max=1.0))           return np.sum(np.clip(x, 0.0, 1.0))
 
-Requires resolved names. Establishes: of NumPy's functions the parameters that must be given are given by place.
+Requires resolved names. Establishes that arguments for the required parameters of NumPy's functions are positional.
 """
 from __future__ import annotations
 
 import inspect
 from functools import cache
 
-from s2sad.evaluate.argument_binding import user_call
 from s2sad.evaluate.effects import fresh_value
 from s2sad.evaluate.scope import KernelScope
 from s2sad.read.outside_values import library_value
 from s2sad.tree import (
     AST, Assign, Attribute, BinOp, Call, Constant, FloorDiv, For, FunctionDef, GeneratorExp, Load, Mod, Name, Slice,
     Subscript, Tuple, assign, at, call, call_name, const, copy, dump, index, indices, keyword, names, rebuild, tuple_of,
-    walk,
+    user_call, walk,
 )
 
 # functions whose own signature is not there, or says less than how they are called
-_LEADING = {
+_REQUIRED = {
     "array": ("object",), "asarray": ("a",), "ascontiguousarray": ("a",), "clip": ("a", "a_min", "a_max"),
     "dot": ("a", "b"), "empty": ("shape",), "empty_like": ("prototype",), "inner": ("a", "b"), "vdot": ("a", "b"),
     "zeros": ("shape",),
@@ -33,57 +32,57 @@ def positional_arguments(function: FunctionDef, scope: KernelScope) -> FunctionD
     for node in walk(new.body):
         if call_name(node) == "builtins.divmod" and (len(node.args) != 2 or any(user_call(n) for n in walk(node))):
             scope.refuse(node, "divmod of what a call of a kernel gives", help="write a // b and a % b")
-        if isinstance(node, Assign) and _stored_flat(node) is not None and not fresh_value(node.value):
+        if isinstance(node, Assign) and _flat_store(node) is not None and not fresh_value(node.value):
             array = node.targets[0].value.value
             if scope.memory.affected(node.value, scope.memory.written([assign(index(array, const(0)), const(0))])):
                 scope.refuse(node, "a store by number of what may share memory with the array",
                              help=f"np.put({array.id}, k, values) copies the values before")
-    new.body = [rebuild(statement, _changed) for statement in new.body]
+    new.body = [rebuild(statement, _positional) for statement in new.body]
     return new
 
 
-# functions and methods of which a dtype and an array for the result stand before other options
-_REDUCING = frozenset("sum prod mean var std max min amax amin ptp cumsum cumprod nansum nanmean nanmax nanmin nanvar "
-                      "nanstd median any all argmax argmin argsort".split())
-# functions alone, with the arguments that stand before their options
+# functions and methods with a dtype and `out` before other options
+_REDUCTIONS = frozenset("sum prod mean var std max min amax amin ptp cumsum cumprod nansum nanmean nanmax nanmin "
+                        "nanvar nanstd median any all argmax argmin argsort".split())
+# functions alone, with the number of arguments before their options
 _OPERANDS = {"sort": 2, "unique": 1, "isin": 2, "setdiff1d": 2, "histogram": 2}
 
 
-def _changed(node: AST) -> AST | None:
-    if isinstance(node, Assign) and (stored := _stored_flat(node)) is not None:
-        return rebuild(stored, _changed)
+def _positional(node: AST) -> AST | None:
+    if isinstance(node, Assign) and (stored := _flat_store(node)) is not None:
+        return rebuild(stored, _positional)
     if isinstance(node, Subscript) and isinstance(node.ctx, Load) and _is_flat(node.value):
         taken = at(index(call("numpy.ravel", node.value.value), *indices(node)), node)
-        return rebuild(at(call("numpy.copy", taken), node) if isinstance(node.slice, Slice) else taken, _changed)
+        return rebuild(at(call("numpy.copy", taken), node) if isinstance(node.slice, Slice) else taken, _positional)
     if isinstance(node, For) and _is_flat(node.iter) and node.iter.value.id not in names(node.body):
-        return rebuild(_over_elements(node), _changed)
-    if isinstance(node, Call) and (named := _by_name(node)) is not None:
-        return rebuild(named, _changed)
+        return rebuild(_raveled_loop(node), _positional)
+    if isinstance(node, Call) and (named := _without_defaults(node)) is not None:
+        return rebuild(named, _positional)
     if call_name(node) == "builtins.divmod" and len(node.args) == 2:
         parts = [BinOp(*map(copy, (node.args[0], op, node.args[1]))) for op in (FloorDiv(), Mod())]
-        return rebuild(at(tuple_of(*parts), node), _changed)
+        return rebuild(at(tuple_of(*parts), node), _positional)
     if call_name(node) in ("builtins.any", "builtins.all") and len(node.args) == 1 and not isinstance(
             node.args[0], GeneratorExp):                # which stops early (comprehensions)
-        return rebuild(at(call(f"numpy.{(call_name(node) or '')[9:]}", *node.args), node), _changed)
+        return rebuild(at(call(f"numpy.{(call_name(node) or '')[9:]}", *node.args), node), _positional)
     if not isinstance(node, Call) or not node.keywords or not (call_name(node) or "").startswith("numpy."):
         return None
-    given = {k.arg: k.value for k in node.keywords}
+    options = {k.arg: k.value for k in node.keywords}
     args = list(node.args)
-    for parameter in leading(call_name(node) or "")[len(args):]:
-        if parameter not in given:
+    for parameter in required_parameters(call_name(node) or "")[len(args):]:
+        if parameter not in options:
             break
-        args.append(given.pop(parameter))
+        args.append(options.pop(parameter))
     if len(args) == len(node.args):
         return None
-    return rebuild(at(Call(node.func, args, [k for k in node.keywords if k.arg in given]), node), _changed)
+    return rebuild(at(Call(node.func, args, [k for k in node.keywords if k.arg in options]), node), _positional)
 
 
 @cache
-def leading(path: str) -> tuple[str, ...]:
-    """The parameters that a function of NumPy must be given, in order, as far as they have names."""
+def required_parameters(path: str) -> tuple[str, ...]:
+    """The required parameters of a function of NumPy's, in order, as far as they have names."""
     word = path.partition(".")[2]
-    if word in _LEADING:
-        return _LEADING[word]
+    if word in _REQUIRED:
+        return _REQUIRED[word]
     try:
         found = inspect.signature(library_value(path)).parameters.values()
     except (TypeError, ValueError):
@@ -92,49 +91,49 @@ def leading(path: str) -> tuple[str, ...]:
                  and p.default is p.empty)
 
 
-_KINDS = {"kind": ("stable", "mergesort", "quicksort", "heapsort", None), "stable": (True, False, None)}
+_SORT_KINDS = {"kind": ("stable", "mergesort", "quicksort", "heapsort", None), "stable": (True, False, None)}
 
 
-def _by_name(node: Call) -> Call | None:
-    """A reduction with the options behind its axis by name, without a dtype and an array that are None."""
+def _without_defaults(node: Call) -> Call | None:
+    """A reduction with the options behind its axis by name, without a dtype or an `out` that is None."""
     function = call_name(node) or ""
     method = node.func.attr if isinstance(node.func, Attribute) else ""
     word = method or function.removeprefix("numpy.")
-    known = word in _REDUCING or function.removeprefix("numpy.") in _OPERANDS
+    known = word in _REDUCTIONS or function.removeprefix("numpy.") in _OPERANDS
     if not known or not (method or function.startswith("numpy.")):
         return None
-    places = list(inspect.signature(library_value(f"numpy.{word}")).parameters)[bool(method):]
+    parameters = list(inspect.signature(library_value(f"numpy.{word}")).parameters)[bool(method):]
     first = 1 if method else _OPERANDS.get(word, 2)
-    if len(node.args) > len(places):
+    if len(node.args) > len(parameters):
         return None
-    given: list[tuple[str | None, AST]] = [*zip(places[first:], node.args[first:])]
-    given += [(k.arg, k.value) for k in node.keywords]
-    kept = [(p, v) for p, v in given if not (
+    options: list[tuple[str | None, AST]] = [*zip(parameters[first:], node.args[first:])]
+    options += [(k.arg, k.value) for k in node.keywords]
+    kept = [(p, v) for p, v in options if not (
         p in ("dtype", "out") and isinstance(v, Constant) and v.value is None)]
-    kept = _ordered(kept, word) if word.endswith("sort") else kept
-    if len(node.args) <= first and [(p, dump(v)) for p, v in kept] == [(p, dump(v)) for p, v in given]:
+    kept = _sort_options(kept, word) if word.endswith("sort") else kept
+    if len(node.args) <= first and [(p, dump(v)) for p, v in kept] == [(p, dump(v)) for p, v in options]:
         return None
     return at(Call(node.func, node.args[:first], [at(keyword(str(p), v), v) for p, v in kept]), node)
 
 
-def _ordered(given: list[tuple[str | None, AST]], function: str) -> list[tuple[str | None, AST]]:
-    """The options of an order, the kind of one that keeps equals in theirs under the name that both engines know."""
-    kinds = [(p, getattr(v, "value", None)) for p, v in given if p in ("kind", "stable")]
-    if not all(k in _KINDS[p or ""] for p, k in kinds):
-        return given
-    left = [(p, v) for p, v in given if p not in ("kind", "stable")]
+def _sort_options(options: list[tuple[str | None, AST]], function: str) -> list[tuple[str | None, AST]]:
+    """The options of a sort, a stable kind under the name that both engines know."""
+    kinds = [(p, getattr(v, "value", None)) for p, v in options if p in ("kind", "stable")]
+    if not all(k in _SORT_KINDS[p or ""] for p, k in kinds):
+        return options
+    left = [(p, v) for p, v in options if p not in ("kind", "stable")]
     keeps = any(k in ("stable", "mergesort", True) for _, k in kinds) and function == "argsort"
     return [*left, ("kind", Constant("mergesort", None))] if keeps else left
 
 
-# -- elements in the order of rows -----------------------------------------------------------------------------------
+# -- elements in row-major order ---------------------------------------------------------------------------------------
 
 def _is_flat(node: AST) -> bool:
     return isinstance(node, Attribute) and node.attr == "flat" and isinstance(node.value, Name)
 
 
-def _stored_flat(node: Assign) -> AST | None:
-    """A store at one number of an element as `np.put`, which counts them alike."""
+def _flat_store(node: Assign) -> AST | None:
+    """A store at one index of `x.flat` as `np.put`, which counts elements alike."""
     target = node.targets[0]
     if len(node.targets) > 1 or not isinstance(target, Subscript) or not _is_flat(target.value):
         return None
@@ -145,7 +144,7 @@ def _stored_flat(node: Assign) -> AST | None:
     return at(Assign([index(array, const(...))], at(stored, node), None), node)
 
 
-def _over_elements(node: For) -> For:
+def _raveled_loop(node: For) -> For:
     new = copy(node)
     new.iter = at(call("numpy.ravel", node.iter.value), node.iter)
     return new

@@ -33,12 +33,12 @@ def scipy_linalg(function: FunctionDef, context: Context) -> FunctionDef:
         called = call_name(node) or ""
         if not isinstance(node, Call) or not called.startswith(SCIPY):
             return None
-        made = _spelled(node, called.removeprefix(SCIPY))
+        made = _in_numpy(node, called.removeprefix(SCIPY))
         return None if made is None else at(rebuild(made, lambda n: None if n is made else change(n)), node)
     return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
-def _spelled(node: Call, function: str) -> AST | None:
+def _in_numpy(node: Call, function: str) -> AST | None:
     if function == "block_diag" and not node.keywords and len(node.args) > 2 and not any(
             isinstance(a, Starred) for a in node.args):
         return reduce(lambda a, b: call(f"{SCIPY}block_diag", a, b), node.args)
@@ -48,40 +48,40 @@ def _spelled(node: Call, function: str) -> AST | None:
     given: Options = {**dict(zip(names, node.args)), **{str(k.arg): k.value for k in node.keywords}}
     if len(given) < len(node.args) + len(node.keywords):
         return None
-    options = {k: v for k, v in given.items() if k not in IGNORED and not _is(v, None)}
+    options = {k: v for k, v in given.items() if k not in IGNORED and not _is_constant(v, None)}
     made = _SPELLED[function](options) if names[0] in options else None
     return None if options else made     # each takes what it knows
 
 
-def _is(node: AST, value: object) -> bool:
+def _is_constant(node: AST, value: object) -> bool:
     return isinstance(node, Constant) and node.value is value
 
 
-def _taken(options: Options, option: str, default: object) -> object:
-    """How an option is written; it stays among the others if it is not."""
+def _pop_constant(options: Options, option: str, default: object) -> object:
+    """The constant that an option is; any other expression stays among the options."""
     if option not in options:
         return default
     return options.pop(option).value if isinstance(options[option], Constant) else default
 
 
-def turned(a: AST, asked: object = True) -> AST:
-    """Each matrix of a stack is turned, not the stack."""
-    return call("numpy.swapaxes", a, negate(const(1)), negate(const(2))) if asked else a
+def transposed_matrices(a: AST, transposed: object = True) -> AST:
+    """Each matrix of a stack transposed."""
+    return call("numpy.swapaxes", a, negate(const(1)), negate(const(2))) if transposed else a
 
 
 def _solve(options: Options) -> AST | None:
-    assumed, lower = _taken(options, "assume_a", "gen"), _taken(options, "lower", False)
-    transposed = _taken(options, "transposed", False)
+    assumed, lower = _pop_constant(options, "assume_a", "gen"), _pop_constant(options, "lower", False)
+    transposed = _pop_constant(options, "transposed", False)
     a, b = options.pop("a"), options.pop("b", None)
     if b is None or assumed not in ("gen", "general", *_SYMMETRIC):
         return None
     if assumed in _SYMMETRIC:
         return call("numpy.linalg.solve", call(f"{SCIPY}mirrored", a, lower=const(bool(lower))), b)
-    return call("numpy.linalg.solve", turned(a, transposed), b)
+    return call("numpy.linalg.solve", transposed_matrices(a, transposed), b)
 
 
 def _qr(options: Options) -> AST | None:
-    mode, pivoting = _taken(options, "mode", "full"), _taken(options, "pivoting", False)
+    mode, pivoting = _pop_constant(options, "mode", "full"), _pop_constant(options, "pivoting", False)
     a = options.pop("a")
     if pivoting or mode not in ("full", "economic", "r"):
         return None
@@ -92,29 +92,29 @@ def _qr(options: Options) -> AST | None:
 
 def _eigh(options: Options) -> AST | None:
     """NumPy reads the lower triangle; the values are the same whatever the driver is, vectors have other signs."""
-    alone, driver = _taken(options, "eigvals_only", False), _taken(options, "driver", None)
-    lower = _taken(options, "lower", True)
-    a = turned(options.pop("a"), not lower)
+    alone, driver = _pop_constant(options, "eigvals_only", False), _pop_constant(options, "driver", None)
+    lower = _pop_constant(options, "lower", True)
+    a = transposed_matrices(options.pop("a"), not lower)
     if alone:
         return call("numpy.linalg.eigvalsh", a)
     return call("numpy.linalg.eigh", a) if driver == "evd" and lower else None
 
 
 def _eigvalsh(options: Options) -> AST | None:
-    _taken(options, "driver", None)
-    lower = _taken(options, "lower", True)
-    return call("numpy.linalg.eigvalsh", turned(options.pop("a"), not lower))
+    _pop_constant(options, "driver", None)
+    lower = _pop_constant(options, "lower", True)
+    return call("numpy.linalg.eigvalsh", transposed_matrices(options.pop("a"), not lower))
 
 
-def _in_bands(options: Options) -> AST | None:
-    lower = _taken(options, "lower", False)
+def _solveh_banded(options: Options) -> AST | None:
+    lower = _pop_constant(options, "lower", False)
     a, b = options.pop("ab"), options.pop("b", None)
     return None if b is None else call(f"{SCIPY}solveh_banded", a, b, lower=const(bool(lower)))
 
 
 def _svd(options: Options) -> AST | None:
-    driver, vectors = _taken(options, "lapack_driver", "gesdd"), _taken(options, "compute_uv", True)
-    complete = _taken(options, "full_matrices", True)
+    driver, vectors = _pop_constant(options, "lapack_driver", "gesdd"), _pop_constant(options, "compute_uv", True)
+    complete = _pop_constant(options, "full_matrices", True)
     a = options.pop("a")
     if not vectors:
         return call("runtime.singular_values", a)
@@ -122,5 +122,5 @@ def _svd(options: Options) -> AST | None:
 
 
 _SPELLED: dict[str, Callable[[Options], AST | None]] = {
-    "solve": _solve, "qr": _qr, "eigh": _eigh, "eigvalsh": _eigvalsh, "solveh_banded": _in_bands,
+    "solve": _solve, "qr": _qr, "eigh": _eigh, "eigvalsh": _eigvalsh, "solveh_banded": _solveh_banded,
     "svd": _svd}

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from s2sad import rules
 from s2sad.diagnostics import Report
-from s2sad.normalize.library.scipy_linalg import IGNORED, SCIPY, turned
+from s2sad.normalize.library.scipy_linalg import IGNORED, SCIPY, transposed_matrices
 from s2sad.passes import Context
 from s2sad.rules.spellings import TABLE
 from s2sad.tree import (
@@ -47,31 +47,31 @@ class _Factorization:
 
 
 def scipy_solvers(function: FunctionDef, context: Context) -> FunctionDef:
-    """The function with those functions; what it cannot follow goes into the report."""
+    """The function with those functions; what cannot be followed is refused."""
     report = context.report
     if not any((call_name(n) or "").startswith(SCIPY) for n in walk(function.body)):
         return function
     new = copy(function)
-    new.body = [rebuild(statement, _plain) for statement in function.body]
+    new.body = [rebuild(statement, _without_ignored_options) for statement in function.body]
     pass_ = _Solvers(new, report)
     new.body = pass_.block(new.body)
     pass_.check(new.body)
     return new
 
 
-def _plain(node: AST) -> AST | None:
-    """The call without the options that say nothing of its result; how a triangle is used as a number."""
+def _without_ignored_options(node: AST) -> AST | None:
+    """The call without options that do not change its result; `trans` as a number."""
     called = call_name(node) or ""
     if not isinstance(node, Call) or not called.startswith(SCIPY):
         return None
-    keywords = [rebuild(k, _plain) for k in node.keywords if k.arg not in IGNORED]
-    args = [rebuild(a, _plain) for a in node.args]
+    keywords = [rebuild(k, _without_ignored_options) for k in node.keywords if k.arg not in IGNORED]
+    args = [rebuild(a, _without_ignored_options) for a in node.args]
     if called == f"{SCIPY}solve_triangular" and len(args) == 3:
         keywords.append(keyword("trans", args.pop()))
     for k in keywords:
         if k.arg == "trans" and isinstance(k.value, Constant):
             k.value = const(_TRANS.get(k.value.value, k.value.value))
-    if called == f"{SCIPY}cholesky" and (lower := _flag(args[1:], keywords)) is not None:
+    if called == f"{SCIPY}cholesky" and (lower := _lower(args[1:], keywords)) is not None:
         return at(_cholesky(args[0], lower), node)
     written = args and isinstance(args[0], (Tuple, List)) and len(args[0].elts) == 2
     if called == f"{SCIPY}solve_banded" and written and len(args) == 3 and not keywords:
@@ -79,8 +79,8 @@ def _plain(node: AST) -> AST | None:
     return at(Call(node.func, args, keywords), node)
 
 
-def _flag(rest: list[AST], keywords: list[AST]) -> bool | None:
-    """The option `lower`, False where it is not given; None if it is not written out."""
+def _lower(rest: list[AST], keywords: list[AST]) -> bool | None:
+    """The option `lower`, False by default; None if it is no constant."""
     given = [*rest, *(k.value for k in keywords)]
     if any(k.arg != "lower" for k in keywords) or len(given) > 1:
         return None
@@ -91,7 +91,7 @@ def _flag(rest: list[AST], keywords: list[AST]) -> bool | None:
 def _cholesky(a: AST, lower: bool) -> AST:
     if lower:
         return call("numpy.linalg.cholesky", a)
-    return turned(call("numpy.linalg.cholesky", turned(a)))
+    return transposed_matrices(call("numpy.linalg.cholesky", transposed_matrices(a)))
 
 
 class _Solvers:
@@ -108,10 +108,10 @@ class _Solvers:
             self.held |= more
 
     def factors(self, node: AST) -> _Factorization | None:
-        """What an expression holds of a factorization."""
+        """The factorization, or its item, that an expression is."""
         called = (call_name(node) or "").removeprefix(SCIPY)
         if called in _FACTORS and isinstance(node, Call):
-            lower = _flag(node.args[1:], node.keywords)
+            lower = _lower(node.args[1:], node.keywords)
             plain = lower is not None and (called == "cho_factor" or len(node.args) + len(node.keywords) == 1)
             return _Factorization(called, None, lower) if plain else None
         if isinstance(node, Name):
@@ -130,7 +130,7 @@ class _Solvers:
             if found is not None and found.part == 1:
                 continue  # the row exchanges and the triangle are in the factors
             if found is not None:
-                made.append(at(Assign([target], self.made(statement.value), None), statement))
+                made.append(at(Assign([target], self.factor_array(statement.value), None), statement))
                 continue
             new = rebuild(statement, self.solved) if not hasattr(statement, "body") else copy(statement)
             if hasattr(statement, "body"):
@@ -141,11 +141,11 @@ class _Solvers:
             made.append(new)
         return made
 
-    def made(self, node: AST) -> AST:
-        """The factors that an expression stands for, as an array."""
+    def factor_array(self, node: AST) -> AST:
+        """The array of factors that an expression is."""
         found = self.factors(node)
         if isinstance(node, Subscript):
-            return self.made(node.value)
+            return self.factor_array(node.value)
         if isinstance(node, Name) or found is None:
             return copy(node)
         a = rebuild(node.args[0], self.solved)
@@ -165,16 +165,16 @@ class _Solvers:
             trans = options.pop("trans", const(0))
             if isinstance(trans, Constant) and trans.value in (0, 1) and not options:
                 return at(call("runtime.solved_transposed" if trans.value else "runtime.solved",
-                               self.made(parts[0]), b), node)
+                               self.factor_array(parts[0]), b), node)
         if called == "cho_solve" and not options:
             written = getattr(parts[1], "value", None) if isinstance(parts[1], Constant) else None
             lower = written if isinstance(written, bool) else second.lower if second else None
             if lower is not None:
-                return at(_twice(self.made(parts[0]), b, lower), node)
+                return at(_cholesky_solution(self.factor_array(parts[0]), b, lower), node)
         return None
 
     def check(self, block: list[AST]) -> None:
-        """Reports what is left of such functions, and what else reads their results."""
+        """Refuses what is left of such functions, and any other use of their results."""
         for node in walk(block):
             path = call_name(node) or ""
             called = path.removeprefix(SCIPY)
@@ -196,7 +196,7 @@ class _Solvers:
                                   "determinant")
 
 
-def _twice(factor: AST, b: AST, lower: bool) -> AST:
+def _cholesky_solution(factor: AST, b: AST, lower: bool) -> AST:
     """The solution with a Cholesky factor: with the triangle and with its transpose."""
     def solve(right: AST, trans: int) -> AST:
         flag = {"lower": const(True)} if lower else {}

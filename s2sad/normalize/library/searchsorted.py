@@ -19,25 +19,25 @@ from s2sad.tree import AST, Call, FunctionDef, at, call, call_name, name, rebuil
 
 
 def searchsorted(function: FunctionDef, context: NormalContext) -> FunctionDef:
-    """The function with those functions under their own names; `loops` if orders are sought row by row, too."""
+    """The function with those functions; where loops are compiled, with sorts row by row, too."""
     typing, loops = context.typing, context.in_loops
     def change(node: AST) -> AST | None:
-        made = _each(node, typing, loops) if isinstance(node, Call) else None
+        made = _array_search(node, typing, loops) if isinstance(node, Call) else None
         return None if made is None else at(rebuild(made, change), node)
     return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
-def _each(node: Call, typing: Typing, loops: bool) -> AST | None:
+def _array_search(node: Call, typing: Typing, loops: bool) -> AST | None:
     called = call_name(node)
     if called == "numpy.searchsorted" and len(node.args) > 1 and typing.of(node.args[1]).is_array:
-        return _bound(node, "numpy.searchsorted.each")
+        return _renamed(node, "numpy.searchsorted.each")
     if called == "numpy.argsort" and node.args and (rank := typing.of(node.args[0]).rank):
         if rank == 1 and any(k.arg == "axis" for k in node.keywords):
             return call(called, node.args[0], **{str(k.arg): k.value for k in node.keywords if k.arg != "axis"})
-        return _bound(node, "numpy.argsort.along") if rank > 1 and loops else None
+        return _renamed(node, "numpy.argsort.along") if rank > 1 and loops else None
     return None
 
 
-def _bound(node: Call, function: str) -> Call | None:
+def _renamed(node: Call, function: str) -> Call | None:
     rule = rules.find_array(function)
     return rules.bound(rule, at(Call(name(function), node.args, node.keywords), node)) if rule else None

@@ -30,8 +30,8 @@ CONJUGATING = ("conj", "conjugate")     # methods
 _REDUCING = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
 
 
-def start() -> Constant:
-    """The 0 that Python's sum begins with."""
+def sum_start() -> Constant:
+    """The initial 0 of Python's sum."""
     return Constant(0, "start")
 
 
@@ -45,26 +45,26 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
         if isinstance(node, Call) and isinstance(node.func, Attribute) and node.func.attr in CONJUGATING:
             kind, inner = typing.of(node.func.value), rebuild(node.func.value, change)
             return inner if kind.is_array and not kind.is_complex else at(call("numpy.conj", inner), node)
-        if isinstance(node, BinOp) and (made := _with_array(node, typing)) is not None:
+        if isinstance(node, BinOp) and (made := _operand_as_array(node, typing)) is not None:
             return rebuild(made, change)
-        if isinstance(node, Compare) and (made := _compared(node, typing)) is not None:
+        if isinstance(node, Compare) and (made := _comparison_as_array(node, typing)) is not None:
             return rebuild(made, change)
         if isinstance(node, Call) and isinstance(node.func, Attribute) and node.func.attr == "item":
             return _item(node, typing.of(node.func.value), [rebuild(n, change) for n in [node.func.value, *node.args]])
         if isinstance(node, Subscript) and isinstance(node.slice, Slice) and isinstance(node.value, Attribute):
-            return _sizes(node, typing)
+            return _shape_slice(node, typing)
         if call_name(node) == "builtins.abs" and len(node.args) == 1 and typing.of(node.args[0]).is_array:
             return at(call("numpy.abs", rebuild(node.args[0], change)), node)
-        if call_name(node) == "numpy.reshape" and (made := _spread(node, typing)) is not None:
+        if call_name(node) == "numpy.reshape" and (made := _vector_reshape(node, typing)) is not None:
             return made
-        if call_name(node) in ("numpy.size", "numpy.ndim") and (made := _asked(node, typing)) is not None:
+        if call_name(node) in ("numpy.size", "numpy.ndim") and (made := _array_property(node, typing)) is not None:
             return rebuild(made, change)
         if isinstance(node, Call) and (rule := find_array(call_name(node))) is not None and (
                 len(node.args) == len(rule.operands) == 1) and (
                 reduced_number(rule.name, typing.of(node.args[0]), rule.arguments(node)) != UNKNOWN):
-            return _of_number(node, rule.name, rebuild(node.args[0], change),
+            return _number_reduction(node, rule.name, rebuild(node.args[0], change),
                               exact=typing.of(node) == typing.of(node.args[0]))
-        if call_name(node) == "numpy.prod" and (made := _one_by_one(node, typing)) is not None:
+        if call_name(node) == "numpy.prod" and (made := _axis_by_axis(node, typing)) is not None:
             return rebuild(made, change)
         if call_name(node) in _REDUCING and node.args and call_name(inner := node.args[0]) == "numpy.astype":
             kind = typing.of(inner.args[0])
@@ -74,8 +74,8 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
     return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
-def _asked(node: Call, typing: Typing) -> AST | None:
-    """The size of an array, along an axis if one is given, or the number of its axes, which is 0 for a number."""
+def _array_property(node: Call, typing: Typing) -> AST | None:
+    """The size of an array, or along an axis, or the number of its axes, which is 0 for a number."""
     given = [*node.args, *(k.value for k in node.keywords if k.arg in ("a", "axis"))]
     kind = typing.of(given[0]) if given else UNKNOWN
     if len(given) != len(node.args) + len(node.keywords) or not (kind.is_array or kind.is_number):
@@ -91,8 +91,8 @@ def _asked(node: Call, typing: Typing) -> AST | None:
         attribute(given[0], "shape"), const(axis % kind.rank)), node)
 
 
-def _one_by_one(node: Call, typing: Typing) -> AST | None:
-    """A product along several written axes as products along each, the last first."""
+def _axis_by_axis(node: Call, typing: Typing) -> AST | None:
+    """A product along several axes as products along each, the last first."""
     given = {str(k.arg): k.value for k in node.keywords}
     axes = axes_of(given["axis"], typing.of(node.args[0]).rank) if isinstance(given.get("axis"), Tuple) else None
     if axes is None or len(node.args) != 1:
@@ -103,8 +103,8 @@ def _one_by_one(node: Call, typing: Typing) -> AST | None:
     return made
 
 
-def _of_number(node: Call, reduction: str, value: AST, exact: bool) -> AST:
-    """A reduction of a number without it: a spread is nothing, but NaN where the number is not finite."""
+def _number_reduction(node: Call, reduction: str, value: AST, exact: bool) -> AST:
+    """A reduction of a number as the number; a spread is 0, or NaN where the number is not finite."""
     if reduction in SPREAD:
         return at(BinOp(value, Sub(), copy(value)), node)
     if reduction == NORM:
@@ -112,7 +112,7 @@ def _of_number(node: Call, reduction: str, value: AST, exact: bool) -> AST:
     return value if exact else at(call("builtins.float", value), node)
 
 
-def _with_array(node: BinOp, typing: Typing) -> AST | None:
+def _operand_as_array(node: BinOp, typing: Typing) -> AST | None:
     """The operation of an array with an array of the numbers that are spelled out."""
     sides = [node.left, node.right]
     for side, other in (sides, sides[::-1]):
@@ -123,7 +123,7 @@ def _with_array(node: BinOp, typing: Typing) -> AST | None:
     return None
 
 
-def _compared(node: Compare, typing: Typing) -> AST | None:
+def _comparison_as_array(node: Compare, typing: Typing) -> AST | None:
     """The comparison of an array with an array of the numbers that are spelled out."""
     if len(node.ops) > 1 or isinstance(node.ops[0], (In, Is, IsNot, NotIn)):
         return None
@@ -139,8 +139,8 @@ def _compared(node: Compare, typing: Typing) -> AST | None:
     return at(Compare(left, node.ops, [right]), node)
 
 
-def _sizes(node: Subscript, typing: Typing) -> AST | None:
-    """The sizes that a written slice of a shape picks."""
+def _shape_slice(node: Subscript, typing: Typing) -> AST | None:
+    """A slice of a shape, of constant bounds, as a tuple of sizes."""
     shape, part = node.value, constant_slice(node.slice)
     kind = typing.of(shape.value) if shape.attr == "shape" else None
     if part is None or kind is None or not kind.is_array:
@@ -148,8 +148,8 @@ def _sizes(node: Subscript, typing: Typing) -> AST | None:
     return at(tuple_of(*(index(copy(shape), const(k)) for k in range(kind.rank)[part])), node)
 
 
-def _spread(node: Call, typing: Typing) -> AST | None:
-    """An array of one axis, or a part of one, as a column, a row, or as it is."""
+def _vector_reshape(node: Call, typing: Typing) -> AST | None:
+    """A reshape of a vector to a column, a row or a vector as a view by subscripts."""
     if len(node.args) != 2 or node.keywords or not isinstance(node.args[0], (Name, Subscript)):
         return None
     operand, shape = node.args
@@ -161,7 +161,7 @@ def _spread(node: Call, typing: Typing) -> AST | None:
 
 
 def _item(node: Call, kind: Type, parts: list[AST]) -> AST | None:
-    """The one element of an array, or that at a place in the order of rows."""
+    """The one element of an array, or that with a number in row-major order."""
     if node.keywords or len(parts) > 2 or not (kind.is_array or kind.is_number):
         return None
     value, *places = parts
@@ -171,7 +171,7 @@ def _item(node: Call, kind: Type, parts: list[AST]) -> AST | None:
 
 
 def _unraveled(array: AST, place: AST, rank: int) -> list[AST]:
-    """The subscripts of an element by its number in the order of rows; one below 0 counts from the end."""
+    """The subscripts of an element by its number in row-major order; one below 0 counts from the end."""
     sizes = [index(attribute(copy(array), "shape"), const(k)) for k in range(rank)]
     found: list[AST] = []
     for k in range(rank):
