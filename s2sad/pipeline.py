@@ -191,7 +191,7 @@ def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch =
         outside = tuple(of_value(a) for a in program.arrays.values())
         made[engine, types] = units, units.unit(program.entry, types + outside)
     units, unit = made[engine, types]
-    return units.again(), unit
+    return units.without_derivatives(), unit
 
 
 def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:

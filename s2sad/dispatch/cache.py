@@ -27,7 +27,7 @@ from s2sad.run.progress import Working
 from s2sad.live_objects.registry import GIVEN, RegisteredRule
 from s2sad.run.compiled import chosen, compiled, interpreting, prepare, quiet
 from s2sad.run.exceptions import CAUGHT
-from s2sad.run.module_loader import owned
+from s2sad.run.module_loader import keep_loaded
 from s2sad.run.overlap import Check, Slot
 from s2sad.live_objects.side_table import side_table
 
@@ -144,7 +144,7 @@ class ProgramVersion:
     @classmethod
     def of(cls, program: Program, function: FunctionType) -> ProgramVersion:
         """The state for a program that was read."""
-        kernel, given = compiler().entry_kernel(program), compiler().given_of(program)
+        kernel, given = compiler().entry_kernel(program), compiler().registered_rules(program)
         held = (*program.arrays.values(), *program.records.values())
         address = None if given else artifacts.address(program.guards, function, held, kernel)
         made = cls(ReadRecord(kernel, compiler().asks(program), program.arrays, program.records, program.guards,
@@ -154,7 +154,7 @@ class ProgramVersion:
 
     def with_program(self, program: Program) -> ProgramVersion:
         """The state, whose program was read."""
-        self._program, self.given = program, compiler().given_of(program)
+        self._program, self.given = program, compiler().registered_rules(program)
         with recording(self._compiled_in):
             self._frozen = [(g.plain, compiler().compiled_in(g.plain)) for g in self.given
                             if isinstance(g.plain, FunctionType)]
@@ -202,7 +202,7 @@ class ProgramVersion:
     def serves(self, program: Program) -> bool:
         """Whether what was derived here holds for another reading of the same function."""
         if self._program is not None:
-            return (self.given == compiler().given_of(program) and self.unchanged()
+            return (self.given == compiler().registered_rules(program) and self.unchanged()
                     and compiler().same_program(self._program, program))
         if artifacts.address(program.guards, self.function, (), self.kernel) != self.reading.address:
             return False
@@ -281,8 +281,8 @@ class ProgramVersion:
         variant = self.variant(Request("primal", types, (), ()), engine)
         text = quiet(variant.generated.text)
         guards = tuple(variant.generated.facts.get("guards", ()))
-        module = compiled(text, variant.generated.entry, bounds=True, given=bool(self.given), guards=guards)
-        owned(module, self)
+        module = compiled(text, variant.generated.entry, bounds=True, user_functions=bool(self.given), guards=guards)
+        keep_loaded(module, self)
         function = getattr(module, variant.generated.entry)
         copies = dict(zip(self.parameters, self.copied(values, types)))
         arguments = variant.assemble(copies, {}, (), self.outside(types))

@@ -19,13 +19,14 @@ from s2sad.evaluate.structures.fields import Flat, asks, fields
 from s2sad.evaluate.structures.groups import StructureValue, nothing
 from s2sad.program import EntrySummary, Generated, Kernel, Program, Request
 from s2sad.read.capture import not_a_function
-from s2sad.run.user_functions_in_numba import compiled_in, given_of, held_to_numbers, uncompiled
-from s2sad.run.user_derivatives import looked_at
+from s2sad.run.user_functions_in_numba import checked_constants, compiled_in, registered_rules, uncompiled
+from s2sad.run.user_derivatives import checked_derivatives
 from s2sad.pytree import Form, PyTree
 from s2sad.tree import equal
 
-__all__ = ["asks", "compiled_in", "derived", "entry_kernel", "given_of", "held_to_numbers", "looked_at",
-           "not_a_function", "program", "result_form", "same_program", "summary", "taken_apart", "uncompiled"]
+__all__ = ["asks", "checked_constants", "checked_derivatives", "compiled_in", "derived", "entry_kernel",
+           "not_a_function", "program", "registered_rules", "result_form", "same_program", "summary", "taken_apart",
+           "uncompiled"]
 
 
 def program(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path] = ()) -> Program:

@@ -13,7 +13,7 @@ from s2sad.program import Generated, Parameter
 from s2sad.live_objects.registry import RegisteredRule
 from s2sad.run.compiled import compiled, prepare
 from s2sad.run.exceptions import CAUGHT, ExceptionMeanings
-from s2sad.run.module_loader import load, owned
+from s2sad.run.module_loader import keep_loaded, load
 from s2sad.run.overlap import Check, Slot
 
 HIDDEN = "array."
@@ -62,14 +62,14 @@ class Executable:
         plain = tuple(generated.facts.get("wrappers", ()))
         moving = bool(given) or generated.facts.get("moving", False)
         guards = tuple(generated.facts.get("guards", ()))
-        module = (compiled(generated.text, generated.entry, plain=plain, given=moving, guards=guards)
+        module = (compiled(generated.text, generated.entry, plain=plain, user_functions=moving, guards=guards)
                   if engine == "numba" else load(generated.text, generated.entry, own=bool(given), guards=guards))
         self.failures = ExceptionMeanings(generated.facts, str(module.__file__), kernel)
-        owned(module, self)
+        keep_loaded(module, self)
         if given and engine == "numpy":
-            compiler().held_to_numbers(module, given)
+            compiler().checked_constants(module, given)
             if "units" in generated.facts:
-                compiler().looked_at(module, generated.facts["units"])
+                compiler().checked_derivatives(module, generated.facts["units"])
         stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
         self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
         self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)

@@ -60,8 +60,8 @@ def _change(node: AST) -> AST | None:
             return _at(call("runtime.factorial", *args), node)
         return _at(call(_LACKING[name], *args), node)
     if name in _TRANSFORMS and (rule := rules.find_array(name)) is not None:
-        given = rule.arguments(node)
-        return _at(call(_TRANSFORMS[name], *(rebuild(given[o], _change) for o in (*rule.operands, *rule.options))),
+        operands = rule.arguments(node)
+        return _at(call(_TRANSFORMS[name], *(rebuild(operands[o], _change) for o in (*rule.operands, *rule.options))),
                    node)
     if name == "math.log" and len(node.args) == 2:
         x, base = _arguments(node)
@@ -75,8 +75,8 @@ def _change(node: AST) -> AST | None:
     if name == "numpy.ndim" and len(node.args) == 1:
         return _at(call("builtins.len", call("numpy.shape", *_arguments(node))), node)
     if name == "math.isclose":
-        given = {k.arg: rebuild(k.value, _change) for k in node.keywords}
-        tolerances = given.get("rel_tol", const(1e-9)), given.get("abs_tol", const(0.0))
+        operands = {k.arg: rebuild(k.value, _change) for k in node.keywords}
+        tolerances = operands.get("rel_tol", const(1e-9)), operands.get("abs_tol", const(0.0))
         return _at(call("runtime.isclose", *_arguments(node), *tolerances), node)
     return None
 

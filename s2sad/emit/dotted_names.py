@@ -1,4 +1,4 @@
-"""How dotted names print: in general, and in one module, where no two things may share a name."""
+"""dotted_names: how dotted names print: in general, and in one module, where no two things may share a name."""
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ from s2sad.emit.paste import RuntimeFunction
 from s2sad.emit.outside_uses import OutsideUses
 from s2sad.naming import Names
 
-# A whole id, or what stands before its first dot -> what is written for it.
+# A whole id, or the part before its first dot -> its spelling.
 SPELLING: Mapping[str, str] = {
     "numpy": "np", "math": "math", "builtins": "", "user": "", "const": "", "array": "", "runtime": "",
 }
@@ -21,7 +21,7 @@ SPECIAL = "from scipy import special"
 
 
 def spell(identifier: str, spelling: Mapping[str, str] = SPELLING) -> str:
-    """What is written for a name's id.
+    """The spelling of a name's id.
 
     >>> spell("numpy.linalg.det"), spell("builtins.range"), spell("u"), spell("const.G", {"const.G": "G_"})
     ('np.linalg.det', 'range', 'u', 'G_')
@@ -46,7 +46,7 @@ def module_spelling(uses: OutsideUses, constants: Mapping[str, tree.AST], pieces
 
     The user's names come first, then constants, then what s2sad adds.
     """
-    names, spelling = Names(uses.taken), {}
+    names, spelling = Names(uses.local_names), {}
     for key in uses.room("user"):
         if uses.hidden(f"user.{key}"):
             spelling[f"user.{key}"] = names.fresh(key)

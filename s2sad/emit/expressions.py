@@ -1,4 +1,4 @@
-"""The printing of expressions: minimal parentheses, and the places where a line may end."""
+"""expressions: the printing of expressions: minimal parentheses, and the places where a line may end."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping

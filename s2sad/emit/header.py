@@ -1,4 +1,4 @@
-"""The docstring of a generated file: what is differentiated with respect to what, types, roles, what is recorded."""
+"""header: the docstring of a generated file: what is differentiated by what, types, roles, what is recorded."""
 from __future__ import annotations
 
 from s2sad.liveness import base_name, read_names, targets
@@ -21,9 +21,9 @@ def header(derived: UnitDerivative, request: Request, units: Units) -> list[str]
              f"Engine: {engine}. Level: {request.level}. Arguments:"]
     for parameter, kind in zip((p.id for p in unit.function.args.args), unit.types):
         name = hidden_name(parameter, units.program)
-        given = name.replace("array.", "the array ")
+        shown = name.replace("array.", "the array ")
         why = f" (assumed: {assumed[parameter]})" if parameter in assumed else ""
-        lines.append(f"    {given}: {kind}, {role_of(parameter, unit, units)}{why}")
+        lines.append(f"    {shown}: {kind}, {role_of(parameter, unit, units)}{why}")
     if request.mode == "adjoint":
         lines += ["", *recorded_lines(derived, list(units.derived.values()))]
     return lines
@@ -32,8 +32,8 @@ def header(derived: UnitDerivative, request: Request, units: Units) -> list[str]
 def documented(function: FunctionDef, derived: UnitDerivative, manner: str = "") -> FunctionDef:
     """The function under a line that says what it differentiates with respect to what, and in what manner."""
     results = len(derived.unit.summary.results)
-    of = ", ".join("return" if results == 1 and o.startswith("return ") else o for o in derived.wanted.of)
-    wrt = ", ".join(derived.wanted.wrt)
+    of = ", ".join("return" if results == 1 and o.startswith("return ") else o for o in derived.request.of)
+    wrt = ", ".join(derived.request.wrt)
     said = f"{derived.mode.capitalize()} of {derived.unit.kernel.name}: d({of or 'nothing'}) / d({wrt or 'nothing'})"
     new = copy(function)
     new.body = [Expr(const(f"{said}, {manner}." if manner else f"{said}.")), *new.body]
@@ -69,7 +69,7 @@ def _reads(statement: AST, array: str, units: Units) -> bool:
 
 
 def _read(value: AST, array: str, units: Units) -> bool:
-    """Whether an expression reads elements; an array given to a kernel is read if that reads it."""
+    """Whether an expression reads elements; an array passed to a kernel is read if that reads it."""
     unit = units.called(value) if isinstance(value, Call) and (call_name(value) or "").startswith("user.") else None
     if unit is None:
         return array in read_names(value)

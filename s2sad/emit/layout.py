@@ -1,4 +1,4 @@
-"""A tree becomes text: readable Python with minimal parentheses, comments, and no line over 100 columns.
+"""layout: a tree becomes text: readable Python with minimal parentheses, comments, and no line over 100 columns.
 
 >>> from s2sad import tree
 >>> print(text(tree.statements("y[i,(j)] = (-(x**2))*((a+b)-(c-d))")))

@@ -1,4 +1,4 @@
-"""Breaking one logical line into lines that fit.
+"""line_breaking: one logical line becomes lines that fit.
 
 A logical line is a list of strings, `BREAK`s (a space where a new line may start) and `Pieces`. A group that
 does not fit is broken: brackets after the opening one, everything between them indented by four and filled, the
@@ -86,7 +86,7 @@ def _chunks(items: list) -> list[list]:
 
 
 class _Lines:
-    """The lines so far and the one being written."""
+    """The lines so far and the current one."""
 
     def __init__(self, indent: int, width: int):
         self.done: list[str] = []

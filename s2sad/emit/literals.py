@@ -1,4 +1,4 @@
-"""How constants are spelled: numbers, strings, formatted strings, docstrings."""
+"""literals: the text of constants: numbers, strings, formatted strings, docstrings."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ def number(value: Any) -> str:
 
 
 def needs_numpy(value: object) -> bool:
-    """Whether a constant is written with a NumPy name, as `np.inf` and `np.float32(0.5)` are."""
+    """Whether the literal of a constant has a NumPy name, as `np.inf` and `np.float32(0.5)` are."""
     if isinstance(value, tuple):
         return any(map(needs_numpy, value))
     if isinstance(value, float):

@@ -1,4 +1,4 @@
-"""Functions become a whole file: docstring, imports, constants, the functions.
+"""module: functions become a whole file: docstring, imports, constants, the functions.
 
 Only what the functions use is imported or defined, and nothing of that shares a name with anything of theirs.
 """
@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from s2sad import tree
-from s2sad.emit.operator_spellings import idiomatic
+from s2sad.emit.operator_spellings import operator_spellings
 from s2sad.emit.layout import WIDTH, Layout, text
 from s2sad.emit.line_breaking import BREAK, Pieces, broken
 from s2sad.emit.literals import docstring, escaped
-from s2sad.emit.user_style import manners
+from s2sad.emit.user_style import user_style
 from s2sad.emit.paste import pasted
 from s2sad.emit.dotted_names import BUILTINS, SPECIAL, literal, module_spelling
 from s2sad.emit.outside_uses import OutsideUses
@@ -32,7 +32,7 @@ class FunctionLines:
 
 @dataclass(frozen=True)
 class ModuleText:
-    """The text of a module, and which line of it stands for which statement."""
+    """The text of a module, and the statement of each of its lines."""
     text: str
     functions: tuple[FunctionLines, ...]
 
@@ -63,7 +63,7 @@ def module(functions: list[tree.FunctionDef], *, header: list[str], constants: M
     def limit(a):
         return G
     """
-    functions = list(map(idiomatic, functions))
+    functions = list(map(operator_spellings, functions))
     uses = OutsideUses.of(functions)
     values = {key: literal(constants[key]) for key in uses.room("const")}
     pieces = pasted(uses.room("runtime")) if standalone else []
@@ -133,8 +133,8 @@ def _imports(spelling: Mapping[str, str], runtime_names: list[str]) -> str:
            if key in spelling]
     others = [_import("numpy", spelling["numpy"])] if "numpy" in spelling else []
     others += [SPECIAL + _as("special", spelling[SPECIAL])] if SPECIAL in spelling else []
-    given = [_import_from(key[len(ROOM):], alias) for key, alias in spelling.items() if key.startswith(ROOM)]
-    blocks = ["\n".join(block) for block in (own, others, sorted(given)) if block]
+    user_functions = [_import_from(key[len(ROOM):], alias) for key, alias in spelling.items() if key.startswith(ROOM)]
+    blocks = ["\n".join(block) for block in (own, others, sorted(user_functions)) if block]
     if runtime_names:
         items: list = []
         for identifier in sorted(runtime_names):
@@ -162,7 +162,7 @@ def _as(known: str, alias: str) -> str:
 
 def _exceptions(functions: list[tree.FunctionDef], constants: list[str]) -> str:
     """The lines for ruff, if the functions need any; RUF100 because not every ruff has every rule on."""
-    codes = manners(functions)
+    codes = user_style(functions)
     if {"l", "O", "I"}.intersection(constants) and "E741" not in codes:
         codes = sorted([*codes, "E741"])
     rows = [", ".join([*codes[first:first + 10], "RUF100"]) for first in range(0, len(codes), 10)]

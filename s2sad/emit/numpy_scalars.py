@@ -33,15 +33,15 @@ def numpy_scalars(functions: list[FunctionDef], types: Types, constants: Mapping
     results: dict[str, list[int]] = {}
     for tree in functions:
         first = _NumpyScalars(tree, types.get(tree.name, {}), constants, [], results)
-        first.convert()
+        first.choose_conversions()
         results[tree.name] = first.whose.returned()
     made: list[FunctionDef] = []
     calls: dict[str, list[list[int]]] = {}
     for tree in reversed(functions):
         known = [max(kinds) for kinds in zip(*calls.get(tree.name, []))]
         last = _NumpyScalars(tree, types.get(tree.name, {}), constants, known, results)
-        last.convert()
-        made.insert(0, last.made())
+        last.choose_conversions()
+        made.insert(0, last.converted())
         for node in walk(tree.body):
             module, _, callee = (call_name(node) or "").partition(".")
             if module == "user":
@@ -50,7 +50,7 @@ def numpy_scalars(functions: list[FunctionDef], types: Types, constants: Mapping
 
 
 class _NumpyScalars:
-    """One function: what is converted, and its new text."""
+    """One function: the names to convert, and its new tree."""
 
     def __init__(self, tree: FunctionDef, types: Mapping[str, Type], constants: Mapping[str, object],
                  known: list[int], results: Mapping[str, list[int]]):
@@ -58,7 +58,7 @@ class _NumpyScalars:
         self.whose = ScalarKinds(tree, types, constants, known, results)
         self.before = ScalarKinds(tree, types, constants, known, results, as_it_is=True)
 
-    def convert(self) -> None:
+    def choose_conversions(self) -> None:
         """Chooses the names that are converted where they are bound."""
         risky = [BinOp(n.target, n.op, n.value) if isinstance(n, AugAssign) else n for n in walk(self.tree.body)
                  if isinstance(n, (AugAssign, BinOp))]
@@ -69,7 +69,7 @@ class _NumpyScalars:
                 if not self.whose.is_complex(node):
                     self.demand(node)
 
-    def made(self) -> FunctionDef:
+    def converted(self) -> FunctionDef:
         body = [self.statement(s) for s in self.tree.body]
         parameters = self.whose.parameters
         top = [assign(p, call(CONVERT, name(p))) for p in parameters if p in self.whose.converted]
@@ -150,7 +150,7 @@ class _NumpyScalars:
         return None
 
     def of_math(self, node: Call) -> AST:
-        """NumPy's function; `math` computes with 64 bits whatever it is given."""
+        """NumPy's function; `math` computes with 64 bits whatever its arguments."""
         args = [rebuild(a, self.expression) for a in node.args]
         if any(self.whose.kind(a) == NARROW for a in node.args):
             args[0] = call(CONVERT, args[0])

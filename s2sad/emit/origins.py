@@ -1,4 +1,4 @@
-"""Origins: every adjoint block stands under a comment with the statement that it reverses."""
+"""origins: every adjoint block stands under a comment with the statement that it reverses."""
 from __future__ import annotations
 
 import io

@@ -1,4 +1,4 @@
-"""What functions use of the world outside them, and which names are taken inside them."""
+"""outside_uses: the names from outside that functions read, and the local names in them."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ class OutsideUses:
         return cls(dotted, local)
 
     @property
-    def taken(self) -> set[str]:
+    def local_names(self) -> set[str]:
         return set(self.local).union(*self.local.values())
 
     def room(self, room: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""The kernels that derivatives call, as they are written into the generated file."""
+"""primal: the kernels that derivatives call, as the generated file has them."""
 from __future__ import annotations
 
 from collections.abc import Iterable

@@ -50,7 +50,7 @@ class ScalarKinds:
     def __init__(self, tree: FunctionDef, types: Mapping[str, Type], constants: Mapping[str, object],
                  known: list[int], results: Mapping[str, list[int]], as_it_is: bool = False):
         self.tree, self.types, self.constants, self.as_it_is = tree, types, constants, as_it_is
-        self.typing = Typing(types, lambda kernel, given: (), Report(Source("", "")), constants)
+        self.typing = Typing(types, lambda kernel, types: (), Report(Source("", "")), constants)
         self.complex = any(t.is_complex for t in types.values()) or any(
             isinstance(n, Constant) and isinstance(n.value, complex) for n in walk(tree.body))
         if self.complex:

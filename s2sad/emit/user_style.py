@@ -1,7 +1,7 @@
-"""What of the kernel's own manner a linter would write otherwise, and generated code keeps as it is.
+"""user_style: the rules of a linter that generated code breaks because the kernel does.
 
 >>> from s2sad import tree
->>> manners(tree.statements("def f(l):\\n    while l == None:\\n        pass"))
+>>> user_style(tree.statements("def f(l):\\n    while l == None:\\n        pass"))
 ['E711', 'E741']
 """
 from __future__ import annotations
@@ -14,7 +14,7 @@ _AMBIGUOUS = {"l", "O", "I"}
 _CONSTANT_BUILTINS = ("builtins.float", "builtins.int", "builtins.bool")
 
 
-def manners(functions: list[tree.FunctionDef]) -> list[str]:
+def user_style(functions: list[tree.FunctionDef]) -> list[str]:
     """The codes of ruff's rules about style that these functions may break, sorted; a few too many do no harm."""
     codes: set[str] = set()
     for function in functions:

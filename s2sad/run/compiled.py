@@ -1,4 +1,4 @@
-"""The Numba engine: every function of a generated module becomes a compiled one in the module's own namespace.
+"""compiled: the Numba engine: every function of a generated module becomes a compiled one, in the module's namespace.
 
 `error_model="numpy"` everywhere, fastmath nowhere, primal and derivatives with the same flags. What machine code
 depends on beside the module's text (the runtime's text, flags, versions) is part of the module's name, under which it
@@ -43,7 +43,7 @@ def available() -> bool:
 
 
 def chosen(engine: str) -> str:
-    """"numpy" or "numba" for "auto", "numpy" or "numba"; S2sadError if Numba is asked for and absent."""
+    """"numpy" or "numba" for "auto", "numpy" or "numba"; S2sadError if Numba is requested and absent."""
     if engine == "auto":
         return "numba" if available() else "numpy"
     if engine == "numba" and not available():
@@ -55,7 +55,7 @@ def chosen(engine: str) -> str:
 
 
 def always_checked() -> bool:
-    """Whether $S2SAD_BOUNDSCHECK or `bounds_checked` asks for bounds checks in everything that is compiled."""
+    """Whether $S2SAD_BOUNDSCHECK or `bounds_checked` requests bounds checks in everything that is compiled."""
     return _CHECKED.get() or os.environ.get("S2SAD_BOUNDSCHECK", "0") not in ("", "0")
 
 
@@ -70,19 +70,19 @@ def bounds_checked() -> Iterator[None]:
 
 
 def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ...] = (),
-             given: bool = False, guards: Collection[int] = ()) -> ModuleType:
+             user_functions: bool = False, guards: Collection[int] = ()) -> ModuleType:
     """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left.
 
-    With `given` it imports functions of the user: these are compiled too, and nothing is kept on disk, for the text
-    does not tell that they have changed. Nor is a module that calls what the interpreter runs, which lives as
+    With `user_functions` it imports functions of the user: these are compiled too, and nothing is kept on disk, for
+    the text stays the same when they change. Nor is a module that calls what the interpreter runs, which lives as
     long as the process.
     """
     bounds = bounds or always_checked()
-    module = load(text, name, _key(bounds), own=given, guards=guards)
+    module = load(text, name, _key(bounds), own=user_functions, guards=guards)
     if not getattr(module, "__compiled__", False):
         space = vars(module)
         register(used(space))
-        on_disk = not given and not any(map(_is_interpreted, space.values()))
+        on_disk = not user_functions and not any(map(_is_interpreted, space.values()))
         for identifier, value in list(space.items()):
             if not isinstance(value, FunctionType) or identifier in plain:
                 continue
@@ -90,7 +90,7 @@ def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ..
                 space[identifier] = _jit(value, bounds, on_disk=on_disk)
             elif (value.__module__ or "").startswith(_RUNTIME):
                 space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
-            elif given:
+            elif user_functions:
                 space[identifier] = _jit(value, bounds, on_disk=False)
         space["__compiled__"] = True
     return module
@@ -120,7 +120,7 @@ def prepare(dispatcher: Any, args: Sequence[Any], what: str) -> None:
     numba_errors = importlib.import_module("numba.core.errors")
     signature = tuple(map(dispatcher.typeof_pyval, args))
     try:
-        with _told(dispatcher, what), interruptible():
+        with _reported(dispatcher, what), interruptible():
             dispatcher.compile(signature)
     except numba_errors.NumbaError as error:
         reason = str(error).strip()
@@ -129,8 +129,8 @@ def prepare(dispatcher: Any, args: Sequence[Any], what: str) -> None:
 
 
 @contextmanager
-def _told(dispatcher: Any, what: str) -> Iterator[None]:
-    """Tells of each function that is compiled on the way to one."""
+def _reported(dispatcher: Any, what: str) -> Iterator[None]:
+    """Reports each function that is compiled on the way to one."""
     event = importlib.import_module("numba.core.event")
     functions = {f for f in dispatcher.py_func.__globals__.values() if hasattr(f, "typeof_pyval")}
     with Working(f"compiling {what}", of=len(functions)) as work:
@@ -155,7 +155,7 @@ _INTERPRETS = ('Numba is not installed, so engine="auto" runs derivatives in the
 
 
 def interpreting() -> None:
-    """Warns, once, where nothing can be compiled and nobody said so."""
+    """Warns, once, that Numba is absent and the interpreter runs derivatives."""
     if not available():
         warn_once(_INTERPRETS)
 
@@ -198,7 +198,7 @@ def _runtime(module_name: str, bounds: bool) -> dict[str, Any]:
 
 @cache
 def _key(bounds: bool) -> str:
-    """A short name for all that machine code depends on beside its own text."""
+    """A digest of all that machine code depends on beside its own text."""
     numba, numpy = importlib.import_module("numba"), importlib.import_module("numpy")
     digest = hashlib.sha256()
     found = importlib.util.find_spec(_RUNTIME)

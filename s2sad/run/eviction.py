@@ -36,8 +36,8 @@ class Entry:
 
 def limits() -> tuple[int, float]:
     """Bytes and days: $S2SAD_CACHE_SIZE ("500M", "2G"; default 1G) and $S2SAD_CACHE_DAYS (default 90)."""
-    return (int(_asked("S2SAD_CACHE_SIZE", r"(\d+(?:\.\d+)?)\s*([KMGT]?)i?B?", _SIZE)),
-            _asked("S2SAD_CACHE_DAYS", r"(\d+(?:\.\d+)?)()", _DAYS))
+    return (int(_setting("S2SAD_CACHE_SIZE", r"(\d+(?:\.\d+)?)\s*([KMGT]?)i?B?", _SIZE)),
+            _setting("S2SAD_CACHE_DAYS", r"(\d+(?:\.\d+)?)()", _DAYS))
 
 
 def entries(location: Path) -> list[Entry]:
@@ -67,8 +67,8 @@ def clear(location: Path) -> tuple[int, int]:
 
 
 class Account:
-    """What this process has written since it last pruned: it prunes at its first entry, then after each tenth of the
-    size that is allowed."""
+    """The bytes that this process has stored since it last pruned: it prunes at its first entry, then after each tenth
+    of the size that is allowed."""
 
     def __init__(self) -> None:
         self._location: Path | None = None
@@ -112,8 +112,8 @@ def _remove_empty(location: Path) -> None:
                     empty.rmdir()
 
 
-def _asked(variable: str, form: str, default: float) -> float:
-    """The number that an environment variable gives, with its unit."""
+def _setting(variable: str, form: str, default: float) -> float:
+    """The number in an environment variable, with its unit."""
     return _number(variable, os.environ.get(variable, "").strip(), form, default)
 
 

@@ -11,7 +11,7 @@ from types import TracebackType
 from s2sad.diagnostics import Diagnostic, S2sadError, S2sadValueError
 from s2sad.program import TextGuard, SourcePlace
 
-CAUGHT = (AssertionError, SystemError, ValueError)      # what `meaning` is to be asked of
+CAUGHT = (AssertionError, SystemError, ValueError)      # the exceptions that may have a `meaning`
 
 
 class ExceptionMeanings:
@@ -23,7 +23,7 @@ class ExceptionMeanings:
         self.path, self.kernel = path, kernel
 
     def meaning(self, error: BaseException) -> BaseException:
-        """What to raise in place of an exception; the exception itself where it says what is the matter."""
+        """What to raise in place of an exception; the exception itself where it has the meaning."""
         if isinstance(error, SystemError) and error.__cause__ is not None:
             return error.__cause__      # a handler raised while compiled code ran, which gave a result all the same
         if isinstance(error, AssertionError) and len(error.args) > 1 and error.args[1] in self.guards:
@@ -50,7 +50,7 @@ def _is_library(module: str) -> bool:
 
 
 def _refused(guard: TextGuard, values: tuple[object, ...], kernel: str) -> S2sadError:
-    """What is said of a guard that does not hold for these values."""
+    """The error for a guard that does not hold for these values."""
     if guard.seed:
         result, seed = values
         return S2sadError(Diagnostic("S403", f"the seed '{guard.seed}' has shape {seed}, what '{kernel}' returns there "

@@ -17,7 +17,7 @@ DTYPES = {"fft": "complex128", "ifft": "complex128", "rfft": "complex128", "irff
 
 
 def interpreted(function: FunctionType) -> Any:
-    """The function for compiled code; what it gives is laid out in rows."""
+    """The function for compiled code; its result is in row-major order."""
     numba = importlib.import_module("numba")
     extending = importlib.import_module("numba.core.extending")
     objmode, dtype = numba.objmode, getattr(numba, DTYPES[function.__name__])

@@ -1,4 +1,4 @@
-"""A signal's handler that raises while Numba compiles is heard, wherever that was.
+"""interrupts: what a signal's handler raises while Numba compiles is raised again, wherever that was.
 
 Numba and LLVM call back into Python: what is raised there is printed and passed over, or becomes an error of theirs.
 """

@@ -16,7 +16,7 @@ _KIND = "code"
 
 class MachineCode:
     """The cache of one dispatcher: an entry for each signature, under all that its machine code depends on: `module`,
-    the name of a generated module, stands for its text, the flags and the versions; the processor is added here."""
+    the name of a generated module, is a digest of its text, the flags and the versions; the processor is added here."""
 
     cache_path = None
 
@@ -47,7 +47,7 @@ class MachineCode:
         store.put(key, data, _KIND)
 
     def enable(self) -> None:
-        """Asked for by Numba; it is always enabled."""
+        """Part of Numba's interface; it is always enabled."""
 
     disable = flush = enable
 

@@ -42,7 +42,7 @@ class _Loader(importlib.machinery.SourceFileLoader):
 
 
 class _Raising(ast.NodeTransformer):
-    """Guards that say which they are and what they compared: Numba takes no message that is computed, but arguments.
+    """Guards that raise with their line and what they compared: Numba takes no message that is computed, but arguments.
 
         assert u.shape == v.shape, "..."    if not u.shape == v.shape: raise AssertionError("...", 12, u.shape, v.shape)
     """
@@ -65,7 +65,7 @@ def load(text: str, name: str, key: str = "", own: bool = False, guards: Collect
 
     The assertions in the lines of `guards` raise AssertionError with their message, their line and what they compared.
 
-    `key` stands for what else the compiled form depends on (engine, flags, versions): another key is another module.
+    `key` has what else the compiled form depends on (engine, flags, versions): another key is another module.
     With `own` the module is a new one each time: it imports functions that may have changed.
     """
     digest = hashlib.sha256(f"{key}\0{name}\0{text}\0{sorted(guards)}".encode()).hexdigest()[:20]
@@ -90,7 +90,7 @@ def load(text: str, name: str, key: str = "", own: bool = False, guards: Collect
         return module
 
 
-def owned(module: ModuleType, owner: Any) -> ModuleType:
+def keep_loaded(module: ModuleType, owner: Any) -> ModuleType:
     """The module, which is among the loaded ones for as long as one of its owners lives, as those who unpickle machine
     code and those who look for a text by a module's name want it."""
     _OWNERS[module.__name__] += 1

@@ -1,6 +1,6 @@
-"""Whether arrays may be handed to a generated function: shapes, and memory that must lie apart.
+"""overlap: whether arrays may be passed to a generated function: shapes, and memory that must lie apart.
 
-A `Check` is made once for a signature. Under Numba a signature that is called often asks one small compiled function,
+A `Check` is made once for a signature. Under Numba a signature that is called often has one small compiled function,
 which sees bounding intervals only; where they meet, at the first calls, and under NumPy, the exact test runs in Python.
 Nothing has been written when it raises.
 """
@@ -15,7 +15,7 @@ import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.run.compiled import compiled, prepare
-from s2sad.run.module_loader import owned
+from s2sad.run.module_loader import keep_loaded
 
 _MAX_WORK = 100_000
 _MAX_CELLS = 10_000_000
@@ -51,7 +51,7 @@ class Check:
             return ()
         shared = self.exact(arrays)
         if self.left == 0:
-            self.quick = owned(compiled(self._text(), "check"), self).check
+            self.quick = keep_loaded(compiled(self._text(), "check"), self).check
             prepare(self.quick, tuple(arrays), "the argument check")
         self.left -= self.left >= 0
         return shared
@@ -119,7 +119,7 @@ def extent(a):
 
 
 def overlap(a: np.ndarray, b: np.ndarray) -> bool:
-    """Whether two arrays have a byte in common; taken to be so where that is too hard to say."""
+    """Whether two arrays have a byte in common; assumed where that is too hard to decide."""
     if not np.may_share_memory(a, b):
         return False
     try:
@@ -150,7 +150,7 @@ def folded(array: np.ndarray) -> bool:
 
 
 def self_overlap(slot: Slot) -> Diagnostic:
-    """What is said of an array whose cells share memory, where it is written."""
+    """The error for an array that is stored to and overlaps itself."""
     if slot.role == "primal":
         return Diagnostic("S404", f"the argument {_plain(slot)} overlaps itself, and it is written",
                           help="pass a copy of it")

@@ -32,7 +32,7 @@ def exposure(folder: str, uid: int | None = None, lstat: _Lstat = os.lstat,
     if uid is None:
         return None
     step, found = "", None
-    for step, found in _way(os.path.abspath(folder), lstat, readlink):
+    for step, found in _ancestors(os.path.abspath(folder), lstat, readlink):
         if found.st_uid not in (uid, _ROOT):
             return f"{step} belongs to another user"
         if stat.S_ISLNK(found.st_mode):
@@ -60,7 +60,7 @@ def _user() -> int | None:
     return os.geteuid() if hasattr(os, "geteuid") else None
 
 
-def _way(path: str, lstat: _Lstat, readlink: Callable[[str], str]) -> Iterator[tuple[str, os.stat_result]]:
+def _ancestors(path: str, lstat: _Lstat, readlink: Callable[[str], str]) -> Iterator[tuple[str, os.stat_result]]:
     """The folders from the root to an absolute path, the last one last, and the links that lead there."""
     here, ahead, links = os.sep, _parts(path), 0
     yield here, lstat(here)

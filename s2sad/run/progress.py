@@ -1,6 +1,6 @@
 """What takes more than two seconds says so on stderr: a derivative that is made, machine code that is compiled.
 
-`S2SAD_VERBOSE=0` keeps silent, `S2SAD_VERBOSE=1` tells of everything, with its seconds. The logger "s2sad" is told the
+`S2SAD_VERBOSE=0` keeps silent, `S2SAD_VERBOSE=1` reports everything, with its seconds. The logger "s2sad" gets the
 same, `info` of what is done and `debug` of each function.
 """
 from __future__ import annotations

@@ -51,7 +51,7 @@ def shortened(error: Exception) -> Exception:
 
 
 def internal(error: BaseException) -> S2sadError:
-    """What an error inside the compiler is told as, with its place."""
+    """The S2sadError for an error inside the compiler, with its place."""
     frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename.startswith(HOME)]
     place = f", in {Path(frames[-1].filename).stem} (line {frames[-1].lineno})" if frames else ""
     return S2sadError(Diagnostic("S901", f"internal error: {type(error).__name__}: {error}{place}",

@@ -15,25 +15,25 @@ from s2sad.units import Units
 _HALVES = {"forward": "the first half of the adjoint", "reverse": "the second half of the adjoint", "primal": "itself"}
 
 
-def looked_at(module: ModuleType, units: Units) -> ModuleType:
-    """A generated module whose functions of the user's are heard when they write or return what they should not."""
+def checked_derivatives(module: ModuleType, units: Units) -> ModuleType:
+    """A generated module whose functions of the user's raise when they store or return what they should not."""
     fixed: dict[int, frozenset[int]] = {}
     said: dict[int, tuple[str, str]] = {}
     for unit in units.made.values():
         own = unit.kernel.own
-        for what, given in (own.functions if own is not None else {}).items():
+        for what, derivative in (own.functions if own is not None else {}).items():
             if own is not None and what != "solver":
                 places = frozenset(k for k, (role, p) in enumerate(own.roles[what])
                                    if role == "primal" and p not in unit.owner.written)
-                fixed[id(given.function)] = fixed.get(id(given.function), places) & places
-                said[id(given.function)] = what, own.title
+                fixed[id(derivative.function)] = fixed.get(id(derivative.function), places) & places
+                said[id(derivative.function)] = what, own.title
     space = vars(module)
-    space.update({name: _heard(value, fixed[id(value)], *said[id(value)]) for name, value in list(space.items())
+    space.update({name: _checked(value, fixed[id(value)], *said[id(value)]) for name, value in list(space.items())
                   if id(value) in fixed})
     return module
 
 
-def _heard(function: Callable[..., Any], fixed: frozenset[int], what: str, title: str) -> Callable[..., Any]:
+def _checked(function: Callable[..., Any], fixed: frozenset[int], what: str, title: str) -> Callable[..., Any]:
     def called(*arguments: Any) -> Any:
         result = function(*(_reading(a) if k in fixed and isinstance(a, np.ndarray) else a
                             for k, a in enumerate(arguments)))
@@ -55,7 +55,7 @@ def _arrays(value: Any) -> list[np.ndarray]:
 
 
 def _reading(array: np.ndarray) -> np.ndarray:
-    """A view that cannot be written."""
+    """A read-only view."""
     view = array.view()
     view.flags.writeable = False
     return view

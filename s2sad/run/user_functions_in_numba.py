@@ -23,8 +23,8 @@ from s2sad.units import Unit, Units
 _LIBRARIES = ("numpy", "math", "builtins", "numba", "scipy")
 
 
-def given_of(program: Program) -> tuple[RegisteredRule, ...]:
-    """The given functions that a program's kernels call, those that their partials call, and the user's own
+def registered_rules(program: Program) -> tuple[RegisteredRule, ...]:
+    """The registered functions that a program's kernels call, those that their partials call, and the user's own
     derivatives of its kernels."""
     called = (call_name(n) or "" for k in program.kernels.values() for n in walk(k.tree) if isinstance(n, Call))
     owned = (g for k in program.kernels.values() if k.own is not None for g in k.own.functions.values())
@@ -68,14 +68,14 @@ def _codes(code: CodeType) -> Iterator[CodeType]:
 
 
 def for_numba(function: Any, flags: dict[str, Any]) -> Any:
-    """A given function as compiled code can call it: a Python function compiled, anything else as it is."""
+    """A registered function as compiled code can call it: a Python function compiled, anything else as it is."""
     register(used({"function": function}))
     return importlib.import_module("numba").njit(**flags)(function) if isinstance(function, FunctionType) else function
 
 
-def held_to_numbers(module: ModuleType, given: tuple[RegisteredRule, ...]) -> ModuleType:
-    """A generated module for NumPy whose functions that are held fixed are heard when they return no number."""
-    kinds = {id(g.function): constant_result(ROOM + g.path) for g in given}
+def checked_constants(module: ModuleType, registered: tuple[RegisteredRule, ...]) -> ModuleType:
+    """A generated module for NumPy whose nondifferentiable functions raise when they return no number."""
+    kinds = {id(g.function): constant_result(ROOM + g.path) for g in registered}
     space = vars(module)
     space.update({name: _number(value, kinds[id(value)] or "") for name, value in list(space.items())
                   if kinds.get(id(value))})
@@ -95,7 +95,7 @@ def _number(function: Any, kind: str) -> Any:
 
 
 def compilable(units: Units) -> None:
-    """Refuses, at its place, each call of a given function that Numba cannot compile; raises S2sadError."""
+    """Refuses, at its place, each call of a registered function that Numba cannot compile; raises S2sadError."""
     for unit in units.made.values():
         report = Report(unit.kernel.source)
         types = {call_name(n): tuple(map(unit.typing.of, n.args)) for n in walk(unit.function) if isinstance(n, Call)}
@@ -103,12 +103,12 @@ def compilable(units: Units) -> None:
             name = call_name(node) or ""
             if not isinstance(node, Call) or not name.startswith(ROOM):
                 continue
-            for given in GIVEN.closure([name[len(ROOM):]]):
-                own = ROOM + given.path == name
+            for rule in GIVEN.closure([name[len(ROOM):]]):
+                own = ROOM + rule.path == name
                 taken = types.get(name, ()) if own else None
-                if not _compiles(given, taken):
+                if not _compiles(rule, taken):
                     whose = "" if own else ", which the derivative calls"
-                    report.error("S407", f"Numba cannot compile '{given.path}'{whose}", node,
+                    report.error("S407", f"Numba cannot compile '{rule.path}'{whose}", node,
                                  help='engine="numpy" calls it as it is')
         report.finish()
 
@@ -130,12 +130,12 @@ def _uncompiled(unit: Unit) -> str | None:
     """Which of the user's functions that belong to a unit Numba cannot compile, by what it does."""
     numba, owner = importlib.import_module("numba"), unit.owner
     kept = None
-    for what, given in owner.own.functions.items():
+    for what, rule in owner.own.functions.items():
         if what == "solver":
             continue
         types = [kept if role == "kept" else _numba_type(numba, owner.types.get(p, FLOAT))
                  for role, p in owner.own.roles[what]]
-        fails, result = _tried(given, types)
+        fails, result = _compilation(rule, types)
         if fails:
             return what
         if what == "forward":
@@ -143,9 +143,9 @@ def _uncompiled(unit: Unit) -> str | None:
     return None
 
 
-def _tried(given: RegisteredRule, types: list[Any]) -> tuple[bool, Any]:
+def _compilation(rule: RegisteredRule, types: list[Any]) -> tuple[bool, Any]:
     """Whether Numba fails to compile a function for these types, and the type of what it returns."""
-    function = for_numba(given.function, {"error_model": "numpy"})
+    function = for_numba(rule.function, {"error_model": "numpy"})
     try:
         if not hasattr(function, "compile"):
             return False, None
@@ -155,14 +155,14 @@ def _tried(given: RegisteredRule, types: list[Any]) -> tuple[bool, Any]:
         return True, None
 
 
-def _compiles(given: RegisteredRule, types: tuple[Type, ...] | None) -> bool:
+def _compiles(rule: RegisteredRule, types: tuple[Type, ...] | None) -> bool:
     """Whether Numba compiles a call with arguments of these types; None: as many floats as a Python function takes."""
     numba = importlib.import_module("numba")
-    function = for_numba(given.function, {"error_model": "numpy"})
+    function = for_numba(rule.function, {"error_model": "numpy"})
     if types is None:
-        count = given.plain.__code__.co_argcount if isinstance(given.plain, FunctionType) else None
+        count = rule.plain.__code__.co_argcount if isinstance(rule.plain, FunctionType) else None
         if count is None:
-            return any(_compiles(given, (FLOAT,) * n) for n in (1, 2, 3))
+            return any(_compiles(rule, (FLOAT,) * n) for n in (1, 2, 3))
         types = (FLOAT,) * count
 
     def reached(*arguments: Any) -> Any:
@@ -174,7 +174,7 @@ def _compiles(given: RegisteredRule, types: tuple[Type, ...] | None) -> bool:
     except Exception:  # whatever it is: Numba raises more than its own errors on code that it does not know
         return False
     kinds = {"float": numba.types.Number, "int": numba.types.Integer, "bool": numba.types.Boolean}
-    kind = kinds.get(constant_result(ROOM + given.path) or "")
+    kind = kinds.get(constant_result(ROOM + rule.path) or "")
     return kind is None or isinstance(compiled.nopython_signatures[0].return_type, (kind, numba.types.Boolean))
 
 

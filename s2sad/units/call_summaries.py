@@ -1,4 +1,4 @@
-"""What calls of units write, what depends on what in them, and which are not run again."""
+"""call_summaries: the stores and the edges of dependence of calls of units, and which calls are not run again."""
 from __future__ import annotations
 
 from s2sad.liveness import base_name, targets
@@ -9,7 +9,7 @@ from s2sad.units.unit import Unit
 
 
 class Calls:
-    """Calls of units that are made, by their titles."""
+    """Calls of units, by their titles."""
     titled: dict[str, Unit]
 
     def called(self, node: Call) -> Unit | None:
@@ -22,7 +22,7 @@ class Calls:
         return unit is not None and unit.once
 
     def call_writes(self, node: Call) -> list[str]:
-        """The arrays that a call may write."""
+        """The arrays that a call may store to."""
         unit = self.called(node)
         return [] if unit is None else [base_name(node.args[p]) for p in unit.summary.written]
 
@@ -31,20 +31,20 @@ class Calls:
         return [] if unit is None else list(unit.summary.edges)
 
     def writes(self, statement: AST) -> list[AST]:
-        """The array places that a statement itself overwrites."""
+        """The array references that a statement itself stores to."""
         found: list[AST] = [t for t in targets(statement) if isinstance(t, Subscript)]
         if is_kernel_call(statement) and (unit := self.called(statement.value)) is not None:
             found += [statement.value.args[p] for p in unit.summary.written]
         return found
 
     def adjoint_after(self, statement: AST) -> bool:
-        """Whether a statement's adjoint runs in the state that it leaves: it solves for what it writes."""
+        """Whether a statement's adjoint runs in the state that it leaves: it solves for what it stores."""
         unit = self.called(statement.value) if is_kernel_call(statement) else None
         return reads_own_result(statement) if unit is None else bool(unit.kernel.residual)
 
 
-def written_arrays(tree: FunctionDef, calls: Calls) -> set[str]:
-    """The arrays whose elements a function may write."""
+def stored_arrays(tree: FunctionDef, calls: Calls) -> set[str]:
+    """The arrays that a function may store to."""
     found: set[str] = set()
     for statement in walk_statements(tree.body):
         if isinstance(statement, (Assign, AugAssign)):

@@ -1,4 +1,4 @@
-"""Kernels become units: the passes of `normalize`, for each set of argument types once."""
+"""normal_forms: kernels become units by the passes in KERNELS, once for each set of argument types."""
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ from s2sad.passes import Pass, Passes, Watch, run, unwatched
 from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects
 from s2sad.tree import Assert, Call, FunctionDef, Name, Raise, call_name, stored_names, walk
-from s2sad.units.call_summaries import Calls, written_arrays
+from s2sad.units.call_summaries import Calls, stored_arrays
 from s2sad.units.primal_form import primal_form, same_primal
 from s2sad.units.unit import UnitSummary, Unit
 
@@ -70,7 +70,7 @@ class NormalForms(Calls):
             others = sum(k == kernel for k, _, _ in self.made)
             title = self.titles.fresh(f"{kernel}_{others + 1}") if others else kernel
             source = self.program.kernels[kernel]
-            unit = self._prepared(specialised(source, pairs) if pairs else source, types, title)
+            unit = self._normalized(specialised(source, pairs) if pairs else source, types, title)
             unit.pairs = pairs
             self.made[key] = self.titled[title] = unit
             first = unit.read_first()
@@ -80,10 +80,10 @@ class NormalForms(Calls):
                 frozenset(k for k, t in enumerate(types) if t.is_array))
         return self.made[key]
 
-    def _prepared(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
-        """The kernel after all passes, and what they found out."""
+    def _normalized(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
+        """The kernel after all passes, with their tables."""
         if kernel.own is not None and "primal" in kernel.own.functions:
-            return self._unread(kernel, types, title)
+            return self._opaque(kernel, types, title)
         context = NormalContext(
             program=self.program, kernel=kernel, names=Names(n.id for n in walk(kernel.tree) if isinstance(n, Name)),
             engine=self.engine, watch=self.watch, given=dict(zip((p.id for p in kernel.tree.args.args), types)),
@@ -94,21 +94,21 @@ class NormalForms(Calls):
         once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
         return Unit(kernel, title, types, tree, typing, dict(context.family), context.names, lowered,
                     structure_of(tree, typing), self._summary(tree, typing, kernel), context.guarded, once=once,
-                    numbers=context.numbers, lowered_types=_of_one_life(context.lowered_types, lowered),
+                    numbers=context.numbers, lowered_types=_types_of_single_bindings(context.lowered_types, lowered),
                     contiguous=tuple(k for k, p in enumerate(tree.args.args) if p.id in context.contiguous))
 
-    def _unread(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
-        """The unit of a function that is called as it is, of which is known what the user says."""
+    def _opaque(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
+        """The unit of a function that is not read: its summary is the user's declaration."""
         own, tree = kernel.own, kernel.tree
         assert own is not None
         refuse_own_derivative(kernel, types, report := Report(kernel.source))
         report.finish()
         parameters = [p.id for p in tree.args.args]
-        given = dict(zip(parameters, types))
+        types_of = dict(zip(parameters, types))
         results = (FLOAT,) * own.returns
-        table = {**given, **dict.fromkeys(stored_names(tree.body), FLOAT)}
+        table = {**types_of, **dict.fromkeys(stored_names(tree.body), FLOAT)}
         typing = Typing(table, self.call_types, Report(kernel.source), {})
-        edges = user_edges(given, results, set(own.writes), [], self.solved_by(kernel))
+        edges = user_edges(types_of, results, set(own.writes), [], self.residual_parameters(kernel))
         written = tuple(k for k, p in enumerate(parameters) if p in own.writes)
         summary = UnitSummary(written, results, {}, tuple(edges), True)
         return Unit(kernel, title, types, tree, typing, {}, Names(table), tree, structure_of(tree, typing), summary,
@@ -116,7 +116,7 @@ class NormalForms(Calls):
 
     def _summary(self, tree: FunctionDef, typing: Typing, kernel: Kernel) -> UnitSummary:
         parameters = [p.id for p in tree.args.args]
-        written = written_arrays(tree, self)
+        written = stored_arrays(tree, self)
         arrows: dict[str, list[str]] = {}
         for a, b in activity_of(tree, typing, set(), set(), self.call_edges).edges:
             arrows.setdefault(a, []).append(b)
@@ -131,13 +131,13 @@ class NormalForms(Calls):
         results = tuple(map(typing.of, parts))
         if kernel.own is not None:
             edges = user_edges({p: typing.table[p] for p in parameters}, results, written, edges,
-                              self.solved_by(kernel))
+                              self.residual_parameters(kernel))
         return UnitSummary(tuple(k for k, p in enumerate(parameters) if p in written), tuple(map(typing.of, parts)),
                        {k: p.id for k, p in enumerate(parts) if isinstance(p, Name) and p.id in parameters
                         and typing.of(p).is_array},
                        tuple(edges), not guards and all(self.of_call(c, typing).summary.pure for c in calls))
 
-    def solved_by(self, kernel: Kernel) -> tuple[str, ...] | None:
+    def residual_parameters(self, kernel: Kernel) -> tuple[str, ...] | None:
         """The parameters of the residual of an implicit function; None for any other function."""
         return self.program.kernels[kernel.residual].parameters if kernel.residual else None
 
@@ -148,11 +148,11 @@ class NormalForms(Calls):
         return self.unit(kernel, types).summary.results
 
     def written_in(self, tree: FunctionDef) -> set[str]:
-        """The arrays whose elements a function may write."""
-        return written_arrays(tree, self)
+        """The arrays that a function may store to."""
+        return stored_arrays(tree, self)
 
 
-def _of_one_life(types: Mapping[str, Type], function: FunctionDef) -> dict[str, Type]:
-    """The types without those of parameters that are bound anew, which may be of another type then."""
+def _types_of_single_bindings(types: Mapping[str, Type], function: FunctionDef) -> dict[str, Type]:
+    """The types without those of parameters that are rebound, which may have another type then."""
     anew = {p.id for p in function.args.args} & set(stored_names(function.body))
     return {n: t for n, t in types.items() if n not in anew}

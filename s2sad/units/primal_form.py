@@ -23,12 +23,14 @@ PASSES: Passes = (
 
 
 def primal_form(function: FunctionDef, context: NormalContext) -> None:
-    """Makes the function that is run, in loops."""
+    """Leaves the function that is run, in loops, in the context."""
     beside = replace(context, names=Names(context.names.taken), watch=unwatched)
     beside.report, beside.typing = context.report, context.typing.copy()
     context.lowered, context.lowered_types = run(PASSES, function, beside), beside.typing.table
 
 
 def same_primal(function: FunctionDef, context: NormalContext) -> None:
-    """The function that is run is the one that is differentiated."""
+    """Leaves the function itself as the one that is run in the context.
+
+    Requires resolved views; changes nothing."""
     context.lowered, context.lowered_types = function, context.typing.copy().table

@@ -1,4 +1,4 @@
-"""A kernel for given types, and the summary of what a call of it does."""
+"""unit: a kernel for one set of argument types, and the summary of a call of it."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ from s2sad.tree import FunctionDef
 
 @dataclass(frozen=True)
 class UnitSummary:
-    """What a call of a unit does: positions written, pairs (argument, argument or "return k") of dependence."""
+    """The effect of a call: positions of stored arrays, edges (argument, argument or "return k") of dependence."""
     written: tuple[int, ...]
     results: tuple[Type, ...]
     returned: dict[int, str]
@@ -25,7 +25,7 @@ class UnitSummary:
 
 @dataclass
 class Unit:
-    """A kernel for given types, in normal form; `numbers` says of which array a number has taken the place."""
+    """A kernel for one set of argument types, in normal form; `numbers` has the array that each number replaces."""
     kernel: Kernel
     title: str
     types: tuple[Type, ...]
@@ -45,13 +45,13 @@ class Unit:
 
     @property
     def owner(self) -> UserFunction:
-        """What stands of it where its derivative is the user's own."""
+        """The signature of a function with a derivative of the user's own."""
         assert self.kernel.own is not None
         parameters = [p.id for p in self.function.args.args]
         return UserFunction(self.title, self.kernel.own, dict(zip(parameters, self.types)), self.summary.results,
                             frozenset(parameters[k] for k in self.summary.written))
 
     def read_first(self) -> set[str]:
-        """The parameters whose content at its start the kernel may read."""
+        """The parameters that are live at the start of the kernel."""
         live = Liveness(self.function, set(), Accesses(), strong=False)
         return live.start & {p.id for p in self.function.args.args}

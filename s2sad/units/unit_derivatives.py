@@ -32,14 +32,14 @@ DERIVATIVES: Passes = (*ANALYSES, *DIFFERENTIATION)
 
 @dataclass
 class UnitDerivative:
-    """A derivative made: its function, what a caller must know, and what is to be reported."""
+    """A derivative: its function, its signature for callers, and the tables for reports."""
     callee: CalleeDerivative
     function: FunctionDef
     made: Derivative
     unit: Unit
     activity: Activity
     types: dict[str, Type]
-    wanted: DerivativeRequest
+    request: DerivativeRequest
     plan: RecordingPlan | None = None
     beside: tuple[FunctionDef, ...] = ()
 
@@ -53,27 +53,27 @@ class Units(NormalForms):
     """Everything made for one program and one engine."""
     derived: dict[tuple, UnitDerivative] = field(default_factory=dict)
     forwards: dict[str, str] = field(default_factory=dict)
-    infinite: dict[str, UnboundedValues] = field(default_factory=dict)
+    unbounded_tables: dict[str, UnboundedValues] = field(default_factory=dict)
 
-    def again(self) -> Units:
+    def without_derivatives(self) -> Units:
         """The same units with nothing derived: no text depends on what was derived before it."""
         return replace(self, made=dict(self.made), titled=dict(self.titled), titles=self.titles.copy(),
                        effects=Effects(dict(self.effects.table)), derived={}, forwards={})
 
-    def derive(self, mode: str, unit: Unit, wanted: DerivativeRequest, flat: bool = False) -> UnitDerivative:
-        key = (mode, unit.title, wanted, flat)
+    def derive(self, mode: str, unit: Unit, request: DerivativeRequest, flat: bool = False) -> UnitDerivative:
+        key = (mode, unit.title, request, flat)
         if key not in self.derived:
             others = sum(k[0] == mode and k[1] == unit.title for k in self.derived)
             title = self.titles.fresh(f"{unit.title}_{mode}" + (f"_{others + 1}" if others else ""))
             if unit.kernel.own is not None:
-                made = self._own(mode, unit, wanted, title)
+                made = self._user_derivative(mode, unit, request, title)
             else:
-                made = self._differentiated(mode, unit, wanted, title, flat)
+                made = self._differentiated(mode, unit, request, title, flat)
             self.derived[key] = made
         return self.derived[key]
 
-    def activity(self, unit: Unit, wanted: DerivativeRequest) -> Activity:
-        return activity_of(unit.function, unit.typing, set(wanted.wrt), set(wanted.of), self.call_edges)
+    def activity(self, unit: Unit, request: DerivativeRequest) -> Activity:
+        return activity_of(unit.function, unit.typing, set(request.wrt), set(request.of), self.call_edges)
 
     def fresh(self, unit: Unit) -> tuple[Typing, Names]:
         """Tables of their own for one derivative, so that its names do not depend on what was made before."""
@@ -82,69 +82,70 @@ class Units(NormalForms):
         names.wanted = dict(unit.names.wanted)
         return typing, names
 
-    def _differentiated(self, mode: str, unit: Unit, wanted: DerivativeRequest, title: str,
+    def _differentiated(self, mode: str, unit: Unit, request: DerivativeRequest, title: str,
                         flat: bool) -> UnitDerivative:
         """The derivative after the passes of all rooms."""
         typing, names = self.fresh(unit)
         context = DifferentiationContext(
-            program=self.program, kernel=unit.kernel, names=names, engine=self.engine, watch=self.watch, request=wanted,
-            mode=mode, calls=self, derive=self.for_calls(mode), title=title, family=unit.family, flat=flat)
+            program=self.program, kernel=unit.kernel, names=names, engine=self.engine, watch=self.watch,
+            request=request, mode=mode, calls=self, derive=self.callee_derivatives(mode), title=title,
+            family=unit.family, flat=flat)
         context.typing = typing
-        return self._finished(unit, run(DERIVATIVES, unit.function, context), context)
+        return self._simplified(unit, run(DERIVATIVES, unit.function, context), context)
 
     def unbounded(self, called: Call) -> UnboundedValues | None:
-        """What can be infinite or nan in a kernel that is called, whatever is active there."""
+        """What can be infinite or nan in a callee, whatever is active there."""
         unit = self.called(called)
         if unit is None:
             return None
-        if unit.title not in self.infinite:
+        if unit.title not in self.unbounded_tables:
             every = Activity(frozenset(unit.typing.table), frozenset(unit.typing.table), ())
-            self.infinite[unit.title] = unbounded_values_of(unit.function, unit.typing, every, self.unbounded)
-        return self.infinite[unit.title]
+            self.unbounded_tables[unit.title] = unbounded_values_of(unit.function, unit.typing, every, self.unbounded)
+        return self.unbounded_tables[unit.title]
 
     def unsupported(self, called: Call, pattern: ActivityPattern, mode: str) -> str:
-        """What a call needs of a derivative of the user's own that this does not give, in words; empty if nothing."""
+        """What a derivative of the user's own lacks for a call, in words; empty if nothing."""
         unit = self.called(called)
         if unit is None or unit.kernel.own is None:
             return ""
         if not (pattern.arguments or pattern.results or self.solves_nothing(unit)):
             return ""
-        wrong = self.wrong(unit, self.wanted(pattern, mode), mode)
+        wrong = self.refusal(unit, self.callee_request(pattern, mode), mode)
         return wrong and f"'{unit.kernel.own.title}' {wrong}"
 
     def solves_nothing(self, unit: Unit) -> bool:
-        """Whether nothing that an implicit function writes or returns is what its residual is for: no derivative would
-        ever be asked of it."""
+        """Whether nothing that an implicit function stores or returns is the solution of its residual: it would have no
+        derivative."""
         residual = self.residual(unit)
         return residual is not None and not solution_of(residual.parameters, unit.owner.written) and not any(
             t.is_float for t in unit.summary.results)
 
-    def wrong(self, unit: Unit, wanted: DerivativeRequest, mode: str) -> str:
+    def refusal(self, unit: Unit, request: DerivativeRequest, mode: str) -> str:
         """Why a call cannot have the derivative of the user's own, in words; empty if it can."""
         residual = self.residual(unit)
         if unit.pairs:
             return "is given one array twice, and writes it; no derivative of its own is for that"
         if residual is not None:
-            return implicit_refusal(unit.owner, residual, wanted)
+            return implicit_refusal(unit.owner, residual, request)
         entry = next(u for u in self.made.values() if u.kernel.name == self.program.entry)
         parameters = [p.id for p in entry.function.args.args]
         written = {parameters[k] for k in entry.summary.written}
         outside = [a for p, a in hidden_arrays(self.program).items() if p in unit.owner.types and p in written]
         if outside:
             return f"reads '{outside[0]}', an array of its module that is written; so may its own derivative, too late"
-        return unit.owner.refusal(mode, wanted)
+        return unit.owner.refusal(mode, request)
 
-    def _own(self, mode: str, unit: Unit, wanted: DerivativeRequest, title: str) -> UnitDerivative:
+    def _user_derivative(self, mode: str, unit: Unit, request: DerivativeRequest, title: str) -> UnitDerivative:
         """The derivative that calls the user's."""
-        made = user_derivative(unit.owner, self.residual(unit), mode, wanted, title, self.forwards.get(unit.title, ""),
+        made = user_derivative(unit.owner, self.residual(unit), mode, request, title, self.forwards.get(unit.title, ""),
                      self.titles.fresh)
         self.effects.table[title] = Effect(made.reads, made.writes, True, made.arrays)
         if made.callee.forward:
             plain, half = self.effects.table[unit.title], made.callee.forward.partition(".")[2]
             self.forwards[unit.title] = half
             self.effects.table[half] = Effect(plain.arrays, plain.writes, plain.pure, plain.arrays)
-        return UnitDerivative(made.callee, made.made.function, made.made, unit, self.activity(unit, wanted), made.types,
-                              wanted, RecordingPlan() if mode == "adjoint" else None, made.beside)
+        return UnitDerivative(made.callee, made.made.function, made.made, unit, self.activity(unit, request),
+                              made.types, request, RecordingPlan() if mode == "adjoint" else None, made.beside)
 
     def residual(self, unit: Unit) -> Residual | None:
         """The residual of an implicit function, for its types; None for any other function."""
@@ -161,9 +162,9 @@ class Units(NormalForms):
             return self.derive(mode, inner, DerivativeRequest(wrt, of, mode == "tangent"), mode == "tangent").callee
         return Residual(title, taken, inner.summary.results, written, derive)
 
-    def _finished(self, unit: Unit, function: FunctionDef, found: DifferentiationContext) -> UnitDerivative:
-        """The derivative after the passes of `simplify`, with what its callers must know."""
-        made, typing, plan, wanted = found.derivative, found.typing, found.plan, found.request
+    def _simplified(self, unit: Unit, function: FunctionDef, found: DifferentiationContext) -> UnitDerivative:
+        """The derivative after the passes of `simplify`, with its signature for callers."""
+        made, typing, plan, request = found.derivative, found.typing, found.plan, found.request
         context = DerivativeContext(
             program=self.program, kernel=unit.kernel, names=found.names, engine=self.engine, watch=self.watch,
             types=typing.table, effects=self.effects, live_out=self._live_out(made, typing, plan is None),
@@ -184,24 +185,24 @@ class Units(NormalForms):
         position = {n: k for k, (n, _, _) in enumerate(parameters)}
         callee = CalleeDerivative(
             f"user.{function.name}", tuple(order.index(parameters[k][2]) for k in shadows),
-            tuple(int(o.split()[1]) for o in wanted.of if o.startswith("return ")),
-            tuple(order.index(p) for p in wanted.wrt if typing.table[p].is_number),
+            tuple(int(o.split()[1]) for o in request.of if o.startswith("return ")),
+            tuple(order.index(p) for p in request.wrt if typing.table[p].is_number),
             tuple(k for k, p in enumerate(order) if position[p] in effect.reads),
             tuple(k for k, p in enumerate(order) if position[p] in effect.writes))
-        return UnitDerivative(callee, function, made, unit, found.activity, dict(typing.table), wanted, plan)
+        return UnitDerivative(callee, function, made, unit, found.activity, dict(typing.table), request, plan)
 
     def _live_out(self, made: Derivative, typing: Typing, primals: bool) -> set[str]:
         """The arrays whose content the caller reads: the shadows, of a tangent the primals too."""
         return {n for n, role, _ in made.parameters if typing.table[n].is_array and (primals or role == "shadow")}
 
-    def for_calls(self, mode: str):
+    def callee_derivatives(self, mode: str):
         def made(pattern: ActivityPattern) -> CalleeDerivative:
             unit = self.unit(pattern.kernel, pattern.types)
-            return self.derive(mode, unit, self.wanted(pattern, mode), mode == "tangent").callee
+            return self.derive(mode, unit, self.callee_request(pattern, mode), mode == "tangent").callee
         return made
 
-    def wanted(self, pattern: ActivityPattern, mode: str) -> DerivativeRequest:
-        """What a call asks for."""
+    def callee_request(self, pattern: ActivityPattern, mode: str) -> DerivativeRequest:
+        """The request of a call for the derivative of its callee."""
         unit = self.unit(pattern.kernel, pattern.types)
         parameters = [p.id for p in unit.function.args.args]
         arguments = tuple(parameters[k] for k in pattern.arguments)

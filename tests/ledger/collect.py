@@ -45,7 +45,7 @@ class Collector:
     def add(self, origin: Origin, types: Any, asked: Asked, program: Program | None = None) -> None:
         function, file, varying, forms = origin
         outside = file and Path(file).read_text()
-        paths = set() if program is None else {g.path for g in compiler.given_of(program)}
+        paths = set() if program is None else {g.path for g in compiler.registered_rules(program)}
         calls = self.registered.reaching(paths)
         identity = digest(described((function, outside, varying, forms, types, [c[:4] for c in calls])))
         kernel = self.store.kernels.get(identity)
