@@ -384,9 +384,52 @@ def unused(x):
     return np.sum(0.0 * np.sqrt(x) + x)
 
 
+def root_behind_statements(x):
+    v = x * x[::-1]
+    w = v * (x - 1.0)
+    r = np.sqrt(w)
+    return np.sum(r)
+
+
+def sum_of_roots(w):
+    return np.sum(np.sqrt(w))
+
+
+def roots_in_helper_behind_statements(x):
+    """The infinite seed comes from the helper, which sets no flag here."""
+    v = x * x[::-1]
+    w = v * (x - 1.0)
+    return sum_of_roots(w)
+
+
+def root_in_later_turns(x):
+    """Where the first turn is reversed last, a root has been infinite behind it."""
+    y = np.zeros(3)
+    s = 0.0
+    for k in range(3):
+        v = x * (x + k)
+        y[:] = v * x
+        if k > 0:
+            s += np.sum(np.sqrt(y))
+        y[:] = 1.0
+    return s
+
+
+def roots_on_one_side(x, mode=0):
+    v = x * x[0]
+    w = v * v[1]
+    if mode > 0:
+        return np.sum(np.sqrt(w + 1.0))
+    return np.sum(np.sqrt(w))
+
+
 ZEROS = (np.zeros(3), [0.0, 0.0, 0.0])
 
 CASES = [
+    *((f, np.array([0.0, 1.0, 0.0]), [0.0, np.inf, 0.0]) for f in (root_behind_statements,
+      roots_in_helper_behind_statements)),
+    (root_in_later_turns, np.zeros(3), [0.0, 0.0, 0.0]),
+    (roots_on_one_side, *ZEROS),
     (unused, FROM_ZERO, [1.0, 1.0, 1.0]),
     (squares_overwritten_by_a_view, np.array([0.0, 1.0, 0.0]), [0.0, 0.5, np.inf]),
     (square_rebound, np.array([0.0, 4.0, 1.0]), [np.inf, 0.25, 0.0]),
@@ -502,6 +545,19 @@ def test_a_root_of_what_may_have_a_slope_is_infinite_there():
 def test_a_root_that_is_never_zero_is_not_asked():
     for engine in ("numpy", "numba"):
         assert "!= 0.0" not in s2sad.differentiate(shifted_root, engine=engine).adjoint_source(np.ones(3))
+
+
+def after_roots(x, y):
+    v = x * y
+    w = v * (x + y)
+    r = np.sqrt(w)
+    return np.sum(r * r * v)
+
+
+def test_partials_of_arrays_are_asked_by_a_flag():
+    """One test for each root, whatever is in front of it."""
+    text = s2sad.differentiate(after_roots, engine="numpy").adjoint_source(np.ones(3), np.ones(3))
+    assert text.count("!= 0.0") == 1 and text.count("np.isfinite") == 1 and text.count("strong_zero(") > 3
 
 
 def test_nothing_is_asked_where_all_is_finite():

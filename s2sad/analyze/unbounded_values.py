@@ -51,7 +51,9 @@ _QUOTIENTS = ("a / b", "a % b", "numpy.divide", "numpy.true_divide", "numpy.reci
 class UnboundedValues:
     """Names: those whose `values` can be infinite or nan, those that a choice may discard (`discarded`), those whose
     `tangents` or `seeds` can be infinite, what comparisons read; `called` gives this of a kernel that is called;
-    `definitions` are the values of names that are bound once, `squares` what has no slope where it is 0."""
+    `definitions` are the values of names that are bound once, `squares` what has no slope where it is 0. Seeds are
+    infinite by operations of the function itself, not by those of a caller or a kernel that is called, where it
+    `has_steep_roots_alone`."""
     typing: Typing
     active: frozenset[str]
     squares: Squares
@@ -62,6 +64,7 @@ class UnboundedValues:
     compared: frozenset[str] = frozenset()
     called: Callable[[Call], UnboundedValues | None] = lambda called: None
     definitions: Mapping[str, AST] = field(default_factory=dict, repr=False)
+    has_steep_roots_alone: bool = False
 
     def value(self, node: AST) -> bool:
         """Whether an expression's value can be infinite or nan."""
@@ -186,10 +189,13 @@ def unbounded_values_of(function: FunctionDef, typing: Typing, activity: Activit
     tested = reach(backwards, set(_nan_tested(function, typing)))
     discarded = reach(backwards, set(_discarded(function, typing))) if poles | tested else set[str]()
     seeds = reach(backwards, set(_seeds(function, first, called)))
+    callees = [called(n) for n in walk(function.body) if (call_name(n) or "").startswith("user.")]
+    alone = "seeds" not in boundary and not any(c is not None and c.seeds for c in callees)
     return UnboundedValues(typing, activity.active, flat, frozenset(reach(forwards, poles | tested)),
                            activity.active if "values" in boundary else frozenset(discarded),
                            frozenset(reach(forwards, steep)),
-                           activity.active if "seeds" in boundary else frozenset(seeds), compared, called, definitions)
+                           activity.active if "seeds" in boundary else frozenset(seeds), compared, called, definitions,
+                           alone)
 
 
 def _seeds(function: FunctionDef, known: UnboundedValues, called: Callable[[Call],

@@ -16,6 +16,7 @@ Requires the plan of what is recorded; establishes the grammar "derivative" of `
 """
 from __future__ import annotations
 
+from s2sad.blocks import with_blocks
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.uses import reads_own_result
 from s2sad.differentiate.arithmetic import Term
@@ -32,7 +33,7 @@ from s2sad.differentiate.tape import Tape
 from s2sad.differentiate.zero_law import ZeroLaw
 from s2sad.infer.shapes import shapes_of
 from s2sad.infer.slice_extents import scattered
-from s2sad.infer.types import Type
+from s2sad.infer.types import BOOL, Type
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.program import MISFIT
 from s2sad.tree import (
@@ -65,7 +66,8 @@ class _Adjoint(Shadows):
         self.halves = SplitAdjoints(self.typing, self.active, self.free, self.derive, self.bounds)
         self.sweeps = Sweeps(self.structure, self.plan, self.tape, self.free, self.statement, self.zeros, self.shapes,
                              context.family, self.halves.forward_call)
-        self.pullback = Pullback(self.typing, self.active, self.free, self.bind, self.shapes, ZeroLaw(self.bounds))
+        self.pullback = Pullback(self.typing, self.active, self.free, self.bind, self.shapes,
+                                 ZeroLaw(self.bounds, self.flag(context)))
         self.parameters = [p.id for p in self.structure.function.args.args]
         self.written = {base_name(t) for s in walk_statements(self.structure.function.body)
                         if isinstance(s, (Assign, AugAssign))
@@ -76,6 +78,24 @@ class _Adjoint(Shadows):
         self.shapes.arrays[made] = self.shapes.of(like)
         return made
 
+    def flag(self, context: DifferentiationContext) -> str:
+        """The name of the flag that a seed is infinite; none for loops, where a partial is asked at no cost."""
+        filled = {base_name(t) for s in walk(self.structure.function.body) for t in targets(s)}
+        arrays = any(self.typing.table[n].is_array for n in filled & context.unbounded.seeds)
+        local = arrays and not context.in_loops and context.unbounded.has_steep_roots_alone
+        return self.typing.declare(self.free.fresh("steep"), BOOL) if local else ""
+
+    def flagged(self, reverse: list[AST]) -> list[AST]:
+        """The reverse sweep with its flag, where that is read."""
+        law = self.pullback.zero_law
+        if law.flagged:
+            return [assign(law.flag, const(False)), *reverse]
+
+        def unset(block: list[AST]) -> list[AST]:
+            return [with_blocks(s, unset) for s in block
+                    if not isinstance(s, Assign) or base_name(s.targets[0]) != law.flag]
+        return unset(reverse) if law.flag else reverse
+
     # -- the function ------------------------------------------------------------------------------------------------
 
     def build(self, title: str) -> Derivative:
@@ -84,7 +104,7 @@ class _Adjoint(Shadows):
         self.find_scopes()
         added = self.private_shadows()
         forward = [*empty_at_first(self.structure), *self.sweeps.forward(self.structure.function.body)]
-        reverse = self.sweeps.reverse(self.structure.function.body)
+        reverse = self.flagged(self.sweeps.reverse(self.structure.function.body))
         last = [augment(index(name(p), const(...)), Add(), name(s)) for p, s in added]
         returned = [p for p in self.request.wrt if self.typing.table[p].is_number]
         values: list[AST] = [name(self.shadow(p)) for p in returned]

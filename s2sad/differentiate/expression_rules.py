@@ -94,8 +94,11 @@ class Pullback:
             root = self.zero_law.root_test(rule, parameter, operands, result)
             term = self.contribution(rule, seed, partial, [*([seed.tree] if parameter in tested else []), *(
                 [] if root is None else [root])], found)
-            if self.leaves(operand) > 1:
+            steep = self.zero_law.flag and self.zero_law.unbounded.is_steep_in(rule, parameter, operands)
+            if self.leaves(operand) > 1 or steep:
                 term = self.bind_seed(operand, term, found)
+            if steep:
+                found.before.append(self.zero_law.set_flag(term.tree))
             with self.zero_law.pulled(rule, parameter, operands):
                 self.pull(operand, term, None, region, found)
 
@@ -108,8 +111,8 @@ class Pullback:
             held = self.bind("slope", partial)
             found.before.append(assign(held, partial))
             zero = partial = name(held)
-        tested = tested if zero is None else [*tested, zero]
-        return self.zero_law.product(self.term(rule, seed, partial), tested, whole)
+        term = self.zero_law.product(self.term(rule, seed, partial), tested, whole)
+        return term if zero is None else self.zero_law.strong(term, zero, whole)
 
     def term(self, rule: Rule, seed: Term, partial: AST) -> Term:
         """The increment of an operand: the product of the seed with the conjugate of the partial."""
@@ -153,7 +156,7 @@ class Pullback:
             gain, negative = unsigned(self.sized(substitute(rule.gain(parameter, ranks, arguments), filled)))
             term = Term(gain, seed.negative != negative)
             if self.zero_law.steep and isinstance(gain, BinOp) and isinstance(gain.op, Mult) and is_plain(gain.right):
-                term = self.zero_law.product(term, [gain.right], True)
+                term = self.zero_law.strong(term, gain.right, True)
             if self.leaves(operand) > 1:
                 term = self.bind_seed(operand, term, found)
             self.pull(operand, term, None, operand, found)

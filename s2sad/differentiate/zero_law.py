@@ -11,6 +11,13 @@ the next partial can be infinite by its rule. The partial is tested where the ta
 backwards where the seed can be, in front of a root and what else has an infinite slope where its value is finite. So a
 nan stays one wherever no factor is zero. Where the operand of a root is known to be a sum of squares, it has no slope
 where the root has an infinite one: there the root is tested, once, in place of all these (`analyze.squares`).
+
+An infinite seed is rare, and testing every partial of a whole array for it is slow: where only roots of the function
+itself make seeds infinite, one flag says whether one has, and partials are tested while it is set.
+
+    seed = np.where(r_bar != 0.0, 0.5 * r_bar / r, 0.0)         of r = np.sqrt(x * y)
+    steep = steep or not np.all(np.isfinite(seed))
+    x_bar += strong_zero(y, y * seed, steep)
 """
 from __future__ import annotations
 
@@ -20,18 +27,20 @@ from contextlib import contextmanager
 from s2sad.analyze.unbounded_values import UnboundedValues
 from s2sad.differentiate.arithmetic import Term, zero_unless, choice_product, unsigned
 from s2sad.rules.rule import RESULT, Rule, number
-from s2sad.tree import AST, BinOp, Div, Mult, names
+from s2sad.tree import AST, BinOp, BoolOp, Div, Mult, Not, Or, UnaryOp, assign, call, copy, name, names
 
 _SATURATED = frozenset(f"{m}.{n}" for m in ("numpy", "math", "scipy.special") for n in (
     "exp", "exp2", "expm1", "tanh", "arctan", "atan", "expit", "erf", "erfc"))
 
 
 class ZeroLaw:
-    """Where factors of one function's derivative are tested for zero."""
+    """Where factors of one function's derivative are tested for zero; the name `flag`, if there is one, is set where
+    a root has made a seed infinite."""
 
-    def __init__(self, unbounded: UnboundedValues):
-        self.unbounded = unbounded
-        self.discarded = False           # whether a choice may leave the operand at hand
+    def __init__(self, unbounded: UnboundedValues, flag: str = ""):
+        self.unbounded, self.flag = unbounded, flag
+        self.flagged = False        # whether the flag is read
+        self.discarded = False      # whether a choice may leave the operand at hand
         self.steep = False          # whether the seed at hand can be infinite
 
     def enter(self, target: str) -> None:
@@ -77,6 +86,18 @@ class ZeroLaw:
         if not _varies(partial) or choice_product(tangent, partial) is not None:
             return False
         return self.unbounded.tangent(operand) or rule.name in _SATURATED and self.unbounded.value(operand)
+
+    def strong(self, term: Term, zero: AST, whole: bool) -> Term:
+        """The product of a partial and a seed that may be infinite, zero where the partial is."""
+        if not (whole and self.flag):
+            return zero_unless(zero, term, whole)
+        self.flagged = True
+        return Term(call("runtime.strong_zero", copy(zero), term.tree, name(self.flag)), term.negative)
+
+    def set_flag(self, seed: AST) -> AST:
+        """The statement that sets the flag, where the seed behind a root is infinite or nan."""
+        infinite = UnaryOp(Not(), call("numpy.all", call("numpy.isfinite", copy(seed))))
+        return assign(self.flag, BoolOp(Or(), [name(self.flag), infinite]))
 
     def product(self, term: Term, tested: list[AST], whole: bool) -> Term:
         """The product, zero where one of the tested factors is."""

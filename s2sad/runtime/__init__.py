@@ -34,7 +34,7 @@ from s2sad.runtime.sparse_matrices import (
     sparse_rows, sparse_solve, sparse_span,
 )
 from s2sad.runtime.special import digamma, entr, expit, gammaln, kl_div, logit, rel_entr, xlog1py, xlogy
-from s2sad.runtime.spread import extreme_mask, extreme_place, scattered, spread
+from s2sad.runtime.spread import extreme_mask, extreme_place, scattered, spread, strong_zero
 from s2sad.runtime.stacks import grow, sized
 from s2sad.runtime.sums import added, blocked_sum, pairwise_sum
 from s2sad.runtime.systems import cg, dense, gmres, solved_by
@@ -62,8 +62,8 @@ __all__ = [
     "solve_banded", "solve_triangular", "solved", "solved_by", "solved_transposed", "sought", "sparse_dense",
     "sparse_diagonal", "sparse_diagonal_gain", "sparse_entries", "sparse_factors", "sparse_fits", "sparse_gain",
     "sparse_gain_in_loops", "sparse_joined", "sparse_left_product", "sparse_left_product_in_loops",
-    "sparse_product", "sparse_product_in_loops", "sparse_rows", "sparse_solve", "sparse_span", "spread", "take_row",
-    "tanh", "to_lower", "to_matrix", "triangle", "triangle_gain", "triangle_times", "triangular_part",
-    "triangular_part_change", "triangular_part_gain", "update_rest", "whole_power", "whole_product", "xlog1py",
-    "xlogy",
+    "sparse_product", "sparse_product_in_loops", "sparse_rows", "sparse_solve", "sparse_span", "spread",
+    "strong_zero", "take_row", "tanh", "to_lower", "to_matrix", "triangle", "triangle_gain", "triangle_times",
+    "triangular_part", "triangular_part_change", "triangular_part_gain", "update_rest", "whole_power", "whole_product",
+    "xlog1py", "xlogy",
 ]

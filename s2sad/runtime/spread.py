@@ -59,3 +59,13 @@ def scattered(g, shape, places):
     found = np.zeros(shape, np.result_type(g, np.float64))      # rounded once, where it is stored
     np.add.at(found, places, g)
     return found
+
+
+def strong_zero(factor, product, steep):
+    """The product with a factor; where it is `steep`, for what it is multiplied with is infinite somewhere, zero where
+    the factor is.
+
+    >>> strong_zero(np.array([0.0, 2.0]), np.array([np.nan, np.inf]), True)
+    array([ 0., inf])
+    """
+    return np.where(factor == 0.0, 0.0, product) if steep else product

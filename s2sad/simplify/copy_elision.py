@@ -15,14 +15,15 @@ from collections import Counter
 from s2sad.blocks import with_blocks
 from s2sad.passes import Context
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, BinOp, Call, Compare, Constant, For, FunctionDef, Name, Subscript, UnaryOp,
-    assign, attribute, call, call_name, const, dump, index, is_comment, name, names, rename, walk, walk_statements,
-    with_body,
+    AST, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, Name, Subscript,
+    UnaryOp, assign, attribute, call, call_name, const, dump, index, is_comment, name, names, rename, walk,
+    walk_statements, with_body,
 )
 
 CHANGES_ROUNDING = False
 
-_ALLOCATING = {"numpy.where", "numpy.sum", "numpy.outer", "numpy.copy", "numpy.matmul", "numpy.exp"}
+_ALLOCATING = {"numpy.where", "numpy.sum", "numpy.outer", "numpy.copy", "numpy.matmul", "numpy.exp",
+               "runtime.strong_zero"}
 
 
 def copy_elision(function: FunctionDef, context: Context) -> FunctionDef:
@@ -90,7 +91,7 @@ def _keeps_no_view(statement: AST) -> bool:
         return False
     value = statement.value
     return isinstance(statement.targets[0], Subscript) and not isinstance(value, (Name, Attribute)) or isinstance(
-        value, (BinOp, UnaryOp, Compare)) or isinstance(value, Call) and call_name(value) in _ALLOCATING
+        value, (BinOp, BoolOp, UnaryOp, Compare)) or isinstance(value, Call) and call_name(value) in _ALLOCATING
 
 
 __all__ = ["copy_elision"]
