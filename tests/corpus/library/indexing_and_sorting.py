@@ -2,17 +2,10 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-import s2sad
-from tests.derivatives import check_derivatives
-from tests.engines import each, said
+from tests.corpus import Case
 from tests.seeds import generator
 
-ENGINES = ("numpy", "numba")
-
-
-# -- a: (3, 4), x: (3,), y: (4,); what is returned is a number -------------------------------------------------------
 
 def results_in_place(a, x, y):
     w, m, s = np.empty(3), np.empty((3, 3)), np.empty(4)
@@ -142,14 +135,6 @@ def arguments():
     return 0.3 + 0.7 * random.random((3, 4)), 0.5 + random.random(3), 0.5 + random.random(4)
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
-def test_kernel(kernel, engine):
-    given, left = arguments(), arguments()
-    kernel(*left)
-    of = tuple(n for n, p, q in zip("axy", given, left) if not np.array_equal(p, q))
-    check_derivatives(kernel, given, ("a", "x", "y"), (*of, "return"), engine)
-
-
 def in_loops(a, x, y):
     for k in range(3):
         i = np.nonzero(a[k] > 0.5)[0]
@@ -158,11 +143,6 @@ def in_loops(a, x, y):
         y[:] = np.sort(y * a[k])
         u, v = np.split(y, 2)
         a[k, :2] = u * v + np.median(a[k])
-
-
-@pytest.mark.parametrize("engine", ("numpy", "loops"))
-def test_in_loops(engine):
-    check_derivatives(in_loops, arguments(), ("a", "x", "y"), ("a", "x", "y"), engine)
 
 
 def ends(x):
@@ -176,58 +156,6 @@ def nothing(x):
     return np.sum(np.sort(x)) + np.sum(x[i]) + np.sum(np.add.outer(x, x)) + np.sum(np.take(x, i)) + np.polyval(x, 2.0)
 
 
-@pytest.mark.parametrize("engine", ("numpy", "loops"))
-def test_sizes_of_one_and_none(engine):
-    check_derivatives(ends, (np.array([1.5]),), ("x",), ("return",), engine)
-    check_derivatives(nothing, (np.zeros(0),), ("x",), ("x", "return"), engine)
-
-
-def single(x):
-    return np.sum(x.astype(np.float32) * x) + np.sum(np.sort(x) ** 2)
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_single_precision(engine):
-    given = s2sad.gradient(s2sad.differentiate(single, engine=engine))
-    x = np.array([0.5, 0.25, 0.75])
-    np.testing.assert_allclose(given(x), 4.0 * x, rtol=1e-6)
-    assert given(x.astype(np.float32)).dtype == np.float32
-
-
-def test_a_median_of_nan():
-    def kernel(x):
-        return np.median(x) + np.quantile(x, 0.5)
-    assert np.isnan(s2sad.value_and_gradient(kernel)(np.array([1.0, np.nan, 2.0]))[0])
-
-
-REFUSED = {
-    "np.sum(np.piecewise(x, [x < 0.7], [1.0]))": "np.select", "np.sum(np.squeeze(x))": "np.squeeze",
-    "np.sum(np.histogram(x)[0])": "range=.low, high", "np.sum(np.unwrap(x))": "in a loop",
-    "np.sum(np.linalg.eigvals(np.diag(x)))": "eigvalsh",
-}
-
-
-@pytest.mark.parametrize("text", REFUSED)
-def test_refused_with_what_to_write(text, tmp_path):
-    path = tmp_path / "kernel.py"
-    path.write_text(f"import numpy as np\n\n\ndef kernel(x):\n    return {text}\n")
-    spaces: dict = {}
-    exec(compile(path.read_text(), str(path), "exec"), spaces)
-    with pytest.raises(s2sad.S2sadError, match=r"S301.*\n(.*\n)*.*help: .*" + REFUSED[text]):
-        s2sad.gradient(spaces["kernel"])(np.array([0.5, 0.9, 1.5]))
-
-
-@pytest.mark.parametrize("text, what", [("np.place(x, x > 1, 1.0)", "mask"),
-                                        ("np.put_along_axis(x, x > 1, x, 0)", "a loop that stores")])
-def test_writing_by_number_is_refused(text, what, tmp_path):
-    path = tmp_path / "kernel.py"
-    path.write_text(f"import numpy as np\n\n\ndef kernel(x):\n    {text}\n")
-    spaces: dict = {}
-    exec(compile(path.read_text(), str(path), "exec"), spaces)
-    with pytest.raises(s2sad.S2sadError, match="a call whose result is not used(.*\n)*.*help: .*" + what):
-        s2sad.vjp(spaces["kernel"], (np.ones(3),), {"x": np.ones(3)})
-
-
 def pairs_of(x, y):
     return np.sum(np.hypot.outer(x, y) * np.logaddexp.outer(x, y)) + np.sum(np.logaddexp.accumulate(x)) * (
         np.logaddexp.reduce(x) * np.hypot.reduce(y))
@@ -237,33 +165,39 @@ def running_integers(x, y):
     return np.sum(np.logaddexp.accumulate(np.arange(3)) * x)
 
 
-@pytest.mark.parametrize("engine", ["numpy", "loops"])
-def test_ufuncs_of_pairs(engine):
-    x, y = np.array([0.3, 0.8, 1.2]), np.array([0.5, -0.9])
-    check_derivatives(pairs_of, (x, y), ("x", "y"), ("return",), engine)
-    check_derivatives(pairs_of, (x[:1], y[1:]), ("x", "y"), ("return",), engine)
-    check_derivatives(pairs_of, (x.astype(np.float32), y), ("x", "y"), ("return",), engine)
-    with pytest.raises(s2sad.S2sadError, match="no derivative rule for numpy.logaddexp.accumulate"):
-        s2sad.gradient(running_integers)(x, y)
-
-
 def running_results(a):
     return (np.sum(np.cumsum(a, axis=0) * np.cumprod(a, axis=0))
             + np.sum(np.maximum.accumulate(a, axis=0) * np.cumsum(a, axis=1)))
-
-
-@pytest.mark.parametrize("engine", ["numpy", "loops"])
-@pytest.mark.parametrize("shape", [(0, 3), (1, 3), (3, 2), (3, 0)])
-def test_running_results_of_any_size(shape, engine):
-    check_derivatives(running_results, (np.linspace(0.3, 1.4, shape[0] * shape[1]).reshape(shape),), ("a",),
-                      ("return",), engine)
 
 
 def places_of_one_row(a):
     return np.sum(np.take_along_axis(a, np.array([[0, 2]]), axis=1))
 
 
-def test_places_that_are_not_repeated():
-    with pytest.raises(s2sad.S2sadError) as guarded:
-        s2sad.gradient(s2sad.differentiate(places_of_one_row, engine="numpy"))(np.ones((3, 3)))
-    assert said(guarded.value) == "np.take_along_axis with places for another number of rows: repeat them"
+def cases():
+    # kernel
+    for kernel in KERNELS:
+        given, left = arguments(), arguments()
+        kernel(*left)
+        of = tuple(n for n, p, q in zip("axy", given, left) if not np.array_equal(p, q))
+        yield Case(kernel, given, ("a", "x", "y"), (*of, "return"))
+    # in loops
+    yield Case(in_loops, arguments(), ("a", "x", "y"), ("a", "x", "y"))
+    # sizes of one and none
+    yield Case(ends, (np.array([1.5]),), ("x",))
+    yield Case(nothing, (np.zeros(0),), ("x",), ("x", "return"))
+    # ufuncs of pairs
+    x, y = (np.array([0.3, 0.8, 1.2]), np.array([0.5, -0.9]))
+    yield Case(running_integers, (x, y), refused=(
+        "S301 at `np.logaddexp.accumulate(np.arange(3))`: no derivative rule for numpy.logaddexp.accumulate: "
+        "write it as a loop over the elements"))
+    yield Case(pairs_of, (x, y), ("x", "y"))
+    yield Case(pairs_of, (x[:1], y[1:]), ("x", "y"))
+    yield Case(pairs_of, (x.astype(np.float32), y), ("x", "y"))
+    # running results of any size
+    for shape in ((0, 3), (1, 3), (3, 2), (3, 0)):
+        yield Case(running_results, (np.linspace(0.3, 1.4, shape[0] * shape[1]).reshape(shape),), ("a",))
+    # places that are not repeated
+    yield Case(places_of_one_row, (np.ones((3, 3)),), refused=(
+        "S501 at `np.take_along_axis(a, np.array([[0, 2]]), axis=1)`: np.take_along_axis with places for "
+        "another number of rows: array_value.shape[0] is 1, a.shape[0] is 3: repeat them"))

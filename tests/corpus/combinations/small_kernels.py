@@ -4,13 +4,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pytest
 
-import s2sad
-from tests.derivatives import check_derivatives
-from tests.engines import each
+from tests.corpus import Case
 from tests.seeds import generator
-
 
 
 def index_from_a_written_array(x, y):
@@ -325,25 +321,21 @@ def _argument(name: str, rng: np.random.Generator, small: bool) -> object:
     return {"a": 0.7, "c": 0.4, "limit": 0.6}.get(name, None) or 0.3 + rng.random(4)
 
 
-@pytest.mark.parametrize(("kernel", "wrt", "of", "engine"), each(CASES))
-def test_small_kernel(kernel, wrt, of, engine):
-    rng = generator(3)
-    names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]
-    arguments = tuple(_argument(n, rng, "q" in names and "m" not in names) for n in names)
-    check_derivatives(kernel, arguments, wrt, of, engine=engine)
-
-
-@pytest.mark.parametrize("kernel", [choice_under_two_names])
-def test_refused_for_want_of_a_rule(kernel):
-    with pytest.raises(s2sad.S2sadError) as caught:
-        s2sad.gradient(kernel)(np.array([0.4, 0.9, 0.8, 1.2]))
-    assert caught.value.diagnostics[0].code == "S301"
-
-
-@pytest.mark.parametrize(("kernel", "said"), [
-    (array_of_an_earlier_iteration, "'w' may stand for different arrays here"),
-])
-def test_refused(kernel, said):
-    with pytest.raises(s2sad.S2sadError) as caught:
-        s2sad.gradient(kernel)(np.array([0.4, 0.9, 0.8, 1.2]))
-    assert said in str(caught.value).splitlines()[0] and caught.value.diagnostics[0].code == "S201"
+def cases():
+    # small kernel
+    for kernel, wrt, of in CASES:
+        rng = generator(3)
+        names = kernel.__code__.co_varnames[:kernel.__code__.co_argcount]
+        arguments = tuple(_argument(n, rng, "q" in names and "m" not in names) for n in names)
+        yield Case(kernel, arguments, wrt, of)
+    # refused for want of a rule
+    for kernel in (choice_under_two_names,):
+        yield Case(kernel, (np.array([0.4, 0.9, 0.8, 1.2]),), refused=(
+            "S301 at `np.where(x[0] > 0.0, x[0], x[1])`: no derivative rule for numpy.where of numbers here: "
+            "write it with if and else"))
+    # refused
+    for kernel in (array_of_an_earlier_iteration,):
+        yield Case(kernel, (np.array([0.4, 0.9, 0.8, 1.2]),), refused=(
+            "S201 at `w`: 'w' may stand for different arrays here: copy into one array with x[...] = ..., or "
+            "use two names\nS201 at `w`: 'w' may stand for different arrays here: copy into one array with "
+            "x[...] = ..., or use two names"))

@@ -2,20 +2,12 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-import s2sad
-from tests.derivatives import check_derivatives, check_value
+from tests.corpus import Case
 from tests.seeds import generator
 
 NODES, WEIGHTS = (-0.6, 0.6), [1.0, 0.5]
 STAGES = ((0.5, 0.25), (0.1, 0.2))
-TABLE = {"drag": 0.4, "layer": {"depth": [1.0, 2.0]}}
-
-
-class Settings:
-    gravity = 9.81
-    profile = (1.0, 0.5)
 
 
 def values(*shape, seed=1):
@@ -204,34 +196,13 @@ def flat_store(x):
     return y[0, 0] * y[1, 1]
 
 
-def test_attribute_of_an_array_is_refused():
-    with pytest.raises(s2sad.S2sadError, match=r"S201.*the attribute 'flat' of an array"):
-        s2sad.gradient(flat_store)(np.ones(4))
-
-
-def settled(x):
-    return np.sum(x) * TABLE["drag"] + TABLE["layer"]["depth"][1] * x[0] + Settings.profile[0] * Settings.gravity * x[1]
-
-
-def test_constants_in_dicts_lists_and_classes(monkeypatch):
-    gradient = s2sad.gradient(s2sad.differentiate(settled, engine="numpy"))
-
-    def expected():
-        return TABLE["drag"] + np.array([TABLE["layer"]["depth"][1], Settings.profile[0] * Settings.gravity, 0.0])
-    np.testing.assert_allclose(gradient(np.ones(3)), expected())
-    for holder, key, value in ((TABLE, "drag", 3.0), (TABLE["layer"], "depth", [2.0, 5.0])):
-        monkeypatch.setitem(holder, key, value)
-        np.testing.assert_allclose(gradient(np.ones(3)), expected())
-    TABLE["layer"]["depth"][1] = 7.0
-    np.testing.assert_allclose(gradient(np.ones(3)), expected())
-    monkeypatch.setattr(Settings, "gravity", 1.0)
-    np.testing.assert_allclose(gradient(np.ones(3)), expected())
-
-
-@pytest.mark.parametrize("engine", ["numpy", "loops"])
-@pytest.mark.parametrize(("kernel", "arguments", "outputs"), CASES, ids=lambda c: getattr(c, "__name__", ""))
-def test_kernel(kernel, arguments, outputs, engine):
-    code = kernel.__code__
-    inputs = tuple(n for n, a in zip(code.co_varnames, arguments) if np.asarray(a).dtype.kind == "f")
-    check_derivatives(kernel, arguments, inputs, outputs, engine)
-    check_value(kernel, arguments, inputs, engine)
+def cases():
+    # attribute of an array is refused
+    yield Case(flat_store, (np.ones(4),), refused=(
+        "S201 at `y.flat`: the attribute 'flat' of an array: write it with the array itself: x[i, j], "
+        "x[...], x.shape, x.size"))
+    # kernel
+    for kernel, arguments, outputs in CASES:
+        code = kernel.__code__
+        inputs = tuple((n for n, a in zip(code.co_varnames, arguments) if np.asarray(a).dtype.kind == "f"))
+        yield Case(kernel, arguments, inputs, outputs)

@@ -6,14 +6,8 @@ Each kernel has one name for several variables, of which one is a structure, an 
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-import s2sad
-from s2sad.read.capture import capture
-from s2sad.read.unique_names import unique_names
-from s2sad.tree import written
-from tests.derivatives import check_derivatives
-from tests.engines import each, running
+from tests.corpus import Case
 
 G = 3.0
 
@@ -21,8 +15,6 @@ G = 3.0
 def helper(v):
     return v * v
 
-
-# -- layers: a list of pairs of arrays --------------------------------------------------------------------------------
 
 def decay(layers, x):
     for w, b in layers:
@@ -110,8 +102,6 @@ def alias_after(layers, x):
     return s * np.sum(w) * np.sum(b)
 
 
-# -- a list of arrays -------------------------------------------------------------------------------------------------
-
 def of_itself(w, x):
     t = [w * x for w in w]
     return np.sum(t[0]) + np.sum(t[1] ** 2) + np.sum(w[0])
@@ -129,15 +119,11 @@ def written_lists(us, x):
     return u + sum(np.sum(u) for u in vs)
 
 
-# -- a list of numbers ------------------------------------------------------------------------------------------------
-
 def named_again(cs, x):
     for c in cs:
         pass
     return sum(c for c in cs) * x + c
 
-
-# -- an array of six numbers ------------------------------------------------------------------------------------------
 
 def in_loop_of_same(w, x):
     s = 0.0
@@ -304,8 +290,6 @@ def list_in_list2(a, x):
     return np.sum(b * c) * i
 
 
-# -- a matrix ---------------------------------------------------------------------------------------------------------
-
 def enum(a, x):
     i, r = 5, x
     s = sum(i * np.sum(r) for i, r in enumerate(a))
@@ -332,74 +316,8 @@ GIVEN = {
 }
 
 
-@pytest.mark.parametrize("kernel, given, engine", each((f, given) for fs, given in GIVEN.items() for f in fs))
-def test_variables_of_one_name(kernel, given, engine):
-    x = np.array([0.5, 0.6]) if kernel in (decay, nested_same) else 2.0
-    check_derivatives(kernel, (given(), x), ("x",), ("return",), engine)
-
-
-def of_a_dict(p, x):
-    s = 0.0
-    for k, v in p.items():
-        s += np.sum(v * x)
-    s += sum(np.sum(v ** 2) for k, v in p.items()) + np.sum(v)
-    v = x
-    q = [v * 2.0 for v in p.values()]
-    for k in p:
-        s += np.sum(p[k]) * x
-    return s + np.sum(q[0] * q[1]) + v
-
-
-@pytest.mark.parametrize("engine", ["numpy", "loops"])
-def test_items_of_a_dict(engine):
-    given = {"a": np.array([1.0, 2.0]), "b": np.array([3.0, 4.0])}
-    with running(engine) as run_under:
-        value, slope = s2sad.value_and_gradient(s2sad.differentiate(of_a_dict, engine=run_under), wrt="x")(given, 2.0)
-    assert value == of_a_dict(given, 2.0) == 123.0 and slope == 21.0
-
-
-def test_names_made_unique():
-    def kernel(w, x):
-        k = 2.0
-        f = lambda w: w * k
-        return f(x) + sum(w * k for w in w for k in range(3)) + k
-
-    found = unique_names(capture(kernel))
-    assert [written(s.value) for s in found.tree.body[1:]] == [
-        "lambda w_2: w_2 * k", "f(x) + sum((w_3 * k_2 for w_3 in w for k_2 in range(3))) + k"]
-    assert found.renamed == {"w_2": "w", "w_3": "w", "k_2": "k"}
-    assert unique_names(found).tree is found.tree
-
-
-def test_names_that_do_not_clash_stay():
-    def kernel(us, x):
-        return sum(u * x for u in us)
-
-    captured = capture(kernel)
-    assert unique_names(captured) is captured
-    text = s2sad.differentiate(kernel, engine="numpy").adjoint_source(np.ones(3), 2.0)
-    assert "u_bar" in text and "u_2" not in text
-
-
-def refused(kernel, *arguments):
-    with pytest.raises(s2sad.S2sadError) as error:
-        s2sad.gradient(kernel, wrt="x")(*arguments)
-    [found] = error.value.diagnostics
-    return found.message, found.help
-
-
-def test_messages_have_the_names_of_the_text():
-    def nested(nets, x):
-        for layers in nets:
-            x = x * layers[0]
-        return sum(sum(b * x for b in layers) for layers in nets)
-
-    def binds(us, x):
-        return sum((last := u * x) for u in us) * last
-
-    assert refused(nested, [[1.0, 2.0], [3.0, 4.0]], 2.0) == (
-        "'layers' holds numbers that change before it is read",
-        "give each of them a name, or make it an array: np.array([...])")
-    assert refused(binds, np.ones(3), 2.0) == (
-        "an assignment inside an expression (:=) is not supported in a kernel",
-        "write the assignment as a statement of its own before")
+def cases():
+    # variables of one name
+    for kernel, given in ((f, given) for fs, given in GIVEN.items() for f in fs):
+        x = np.array([0.5, 0.6]) if kernel in (decay, nested_same) else 2.0
+        yield Case(kernel, (given(), x), ("x",))
