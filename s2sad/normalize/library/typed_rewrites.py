@@ -22,7 +22,7 @@ from s2sad.normalize.context import NormalContext
 from s2sad.rules import find_array
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Compare, Constant, FloorDiv, FunctionDef, In, Is, IsNot, List, Mod, Mult,
-    Name, NotIn, Slice, Sub, Subscript, Tuple, at, attribute, call, call_name, const, copy, index, mult, rebuild,
+    Name, NotEq, NotIn, Slice, Sub, Subscript, Tuple, at, attribute, call, call_name, const, copy, index, mult, rebuild,
     tuple_of, with_body,
 )
 
@@ -57,6 +57,9 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
             return at(call("numpy.abs", rebuild(node.args[0], change)), node)
         if call_name(node) == "numpy.reshape" and (made := _vector_reshape(node, typing)) is not None:
             return made
+        if call_name(node) == "numpy.count_nonzero" and len(node.args) == 1 and not node.keywords and (
+                kind := typing.of(node.args[0])).is_number and not kind.is_complex:
+            return at(_number_count(rebuild(node.args[0], change), kind), node)
         if call_name(node) in ("numpy.size", "numpy.ndim") and (made := _array_property(node, typing)) is not None:
             return rebuild(made, change)
         if isinstance(node, Call) and (rule := find_array(call_name(node))) is not None and (
@@ -89,6 +92,11 @@ def _array_property(node: Call, typing: Typing) -> AST | None:
         return None
     return at(attribute(given[0], "size") if len(given) == 1 else index(
         attribute(given[0], "shape"), const(axis % kind.rank)), node)
+
+
+def _number_count(value: AST, kind: Type) -> AST:
+    """How many of one number are not 0, which Numba counts in arrays only."""
+    return call("builtins.int", value if kind.dtype == "bool" else Compare(value, [NotEq()], [const(0)]))
 
 
 def _axis_by_axis(node: Call, typing: Typing) -> AST | None:

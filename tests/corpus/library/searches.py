@@ -55,6 +55,11 @@ def of_two_arrays(a, b):
         b[i] *= 1.0 + 0.1 * np.count_nonzero(a[i] > 1)
 
 
+def of_numbers(a, k):
+    for i in range(4):
+        a[i] *= 1.0 + np.count_nonzero(a[i] > 1.0) + np.count_nonzero(k[i]) + np.count_nonzero(a[i - 1])
+
+
 def squares_of_the_largest(a, k):
     s = 0.0
     for _ in range(k):
@@ -111,5 +116,6 @@ def cases():
     yield Case(in_values, (B4, B), ("a", "b"), ("a",))
     yield Case(in_a_loop, (B4, B), ("a", "b"), ("a", "return"))
     yield Case(of_two_arrays, (B4, np.array([0.5, 0.9, 1.4, 2.5])), ("a", "b"), ("a", "b"))
+    yield Case(of_numbers, (B4, np.array([0, 2, 0, -1])), ("a",), ("a",))
     yield Case(squares_of_the_largest, (B4, 2), ("a",), ("a", "return"))
     yield Case(sought, (np.array([0.5, 0.9, 1.4, 2.5, 9.0]), B4), ("a", "b"), ("a",))
