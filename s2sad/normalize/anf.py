@@ -1,10 +1,10 @@
-"""anf: what the adjoint needs by itself gets a name.
+"""anf: A-normal form: every operand that the adjoint reads by itself has a name.
 
 Requires one name a binding; establishes that in every statement which computes floats
 - a load from an array that the function writes is a statement of its own (a copy of the element),
 - an operation whose partial reads its own result (a quotient, exp, sqrt, ...) is the root of its statement,
-- a sum over an array, a kernel's call and the test of a branch have names, and so has an integer or a bool that asks
-  an array as a whole which the function writes (`np.argmax(a)`).
+- a sum over an array, a kernel's call and the test of a branch have names, and so has an integer or a bool that is a
+  property of a whole array which the function stores into (`np.argmax(a)`).
 
     def f(a, i, j):                     def f(a, i, j):
         a[i, j] = a[i, j] / a[j, j]         a_here = a[i, j]
@@ -12,7 +12,7 @@ Requires one name a binding; establishes that in every statement which computes 
                                             ratio = a_here / a_here_2
                                             a[i, j] = ratio
 
-`simplify.fold` takes the names out again where they are not needed.
+`simplify.forward_substitution` takes the names out again where they are not needed.
 """
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class _Anf:
 
     def call(self, node: Call, before: list[AST]) -> Call:
         args = [self.simple(a, before, "argument") if self.is_float(a) and not self.typing.of(a).is_array else
-                self.asked(self.indexed(a, before), before) for a in node.args]
+                self.named_property(self.indexed(a, before), before) for a in node.args]
         return Call(node.func, args, [])
 
     def simple(self, node: AST, before: list[AST], wanted: str) -> AST:
@@ -131,14 +131,14 @@ class _Anf:
         return name(self.bind(wanted, self.root(assign(name("_"), node), before), before))
 
     def inner(self, node: AST, before: list[AST]) -> AST:
-        """The expression with everything that wants a name replaced by one, left to right."""
-        kind, node = self.typing.of(node), self.asked(node, before)
+        """The expression in A-normal form, left to right."""
+        kind, node = self.typing.of(node), self.named_property(node, before)
         if isinstance(node, (Compare, BoolOp)) or not (kind.is_inexact or kind.dtype):
             return node
         if isinstance(node, Subscript):
             node = self.indexed(node, before)
         if isinstance(node, Subscript) and base_name(node) in self.written and not kind.is_array:
-            return name(self.load(node, before))
+            return name(self.named_load(node, before))
         if isinstance(node, (Subscript, Name, Constant)) or type(node).__name__ == "Attribute":
             return node
         if call_name(node) == "numpy.sum":
@@ -161,29 +161,29 @@ class _Anf:
         """A reference whose subscripts read no array that is written: those that do get names."""
         if not isinstance(node, Subscript) or not any(self.reads_written(s) for s in indices(node)):
             return node
-        return index(node.value, *(name(self.held("place", s, before)) if self.reads_written(s) else s
+        return index(node.value, *(name(self.name_of("place", s, before)) if self.reads_written(s) else s
                                    for s in indices(node)))
 
     def reads_written(self, node: AST) -> bool:
-        """Whether an expression reads elements of an array that is written; one that asks it as a whole is a number."""
+        """Whether an expression reads elements of an array that is stored into, or a property of the whole."""
         if self.typing.of(node).is_array:
             return any(isinstance(n, Subscript) and base_name(n) in self.written for n in walk(node))
         shapes = {id(n.value) for n in walk(node) if isinstance(n, Attribute)} | {
             id(n.args[0]) for n in walk(node) if call_name(n) in ("builtins.len", "numpy.size")}
         return any(isinstance(n, Name) and n.id in self.written and id(n) not in shapes for n in walk(node))
 
-    def asked(self, node: AST, before: list[AST]) -> AST:
-        """A name for an integer or a bool that asks such an array as a whole; anything else as it is."""
+    def named_property(self, node: AST, before: list[AST]) -> AST:
+        """A name for an integer or a bool that is a property of such an array as a whole; anything else as it is."""
         kind = self.typing.of(node)
         asks = kind.is_number and not kind.is_inexact and not isinstance(node, (Name, Constant)) and any(
             isinstance(n, Call) and any(self.typing.of(a).is_array and self.written & set(names(a)) for a in n.args)
             for n in walk(node))
-        return name(self.held("asked", node, before)) if asks else node
+        return name(self.name_of("asked", node, before)) if asks else node
 
-    def load(self, node: Subscript, before: list[AST]) -> str:
-        return self.held(f"{base_name(node)}_here", node, before)
+    def named_load(self, node: Subscript, before: list[AST]) -> str:
+        return self.name_of(f"{base_name(node)}_here", node, before)
 
-    def held(self, wanted: str, node: AST, before: list[AST]) -> str:
+    def name_of(self, wanted: str, node: AST, before: list[AST]) -> str:
         """A name for an expression, the same one within a statement."""
         for made in before:
             if isinstance(made, Assign) and dump(made.value) == dump(node):

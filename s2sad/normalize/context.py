@@ -27,7 +27,7 @@ class NormalContext(KernelScope):
     known: KnownResults
     singles: bool                       # whether anything in the program is of float32
     pending: Report = field(init=False)                 # what contradicts itself, unless a check has more to say of it
-    swapped: set[str] = field(default_factory=set)      # names that may stand for other arrays
+    swapped: set[str] = field(default_factory=set)      # names that are bound to several arrays
     shared: bool = False                                # a store would tell a buffer from NumPy's array
     lists: Set[str] = frozenset()                       # the arrays in place of lists
     contiguity: Contiguity = field(init=False)
@@ -35,8 +35,8 @@ class NormalContext(KernelScope):
     guarded: bool = False                               # whether guards of shapes were added
     lowered: FunctionDef = field(init=False)            # the primal as it runs, and the types of its names
     lowered_types: Mapping[str, Type] = field(default_factory=dict)
-    numbers: dict[str, str] = field(default_factory=dict)   # the arrays in whose place there are numbers
-    family: dict[str, str] = field(default_factory=dict)    # the names that stand for the bindings of one
+    numbers: dict[str, str] = field(default_factory=dict)   # the arrays that were contracted to numbers
+    family: dict[str, str] = field(default_factory=dict)    # the variable of each name
 
     def apart(self) -> NormalContext:
         made = super().apart()

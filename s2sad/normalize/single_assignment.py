@@ -12,7 +12,7 @@ and loops whose paths meet in it, or, as an accumulator, is only added to inside
                                             g_1 = g_2
                                         return g_1 * a_1
 
-`simplify.coalesce` takes the copies out again where one name can serve.
+`simplify.copy_coalescing` takes the copies out again where one name can serve.
 """
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ class _SingleAssignment:
         return [If(test, body, orelse)]
 
     def zero(self, variable: str) -> AST:
-        """What stands for a variable that is not bound on this path, and so not read on it."""
+        """The value of a variable that is not bound on this path, and so not read on it."""
         kind = self.types[variable]
         return const(0.0 if kind.is_inexact else False if kind.dtype == "bool" else 0)
 

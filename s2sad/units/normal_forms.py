@@ -13,7 +13,7 @@ from s2sad.infer.inference import Typing
 from s2sad.infer.types import FLOAT, Type, of_value
 from s2sad.naming import Names
 from s2sad.normalize import canonical_form
-from s2sad.normalize.calls.alias_specialization import specialised
+from s2sad.normalize.calls.alias_specialization import specialized
 from s2sad.normalize.calls.inline import Helpers, returned
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.dtypes.complex_support import refuse_own_derivative
@@ -70,7 +70,7 @@ class NormalForms(Calls):
             others = sum(k == kernel for k, _, _ in self.made)
             title = self.titles.fresh(f"{kernel}_{others + 1}") if others else kernel
             source = self.program.kernels[kernel]
-            unit = self._normalized(specialised(source, pairs) if pairs else source, types, title)
+            unit = self._normalized(specialized(source, pairs) if pairs else source, types, title)
             unit.pairs = pairs
             self.made[key] = self.titled[title] = unit
             first = unit.read_first()

@@ -1,9 +1,9 @@
-"""alias_specialization: a kernel that is given one array for two parameters, and writes it, is prepared for that
-with one parameter.
+"""alias_specialization: a kernel that is given one array for two parameters, and writes it, is specialized for that:
+it has one parameter.
 
     change(x, x, a)                 change_2(x, a)
 
-A call that gives overlapping parts of one array, one of them written, is refused: which cells are shared depends on
+A call with overlapping parts of one array, one of them stored into, is refused: which elements they share depends on
 values that are known only when it runs.
 """
 from __future__ import annotations
@@ -22,9 +22,9 @@ from s2sad.tree import (
 )
 
 
-def shared(node: Call, written: tuple[int, ...], typing: Typing, places: Callable[[], dict[int, CallSite]],
+def alias_pairs(node: Call, written: tuple[int, ...], typing: Typing, places: Callable[[], dict[int, CallSite]],
            report: Report) -> tuple[tuple[int, int], ...]:
-    """The pairs (position, earlier position) of a call's arguments that are one array, where it is written."""
+    """The pairs (position, earlier position) of a call's arguments that are one array, into which the callee stores."""
     arrays = [k for k, a in enumerate(node.args) if typing.of(a).is_array]
     pairs: list[tuple[int, int]] = []
     for place, k in enumerate(arrays):
@@ -34,25 +34,25 @@ def shared(node: Call, written: tuple[int, ...], typing: Typing, places: Callabl
             if dump(node.args[k]) == dump(node.args[first]):
                 if all(p != k for p, _ in pairs):
                     pairs.append((k, first))
-            elif not _apart(node.args[k], node.args[first], places()[id(node)]):
+            elif not _are_disjoint(node.args[k], node.args[first], places()[id(node)]):
                 report.error("S404", f"two arguments that may share elements of '{base_name(node.args[k])}', one of "
                              "which is written", node, help="copy one of them first")
     return tuple(pairs)
 
 
-def _apart(a: AST, b: AST, here: CallSite) -> bool:
-    """Whether two parts of one array are known to share nothing: they lie apart on one axis."""
+def _are_disjoint(a: AST, b: AST, here: CallSite) -> bool:
+    """Whether two parts of one array are known to be disjoint: they are on one axis."""
     return isinstance(a, Subscript) and isinstance(b, Subscript) and any(
-        _ends_before(x, y, here) or _ends_before(y, x, here) or _are_others(x, y, here)
+        _ends_before(x, y, here) or _ends_before(y, x, here) or _differ(x, y, here)
         for x, y in zip(_axes(a, here.shapes.typing), _axes(b, here.shapes.typing)))
 
 
-def _are_others(x: AST, y: AST, here: CallSite) -> bool:
+def _differ(x: AST, y: AST, here: CallSite) -> bool:
     return not isinstance(x, Slice) and not isinstance(y, Slice) and here.differ(x, y)
 
 
 def _axes(part: Subscript, typing: Typing) -> Iterator[AST]:
-    """The subscripts that stand for the first axes of an array: slices and numbers."""
+    """The subscripts of the first axes of an array, slices and integers, up to the first of another kind."""
     for subscript in indices(part):
         if not isinstance(subscript, Slice) and typing.of(subscript).dtype != "int64":
             return
@@ -76,7 +76,7 @@ def _ends_before(first: AST, second: AST, here: CallSite) -> bool:
     return here.is_place(own) or from_the_end
 
 
-def specialised(kernel: Kernel, pairs: tuple[tuple[int, int], ...]) -> Kernel:
+def specialized(kernel: Kernel, pairs: tuple[tuple[int, int], ...]) -> Kernel:
     """The kernel with each later parameter of a pair replaced by the earlier one."""
     parameters = [p.id for p in kernel.tree.args.args]
     gone = {parameters[k]: parameters[first] for k, first in pairs}

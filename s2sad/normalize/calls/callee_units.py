@@ -16,7 +16,7 @@ from __future__ import annotations
 from functools import cache
 
 from s2sad.infer.shapes import shapes_of
-from s2sad.normalize.calls.alias_specialization import shared
+from s2sad.normalize.calls.alias_specialization import alias_pairs
 from s2sad.normalize.calls.path_conditions import path_conditions
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import FunctionDef, copy, name, user_call, walk
@@ -30,7 +30,7 @@ def callee_units(function: FunctionDef, context: NormalContext) -> FunctionDef:
         if not user_call(node):
             continue
         unit = callees.of_call(node, typing)
-        pairs = shared(node, unit.summary.written, typing, places, context.report)
+        pairs = alias_pairs(node, unit.summary.written, typing, places, context.report)
         if pairs:
             node.args = [a for k, a in enumerate(node.args) if all(k != gone for gone, _ in pairs)]
             unit = callees.unit(unit.kernel.name, tuple(map(typing.argument, node.args)), pairs)

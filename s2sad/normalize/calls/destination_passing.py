@@ -1,5 +1,5 @@
-"""destination_passing: a function that returns arrays of its own, and is called more than once, writes them into
-arrays that it is given.
+"""destination_passing: a function that returns arrays of its own, and is called more than once, writes them into arrays
+of the caller's.
 
     def rhs(u):                         def rhs_into(u, du):
         du = np.zeros_like(u)               du[...] = 0.0
@@ -13,8 +13,8 @@ arrays that it is given.
         return u * v + np.roll(u, 1)        flow_value[...] = u * v + np.roll(u, 1)
 
 Requires structured form and types; establishes structured form. The function stays one function, with one derivative,
-where `inlined` would write it out as often as it is called, and compiling takes as many times longer; functions of a
-few operations without a loop are written out all the same. The shapes of its results must follow from what is given.
+where `inline` would copy it to each call, and compiling takes as many times longer; functions of a few operations
+without a loop are inlined all the same. The shapes of its results must follow from the arguments.
 """
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class OwnedResults:
         self.shapes = [self.sizes.shape(v) if self.is_own(v) else None for v in self.values]
 
     def filled(self) -> dict[str, Assign]:
-        """The statements that make results that have a name, and may fill a given array instead."""
+        """The statements that allocate results with a name, and may fill an array of the caller's instead."""
         words = {v.id for v in self.values if isinstance(v, Name)}
         return {s.targets[0].id: s for s in self.tree.body if isinstance(s, Assign) and isinstance(
             s.targets[0], Name) and s.targets[0].id in words and not user_call(s.value)}
@@ -67,7 +67,7 @@ class OwnedResults:
 def destination_passing(kernel: Kernel, found: OwnedResults, types: tuple[Type, ...],
                         program: Program) -> DestinationVersion | None:
     """The function that writes what `kernel` returns, which `program` has from now on; None where the function is to be
-    written out. `types` are those of the results."""
+    inlined. `types` are those of the results."""
     known, filled = [s for s in found.shapes if s is not None], found.filled()
     names = [v.id for v in found.values if isinstance(v, Name)]
     if len(known) < len(types) or len(set(names)) < len(names) or not all(t.is_array for t in types) or not _is_worth(
@@ -131,18 +131,19 @@ def _filled(statement: AST) -> AST | None:
     return None if value is None else at(_store(statement.targets[0].id, value), statement)
 
 
-def into(statement: Assign | Expr, called: Call, given: DestinationVersion, arguments: Mapping[str, AST],
+def filling_call(statement: Assign | Expr, called: Call, version: DestinationVersion, arguments: Mapping[str, AST],
          fresh: list[str]) -> list[AST]:
     """The arrays made and the call that fills them, in place of a call; `arguments` by parameter, `fresh` the names of
     the arrays."""
-    made = [at(assign(word, placed(size, arguments)), statement) for word, (_, size) in zip(fresh, given.results)]
-    filled = call(f"user.{given.kernel}", *map(copy, arguments.values()), *map(name, fresh))
+    made = [at(assign(word, with_arguments(size, arguments)), statement)
+            for word, (_, size) in zip(fresh, version.results)]
+    filled = call(f"user.{version.kernel}", *map(copy, arguments.values()), *map(name, fresh))
     return [*made, at(Expr(at(filled, called)), statement)]
 
 
-def placed(size: AST, arguments: Mapping[str, AST]) -> AST:
-    """A size of parameters as one of the arguments."""
+def with_arguments(size: AST, arguments: Mapping[str, AST]) -> AST:
+    """A size of the parameters as one of the arguments."""
     return rebuild(size, lambda n: copy(arguments[n.id]) if isinstance(n, Name) and n.id in arguments else None)
 
 
-__all__ = ["DestinationVersion", "OwnedResults", "destination_passing", "into", "placed"]
+__all__ = ["DestinationVersion", "OwnedResults", "destination_passing", "filling_call", "with_arguments"]

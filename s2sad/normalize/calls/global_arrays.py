@@ -22,7 +22,7 @@ def global_arrays(program: Program) -> Program:
     needs: dict[str, list[str]] = {}
     kernels: dict[str, Kernel] = {}
     free = Names(set().union(*map(_locals, program.kernels.values())))
-    spelled = {a: free.fresh(a) for a in program.arrays}
+    parameter_names = {a: free.fresh(a) for a in program.arrays}
     for title, kernel in program.kernels.items():
         read = {n.id[6:] for n in walk(kernel.tree.body) if isinstance(n, Name) and n.id.startswith("array.")}
         for node in walk(kernel.tree.body):
@@ -30,7 +30,7 @@ def global_arrays(program: Program) -> Program:
                 read |= set(needs[(call_name(node) or "")[5:]])
         read |= set(needs.get(kernel.residual, ()))
         needs[title] = [a for a in program.arrays if a in read]
-        kernels[title] = _extended(kernel, needs, spelled)
+        kernels[title] = _extended(kernel, needs, parameter_names)
     return replace(program, kernels=kernels, arrays={a: program.arrays[a] for a in needs[program.entry]})
 
 
@@ -38,12 +38,13 @@ def _locals(kernel: Kernel) -> set[str]:
     return {n.id for n in walk(kernel.tree) if isinstance(n, Name)}
 
 
-def _extended(kernel: Kernel, needs: dict[str, list[str]], spelled: dict[str, str]) -> Kernel:
-    tree = rename(copy(kernel.tree), {f"array.{a}": s for a, s in spelled.items()})
+def _extended(kernel: Kernel, needs: dict[str, list[str]], parameter_names: dict[str, str]) -> Kernel:
+    tree = rename(copy(kernel.tree), {f"array.{a}": s for a, s in parameter_names.items()})
     for node in walk(tree.body):
         if user_call(node):
-            node.keywords += [keyword(spelled[a], name(spelled[a])) for a in needs[(call_name(node) or "")[5:]]]
-    added = [spelled[a] for a in needs[kernel.name]]
+            node.keywords += [keyword(p, name(p)) for p in (
+                parameter_names[a] for a in needs[user_call(node) or ""])]
+    added = [parameter_names[a] for a in needs[kernel.name]]
     parameters = [p.id for p in tree.args.args]
     tree.args = function("_", [*parameters, *added], []).args
     return replace(kernel, tree=tree, parameters=(*kernel.parameters, *added))

@@ -32,7 +32,7 @@ from s2sad.infer.inference import Typing
 from s2sad.infer.types import FLOAT, Type
 from s2sad.naming import Names
 from s2sad.normalize.calls.destination_passing import (
-    DestinationVersion, OwnedResults, destination_passing, into, placed,
+    DestinationVersion, OwnedResults, destination_passing, filling_call, with_arguments,
 )
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.live_range_splitting import split_live_ranges
@@ -55,14 +55,14 @@ class Helpers:
         self._trees: dict[str, FunctionDef] = {}
         self._results: dict[tuple[str, tuple[Type, ...]], tuple[Type, ...]] = {}
         self._own: dict[tuple[str, tuple[Type, ...]], OwnedResults] = {}
-        self._given: dict[tuple[str, tuple[Type, ...]], DestinationVersion | None] = {}
+        self._destinations: dict[tuple[str, tuple[Type, ...]], DestinationVersion | None] = {}
 
-    def given(self, kernel: str, types: tuple[Type, ...]) -> DestinationVersion | None:
+    def destination(self, kernel: str, types: tuple[Type, ...]) -> DestinationVersion | None:
         """The function that writes what this one returns, if it stays a function."""
-        if (kernel, types) not in self._given:
-            self._given[kernel, types] = destination_passing(
+        if (kernel, types) not in self._destinations:
+            self._destinations[kernel, types] = destination_passing(
                 self.program.kernels[kernel], self.own(kernel, types), self.results(kernel, types), self.program)
-        return self._given[kernel, types]
+        return self._destinations[kernel, types]
 
     def own(self, kernel: str, types: tuple[Type, ...]) -> OwnedResults:
         """What a function returns of its own."""
@@ -80,7 +80,7 @@ class Helpers:
             return []
         found = self.own(kernel.name, tuple(map(typing.argument, called.args)))
         arguments = dict(zip((p.id for p in found.tree.args.args), called.args))
-        return [None if s is None else placed(s, arguments) for s in found.shapes]
+        return [None if s is None else with_arguments(s, arguments) for s in found.shapes]
 
     def tree(self, kernel: str) -> FunctionDef:
         if kernel not in self._trees:
@@ -110,15 +110,15 @@ class Helpers:
             return (FLOAT,) * own.returns  # it is not read
         if key not in self._results:
             tree = self.tree(kernel)
-            given = dict(zip((p.id for p in tree.args.args), types))
-            tree, typing = self.typing(tree, given, self.program.kernels[kernel].source, Names(
+            parameters = dict(zip((p.id for p in tree.args.args), types))
+            tree, typing = self.typing(tree, parameters, self.program.kernels[kernel].source, Names(
                 n.id for n in walk(tree) if isinstance(n, Name)))
             self._results[key] = tuple(map(typing.of, returned(tree)))
         return self._results[key]
 
 
 def inline(tree: FunctionDef, context: NormalContext) -> FunctionDef:
-    """The function without calls that return arrays; its source has those of what was written into it."""
+    """The function without calls that return arrays; its source has those of the functions that were inlined."""
     types, free, source, helpers = context.given, context.names, context.kernel.source, context.helpers
     pass_ = _Inline(free, source, helpers)
     while any(map(_called, walk(tree.body))):
@@ -168,11 +168,11 @@ class _Inline:
         if self.helpers.program.kernels[_called(value)].own is not None:
             return [statement]  # its derivative is the user's own, whatever it returns
         self.changed = True
-        given = self.helpers.given(_called(value), tuple(map(self.typing.argument, value.args)))
-        return self.written_out(statement, value) if given is None else self.filled(statement, value, given)
+        version = self.helpers.destination(_called(value), tuple(map(self.typing.argument, value.args)))
+        return self.inlined(statement, value) if version is None else self.filled(statement, value, version)
 
-    def filled(self, statement: Assign | Expr, called: Call, given: DestinationVersion) -> list[AST]:
-        """A call that writes what the function returns, and the arrays that it writes it into."""
+    def filled(self, statement: Assign | Expr, called: Call, version: DestinationVersion) -> list[AST]:
+        """A call that writes the results, and the allocations of the arrays that it writes them into."""
         parameters = [p.id for p in self.helpers.tree(_called(called)).args.args]
         arguments: dict[str, AST] = {}
         before: list[AST] = []
@@ -181,11 +181,11 @@ class _Inline:
             if not isinstance(argument, (Name, Constant)):
                 arguments[parameter] = name(held := self.free.numbered(parameter))
                 before.append(at(assign(held, argument), statement))
-        fresh = self.bound_by(statement, len(given.results), set(names(list(arguments.values())))) or [
-            self.free.numbered(result) for result, _ in given.results]
+        fresh = self.bound_by(statement, len(version.results), set(names(list(arguments.values())))) or [
+            self.free.numbered(result) for result, _ in version.results]
         values = list(map(name, fresh))
         last = at(Return(values[0] if len(values) == 1 else tuple_of(*values)), statement)
-        return [*before, *into(statement, called, given, arguments, fresh), *self.results(statement, last)]
+        return [*before, *filling_call(statement, called, version, arguments, fresh), *self.results(statement, last)]
 
     def bound_by(self, statement: Assign | Expr, count: int, read: set[str]) -> list[str]:
         """The names that a call is bound to, if they are no names of its arguments."""
@@ -193,26 +193,26 @@ class _Inline:
         bound = [t.id for t in getattr(target, "elts", [target]) if isinstance(t, Name)]
         return bound if len(set(bound)) == count and not read & set(bound) else []
 
-    def written_out(self, statement: Assign | Expr, called: Call) -> list[AST]:
+    def inlined(self, statement: Assign | Expr, called: Call) -> list[AST]:
         """The function's statements in place of a call of it."""
         kernel = _called(called)
         types = tuple(map(self.typing.argument, called.args))
         tree = self.placed(self.helpers.written(kernel, types), self.helpers.program.kernels[kernel].source)
         bound, parameters = set(stored_names(tree.body)), [p.id for p in tree.args.args]
-        given: dict[str, AST] = {}
+        substitution: dict[str, AST] = {}
         before: list[AST] = []
         for parameter, argument in zip(parameters, called.args):
             if parameter not in bound and isinstance(argument, (Name, Constant)):
-                given[parameter] = argument
+                substitution[parameter] = argument
             else:
                 held = self.free.numbered(parameter)
-                given[parameter] = name(held)
+                substitution[parameter] = name(held)
                 if isinstance(argument, Name):
                     self.held[held] = argument.id
                 before.append(at(assign(held, argument), statement))
-        local = [n for n in dict.fromkeys([*bound, *names(tree.body)]) if n not in given]
-        given |= {n: name(self.free.numbered(n)) for n in sorted(local, key=_first_place(tree))}
-        body = _decided([_renamed(s, given) for s in tree.body])
+        local = [n for n in dict.fromkeys([*bound, *names(tree.body)]) if n not in substitution]
+        substitution |= {n: name(self.free.numbered(n)) for n in sorted(local, key=_first_place(tree))}
+        body = _decided([_renamed(s, substitution) for s in tree.body])
         last = body.pop()
         assert isinstance(last, Return)  # it returns an array
         return [*before, *body, *self.results(statement, last)]
@@ -269,11 +269,11 @@ def _is_same(target: AST, value: AST) -> bool:
     return isinstance(target, Name) and isinstance(value, Name) and target.id == value.id
 
 
-def _renamed(node: AST, given: Mapping[str, AST]) -> AST:
+def _renamed(node: AST, substitution: Mapping[str, AST]) -> AST:
     def change(n: AST) -> AST | None:
-        if not isinstance(n, Name) or n.id not in given:
+        if not isinstance(n, Name) or n.id not in substitution:
             return None
-        new = copy(given[n.id])
+        new = copy(substitution[n.id])
         if isinstance(new, Name):
             new.ctx = n.ctx
         for field in ("lineno", "col_offset", "end_lineno", "end_col_offset"):
@@ -283,7 +283,7 @@ def _renamed(node: AST, given: Mapping[str, AST]) -> AST:
 
 
 def _decided(block: list[AST]) -> list[AST]:
-    """The block without the branches that are not for what is given: `"x" == "z"`."""
+    """The block without branches that constant arguments rule out: `"x" == "z"`."""
     made: list[AST] = []
     for statement in block:
         taken = _truth(statement.test) if isinstance(statement, If) else None

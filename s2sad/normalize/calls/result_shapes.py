@@ -37,10 +37,10 @@ class ResultShapes:
         self.known: dict[str, AST] = {p.id: name(p.id) for p in tree.args.args}
         self.made: dict[str, AST] = {}
         for statement in tree.body:
-            self.passes(statement)
+            self.record(statement)
 
-    def passes(self, statement: AST) -> None:
-        """Takes note of what a statement binds."""
+    def record(self, statement: AST) -> None:
+        """Records what a statement binds."""
         target = statement.targets[0] if isinstance(statement, Assign) else None
         shapes = {} if target is None else self.of_value(target, statement.value)
         word = target.id if isinstance(target, Name) and self.typing.of(target).is_number else ""

@@ -33,13 +33,13 @@ from s2sad.tree import (
 
 
 def conditional_values(function: FunctionDef, context: NormalContext) -> FunctionDef:
-    """The function with such branches; the types of the names that it makes are added to the table."""
+    """The function with such branches; new names are declared."""
     typing, names = context.typing, context.names
-    return with_body(function, _ConditionalValues(typing, names, _held_twice(function)).block(function.body))
+    return with_body(function, _ConditionalValues(typing, names, _aliased_choices(function)).block(function.body))
 
 
-def _held_twice(function: FunctionDef) -> set[str]:
-    """Names of one choice that is added to in place: NumPy gives an array without axes, which both names stand for."""
+def _aliased_choices(function: FunctionDef) -> set[str]:
+    """Names of a choice with an alias that is added to in place: NumPy gives an array without axes there."""
     bound = [(s.targets[0].id, s.value) for s in walk_statements(function.body)
              if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
     held = {n for n, value in bound if call_name(value) == "numpy.where"}
@@ -64,41 +64,41 @@ class _ConditionalValues:
     def statement(self, statement: AST) -> list[AST]:
         before: list[AST] = []
         if isinstance(statement, If):
-            test = self.pure(statement.test, before)
+            test = self.with_names(statement.test, before)
             return [*before, If(test, self.block(statement.body), self.block(statement.orelse))]
         if isinstance(statement, While):
             return [While(statement.test, self.block(statement.body), [])]
         if isinstance(statement, For):
-            bounds = self.pure(statement.iter, before)
+            bounds = self.with_names(statement.iter, before)
             return [*before, For(statement.target, bounds, self.block(statement.body), [], None)]
-        if isinstance(statement, Assign) and self.chooses(statement.value):
+        if isinstance(statement, Assign) and self.is_choice(statement.value):
             if isinstance(statement.targets[0], Name) and statement.targets[0].id in self.kept:
                 return [statement]
-            return self.into(statement.targets[0], statement.value)
+            return self.branch(statement.targets[0], statement.value)
         if isinstance(statement, (Assign, AugAssign, Expr, Return)) and statement.value is not None:
             new = copy(statement)
-            new.value = self.pure(statement.value, before)
+            new.value = self.with_names(statement.value, before)
             return [*before, new]
         return [statement]
 
-    def chooses(self, node: AST) -> bool:
+    def is_choice(self, node: AST) -> bool:
         if isinstance(node, BoolOp):
             return self.typing.of(node).is_inexact and all(self.typing.of(v).is_number for v in node.values)
         return call_name(node) == "numpy.where" and len(node.args) == 3 and not node.keywords and all(
             self.typing.of(a).is_number for a in node.args)
 
-    def pure(self, node: AST, before: list[AST]) -> AST:
+    def with_names(self, node: AST, before: list[AST]) -> AST:
         """The expression with names for its choices; the branches that bind them are added to `before`."""
         def change(part: AST) -> AST | None:
-            if not self.chooses(part):
+            if not self.is_choice(part):
                 return None
             sides = part.values if isinstance(part, BoolOp) else part.args[1:]
             made = self.typing.declare(self.names.fresh("choice"), reduce(promote, map(self.typing.of, sides)))
-            before.extend(self.into(name(made), part))
+            before.extend(self.branch(name(made), part))
             return at(name(made), part)
         return rebuild(node, change)
 
-    def into(self, target: AST, node: AST) -> list[AST]:
+    def branch(self, target: AST, node: AST) -> list[AST]:
         """The statements that leave a choice in a name or an element."""
         before: list[AST] = []
         if isinstance(node, BoolOp):
@@ -108,12 +108,12 @@ class _ConditionalValues:
             sides = sides if isinstance(node.op, Or) else sides[::-1]
         else:
             test, *sides = node.args
-        test = self.pure(test, before)
-        return [*before, If(test, *(self.side(target, a) for a in sides))]
+        test = self.with_names(test, before)
+        return [*before, If(test, *(self.side_of_branch(target, a) for a in sides))]
 
-    def side(self, target: AST, value: AST) -> list[AST]:
-        if self.chooses(value):
-            return self.into(target, value)
+    def side_of_branch(self, target: AST, value: AST) -> list[AST]:
+        if self.is_choice(value):
+            return self.branch(target, value)
         before: list[AST] = []
-        left = self.pure(value, before)
+        left = self.with_names(value, before)
         return [*before, assign(copy(target), left)]

@@ -16,13 +16,13 @@ from s2sad.tree import (
 
 
 def bools(function: FunctionDef, typing: Typing) -> None:
-    """Puts what is refused into the report of `typing`."""
+    """Refuses such arithmetic, in the report of `typing`."""
     certain = _PythonBools(function, typing)
     for node in walk(function.body):
         parts = [node.left, node.right] if isinstance(node, BinOp) and isinstance(node.op, (Add, Sub)) else [
             node.operand] if isinstance(node, UnaryOp) and isinstance(node.op, (Invert, USub)) else []
         if parts and all(typing.of(p).is_number and typing.of(p).dtype == "bool" for p in parts) and not all(
-                map(certain.is_kept, parts)):
+                map(certain.keeps_type, parts)):
             what = "sum" if isinstance(node, BinOp) and isinstance(node.op, Add) else "difference" if isinstance(
                 node, BinOp) else "negative" if isinstance(node.op, USub) else "inverse"
             whose = "a bool" if len(parts) == 1 else "two bools"
@@ -31,7 +31,7 @@ def bools(function: FunctionDef, typing: Typing) -> None:
 
 
 class _PythonBools:
-    """What is known of the bools of one function: which come back from a record as what they were."""
+    """Which bools of one function are restored from the tape with the type that they had."""
 
     def __init__(self, function: FunctionDef, typing: Typing):
         self.typing, self.parameters = typing, {p.id for p in function.args.args}
@@ -43,16 +43,16 @@ class _PythonBools:
             if isinstance(node, Assign) and isinstance(node.targets[0], Name):
                 self.values.setdefault(node.targets[0].id, []).append(node.value)
 
-    def is_kept(self, node: AST) -> bool:
-        """Whether a bool is NumPy's, or stays in its name."""
+    def keeps_type(self, node: AST) -> bool:
+        """Whether a bool is NumPy's, or is never recorded."""
         if isinstance(node, Name):
             values = self.values.get(node.id, [])
             return node.id not in self.moving or bool(values) and all(
-                not isinstance(v, Name) and self.is_numpys(v) for v in values)
-        return self.is_numpys(node) or not any(isinstance(n, Subscript) for n in walk(node)) and not set(
+                not isinstance(v, Name) and self.is_numpy_bool(v) for v in values)
+        return self.is_numpy_bool(node) or not any(isinstance(n, Subscript) for n in walk(node)) and not set(
             names(node)) & self.moving
 
-    def is_numpys(self, node: AST) -> bool:
+    def is_numpy_bool(self, node: AST) -> bool:
         """Whether an expression compares elements of arrays, or picks one of an array that is no list of bools."""
         if isinstance(node, Subscript):
             word = node.value.id if isinstance(node.value, Name) and self.typing.of(node.value).is_array else ""
@@ -60,4 +60,4 @@ class _PythonBools:
             return bool(word) and (self.typing.of(node).dtype != "bool" or word in self.parameters or bool(
                 made) and not any(call_name(v) == "numpy.empty" for v in made))
         return isinstance(node, (Compare, BinOp, UnaryOp)) and any(
-            self.is_numpys(n) for n in walk(node) if isinstance(n, Subscript))
+            self.is_numpy_bool(n) for n in walk(node) if isinstance(n, Subscript))

@@ -40,11 +40,11 @@ _SIZES = frozenset(("shape", "num", "N", "M", "n", "m", "k", "offset"))     # op
 
 def operand_types(function: FunctionDef, context: NormalContext) -> None:
     """Refuses operands that are no integer, or no number, where one is needed."""
-    OperandTypes(function, context.typing, context.report).everywhere(function.body)
+    OperandTypes(function, context.typing, context.report).check(function.body)
 
 
 class OperandTypes:
-    """The check of one function: `look` puts into the report what a node takes that is no integer, or no number."""
+    """The check of one function: `check_node` refuses operands of a node that are no integer, or no number."""
 
     def __init__(self, function: FunctionDef, typing: Typing, report: Report):
         self.typing, self.report = typing, report
@@ -54,17 +54,17 @@ class OperandTypes:
                        and isinstance(
             s.targets[0], Name) and isinstance(s.value, Name) and bound[s.targets[0].id] == 1}
 
-    def everywhere(self, block: list[AST]) -> None:
-        """Looks at every node of a block, but for what errors and assertions say."""
+    def check(self, block: list[AST]) -> None:
+        """Checks every node of a block, but for the texts of errors and assertions."""
         for node in block:
             printed = isinstance(node, Expr) and call_name(node.value) == "builtins.print"
             if not printed and not isinstance(node, (Assert, Raise)):
                 before = len(self.report.found)
-                self.everywhere(children(node))
+                self.check(children(node))
                 if len(self.report.found) == before:    # else what is refused inside explains it
-                    self.look(node)
+                    self.check_node(node)
 
-    def look(self, node: AST) -> None:
+    def check_node(self, node: AST) -> None:
         for operand in _computed(node, self.typing):
             kind = self.typing.of(operand)
             if kind.kind in ("none", "text"):

@@ -37,14 +37,14 @@ _NARROW = ("int8", "int16", "uint8", "uint16", "uint32", "uint64")
 
 
 def overflow(function: FunctionDef, context: NormalContext) -> FunctionDef:
-    """The function with such calls; what is refused is put into the report of `typing`."""
+    """The function with such calls; what is refused is in the report of `typing`."""
     typing, compiled = context.typing, context.in_loops
     if not compiled:
         bools(function, typing)
         return function
     new, stored = copy(function), stored_names(function.body)
-    given = {p.id for p in function.args.args if p.id not in stored and typing.of(p).is_number}
-    made, stores = _Overflow(typing, given), times_bound(function.body)
+    parameters = {p.id for p in function.args.args if p.id not in stored and typing.of(p).is_number}
+    made, stores = _Overflow(typing, parameters), times_bound(function.body)
     for node in walk_statements(function.body):
         if isinstance(node, Assign) and isinstance(node.targets[0], Name) and stores[node.targets[0].id] == 1:
             made.bound[node.targets[0].id] = made.known(node.value)
@@ -53,10 +53,10 @@ def overflow(function: FunctionDef, context: NormalContext) -> FunctionDef:
 
 
 class _Overflow:
-    """The pass over one function; `given` are its numbers that nothing binds: Python's own."""
+    """The pass over one function; `parameters` are its parameters that are numbers and never bound: Python's own."""
 
-    def __init__(self, typing: Typing, given: set[str]):
-        self.typing, self.given = typing, given
+    def __init__(self, typing: Typing, parameters: set[str]):
+        self.typing, self.parameters = typing, parameters
         self.bound: dict[str, int | object | None] = {}
         self.seen: dict[int, tuple[AST, int | object | None]] = {}     # by the id of a node, which is kept with it
 
@@ -72,7 +72,7 @@ class _Overflow:
             sides = self.block(node.body, looped), self.block(node.orelse, looped)
             return at(If(self.changed(node.test), *sides), node)
         target = node.target if isinstance(node, AugAssign) else node.targets[0] if isinstance(node, Assign) else None
-        if isinstance(target, Name) and self.is_whole(target):
+        if isinstance(target, Name) and self.is_integer(target):
             word = target.id
             if isinstance(node, AugAssign) and isinstance(node.op, (Mult, Pow)):
                 node = at(assign(word, BinOp(name(word), node.op, node.value)), node)
@@ -80,11 +80,11 @@ class _Overflow:
                 node = at(assign(word, self.products(node.value)), node)
         return self.changed(node)
 
-    def is_whole(self, node: AST) -> bool:
+    def is_integer(self, node: AST) -> bool:
         kind = self.typing.of(node)
         return kind.is_number and kind.is_integer
 
-    def are_whole(self, nodes: list[AST]) -> bool:
+    def are_integers(self, nodes: list[AST]) -> bool:
         """Whether the operands of a function of two are integers, or arrays of them."""
         return len(nodes) == 2 and all(self.typing.of(n).dtype.startswith(("int", "uint", "bool")) for n in nodes)
 
@@ -95,14 +95,14 @@ class _Overflow:
     def changed(self, node: AST) -> AST:
         """An expression, or a simple statement, with calls for its powers, and masks joined as NumPy joins them."""
         def change(part: AST) -> AST | None:
-            self.refuse(part)
+            self.refuse_overflow(part)
             if call_name(part) == "builtins.float" and part.args and self.typing.of(part.args[0]).dtype == "bool":
                 return at(call("builtins.float", call("builtins.int", rebuild(part.args[0], change))), part)
-            if call_name(part) in ("math.fmod", "numpy.fmod") and self.are_whole(part.args):
+            if call_name(part) in ("math.fmod", "numpy.fmod") and self.are_integers(part.args):
                 return at(_truncated(call_name(part) or "", [rebuild(a, change) for a in part.args]), part)
             if not isinstance(part, BinOp):
                 return None
-            whole = self.is_whole(part.left) and self.is_whole(part.right)
+            whole = self.is_integer(part.left) and self.is_integer(part.right)
             if isinstance(part.op, (Add, Mult)) and self.is_mask(part.left) and self.is_mask(part.right):
                 op = BitOr() if isinstance(part.op, Add) else BitAnd()
                 return at(BinOp(rebuild(part.left, change), op, rebuild(part.right, change)), part)
@@ -117,7 +117,7 @@ class _Overflow:
 
     def products(self, node: AST) -> AST:
         def change(part: AST) -> AST | None:
-            if not isinstance(part, BinOp) or not isinstance(part.op, Mult) or not self.is_whole(part):
+            if not isinstance(part, BinOp) or not isinstance(part.op, Mult) or not self.is_integer(part):
                 return None
             return at(call("runtime.whole_product", *(rebuild(p, change) for p in (part.left, part.right))), part)
         return rebuild(node, change)
@@ -148,8 +148,8 @@ class _Overflow:
             return _LARGE
         return value if type(value) is int else None
 
-    def refuse(self, node: AST) -> None:
-        """Puts what Numba computes otherwise into the report."""
+    def refuse_overflow(self, node: AST) -> None:
+        """Refuses what Numba computes otherwise."""
         if self.known(node) is _LARGE and not any(self.known(c) is _LARGE for c in children(node)):
             self.typing.report.error("S201", "an integer that does not fit 64 bits", node,
                                      help="write it as a float: 1e20")
@@ -161,7 +161,7 @@ class _Overflow:
             self.typing.report.error("S201", f"arithmetic of {narrow}, which wraps around", node,
                                      help="convert first: k.astype(np.int64), or int(k[i])")
         bools = len(kinds) == 2 and all(k.is_number and k.dtype == "bool" for k in kinds)
-        if bools and isinstance(node.op, Add) and not set(names(node)) <= self.given:
+        if bools and isinstance(node.op, Add) and not set(names(node)) <= self.parameters:
             self.typing.report.error("S201", "the sum of two bools, which is a bool for NumPy's and a number for "
                                      "Python's", node, help="write int(a) + int(b), or a or b")
 

@@ -18,27 +18,27 @@ from s2sad.normalize.context import NormalContext
 from s2sad.rules import bound, find_array
 from s2sad.tree import AST, Attribute, Call, FunctionDef, at, call, call_name, copy, keyword, name, rebuild
 
-_ASKING = ("numpy.astype", "numpy.arange", "numpy.eye", "numpy.identity", "numpy.linspace")
+_CONVERTING = ("numpy.astype", "numpy.arange", "numpy.eye", "numpy.identity", "numpy.linspace")
 _KNOWN = {"bool": "numpy.bool_", **{d: f"numpy.{d}" for d in ("int32", "int64", "float32", "float64", "complex128")}}
 
 
 def requested_dtypes(function: FunctionDef, context: NormalContext) -> FunctionDef:
-    """The function with such dtypes written out; itself if there are none."""
+    """The function with such constants; itself if there are none."""
     typing = context.typing
     found: list[AST] = []
 
-    def written(node: AST) -> AST:
-        asked = typing.of(node.value).dtype if isinstance(node, Attribute) and node.attr == "dtype" else ""
-        if asked not in _KNOWN:
+    def constant_dtype(node: AST) -> AST:
+        dtype = typing.of(node.value).dtype if isinstance(node, Attribute) and node.attr == "dtype" else ""
+        if dtype not in _KNOWN:
             return rebuild(node, change)
         found.append(node)
-        return at(name(_KNOWN[asked]), node)
+        return at(name(_KNOWN[dtype]), node)
 
     def change(node: AST) -> AST | None:
-        if not isinstance(node, Call) or call_name(node) not in _ASKING:
+        if not isinstance(node, Call) or call_name(node) not in _CONVERTING:
             return None
-        keywords = [keyword(k.arg, written(k.value)) for k in node.keywords]
-        made = at(Call(node.func, [written(a) for a in node.args], keywords), node)
+        keywords = [keyword(k.arg, constant_dtype(k.value)) for k in node.keywords]
+        made = at(Call(node.func, [constant_dtype(a) for a in node.args], keywords), node)
         if call_name(node) == "numpy.linspace" and (cast := _cast(made)) is not None:
             found.append(node)
             return at(cast, node)
@@ -50,11 +50,11 @@ def requested_dtypes(function: FunctionDef, context: NormalContext) -> FunctionD
 
 def _cast(node: Call) -> AST | None:
     """`np.linspace` of floats with a dtype as a conversion."""
-    given = next((k.value for k in node.keywords if k.arg == "dtype"), None)
-    kind = dtype_of(given) if given is not None else None
+    requested = next((k.value for k in node.keywords if k.arg == "dtype"), None)
+    kind = dtype_of(requested) if requested is not None else None
     rule = find_array("numpy.linspace")
     plain = rule and bound(rule, Call(node.func, node.args, [k for k in node.keywords if k.arg != "dtype"]))
-    if plain is None or given is None or kind not in ("float32", "float64"):
+    if plain is None or requested is None or kind not in ("float32", "float64"):
         return None
     made = call("numpy.astype", at(plain, node))
     made.keywords = [keyword("dtype", name(_KNOWN[kind]))]

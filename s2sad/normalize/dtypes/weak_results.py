@@ -55,14 +55,14 @@ class WeakResults:
         self.helpers, self.typing, self.known = helpers, typing, known
 
     def results(self, node: Call, given: list[str]) -> tuple[str, ...]:
-        """The dtypes of the numbers that a call returns."""
+        """The dtypes of the numbers that a call returns, `WEAK` for a weak one."""
         found = self.called(node)
         if found is None:
             return (WEAK,) * len(self.typing.call_results(node))
         tree, typing = found
         key = (*self.key(node), tuple(given))
         if key not in self.known.results:
-            strong = StrongDtypes(tree, typing, self.inside(typing).results, _given(tree, given))
+            strong = StrongDtypes(tree, typing, self.inside(typing).results, _parameter_dtypes(tree, given))
             self.known.results[key] = tuple(map(strong.of, returned(tree)))
         return self.known.results[key]
 
@@ -96,12 +96,12 @@ class WeakResults:
             if found is None or not has_singles(*found):
                 continue
             inner = self.inside(found[1]).results
-            if mixtures(*found, inner, _given(found[0], numbers)) > mixtures(*found, inner, {}):
+            if mixtures(*found, inner, _parameter_dtypes(found[0], numbers)) > mixtures(*found, inner, {}):
                 report.error("S201", "a number of NumPy's with 64 bits makes float64 of float32 arrays in "
                              f"'{found[0].name}'", node, help="give it a Python number: float(p[0]), int(k[0])")
 
 
-def _given(tree: FunctionDef, dtypes: list[str]) -> dict[str, str]:
+def _parameter_dtypes(tree: FunctionDef, dtypes: list[str]) -> dict[str, str]:
     """The dtypes of a function's parameters that have one."""
     return {p.id: d for p, d in zip(tree.args.args, dtypes) if d}
 

@@ -99,7 +99,7 @@ def _visit(node: AST, typing: Typing, report: Report, counted: OperandTypes) -> 
     if isinstance(node, UnaryOp) and isinstance(node.op, USub) and typing.of(node.operand).dtype.startswith("uint"):
         report.error("S201", f"the negative of {typing.of(node.operand).dtype}, which wraps around", node,
                      help="convert first: k.astype(np.int64), or int(k[i])")
-    counted.look(node)
+    counted.check_node(node)
     if len(report.found) > before:
         return
     if isinstance(node, (Assign, AugAssign)) and any(

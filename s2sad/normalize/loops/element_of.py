@@ -25,7 +25,7 @@ class Elements:
 
     def __init__(self, typing: Typing, shapes: Shapes):
         self.typing, self.shapes = typing, shapes
-        self.walked: dict[str, list[AST]] = {}  # where the mask of the statement, by its name, is walked
+        self.walked: dict[str, list[AST]] = {}  # the counters of the mask of the statement, by its name
 
     def element(self, node: AST, positions: list[AST]) -> AST:
         """The element of an expression at these positions; what is no array stays as it is."""

@@ -42,8 +42,8 @@ from s2sad.tree import (
 
 @dataclass
 class IndexedPart:
-    """How a part of an array is walked: the counters with the bounds of their loops, the cell, the position in the
-    part on each of its axes; `taken` counts what a mask has picked, in the loops from `first` to `masked`."""
+    """A part of an array in loops: the counters with the bounds of their loops, the element, its position in the
+    part on each axis; `taken` counts what a mask has selected, in the loops from `first` to `masked`."""
     counters: list[str]
     bounds: list[list[AST]]
     cell: AST
@@ -60,7 +60,7 @@ class IndexedPart:
         return list(map(name, made))
 
     def around(self, body: list[AST], test: AST | None = None, counted: bool = False) -> list[AST]:
-        """The loops around statements; inside those of a mask its `test`, where what it picks is counted if asked."""
+        """The loops around statements; inside those of a mask its `test`, where elements are counted if `counted`."""
         for k in range(len(self.counters), 0, -1):
             if test is not None and k == self.masked:
                 body = [If(test, [*body, augment(self.taken, Add(), const(1))] if counted else body, [])]
@@ -163,14 +163,14 @@ class Scalarize:
             return self.function(statement, target)
         if isinstance(target, Subscript) and isinstance(value, Subscript) and self.mask_of(value) is not None and \
                 self.mask_of(target) is None:
-            return self.picked(target, value)
-        before: list[AST] = [] if self.final else self.reshaped(value)
+            return self.masked_fill(target, value)
+        before: list[AST] = [] if self.final else self.reshape_guards(value)
         value = self.sums(value, before)
         if self.typing.of(value).is_array or isinstance(target, Subscript) and self.typing.of(target).is_array:
-            value = self.asked(value, before)
+            value = self.named_properties(value, before)
         if isinstance(target, Subscript) and self.typing.of(target).is_array:
-            held = self.held(value, base_name(target), before)
-            places = self.held(self.asked(target.slice, before), base_name(target), before)
+            held = self.named_loads(value, base_name(target), before)
+            places = self.named_loads(self.named_properties(target.slice, before), base_name(target), before)
             place = at(Subscript(target.value, places, target.ctx), target)
             return before + self.filled(statement, place, held)
         if isinstance(target, Name) and isinstance(statement, Assign) and (made := self.allocated(target, value)):
@@ -180,7 +180,7 @@ class Scalarize:
         return before + [assign(target, value) if isinstance(statement, Assign)
                          else augment(target, statement.op, value)]
 
-    def reshaped(self, value: AST) -> list[AST]:
+    def reshape_guards(self, value: AST) -> list[AST]:
         """The guards that what is reshaped has as many elements as the shape; NumPy itself looks, loops do not."""
         found = [self.shapes.numbers_of_elements(self.shapes.of(n.args[0]), self.shapes.of(n)) for n in walk(value)
                  if isinstance(n, Call) and call_name(n) == "numpy.reshape"]
@@ -214,7 +214,7 @@ class Scalarize:
 
     def filled(self, statement: Assign | AugAssign, target: Subscript, value: AST) -> list[AST]:
         """The loops that store an elementwise expression."""
-        found = self.walked(target)
+        found = self.indexed_part(target)
         inner = self.elements.element(value, found.positions)
         body: list[AST] = [assign(found.cell, inner) if isinstance(statement, Assign)
                            else augment(found.cell, statement.op, inner)]
@@ -222,16 +222,16 @@ class Scalarize:
         if mask is None:
             return found.around(body)
         counted = any(isinstance(n, Name) and n.id == found.taken for n in walk(inner))
-        return found.around(body, self.test(mask), counted)
+        return found.around(body, self.mask_element(mask), counted)
 
-    def picked(self, target: Subscript, value: Subscript) -> list[AST]:
-        """An array filled with what a mask picks, one element after the other."""
-        source, mask = self.walked(value), self.mask_of(value)
+    def masked_fill(self, target: Subscript, value: Subscript) -> list[AST]:
+        """An array filled with what a mask selects, one element after the other."""
+        source, mask = self.indexed_part(value), self.mask_of(value)
         assert mask is not None
         store = assign(self.elements.element(target.value, source.positions), source.cell)
-        return source.around([store], self.test(mask), counted=True)
+        return source.around([store], self.mask_element(mask), counted=True)
 
-    def test(self, mask: Name) -> AST:
+    def mask_element(self, mask: Name) -> AST:
         """The element of the mask where the loops stand."""
         return index(mask, *map(copy, self.elements.walked[mask.id]))
 
@@ -240,8 +240,8 @@ class Scalarize:
         return next((s for s in indices(place) if isinstance(s, Name) and self.typing.of(s).is_array
                      and self.typing.of(s).dtype == "bool"), None)
 
-    def walked(self, target: Subscript) -> IndexedPart:
-        """How a part of an array is walked."""
+    def indexed_part(self, target: Subscript) -> IndexedPart:
+        """How a part of an array is indexed in loops."""
         base = target.value
         assert isinstance(base, Name)
         found = IndexedPart([], [], index(base), [])
@@ -301,9 +301,9 @@ class Scalarize:
         self.shapes.values = {**self.shapes.values, made: None}
         return made
 
-    def held(self, value: AST, array: str, before: list[AST]) -> AST:
-        """A value or a subscript with the elements that it reads of the array that is filled taken out before the loop:
-        they are what they were before the statement, for all of it."""
+    def named_loads(self, value: AST, array: str, before: list[AST]) -> AST:
+        """A value or a subscript with names for the elements that it loads of the array that is filled: they are loaded
+        before the loop."""
         def change(n: AST) -> AST | None:
             if isinstance(n, Subscript) and base_name(n) == array and self.typing.of(n).is_number:
                 made = self.number(f"{array}_held", self.typing.of(n))
@@ -315,7 +315,7 @@ class Scalarize:
     def sums(self, value: AST, before: list[AST], joined: bool = False) -> AST:
         """The value with its sums named before; where `joined` only those that join arrays of different shapes."""
         def change(n: AST) -> AST | None:
-            if call_name(n) == "numpy.sum" and not is_function(n) and not (joined and self.alike(n.args[0])):
+            if call_name(n) == "numpy.sum" and not is_function(n) and not (joined and self.has_one_shape(n.args[0])):
                 operand = self.sums(n.args[0], before)
                 kind = self.typing.of(n)
                 total = self.number("total", kind if kind.is_inexact else INT)
@@ -324,8 +324,8 @@ class Scalarize:
             return None
         return rebuild(value, change)
 
-    def asked(self, value: AST, before: list[AST]) -> AST:
-        """The value with what is asked of whole arrays in it, `np.any(m)`, named before: no element has it."""
+    def named_properties(self, value: AST, before: list[AST]) -> AST:
+        """The value with names for properties of whole arrays, `np.any(m)`, which no element has."""
         def change(n: AST) -> AST | None:
             if not isinstance(n, Call) or not self.typing.of(n).is_number or not any(
                     self.typing.of(a).is_array for a in n.args) or call_name(n) == "builtins.len":
@@ -335,7 +335,7 @@ class Scalarize:
             return name(made)
         return rebuild(value, change)
 
-    def alike(self, node: AST) -> bool:
+    def has_one_shape(self, node: AST) -> bool:
         """Whether all arrays of an expression have its own shape, and none is picked from."""
         whole = self.shapes.of(node)
         return all(self.shapes.of(part) == whole and not scattered(part, self.typing)
