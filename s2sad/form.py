@@ -27,7 +27,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.shapes import ALLOCATIONS
 from s2sad.tree import (
     AST, Add, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Compare, Constant, Expr, For,
-    FunctionDef, If, IfExp, List, Name, Raise, Return, Slice, Sub, Subscript, Tuple, UnaryOp, While, call_name, names,
+    FunctionDef, If, IfExp, List, Name, Raise, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, While, call_name,
     stored_names, walk, walk_statements,
 )
 
@@ -64,8 +64,14 @@ def _faults(function: FunctionDef, level: int, derivative: bool) -> Iterator[tup
 
 def _unbound(function: FunctionDef) -> Iterator[tuple[AST, str]]:
     """Names that are read or written into and bound nowhere; a dotted name is of the module or a library."""
-    bound = {*(p.id for p in function.args.args), *stored_names(function.body)}
-    for name in names(function.body):
+    bound, read = {p.id for p in function.args.args}, dict[str, None]()
+    for node in walk(function.body):
+        if type(node) is Name:
+            if type(node.ctx) is Store:
+                bound.add(node.id)
+            elif "." not in node.id:
+                read[node.id] = None
+    for name in read:
         if name not in bound:
             yield function, f"'{name}' is bound nowhere"
 
@@ -136,6 +142,8 @@ def _value(value: AST, level: int, derivative: bool) -> Iterator[tuple[AST, str]
 
 def _expression(node: AST, level: int, derivative: bool) -> Iterator[tuple[AST, str]]:
     for part in walk(node):
+        if type(part) is Name or type(part) is Constant:
+            continue
         if (call_name(part) or "").startswith("user."):
             yield part, "a kernel's call inside an expression"
         if isinstance(part, Subscript) and level and not isinstance(part.value, (Name, Attribute, Tuple)):

@@ -31,15 +31,15 @@ from gast import (
 __all__ = [
     "AST", "Add", "And", "AnnAssign", "Assert", "Assign", "Attribute", "AugAssign", "BinOp", "BitAnd", "BitOr",
     "BitXor", "BoolOp", "Break", "Call", "Compare", "Constant", "Continue", "Dict", "DictComp", "Div", "Eq", "Expr",
-    "FloorDiv", "For", "FunctionDef", "GeneratorExp", "Gt", "GtE", "If", "IfExp", "In", "Invert", "Is", "IsNot", "List",
-    "ListComp", "Load", "LShift", "Lt", "LtE", "MatMult", "Mod", "Module", "Mult", "Name", "Not", "NotEq", "NotIn",
-    "Or", "Pass", "Pow", "Raise", "Return",
-    "RShift", "Slice", "Starred", "Store", "Sub", "Subscript", "Tuple", "UAdd", "UnaryOp", "USub", "While",
-    "arguments", "keyword", "add", "assign", "at", "attribute", "augment", "binary", "call", "call_name",
-    "calls_kernel", "children", "comment", "compare", "const", "copy", "counted_for", "dump", "equal", "expr",
-    "expression", "forget", "forgotten", "function", "head_copy", "index", "indices", "is_comment", "is_unset",
-    "literal", "mult", "name", "names", "negate", "parse", "placed", "rebuild", "rename", "statements", "stmt",
-    "stored_names", "sub", "substitute", "tuple_of", "unset", "user_call", "walk", "with_body", "written",
+    "FloorDiv", "For", "FunctionDef", "GeneratorExp", "Gt", "GtE", "If", "IfExp", "In", "Invert", "Is", "IsNot",
+    "List", "ListComp", "Load", "LShift", "Lt", "LtE", "MatMult", "Mod", "Module", "Mult", "Name", "Not", "NotEq",
+    "NotIn", "Or", "Pass", "Pow", "Raise", "Return", "RShift", "Slice", "Starred", "Store", "Sub", "Subscript",
+    "Tuple", "UAdd", "UnaryOp", "USub", "While", "arguments", "keyword", "add", "assign", "at", "attribute", "augment",
+    "binary", "call", "call_name", "calls_kernel", "children", "comment", "compare", "const", "copy", "counted_for",
+    "dump", "equal", "expr", "expression", "forget", "forgotten", "function", "head_copy", "index", "indices",
+    "is_comment", "is_unset", "literal", "mult", "name", "names", "negate", "parse", "placed", "rebuild", "rename",
+    "replica", "statements", "stmt", "stored_names", "sub", "substitute", "tuple_of", "unset", "user_call", "walk",
+    "with_body", "written",
 ]
 
 _LOAD, _STORE = Load(), Store()
@@ -337,16 +337,21 @@ def indices(node: Subscript) -> list[AST]:
     return list(node.slice.elts) if isinstance(node.slice, Tuple) else [node.slice]
 
 
+_UNSAID = ("ctx", "type_comment", "annotation", "kind")
+
+
 def dump(node: AST | list[AST]) -> str:
     """A text that is the same for equal trees, and only for them; places and contexts do not count."""
-    if isinstance(node, list):
-        return "[" + ", ".join(map(dump, node)) + "]"
-    if isinstance(node, Constant):
+    kind = type(node)
+    if kind is Name:
+        return f"Name({node.id!r})"
+    if kind is list:
+        return "[" + ", ".join([dump(item) for item in node]) + "]"
+    if kind is Constant:
         return f"{type(node.value).__name__} {node.value!r}"
     if not isinstance(node, AST):
         return repr(node)
-    fields = (f for f in node._fields if f not in ("ctx", "type_comment", "annotation", "kind"))
-    return f"{type(node).__name__}({', '.join(dump(getattr(node, f)) for f in fields)})"
+    return f"{kind.__name__}({', '.join([dump(getattr(node, f)) for f in kind._fields if f not in _UNSAID])})"
 
 
 def equal(a: AST, b: AST) -> bool:
@@ -393,14 +398,15 @@ def _rebuild(node: Any, change: Change, known: _Made | None, made: _Made) -> Any
     return new
 
 
-def _replica(node: AST, below: Callable[[Any], Any]) -> AST:
-    """A node of the same kind and place with other nodes below; what has no fields, as a context, is shared."""
+def replica(node: AST, below: Callable[[Any, str], Any]) -> AST:
+    """A node of the same kind and place, which has `below(value, field)` in its fields; contexts and operators are
+    shared."""
     kind = type(node)
     new, held = AST.__new__(kind), node.__dict__.copy()
     for field in _below[kind]:
         value = held.get(field)
         if value is not None:
-            held[field] = below(value)
+            held[field] = below(value, field)
     new.__dict__ = held
     return new
 
@@ -424,18 +430,12 @@ def copy(node: Any) -> Any:
 
 def head_copy(statement: AST) -> AST:
     """A copy of a statement whose blocks are the given one's, for who is to replace them."""
-    kept = [getattr(statement, field, None) for field in _BLOCKS]
-
-    def below(value: Any) -> Any:
-        return value if any(value is block for block in kept) else copy(value)
-    return _replica(statement, below)
+    return replica(statement, lambda value, field: value if field in _BLOCKS else copy(value))
 
 
 def with_body(function: FunctionDef, body: list[AST]) -> FunctionDef:
     """A copy of a function with other statements in place of its own, which are not copied."""
-    def below(value: Any) -> Any:
-        return body if value is function.body else copy(value)
-    return _replica(function, below)
+    return replica(function, lambda value, field: body if field == "body" else copy(value))
 
 
 def substitute(node: Any, mapping: Mapping[str, AST]) -> Any:
@@ -445,7 +445,7 @@ def substitute(node: Any, mapping: Mapping[str, AST]) -> Any:
         return [substitute(item, mapping) for item in node]
     if kind is Name and node.id in mapping and type(node.ctx) is not Store:
         return copy(mapping[node.id])
-    return _replica(node, lambda value: substitute(value, mapping)) if kind in _below else node
+    return replica(node, lambda value, _: substitute(value, mapping)) if kind in _below else node
 
 
 def rename(node: Any, mapping: Mapping[str, str]) -> Any:

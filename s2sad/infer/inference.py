@@ -46,6 +46,10 @@ def inference(function: FunctionDef, parameters: Mapping[str, Type], call_types:
     return found.table
 
 
+_FLOATS = frozenset({"numpy.pi", "numpy.e", "numpy.inf", "numpy.nan", "math.pi", "math.e", "math.inf", "math.nan",
+                     "math.tau", "numpy.euler_gamma"})
+
+
 class Typing(TypesOfCalls):
     """The types of expressions by those of names, which never change: `declare` gives a new name its type.
 
@@ -102,23 +106,24 @@ class Typing(TypesOfCalls):
             isinstance(s, Constant) and s.value is Ellipsis for s in kept) else ()
 
     def of(self, node: AST) -> Type:
-        known = self._known.get(node)
-        if known is not None:
+        kind = type(node)
+        is_kept = kind is not Name and kind is not Constant
+        if is_kept and (known := self._known.get(node)) is not None:
             return known
-        method = getattr(self, "_" + type(node).__name__, None)
+        method = getattr(self, "_" + kind.__name__, None)
         unknown, found = self._unknown, UNKNOWN if method is None else method(node)
-        self._unknown += found is UNKNOWN or found == UNKNOWN
-        if unknown == self._unknown and not isinstance(node, (Name, Constant)):
+        self._unknown += found.kind == "unknown"
+        if is_kept and unknown == self._unknown:
             self._known[node] = found
         return found
 
     def _Name(self, node: Name) -> Type:
-        room, _, rest = node.id.partition(".")
-        if room in ("const", "array") and rest:
-            return of_value(self.constants[rest]) if rest in self.constants else FLOAT
-        if node.id in ("numpy.pi", "numpy.e", "numpy.inf", "numpy.nan", "math.pi", "math.e", "math.inf", "math.nan",
-                       "math.tau", "numpy.euler_gamma"):
-            return FLOAT
+        if "." in node.id:
+            room, _, rest = node.id.partition(".")
+            if room in ("const", "array") and rest:
+                return of_value(self.constants[rest]) if rest in self.constants else FLOAT
+            if node.id in _FLOATS:
+                return FLOAT
         return self.table.get(node.id, UNKNOWN)
 
     def _Constant(self, node: Constant) -> Type:

@@ -191,8 +191,7 @@ def bare_shapes(function: FunctionDef, typing: Typing) -> Shapes:
     made = Shapes(typing, single_values(function))
     made.guarded = True
     allocations = Counter(s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign)
-                          and isinstance(
-        s.targets[0], Name) and call_name(s.value) in ALLOCATIONS)
+                          and isinstance(s.targets[0], Name) and call_name(s.value) in ALLOCATIONS)
     made.several = frozenset(a for a, count in allocations.items() if count > 1)
     made.counters = counters_of(function, made.values)
     return made
@@ -200,8 +199,10 @@ def bare_shapes(function: FunctionDef, typing: Typing) -> Shapes:
 
 def started_shapes(function: FunctionDef, typing: Typing) -> Shapes:
     """The shapes of which nothing has been learnt but of arrays that several statements allocate, what these share."""
-    made, guarded = bare_shapes(function, typing), shapes_of(function, typing)
-    made.arrays |= {array: guarded.arrays[array] for array in made.several}
+    made = bare_shapes(function, typing)
+    if made.several:
+        guarded = shapes_of(function, typing)
+        made.arrays |= {array: guarded.arrays[array] for array in made.several}
     return made
 
 
@@ -223,7 +224,7 @@ def counters_of(function: FunctionDef, values: Mapping[str, AST | None]) -> dict
         if isinstance(loop, For) and loops.get(loop.target.id) != [{}]:
             loops.setdefault(loop.target.id, []).append(least_of(loop))
         elif isinstance(loop, Assign):
-            loops |= {n: [{}] for n in stored_names(loop)}
+            loops |= {n: [{}] for n in stored_names(loop.targets)}
     least = {n: min(found[n] for found in each) for n, each in loops.items() if all(each)}
     held = {n: least[v.id] for n, v in values.items() if isinstance(v, Name) and v.id in least}
     return {**{n: low for n, low in least.items() if n in values}, **held}
@@ -233,7 +234,7 @@ def single_values(function: FunctionDef) -> dict[str, AST | None]:
     """The names bound once, with what an assignment binds them to, None for parameters and loop counters."""
     found: dict[str, AST | None] = {p.id: None for p in function.args.args}
     twice: set[str] = set()
-    for statement in walk(function.body):
+    for statement in walk_statements(function.body):
         bound: list[tuple[str, AST | None]] = []
         if isinstance(statement, Assign):
             target = statement.targets[0]
@@ -249,11 +250,12 @@ def single_values(function: FunctionDef) -> dict[str, AST | None]:
 
 def _counters_after_loops(function: FunctionDef, values: Mapping[str, AST | None]) -> set[str]:
     """The names that hold a loop's counter after the loop, where it is that of the last iteration."""
-    every = Counter(n.id for n in walk(function.body) if isinstance(n, Name))
+    copies = {n: v.id for n, v in values.items() if isinstance(v, Name)}
+    loops = [s for s in walk_statements(function.body) if isinstance(s, For) and s.target.id in copies.values()]
+    every = Counter(n.id for n in walk(function.body) if isinstance(n, Name)) if loops else Counter()
     found: set[str] = set()
-    for loop in walk_statements(function.body):
-        if isinstance(loop, For):
-            inside = Counter(n.id for n in walk(loop.body) if isinstance(n, Name))
-            found |= {n for n, v in values.items() if isinstance(v, Name) and v.id == loop.target.id
-                      and n in stored_names(loop.body) and inside[n] < every[n]}
+    for loop in loops:
+        inside = Counter(n.id for n in walk(loop.body) if isinstance(n, Name))
+        bound = set(stored_names(loop.body))
+        found |= {n for n, v in copies.items() if v == loop.target.id and n in bound and inside[n] < every[n]}
     return found

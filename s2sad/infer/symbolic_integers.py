@@ -130,10 +130,10 @@ class Sizes(ABC):
         """Whether an integer expression is known not to be negative: made of counters and sizes."""
         if isinstance(node, BinOp) and isinstance(node.op, Mod):
             return self.is_counted(node.right)
-        form = self.size(node)
-        if form is None or any(c < 0 or s not in self.least() for s, c in form.terms):
+        form, least = self.size(node), self.least()
+        if form is None or any(c < 0 or s not in least for s, c in form.terms):
             return False
-        return form.constant + sum(c * self.least()[s] for s, c in form.terms) >= 0
+        return form.constant + sum(c * least[s] for s, c in form.terms) >= 0
 
     def least(self) -> dict[str, int]:
         """The least value of every symbol of which one is known."""
@@ -166,8 +166,8 @@ class Sizes(ABC):
     def own(self, base: str, axis: int) -> Affine:
         """The size of an array's axis, by its own name."""
         size = index(attribute(name(base), "shape"), const(axis))
-        self.symbol(size)
-        return Affine.symbol(dump(size))
+        self.atoms[key := dump(size)] = size
+        return Affine.symbol(key)
 
     def is_place(self, form: Affine) -> bool:
         """Whether a form is known not to be negative, made of sizes and counters."""

@@ -25,7 +25,7 @@ from s2sad.naming import Names
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, Break, For, FunctionDef, If, Name, Sub, Subscript, Tuple, While, assign, at,
-    augment, const, copy, name, names, stored_names, substitute, walk, walk_statements,
+    augment, const, name, names, stored_names, substitute, walk, walk_statements, with_body,
 )
 
 
@@ -41,12 +41,11 @@ def single_assignment(function: FunctionDef, context: NormalContext) -> Function
     types, free = context.typing.table, context.names
     live = Liveness(function, set(), Accesses(), strong=False)
     pass_ = _SingleAssignment(types, free, live)
-    new = copy(function)
     env = {p.id: p.id for p in function.args.args if not types[p.id].is_array}
     pass_.family.update(env)
-    new.body, _ = pass_.block(function.body, env, None)
+    body, _ = pass_.block(function.body, env, None)
     context.family = pass_.family
-    return new
+    return with_body(function, body)
 
 
 class _SingleAssignment:

@@ -13,7 +13,7 @@ from s2sad.liveness import targets
 from s2sad.simplify.algebra import add_constant, simplify_index
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, BinOp, Constant, For, If, Name, Subscript, USub, UnaryOp, call_name, copy, dump,
-    is_comment, names, stored_names, walk, walk_statements,
+    is_comment, names, walk, walk_statements,
 )
 
 
@@ -61,7 +61,7 @@ def range_arguments(bounds: list[AST]) -> list[AST]:
 
 def bound_names(block: list[AST]) -> set[str]:
     """The names that a block binds."""
-    return set(stored_names(block))
+    return {t.id for s in walk_statements(block) for t in targets(s) if isinstance(t, Name)}
 
 
 def affine(node: AST) -> Affine | None:

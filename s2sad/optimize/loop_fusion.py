@@ -25,7 +25,7 @@ from s2sad.optimize.array_contraction import Mentions, Contractible
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
     AST, Add, Assert, Assign, Attribute, AugAssign, Break, FunctionDef, If, Name, Return, Sub, Subscript, copy, dump,
-    indices, is_comment, name, names, rebuild, walk, walk_statements,
+    indices, is_comment, name, names, rebuild, walk, walk_statements, with_body,
 )
 
 CHANGES_ROUNDING = False
@@ -43,10 +43,9 @@ def fused(function: FunctionDef, sums: Set[str], types: Mapping[str, Type], free
           writing: Set[str] = frozenset()) -> FunctionDef:
     """The function with its nests joined; `sums` are numbers whose gains come in any order, `writing`
     the functions that write arrays."""
-    new = copy(function)
     extents = IterationSpaces(function, writing)
-    new.body = LoopFusion(extents, sums, Contractible(function, extents, types, free)).block(function.body)
-    return new
+    fusion = LoopFusion(extents, sums, Contractible(function, extents, types, free))
+    return with_body(function, fusion.block(function.body))
 
 
 class LoopFusion:

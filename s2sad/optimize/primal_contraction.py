@@ -19,7 +19,7 @@ from s2sad.normalize.context import NormalContext
 from s2sad.optimize.iteration_spaces import IterationSpaces
 from s2sad.optimize.loop_fusion import LoopFusion
 from s2sad.optimize.array_contraction import Contractible
-from s2sad.tree import Call, FunctionDef, call_name, copy, walk
+from s2sad.tree import Call, FunctionDef, call_name, walk, with_body
 
 CHANGES_ROUNDING = True     # a derivative adds what a number gains in another order than what elements gain
 
@@ -28,10 +28,9 @@ def primal_contraction(function: FunctionDef, context: NormalContext) -> Functio
     """The function; the context has for every new number the array whose element it is."""
     writing = {call_name(n) or "" for n in walk(function.body)
                if isinstance(n, Call) and context.callees.call_writes(n)}
-    new = copy(function)
     extents = IterationSpaces(function, writing)
     between = Contractible(function, extents, context.typing.table, context.names)
-    new.body = LoopFusion(extents, set(), between, only_producers=True).block(function.body)
+    new = with_body(function, LoopFusion(extents, set(), between, only_producers=True).block(function.body))
     context.numbers = between.numbers
     for number in between.numbers:
         context.typing.declare(number, FLOAT)

@@ -13,7 +13,7 @@ from dataclasses import replace
 from s2sad.read.outside_values import AST, Captured, ModuleValue
 from s2sad.tree import (
     Assign, Attribute, AugAssign, BinOp, Call, Compare, Expr, FunctionDef, Load, Name, Return, Store, Subscript,
-    UnaryOp, at, children, copy, rebuild, stored_names, times_bound, walk, walk_statements,
+    UnaryOp, at, children, copy, rebuild, stored_names, times_bound, walk, walk_statements, with_body,
 )
 
 # functions of NumPy that make an array, with how many arguments come before the place of `out`
@@ -39,8 +39,7 @@ def shape_assignment(captured: Captured) -> Captured:
             return None
         called = Call(Attribute(Name(name, Load(), None, None), "reshape", Load()), [copy(node.value)], [])
         return at(Assign([Name(name, Store(), None, None)], called, None), node)
-    new = copy(function)
-    new.body = [rebuild(s, change) for s in new.body]
+    new = with_body(function, [rebuild(s, change) for s in function.body])
     return replace(captured, tree=new)
 
 

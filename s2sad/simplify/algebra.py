@@ -19,7 +19,7 @@ from s2sad.simplify.integer_expressions import is_integer, with_counters
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Constant, Expr, For, FunctionDef, If, IfExp, Mult,
     Pow, Return, Slice, Sub, Tuple, USub, UnaryOp, While, at, augment, call_name, calls_kernel, const, copy, equal,
-    with_body,
+    replica, with_body,
 )
 
 CHANGES_ROUNDING = True
@@ -85,7 +85,7 @@ def simplify_expression(node: AST, types: Mapping[str, Type] | None, integers: b
     called = call_name(node)
     integers = called == "builtins.range" or integers and (
         types is not None or called in _EXTREMA or isinstance(node, _INDEX_NODES))
-    new = type(node)(*[_simplify_field(getattr(node, f), types, integers or f == "slice") for f in node._fields])
+    new = replica(node, lambda value, field: _simplify_field(value, types, integers or field == "slice"))
     if hasattr(node, "lineno"):
         at(new, node)
     new = normalize_signs(new)

@@ -16,7 +16,7 @@ from s2sad.blocks import heads, with_blocks
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Constant, For, FunctionDef, If, Name, Store, Subscript, UnaryOp, While, call_name,
-    copy, names, substitute, user_call, walk,
+    names, substitute, user_call, walk, with_body,
 )
 
 CHANGES_ROUNDING = False
@@ -26,11 +26,9 @@ Writes = Callable[[Call], list[str]]
 
 def forward_substitution(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
     """The function with such names folded; the user's stay."""
-    new = copy(function)
     kept = context.parameters(function) | {context.renamed.get(n, n) for n in context.kept}
     pass_ = _ForwardSubstitution(function, kept, context.effects.writes)
-    new.body = pass_.block(function.body)
-    return new
+    return with_body(function, pass_.block(function.body))
 
 
 class _ForwardSubstitution:

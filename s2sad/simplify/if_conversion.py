@@ -13,9 +13,9 @@ from __future__ import annotations
 from s2sad.blocks import with_blocks
 from s2sad.passes import Context
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, If, IfExp, Mult, Name,
-    Sub, UnaryOp, USub, assign, at, augment, call_name, const, copy, dump, equal, is_comment, name, names, stored_names,
-    walk,
+    AST, Add, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, If, IfExp, Mult, Name, Sub,
+    USub, UnaryOp, assign, at, augment, call_name, const, copy, equal, is_comment, name, names, stored_names,
+    walk, with_body,
 )
 
 CHANGES_ROUNDING = False
@@ -27,18 +27,18 @@ _CHEAP = {"builtins.abs", "numpy.abs", "numpy.sign", "math.fabs"}
 def if_conversion(function: FunctionDef, context: Context) -> FunctionDef:
     """The function with its short branches converted, the innermost first."""
     while True:
-        new = copy(function)
-        new.body = _IfConversion({p.id for p in function.args.args}).block(function.body)
-        if dump(new.body) == dump(function.body):
-            return new
-        function = new
+        converting = _IfConversion({p.id for p in function.args.args})
+        function = with_body(function, converting.block(function.body))
+        if not converting.changed:
+            return function
 
 
 class _IfConversion:
-    """`bound` are the names that are bound on every path to the current statement."""
+    """One round; `bound` are the names that are bound on every path to the current statement, `changed` says whether
+    any branch was converted."""
 
     def __init__(self, bound: set[str]):
-        self.bound = bound
+        self.bound, self.changed = bound, False
         self.binding: dict[int, tuple[AST, set[str]]] = {}      # what each branch binds: every enclosing one asks
 
     def block(self, block: list[AST]) -> list[AST]:
@@ -46,6 +46,7 @@ class _IfConversion:
         for statement in block:
             converted = self.converted(statement) if isinstance(statement, If) else None
             made += [self.nested(statement)] if converted is None else converted
+            self.changed = self.changed or converted is not None
             self.bound |= self.definitely_bound(converted or [statement])
         return made
 

@@ -6,14 +6,12 @@ from __future__ import annotations
 
 from s2sad.blocks import with_blocks
 from s2sad.passes import Context
-from s2sad.tree import AST, FunctionDef, copy, forgotten
+from s2sad.tree import AST, FunctionDef, forgotten, with_body
 
 
 def remove_marks(function: FunctionDef, context: Context) -> FunctionDef:
     """The function without marks."""
-    new = copy(function)
-    new.body = _block(function.body)
-    return new
+    return with_body(function, _block(function.body))
 
 
 def _block(block: list[AST]) -> list[AST]:

@@ -16,7 +16,7 @@ from s2sad.evaluate.effects import bindings
 from s2sad.evaluate.scope import KernelScope
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, FunctionDef, List, Load, Mult, Name, Slice, Starred, Subscript, Tuple,
-    UnaryOp, at, call, call_name, copy, expr, indices, rebuild, tuple_of, walk,
+    UnaryOp, at, call, call_name, copy, expr, indices, rebuild, tuple_of, walk, with_body,
 )
 
 _ARRAYS = ("numpy.array", "numpy.asarray")
@@ -49,9 +49,7 @@ def literal_concatenation(function: FunctionDef, scope: KernelScope) -> Function
                 scope.refuse(value, "a star before what is not known to be a tuple", help="write its elements out, or "
                              "join arrays: np.concatenate(([a], x))")
         return rebuild(at(_summed(node.elts), node), change) if stars else None
-    new = copy(function)
-    new.body = [rebuild(statement, change) for statement in new.body]
-    return new
+    return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
 def items_of(node: AST, kind: type, copied: bool = False) -> list[AST] | None:

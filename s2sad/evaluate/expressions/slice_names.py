@@ -18,8 +18,8 @@ from collections.abc import Callable
 from s2sad.evaluate.effects import STABLE
 from s2sad.evaluate.scope import KernelScope
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Call, Constant, FunctionDef, Name, Slice, Store, Subscript, Tuple, UnaryOp,
-    assign, at, call_name, children, copy, expr, head_copy, name, names, rebuild, stored_names, tuple_of, walk,
+    AST, Assign, Attribute, BinOp, Call, Constant, FunctionDef, Name, Slice, Store, Subscript, Tuple, UnaryOp, assign,
+    at, call_name, children, copy, expr, head_copy, name, names, rebuild, stored_names, tuple_of, walk, with_body,
 )
 
 _SLICE, _WRITTEN = "builtins.slice", "numpy.s_"
@@ -37,8 +37,7 @@ def slice_names(function: FunctionDef, scope: KernelScope) -> FunctionDef:
     function.body = _separate(function.body)
     known: dict[str, AST] = {}
     function.body = _Made(function, scope, known).block(function.body)
-    new = copy(function)
-    new.body = _block(function.body, known)
+    new = with_body(function, _block(function.body, known))
     for node in walk(new.body):
         if call_name(node) == _SLICE or isinstance(node, Name) and node.id in known:
             scope.refuse(node, "a slice that is no subscript", help=_WHERE_USED)

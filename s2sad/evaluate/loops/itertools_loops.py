@@ -19,7 +19,7 @@ from s2sad.evaluate.completion import BREAK, completion
 from s2sad.evaluate.scope import KernelScope
 from s2sad.tree import (
     AST, Attribute, Call, Constant, For, FunctionDef, GeneratorExp, ListComp, Name, Subscript, Tuple, add, assign, at,
-    call, call_name, const, copy, name, names, rebuild, stored_names, walk,
+    call, call_name, const, copy, name, names, rebuild, stored_names, walk, with_body,
 )
 
 _PRODUCT, _AFTER = "itertools.product", {"itertools.combinations": 1, "itertools.combinations_with_replacement": 0}
@@ -37,8 +37,7 @@ def itertools_loops(function: FunctionDef, scope: KernelScope) -> FunctionDef:
             new.generators = [made for g in node.generators for made in _generators(g, scope)]
             return rebuild(new, lambda n: None if n is new else change(n))
         return None
-    new = copy(function)
-    new.body = [rebuild(statement, change) for statement in function.body]
+    new = with_body(function, [rebuild(statement, change) for statement in function.body])
     for node in walk(new.body):
         if _combines(node):
             scope.refuse(node, "combinations other than of ranges, each with a name in a loop of its own", help=_HELP)

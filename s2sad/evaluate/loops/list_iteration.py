@@ -26,7 +26,7 @@ from s2sad.evaluate.loops.escaping_lists import ListBindings
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, Call, Constant, For, FunctionDef, If, List, ListComp, Name, Return, Slice,
     Starred, Store, Sub, Subscript, Tuple, USub, UnaryOp, While, assign, at, call_name, const, copy, dump, index, name,
-    names, rebuild, stored_names, substitute, tuple_of, walk, walk_statements,
+    names, rebuild, stored_names, substitute, tuple_of, walk, walk_statements, with_body,
 )
 
 _LONGEST, _MOST = 16, 160       # elements of a list, statements of a loop that is written out
@@ -36,8 +36,7 @@ _THROUGH = ("builtins.zip", "builtins.enumerate", "builtins.reversed")
 
 def list_iteration(function: FunctionDef) -> FunctionDef:
     """The function without such loops and comprehensions."""
-    new = copy(function)
-    new.body = apart(function.body, lambda value: isinstance(value, (List, ListComp)))
+    new = with_body(function, apart(function.body, lambda value: isinstance(value, (List, ListComp))))
     lengths = _lengths(new)
     if not lengths or not _is_needed(new, lengths):
         return function

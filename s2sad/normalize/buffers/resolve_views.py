@@ -33,8 +33,8 @@ from s2sad.normalize.loops.reduction_loops import is_reduction
 from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Expr, For, FunctionDef, If, Name, Return, Slice, Store,
-    Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, copy, index, indices, is_unset, name,
-    rebuild, tuple_of, walk, walk_statements,
+    Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, index, indices, is_unset, name,
+    rebuild, tuple_of, walk, walk_statements, with_body,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -53,7 +53,7 @@ def resolve_views(function: FunctionDef, context: NormalContext) -> FunctionDef:
     pass_.bound_at, pass_.unset, pass_.late, pass_.buffers, pass_.altered = {}, set(), {}, {}, set()
     pass_.left = []
     pass_.references, pass_.aliases = UpcomingUses(function), Aliases(pass_.parameters)
-    new = copy(function)
+    new = with_body(function, function.body)
     lengths = [equal(index(attribute(name(p.id), "shape"), const(k)), const(1))
                for p in function.args.args for k in typing.ones.get(p.id, ())]
     new.body = [*(at(test, function) for test in lengths), *pass_.block(function.body)]

@@ -41,7 +41,7 @@ from s2sad.program import Kernel, Program
 from s2sad.tree import (
     AST, Assign, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, Name, Not, NotEq, Return, Store, Tuple,
     UnaryOp, While, assign, at, call_name, copy, function, name, names, rebuild, stored_names, tuple_of, walk,
-    walk_statements,
+    walk_statements, with_body,
 )
 
 Structured = Callable[[Kernel, Names, Program], FunctionDef]
@@ -124,8 +124,7 @@ def inline(tree: FunctionDef, context: NormalContext) -> FunctionDef:
     while any(map(_called, walk(tree.body))):
         tree, pass_.typing = helpers.typing(tree, types, source, free)
         pass_.changed = False
-        new = copy(tree)
-        new.body = pass_.block(tree.body)
+        new = with_body(tree, pass_.block(tree.body))
         if not pass_.changed:
             break
         tree = new
@@ -260,9 +259,7 @@ def _handed_back(tree: FunctionDef, held: Mapping[str, str]) -> FunctionDef:
     def without(block: list[AST]) -> list[AST]:
         return [with_blocks(s, without) for s in block if not (
             isinstance(s, Assign) and _is_same(s.targets[0], s.value))]
-    new = copy(tree)
-    new.body = without([_renamed(s, same) for s in tree.body])
-    return new
+    return with_body(tree, without([_renamed(s, same) for s in tree.body]))
 
 
 def _is_same(target: AST, value: AST) -> bool:

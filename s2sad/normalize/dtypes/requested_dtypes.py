@@ -16,7 +16,7 @@ from __future__ import annotations
 from s2sad.infer.promotion import dtype_of
 from s2sad.normalize.context import NormalContext
 from s2sad.rules import bound, find_array
-from s2sad.tree import AST, Attribute, Call, FunctionDef, at, call, call_name, copy, keyword, name, rebuild
+from s2sad.tree import AST, Attribute, Call, FunctionDef, at, call, call_name, keyword, name, rebuild, with_body
 
 _CONVERTING = ("numpy.astype", "numpy.arange", "numpy.eye", "numpy.identity", "numpy.linspace")
 _KNOWN = {"bool": "numpy.bool_", **{d: f"numpy.{d}" for d in ("int32", "int64", "float32", "float64", "complex128")}}
@@ -43,8 +43,7 @@ def requested_dtypes(function: FunctionDef, context: NormalContext) -> FunctionD
             found.append(node)
             return at(cast, node)
         return made
-    new = copy(function)
-    new.body = [rebuild(statement, change) for statement in function.body]
+    new = with_body(function, [rebuild(statement, change) for statement in function.body])
     return new if found else function
 
 

@@ -17,8 +17,8 @@ from s2sad.infer.signatures.laws import paired_axes
 from s2sad.normalize.context import NormalContext
 from s2sad.passes import Context
 from s2sad.tree import (
-    AST, Call, Constant, FunctionDef, Slice, at, call, call_name, const, copy, index, mult, rebuild, tuple_of,
-    with_body, walk,
+    AST, Call, Constant, FunctionDef, Slice, at, call, call_name, const, index, mult, rebuild, tuple_of, walk,
+    with_body,
 )
 
 _BATCH_LETTERS = "abcdefgh"
@@ -73,8 +73,7 @@ def einsum_ellipsis(function: FunctionDef, context: NormalContext) -> FunctionDe
             return None
         found.append(node)
         return at(Call(node.func, [const(spelled), *(rebuild(a, change) for a in node.args[1:])], node.keywords), node)
-    new = copy(function)
-    new.body = [rebuild(statement, change) for statement in function.body]
+    new = with_body(function, [rebuild(statement, change) for statement in function.body])
     return einsum(new, context) if found else function
 
 

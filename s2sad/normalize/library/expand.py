@@ -28,6 +28,7 @@ from s2sad.rules.rule import resolved
 from s2sad.tree import (
     AST, Assign, Call, Constant, Expr, For, FunctionDef, If, List, Name, Slice, Store, Subscript, Tuple, UnaryOp, While,
     assign, at, call_name, copy, indices, name, names, rebuild, statements, stored_names, walk, walk_statements,
+    with_body,
 )
 
 _MODULES = (concatenation, rearrangement, reductions, differences, indexing_and_sorting, logsumexp, selections,
@@ -45,8 +46,7 @@ def expand(function: FunctionDef, context: NormalContext) -> FunctionDef:
 def expanded(function: FunctionDef, typing: Typing, free: Names, report: Report) -> FunctionDef:
     """The function with such calls expanded; new names are declared in `typing`."""
     while any(_binds_composed(s, typing) for s in walk_statements(function.body) if isinstance(s, Assign)):
-        new = copy(function)
-        new.body = _Expand(typing, free).block(function.body)
+        new = with_body(function, _Expand(typing, free).block(function.body))
         function = named_arrays(new, typing, free)
     for statement in walk_statements(function.body):
         if isinstance(statement, (Assign, Expr)) and any(is_composed(n, typing) for n in walk(statement)):

@@ -17,17 +17,15 @@ from s2sad.naming import Names
 from s2sad.normalize.buffers.allocations import dtype_of
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
-    AST, Assign, For, FunctionDef, If, Name, Subscript, While, add, assign, at, attribute, call, call_name, const,
-    copy, head_copy, index, name, tuple_of,
+    AST, Assign, For, FunctionDef, If, Name, Subscript, While, add, assign, at, attribute, call, call_name, const, copy,
+    head_copy, index, name, tuple_of, with_body,
 )
 
 
 def lu(function: FunctionDef, context: NormalContext) -> FunctionDef:
     """The function with those factors; the table of `typing` gains them."""
     typing, free = context.typing, context.names
-    new = copy(function)
-    new.body = _block(function.body, typing, free)
-    return new
+    return with_body(function, _block(function.body, typing, free))
 
 
 def _block(block: list[AST], typing: Typing, free: Names) -> list[AST]:

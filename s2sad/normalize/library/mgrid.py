@@ -17,8 +17,8 @@ from __future__ import annotations
 
 from s2sad.evaluate.scope import KernelScope
 from s2sad.tree import (
-    AST, Attribute, BinOp, Constant, Div, FunctionDef, Mult, Name, Slice, Subscript, Tuple, UnaryOp, USub, add, at,
-    call, call_name, children, const, copy, dump, index, indices, keyword, mult, rebuild, tuple_of, walk,
+    AST, Attribute, BinOp, Constant, Div, FunctionDef, Mult, Name, Slice, Subscript, Tuple, USub, UnaryOp, add, at,
+    call, call_name, children, const, copy, dump, index, indices, keyword, mult, rebuild, tuple_of, walk, with_body,
 )
 
 _OPEN, _FULL = "numpy.ogrid", "numpy.mgrid"
@@ -34,9 +34,7 @@ def mgrid(function: FunctionDef, scope: KernelScope) -> FunctionDef:
             scope.refuse(node, f"a grid by np.{node.value.id[6:]} of other slices than one to three with ends",
                          help="write np.meshgrid(x, y, indexing='ij'), of ranges that have names")
         return None if made is None else at(made, node)
-    new = copy(function)
-    new.body = [rebuild(statement, change) for statement in new.body]
-    return new
+    return with_body(function, [rebuild(statement, change) for statement in function.body])
 
 
 def _grid(node: Subscript) -> AST | None:

@@ -19,7 +19,7 @@ from s2sad.passes import Context
 from s2sad.rules.spellings import TABLE
 from s2sad.tree import (
     AST, Assign, Call, Constant, FunctionDef, List, Name, Store, Subscript, Tuple, at, call, call_name, const, copy,
-    keyword, rebuild, walk, walk_statements,
+    keyword, rebuild, walk, walk_statements, with_body,
 )
 
 _FACTORS, _SOLVES = ("lu_factor", "cho_factor"), ("lu_solve", "cho_solve")
@@ -51,8 +51,7 @@ def scipy_solvers(function: FunctionDef, context: Context) -> FunctionDef:
     report = context.report
     if not any((call_name(n) or "").startswith(SCIPY) for n in walk(function.body)):
         return function
-    new = copy(function)
-    new.body = [rebuild(statement, _without_ignored_options) for statement in function.body]
+    new = with_body(function, [rebuild(statement, _without_ignored_options) for statement in function.body])
     pass_ = _Solvers(new, report)
     new.body = pass_.block(new.body)
     pass_.check(new.body)

@@ -18,7 +18,7 @@ from s2sad.naming import Names
 from s2sad.passes import Context
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Call, FunctionDef, Name, NotEq, Store, Subscript, assign, at, call, call_name,
-    compare, const, copy, head_copy, keyword, name, rebuild, tuple_of, walk,
+    compare, const, copy, head_copy, keyword, name, rebuild, tuple_of, walk, with_body,
 )
 
 # the functions of the items, by the names that NumPy gives the items
@@ -45,8 +45,7 @@ _IGNORED_IF_NONE = {"numpy.linalg.lstsq": "rcond"}
 def tuple_results(function: FunctionDef, context: Context) -> FunctionDef:
     """The function with functions of items in place of tuples."""
     free = context.names
-    new = copy(function)
-    new.body = [rebuild(statement, _as_function) for statement in function.body]
+    new = with_body(function, [rebuild(statement, _as_function) for statement in function.body])
     new.body = _TupleResults(new, free).block(new.body)
     return new
 

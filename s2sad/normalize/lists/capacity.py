@@ -23,7 +23,7 @@ from s2sad.evaluate.scope import KernelScope
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Constant, For, FunctionDef, If, List, Mod, Mult, Name, Store, Sub, Subscript,
     USub, UnaryOp, While, add, assign, at, call, call_name, const, copy, head_copy, name, names, stored_names,
-    substitute, walk, walk_statements,
+    substitute, walk, walk_statements, with_body,
 )
 
 Appended = Callable[[AST], str | None]          # the name of the list that a statement appends to
@@ -32,9 +32,7 @@ Appended = Callable[[AST], str | None]          # the name of the list that a st
 def sink_empty_lists(tree: FunctionDef, scope: KernelScope, appended: Appended) -> FunctionDef:
     """The function in which lists that begin empty are made where they are first used."""
     grown = {n for s in walk(tree.body) if (n := appended(s)) is not None}
-    new = copy(tree)
-    new.body = _block(tree.body, grown, scope, appended) if grown else tree.body
-    return new
+    return with_body(tree, _block(tree.body, grown, scope, appended) if grown else tree.body)
 
 
 def _block(block: list[AST], grown: set[str], scope: KernelScope, appended: Appended) -> list[AST]:

@@ -22,8 +22,8 @@ from s2sad.normalize.context import NormalContext
 from s2sad.normalize.lists.list_contents import HELP, ListContents, Writes, is_shared, is_stored_into_later
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Break, Expr, For, FunctionDef, If, IfExp, List, Name, Return, Slice, Subscript,
-    Tuple, While, call, call_name, const, copy, indices, name, names, rebuild, rename, stored_names, times_bound, walk,
-    walk_statements,
+    Tuple, While, call, call_name, const, indices, name, names, rebuild, rename, stored_names, times_bound, walk,
+    walk_statements, with_body,
 )
 
 _ALIKE = "give them names of their own, or make an array of each that is like the others"
@@ -208,9 +208,7 @@ def coalesce_names(function: FunctionDef, context: NormalContext) -> FunctionDef
             mentions[new] += mentions.pop(old) - 2
             place = start
         return made
-    named = copy(function)
-    named.body = block(function.body)
-    return named
+    return with_body(function, block(function.body))
 
 
 def _allocation_of(block: list[AST], place: int, mentions: Counter[str]) -> int | None:

@@ -36,7 +36,7 @@ from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, Call, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While,
     add, assign, at, augment, call, call_name, const, copy, counted_for, index, indices, mult, name, rebuild, sub,
-    user_call, walk,
+    user_call, walk, with_body,
 )
 
 
@@ -116,10 +116,9 @@ def scatter(function: FunctionDef, context: Context) -> FunctionDef:
 
 def _scalarized(function: FunctionDef, context: Context, final: bool, only: bool = False) -> FunctionDef:
     """The table of types gains the new counters."""
-    new = copy(function)
     shapes = started_shapes(function, context.typing)
-    new.body = Scalarize(context.typing, context.names, shapes, final, only).block(function.body)
-    return new
+    scalarizing = Scalarize(context.typing, context.names, shapes, final, only)
+    return with_body(function, scalarizing.block(function.body))
 
 
 class Scalarize:
