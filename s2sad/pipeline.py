@@ -1,13 +1,14 @@
 """The pipeline: a program and a request in, a generated module out. Read this first.
 
     read        a function becomes a tree with places and resolved names        (the caller has done it)
-    normalize   structured -> inlined -> functions -> in_step -> pieces -> views -> workspace -> scalarize
-                    -> handed -> rename -> atoms                                     (units/normal_forms.py)
-    infer       the types of names, before views and after rename
-    analyze     structure, activity, uses, dependence, recorded                      (units/unit_derivatives.py)
-    differentiate   adjoint or tangent
-    simplify    merge, dead, coalesce, fold, algebra; for level "fast" products, turned, kept, faster, taped
+    normalize   normal form, with the types of all names (`infer`)                   (KERNELS in `units`)
+    analyze     activity, what can be infinite, what is recorded                     (DERIVATIVES in `units`)
+    differentiate   adjoint or tangent                                               (DERIVATIVES in `units`)
+    simplify    the same with less text
+    optimize    for level "fast": faster loops
     emit        origin comments, the engine's dialect, the header, the text
+
+Each room opens with its passes in the order in which they run.
 """
 from __future__ import annotations
 
