@@ -2,11 +2,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-import s2sad
-from tests.derivatives import check_derivatives, check_value
-from tests.engines import each, running
+from tests.corpus import Case
 from tests.seeds import generator
 
 
@@ -133,19 +130,6 @@ COPIED = (method, method_by_name, method_by_place, function_by_place, array_in_o
           of_a_copy, through_a_helper, one_axis, taken_as_it_is, only_read)
 
 
-@pytest.mark.parametrize("kernel, engine", each(COPIED))
-def test_what_is_made_in_the_order_of_c_is_contiguous(kernel, engine):
-    for how in HOW[:2 if engine == "numba" else 4]:
-        check_derivatives(kernel, (lying((2, 4), how),), ("u",), ("return",), engine=engine)
-        check_value(kernel, (lying((2, 4), how),), ("u",), engine=engine)
-
-
-def test_matrices_of_one_row_and_of_one_column():
-    for shape in ((1, 4), (4, 1), (1, 2)):
-        for engine in ("numpy", "loops"):
-            check_derivatives(method_by_name, (lying(shape, "F"),), ("u",), ("return",), engine=engine)
-
-
 # -- what is made in another order is not, nor may be what is made of it --------------------------------
 def copied(u):
     w = np.copy(u, order="F")
@@ -252,69 +236,60 @@ def stacks(u):
     return np.sum(w ** 2)
 
 
-@pytest.mark.parametrize("kernel", (turned_product, copied, copied_by_place, as_array, zeros_alike,
-                                    full_alike_by_place, zeros_by_place, uncertain, of_copies, alias, alias_by_place,
-                                    alias_in_a_list, alias_through_a_helper, copies_of_copies, stacks))
-def test_what_is_made_in_another_order_is_not_written_through_a_view(kernel):
-    said = ("NumPy shares with another one|may not be contiguous here")
-    for engine in ("numpy", "loops"):
-        with running(engine) as under, pytest.raises(s2sad.S2sadError, match=said) as refused:
-            s2sad.gradient(s2sad.differentiate(kernel, engine=under))(given(2, 4))
-        assert "S201" in str(refused.value)
-
-
-# -- an argument whose order tells is asked -------------------------------------------------------------
-def in_its_order(u):
-    w = np.copy(u)
-    f = w.ravel()
-    f[1] *= 3.0
-    return np.sum(w ** 2)
-
-
-def computed(u):
-    w = u * 2.0
-    f = w.reshape(-1)
-    f[1] *= 3.0
-    return np.sum(w ** 2)
-
-
-def alias_in_order(u):
-    w = np.asarray(u, order="C")
-    w[0, 0] = 0.0
-    return np.sum(u ** 2)
-
-
-@pytest.mark.parametrize("engine", ("numpy", "loops"))
-@pytest.mark.parametrize("kernel", (in_its_order, computed, alias_in_order))
-def test_an_argument_whose_order_tells_is_asked(kernel, engine):
-    check_derivatives(kernel, (given(2, 4),), ("u",), ("return",), engine=engine)
-    with running(engine) as under:
-        function = s2sad.differentiate(kernel, engine=under)
-        for how in ("F", "strided"):
-            with pytest.raises(s2sad.S2sadError) as refused:
-                s2sad.gradient(function)(lying((2, 4), how))
-            assert str(refused.value) == (
-                "error[S405]: 'u' is not contiguous, where it or an array made like it is reshaped and written\n"
-                "  note: NumPy writes a copy of it then\n"
-                "  help: pass np.ascontiguousarray(...), or write it as a loop")
-            with pytest.raises(s2sad.S2sadError, match="is not contiguous"):
-                s2sad.autodiff(s2sad.ReverseWithPrimal, function,
-                               s2sad.Duplicated(lying((2, 4), how), np.zeros((2, 4))))
-            with pytest.raises(s2sad.S2sadError, match="is not contiguous"):
-                s2sad.jvp(function, (lying((2, 4), how),), {"u": np.ones((2, 4))})
-
-
-# -- a power that is a float64 number whatever it is of -------------------------------------------------
-def powers(x, y):
-    z = np.float_power(x, y)
-    return np.sum(z * np.float_power(y, 2))
-
-
-@pytest.mark.parametrize("engine", ("numpy", "loops", "numba"))
-def test_a_power_of_singles_is_a_double(engine):
-    x, y = given(3).astype(np.float32), given(3).astype(np.float32)
-    for a, b in ((x, y), (x[:1], y), (x, given(3))):
-        check_derivatives(powers, (a, b), ("x", "y"), ("return",), engine=engine)
-        with running(engine) as under:
-            value, _ = s2sad.value_and_gradient(s2sad.differentiate(powers, engine=under))(a, b)
-        assert abs(value - powers(a, b)) < 1e-13
+def cases():
+    # what is made in the order of c is contiguous
+    for kernel in COPIED:
+        for how in HOW:
+            yield Case(kernel, (lying((2, 4), how),), ("u",))
+    # matrices of one row and of one column
+    for shape in ((1, 4), (4, 1), (1, 2)):
+        yield Case(method_by_name, (lying(shape, "F"),), ("u",))
+    # what is made in another order is not written through a view
+    for kernel, refused in (
+            (turned_product,
+             "S201 at `f[1] *= 2.0`: an array is written that NumPy shares with another one, which is a view of "
+             "it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (copied,
+             "S201 at `f[1] = 0.0`: an array is written that NumPy shares with another one, which is a view of "
+             "it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (copied_by_place,
+             "S201 at `f[1] = 0.0`: an array is written that NumPy shares with another one, which is a view of "
+             "it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (as_array,
+             "S201 at `f[1] = 0.0`: an array is written that NumPy shares with another one, which is a view of "
+             "it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (zeros_alike,
+             "S201 at `f[:] = u[0, 1]`: an array is written that NumPy shares with another one, which is a view "
+             "of it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (full_alike_by_place,
+             "S201 at `f[1] *= u[0, 1]`: an array is written that NumPy shares with another one, which is a view "
+             "of it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (zeros_by_place,
+             "S201 at `f[1] += u[0, 1]`: an array is written that NumPy shares with another one, which is a view "
+             "of it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (uncertain,
+             "S201 at `f[1] *= u[0, 1]`: an array is written that NumPy shares with another one, which is a view "
+             "of it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (of_copies,
+             "S201 at `f[1] *= 3.0`: an array is written that NumPy shares with another one, which is a view of "
+             "it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (alias,
+             "S201 at `w[0, 0] = 0.0`: an array is written that NumPy shares with another one, which is a view "
+             "of it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (alias_by_place,
+             "S201 at `w[0, 0] = 0.0`: an array is written that NumPy shares with another one, which is a view "
+             "of it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (alias_in_a_list,
+             "S201 at `us[0][0, 0] = 0.0`: an array is written that NumPy shares with another one, which is a "
+             "view of it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (alias_through_a_helper,
+             "S201 at `w[0, 0] = 0.0`: an array is written that NumPy shares with another one, which is a view "
+             "of it by a function: write into the array itself, or take a copy: np.copy(...)"),
+            (copies_of_copies,
+             "S201 at `handed(np.copy(u, order=\"F\"), 3.0)`: an array that the function reshapes and writes may "
+             "not be contiguous here: NumPy would write a copy: give it a copy that np.zeros(...) allocates, or "
+             "write it as a loop"),
+            (stacks,
+             "S201 at `f[1] = 0.0`: an array is written that NumPy shares with another one, which is a view of "
+             "it by a function: write into the array itself, or take a copy: np.copy(...)")):
+        yield Case(kernel, (given(2, 4),), refused=refused)

@@ -2,11 +2,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-import s2sad
-from tests.derivatives import check_derivatives
-from tests.engines import each
+from tests.corpus import Case
 from tests.seeds import generator
 
 A, X = generator(1).random((5, 5)) + 0.2, np.array([0.9, 0.31, 1.4, 0.55, 1.13])
@@ -104,18 +101,7 @@ def names_of_a_number(a, x):
     return np.sum(x ** 2)
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each([
-    forces, counted_and_asked, written_out, more_than_sixteen, names_of_a_number]))
-def test_derivatives(kernel, engine):
-    check_derivatives(kernel, (A, X), ("a", "x"), ("return",), engine)
-
-
-@pytest.mark.parametrize(("kernel", "engine"), [(counted_and_asked, "numba")])
-def test_compiled(kernel, engine):
-    check_derivatives(kernel, (A, X), ("a", "x"), ("return",), engine)
-
-
-def test_stays_a_loop():
-    text = s2sad.differentiate(forces, engine="numpy").adjoint_source(A, X)
-    assert text.count("for index in range(") == 2, text
-    assert text.count("a_bar[j] += ") == 1, text
+def cases():
+    # derivatives
+    for kernel in (forces, counted_and_asked, written_out, more_than_sixteen, names_of_a_number):
+        yield Case(kernel, (A, X), ("a", "x"))

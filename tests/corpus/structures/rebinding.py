@@ -6,11 +6,8 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-import pytest
 
-from s2sad import S2sadError, check, gradient
-from tests.derivatives import check_derivatives
-from tests.engines import each, running
+from tests.corpus import Case
 
 X = np.array([0.3, 1.1, 0.7])
 
@@ -132,25 +129,6 @@ KERNELS = [numbers, arrays, other_names, shared_array, by_a_function, in_branche
            replaced_and_assigned, replaced_in_a_helper]
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each(KERNELS))
-def test_bound_anew(kernel, engine):
-    check_derivatives(kernel, (X,), ("x",), ("return",), engine=engine)
-
-
-def given(s, n):
-    for _ in range(n):
-        s = State(s.u * s.t, s.t + s.u[0])
-    return s.u.sum()
-
-
-@pytest.mark.parametrize("engine", ["numpy", "loops"])
-def test_of_an_argument(engine):
-    with running(engine) as name:
-        for n in (0, 1, 3):
-            assert check(given, State(X.copy(), 0.4), n, engine=name)
-    assert check(given, State(X[:1].astype("float32"), 0.4), 2)
-
-
 def assigned(x):
     s = Pair(x[0])
     for i in range(3):
@@ -158,11 +136,6 @@ def assigned(x):
         t.b = x[i]
         s = Pair(s.a * s.b, x[0])
     return s.a
-
-
-def test_what_is_refused():
-    with pytest.raises(S2sadError, match="'s' is one thing on one way to here and another on another"):
-        gradient(assigned)(X)
 
 
 def assigned_before(x):
@@ -174,5 +147,19 @@ def assigned_before(x):
     return s.a * s.b
 
 
-def test_without_a_loop():
-    check_derivatives(assigned_before, (X,), ("x",), ("return",))
+def cases():
+    # bound anew
+    for kernel in KERNELS:
+        yield Case(kernel, (X,), ("x",))
+    # what is refused
+    yield Case(assigned, (X,), refused=(
+        "S203 at `s`: 's' is one thing on one way to here and another on another, one of them a structure or "
+        "None: give the two different names\nS201 at `t.b`: an assignment to the attribute t.b is not "
+        "supported in a kernel: return the value, or write it to an element of an array argument\nS203 at "
+        "`s`: 's' is one thing on one way to here and another on another, one of them a structure or None: "
+        "give the two different names\nS203 at `s`: 's' is one thing on one way to here and another on "
+        "another, one of them a structure or None: give the two different names\nS203 at `s`: 's' is one "
+        "thing on one way to here and another on another, one of them a structure or None: give the two "
+        "different names"))
+    # without a loop
+    yield Case(assigned_before, (X,), ("x",))

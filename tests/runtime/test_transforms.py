@@ -1,26 +1,15 @@
 """Fourier transforms: the adjoints of the runtime against matrices, and derivatives of kernels."""
+from __future__ import annotations
+
 import numpy as np
 import pytest
 
 import s2sad
 from s2sad import runtime
 from tests import transform_kernels as kernels
-from tests.derivatives import check_derivatives
-from tests.seeds import generator
+from tests.corpus.library.fft import CASES, RNG
 
-RNG = generator(11)
 NORMS = (None, "backward", "ortho", "forward")
-X, Y = RNG.normal(size=(2, 5))
-Z = RNG.normal(size=4) + 1j * RNG.normal(size=4)
-CASES = [
-    (kernels.heat, (X[:4], 0.1, 0.2, 2), ("u", "nu", "dt"), ("u", "return")),
-    (kernels.burgers, (X, 0.05, 3.0), ("u", "dt", "length"), ("u", "return")),
-    (kernels.split_step, (Z, Y[:4], Y[1:], 0.3), ("psi", "v", "w", "dt"), ("psi", "return")),
-    (kernels.poisson, (np.outer(X[:3], Y), np.zeros((3, 5))), ("f",), ("phi",)),
-    (kernels.lengths, (X, Z), ("x", "z"), ("return",)),
-    (kernels.several_axes, (np.outer(X[:3], Z.real), np.outer(Y[:3], Z)), ("x", "z"), ("return",)),
-    (kernels.shifts, (np.outer(X[:3], Z.real), np.outer(Y[:3], Z)), ("x", "z"), ("return",)),
-]
 
 
 def real_matrix(function, size, is_complex):
@@ -61,18 +50,6 @@ def test_adjoints_along_another_axis():
         along = np.stack([back(column, *options, 0, None) for column in operand.T], axis=1)
         np.testing.assert_allclose(back(operand, *options, 0, None), along)
         np.testing.assert_allclose(back(operand.T, *options, 1, None), along.T)
-
-
-@pytest.mark.parametrize("case", CASES, ids=lambda c: c[0].__name__)
-@pytest.mark.parametrize("engine", ["numpy", "loops"])
-def test_derivatives(case, engine):
-    check_derivatives(*case, engine=engine)
-
-
-@pytest.mark.parametrize("case", [CASES[1], CASES[2]], ids=lambda c: c[0].__name__)
-def test_compiled(case):
-    pytest.importorskip("numba")
-    check_derivatives(*case, engine="numba")
 
 
 def test_explain_names_what_the_interpreter_runs():

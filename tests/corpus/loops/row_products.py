@@ -2,10 +2,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-from s2sad import differentiate
-from tests.derivatives import check_derivatives
+from tests.corpus import Case
 from tests.seeds import generator
 
 RNG = generator(11)
@@ -111,21 +109,7 @@ CASES = [
     (mixed, (W, X, np.zeros((5, 3))), ("w", "x"), ("y",))]
 
 
-@pytest.mark.parametrize("engine", ["numpy", "loops"])
-@pytest.mark.parametrize("kernel, arguments, wrt, of", CASES)
-def test_derivatives(kernel, arguments, wrt, of, engine):
-    check_derivatives(kernel, arguments, wrt, of, engine)
-
-
-@pytest.mark.parametrize("case", [1, 3])
-def test_compiled(case):
-    kernel, arguments, wrt, of = CASES[case]
-    check_derivatives(kernel, arguments, wrt, of, "numba")
-
-
-@pytest.mark.parametrize("case, products", [(0, 5), (3, 4), (6, 1), (7, 0), (8, 2), (9, 2)])
-def test_blocks(case, products):
-    """How many products of blocks a reverse sweep has."""
-    kernel, arguments, wrt, of = CASES[case]
-    text = differentiate(kernel, wrt=wrt, of=of, engine="numba").adjoint_source(*arguments, level="fast")
-    assert sum("_rows = " in line or "_gain = " in line for line in text.splitlines()) == products, text
+def cases():
+    # derivatives
+    for kernel, arguments, wrt, of in CASES:
+        yield Case(kernel, arguments, wrt, of)
