@@ -1,6 +1,7 @@
-"""access_paths: what an array expression names: its base array and all of its subscripts.
+"""access_paths: the access path of an array expression: its base array with all of its subscripts.
 
-Used by `views`, which keeps what every name stands for. Guards that an expression needs go before its statement.
+Used by `resolve_views`, which knows the access path of every name. Guards that an expression needs go before its
+statement.
 """
 from __future__ import annotations
 
@@ -25,33 +26,33 @@ from s2sad.tree import (
     const, copy, dump, index, indices, mult, name, names, rebuild, substitute, tuple_of, walk,
 )
 
-View = tuple[str, tuple[AST, ...]]
-AMBIGUOUS: View = ("", ())
+AccessPath = tuple[str, tuple[AST, ...]]
+AMBIGUOUS: AccessPath = ("", ())
 
 
 class AccessPaths:
-    """What the names of one function stand for where a statement is."""
+    """The access paths of the names of one function where a statement is."""
 
     def __init__(self, types: Mapping[str, Type], typing: Typing, free: Names, report: Report, bound: list[str],
                  shapes: Shapes):
         self.types, self.typing, self.free, self.report, self.shapes = types, typing, free, report, shapes
-        self.before: list[AST] = []
+        self.preceding: list[AST] = []
         self.loops = self.testing = False               # `testing`: in the test of a while, which has no place before
-        self.seen: dict[str, View] = {}
+        self.paths: dict[str, AccessPath] = {}
         self.tuples: dict[str, AST] = {}
         self.parameters: set[str] = set()
         self.bound = bound
         self.depth = 0
         self.versions: set[str] = set()
-        self.home: dict[str, int] = {}                  # how many loops are around an allocation
+        self.depths: dict[str, int] = {}                  # how many loops are around an allocation
         self.allocations = Allocations(typing, report, shapes)
 
-    def viewed(self, node: AST) -> View | None:
-        """The base and the indices that an array expression names, or None if it names no array."""
+    def access_path(self, node: AST) -> AccessPath | None:
+        """The access path of an array expression, or None if it is no name or part of an array."""
         if isinstance(node, Name):
             if not self.typing.of(node).is_array:
                 return None
-            view = self.seen.get(node.id)
+            view = self.paths.get(node.id)
             if view is None and node.id.startswith("array."):
                 return node.id, ()
             if view is None or view == AMBIGUOUS:
@@ -60,39 +61,39 @@ class AccessPaths:
                 return None
             return view
         if isinstance(node, Subscript):
-            inner = self.viewed(node.value)
+            inner = self.access_path(node.value)
             if inner is None:
                 return None
             if self.picks_from_part(node, inner):
-                inner = (self.copied(node.value), ())
-            added = [self.part(s) for s in indices(node)]
+                inner = (self.copied_part(node.value), ())
+            added = [self.resolved_subscript(s) for s in indices(node)]
             if self.loops and not self.testing and self.typing.of(node).is_array:
-                added = [self.frozen(s, "place") if self.is_sought(s) else s for s in added]
+                added = [self.frozen(s, "place") if self.is_computed(s) else s for s in added]
             return inner[0], self.composed(inner, added, node)
         return None
 
-    def is_sought(self, subscript: AST) -> bool:
-        """Whether a number is asked of an array, `np.argmax(x)`: a loop over a row asks once, before it."""
+    def is_computed(self, subscript: AST) -> bool:
+        """Whether an index is computed from an array, `np.argmax(x)`: a loop over a row computes it once, before it."""
         return not isinstance(subscript, Slice) and self.typing.of(subscript).is_number and any(
             isinstance(n, Call) and any(self.typing.of(a).is_array for a in n.args) for n in walk(subscript))
 
-    def picks_from_part(self, node: Subscript, view: View) -> bool:
+    def picks_from_part(self, node: Subscript, view: AccessPath) -> bool:
         """Whether arrays pick elements of a part of an array that slices take: it is copied first."""
         picks = any(self.typing.of(s).is_array for s in indices(node) if not isinstance(s, (Slice, Constant)))
         return picks and any(isinstance(s, Slice) or is_new(s) for s in view[1])
 
-    def copied(self, part: AST) -> str:
+    def copied_part(self, part: AST) -> str:
         """A name for a copy of a part of an array."""
         held = self.typing.declare(self.free.fresh("part"), self.typing.of(part))
         made = self.allocations.allocate(held, self.typing.of(part), call("numpy.copy", self.resolve(part)), part)
-        self.seen[held] = (held, ())
-        self.before += made
+        self.paths[held] = (held, ())
+        self.preceding += made
         return held
 
-    def part(self, subscript: AST) -> AST:
+    def resolved_subscript(self, subscript: AST) -> AST:
         """A subscript with views resolved; the bounds of a slice stay what they are now."""
         if isinstance(subscript, Name) and self.typing.of(subscript).is_array:
-            return self.whole(subscript)
+            return self.index_array(subscript)
         if not isinstance(subscript, Slice):
             return self.resolve(subscript)
         parts = (subscript.lower, subscript.upper, subscript.step)
@@ -108,33 +109,33 @@ class AccessPaths:
             parts = (subscript.lower, subscript.upper, subscript.step)
             return Slice(*(p and self._frozen(p, wanted, known) for p in parts))
         simple = not any(isinstance(n, (Subscript, Call)) for n in walk(subscript))
-        if simple and all(self.bound.count(n) <= 1 for n in names(subscript)) or self.lasts(subscript):
+        if simple and all(self.bound.count(n) <= 1 for n in names(subscript)) or self.is_invariant(subscript):
             return subscript
         counters = [n for n in names(subscript) if n in self.shapes.counters]
         if simple and set(counters) == {n for n in names(subscript) if self.bound.count(n) > 1}:
             for n in counters:
                 if n not in known:
-                    known[n] = self.named_now(name(n), wanted)
+                    known[n] = self.frozen_name(name(n), wanted)
                     self.shapes.counters = {**self.shapes.counters, known[n]: self.shapes.counters[n]}
             return substitute(subscript, {n: name(known[n]) for n in counters})
-        return name(self.named_now(subscript, wanted))
+        return name(self.frozen_name(subscript, wanted))
 
-    def named_now(self, value: AST, wanted: str) -> str:
+    def frozen_name(self, value: AST, wanted: str) -> str:
         """A name for an integer as it is now."""
         held = self.typing.declare(self.free.fresh(wanted), INT)
-        self.before.append(assign(held, value))
+        self.preceding.append(assign(held, value))
         self.shapes.values = {**self.shapes.values, held: None}
         return held
 
-    def lasts(self, node: AST) -> bool:
+    def is_invariant(self, node: AST) -> bool:
         """Whether an expression is made of sizes of arrays that are bound once: they stay what they are."""
         if isinstance(node, BinOp):
-            return self.lasts(node.left) and self.lasts(node.right)
+            return self.is_invariant(node.left) and self.is_invariant(node.right)
         asked = isinstance(node, Subscript) and isinstance(node.value, Attribute) and node.value.attr == "shape"
         return isinstance(node, Constant) or asked and self.depth == 0 and all(
             self.bound.count(n) <= 1 for n in names(node))
 
-    def composed(self, view: View, added: list[AST], node: AST) -> tuple[AST, ...]:
+    def composed(self, view: AccessPath, added: list[AST], node: AST) -> tuple[AST, ...]:
         """The subscripts of a view's part, trailing whole axes left out."""
         def refuse(what: str) -> None:
             self.report.error("S201", what, node, help="take the part from the array itself, or write a loop")
@@ -157,37 +158,37 @@ class AccessPaths:
         self.shapes.of(index(name(view[0]), *found))  # asks for the guards under which its slices are exact
         return tuple(found)
 
-    def whole(self, array: Name) -> AST:
-        """An array of subscripts: a name; what names a part of an array is copied before."""
-        base, subscripts = self.viewed(array) or AMBIGUOUS
+    def index_array(self, array: Name) -> AST:
+        """An array of subscripts: a name; a part of an array is copied before."""
+        base, subscripts = self.access_path(array) or AMBIGUOUS
         if subscripts and base and not self.testing:
             kind = self.typing.of(array)
             held = self.typing.declare(self.free.fresh("places"), kind)
-            self.before += self.allocations.allocate(held, kind, index(name(base), *map(copy, subscripts)), array)
+            self.preceding += self.allocations.allocate(held, kind, index(name(base), *map(copy, subscripts)), array)
             return name(held)
         if subscripts or base == "":
             self.report.error("S201", "a part of an array as a subscript", array,
                               help="copy it before: places = x[...].copy()")
         return name(base or array.id)
 
-    def place(self, target: AST) -> Subscript:
-        base, subscripts = self.viewed(target) or AMBIGUOUS
+    def store_target(self, target: AST) -> Subscript:
+        base, subscripts = self.access_path(target) or AMBIGUOUS
         if not base and not self.report.found:
             self.report.error("S201", "an element of something that is no array is written", target,
                               help="make it an array: np.zeros(n), or np.array([...])")
         if base.startswith("array."):
             self.report.error("S201", f"the global array '{base[6:]}' is written", target,
                               help="pass it as an argument")
-        new = index(name(base), *([self.kept(s, base, target) for s in subscripts] or (const(...),)))
+        new = index(name(base), *([self.unaliased(s, base, target) for s in subscripts] or (const(...),)))
         return at(new, target) if hasattr(target, "lineno") else new
 
-    def kept(self, subscript: AST, base: str, target: AST) -> AST:
+    def unaliased(self, subscript: AST, base: str, target: AST) -> AST:
         """A subscript of a store; an array of integers that picks what is stored into itself is copied before."""
         kind = self.typing.of(subscript) if isinstance(subscript, Name) and subscript.id == base else None
         if kind is None or not kind.is_array or kind.dtype == "bool":
             return subscript
         held = self.typing.declare(self.free.fresh("places"), kind)
-        self.before += self.allocations.allocate(held, kind, call("numpy.copy", name(base)), target)
+        self.preceding += self.allocations.allocate(held, kind, call("numpy.copy", name(base)), target)
         return name(held)
 
     def is_region(self, place: Subscript) -> bool:
@@ -212,8 +213,8 @@ class AccessPaths:
             if isinstance(n, Call) and isinstance(n.func, Attribute):
                 return self.method(n)
             if call_name(n) == "builtins.len" and self.typing.of(n.args[0]).is_array:
-                return self.shape_of(n.args[0], 0) if self.prefix(n.args[0]) else None
-            if isinstance(n, (Name, Subscript)) and (view := self.viewed(n)) is not None:
+                return self.shape_of(n.args[0], 0) if self.prefix_length(n.args[0]) else None
+            if isinstance(n, (Name, Subscript)) and (view := self.access_path(n)) is not None:
                 base, subscripts = view
                 return at(index(name(base), *map(copy, subscripts)) if subscripts else name(base), n) \
                     if hasattr(n, "lineno") else index(name(base), *subscripts) if subscripts else name(base)
@@ -223,7 +224,7 @@ class AccessPaths:
                if self.typing.of(n.left).is_array or self.typing.of(n.right).is_array):
             self.report.error("S201", "an array meets a tuple or list that is spelled out", node,
                               help="make it an array: np.array([...])")
-        self.before += self.operands_fit(made)
+        self.preceding += self.operands_fit(made)
         return made
 
     def item(self, value: AST, node: Subscript) -> AST:
@@ -236,7 +237,7 @@ class AccessPaths:
             whole = call("numpy.array", List(list(map(copy, items))))
             kind = self.typing.of(whole)
             held = self.typing.declare(self.free.fresh("items"), kind)
-            self.before += self.allocations.allocate(held, kind, whole, node)
+            self.preceding += self.allocations.allocate(held, kind, whole, node)
             return index(name(held), self.resolve(node.slice))
         if isinstance(value, List) or any(self.typing.of(i).is_float or self.typing.of(i).is_array for i in items):
             what = "list" if isinstance(value, List) else "tuple"
@@ -257,16 +258,16 @@ class AccessPaths:
         """Guards that the operands of a function fit each other, where its law says how."""
         rule = rules.find_array(call_name(node))
         assert rule is not None
-        given, made = rule.arguments(node), []
+        arguments, made = rule.arguments(node), []
         sparse = "sparse" in rule.law
-        for pair in FITTING.get(rule.law, ()) if sparse or self.loops else ():     # NumPy tells by itself
-            first, second = (self.size_along(given[p], axis) for p, axis in pair)
+        for pair in FITTING.get(rule.law, ()) if sparse or self.loops else ():     # NumPy raises by itself
+            first, second = (self.size_along(arguments[p], axis) for p, axis in pair)
             if self.shapes.same(first, second):
                 continue
-            written = [copy(given[p]) if size is None else self.shapes.extent(size)
+            sizes = [copy(arguments[p]) if size is None else self.shapes.extent(size)
                        for (p, _), size in zip(pair, (first, second))]
-            if not any(self.typing.of(w).is_array for w in written):
-                made.append((matching if sparse else equal)(written[0], written[1]))
+            if not any(self.typing.of(w).is_array for w in sizes):
+                made.append((matching if sparse else equal)(sizes[0], sizes[1]))
             if first is not None and second is not None:
                 self.shapes.unify(first, second)
         return made
@@ -278,11 +279,11 @@ class AccessPaths:
             return self.shapes.size(node)
         return self.shapes.of(node)[-min(rank, 2) if axis == INNER else axis]
 
-    def prefix(self, node: AST) -> int:
-        return len((self.viewed(node) or AMBIGUOUS)[1])
+    def prefix_length(self, node: AST) -> int:
+        return len((self.access_path(node) or AMBIGUOUS)[1])
 
     def shape_of(self, node: AST, axis: int) -> AST:
-        base, subscripts = self.viewed(node) or ("_", ())
+        base, subscripts = self.access_path(node) or ("_", ())
         if not any(isinstance(x, Slice) or is_new(x) or self.typing.of(x).is_array for x in subscripts):
             return index(attribute(name(base), "shape"), const(axis + len(subscripts)))
         size = self.shapes.of(index(name(base), *subscripts))[axis]
@@ -293,8 +294,8 @@ class AccessPaths:
         return self.shapes.extent(size)
 
     def attribute(self, node: Attribute) -> AST | None:
-        skip, rank = self.prefix(node.value), self.typing.of(node.value).rank
-        base = name((self.viewed(node.value) or ("_", ()))[0])
+        skip, rank = self.prefix_length(node.value), self.typing.of(node.value).rank
+        base = name((self.access_path(node.value) or ("_", ()))[0])
         if node.attr == "ndim":
             return const(rank)
         if node.attr == "size" and skip:
@@ -317,7 +318,7 @@ class AccessPaths:
         self.report.error("S201", f"the method '{node.func.attr}'", node, help="write it as a loop")
         return const(0.0)
 
-    def checks(self, place: Subscript, value: AST) -> list[AST]:
+    def shape_guards(self, place: Subscript, value: AST) -> list[AST]:
         """Guards that the arrays of a whole-array statement fit what it stores into."""
         whole = self.load(place)
         made: list[AST] = []

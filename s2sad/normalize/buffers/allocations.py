@@ -58,7 +58,7 @@ class Allocations:
             self.report.error("S201", f"an array made by {call_name(value) or 'this expression'}", place,
                               help="allocate it with np.empty and write it in a loop")
             return []
-        guards = self.reshaped(value) if is_function(value) else self.operands_fit(value, shape)
+        guards = self.reshape_guards(value) if is_function(value) else self.operands_fit(value, shape)
         model = next((n for n in walk(value) if isinstance(n, Name) and self.typing.of(n) == kind
                       and self.shapes.of(n) == shape), None)
         made = call("numpy.empty_like", model) if model is not None else call(
@@ -66,8 +66,8 @@ class Allocations:
         self.shapes.allocated(target, shape)
         return [*guards, assign(target, made), assign(index(name(target), const(...)), value)]
 
-    def reshaped(self, value: AST) -> list[AST]:
-        """Guards that the sizes which a reshape is given are not negative."""
+    def reshape_guards(self, value: AST) -> list[AST]:
+        """Guards that the sizes of a reshape are not negative."""
         if call_name(value) != "numpy.reshape":
             return []
         return [written(s) for s in self.shapes.may_be_remainder(value.args[1])]
@@ -110,7 +110,7 @@ class Allocations:
         shape = tuple_of(*args[0].elts) if isinstance(args[0], List) else args[0]
         if isinstance(shape, Tuple) and len(shape.elts) == 1:
             shape = shape.elts[0]
-        self.known(target, shape)
+        self.note_shape(target, shape)
         start = "numpy.zeros" if function == "numpy.zeros" else "numpy.empty"
         made: list[AST] = [assign(target, call(start, shape, *dtype_of(kind)))]
         if function in _FILLS or function == "numpy.full":
@@ -118,7 +118,7 @@ class Allocations:
             made.append(assign(index(name(target), const(...)), fill))
         return made
 
-    def known(self, target: str, shape: AST) -> None:
+    def note_shape(self, target: str, shape: AST) -> None:
         """Notes the shape that an array is allocated in, where its sizes stay what they are."""
         found = self.shapes.requested(shape)
         if found is not None:
@@ -150,7 +150,7 @@ class Allocations:
                 entries.append((at, node))
         visit(value, [])
         shape = const(sizes[0]) if len(sizes) == 1 else tuple_of(*map(const, sizes))
-        self.known(target, shape)
+        self.note_shape(target, shape)
         return [assign(target, call("numpy.empty", shape, *dtype_of(kind))),
                 *(assign(index(name(target), *at), item) for at, item in entries)]
 

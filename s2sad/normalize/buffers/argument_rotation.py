@@ -23,7 +23,7 @@ put back.
                                             v[...] = v_own
                                         return u_own[0]
 
-Requires structured form and types; establishes that arguments are not rebound. In NumPy the names take turns with the
+Requires structured form and types; establishes that arguments are not rebound. In NumPy the names exchange the
 caller's array; which of them has it is counted. Left as they are: names that are bound in any other way, or of whose
 arrays there are views.
 """
@@ -47,9 +47,9 @@ Writes = Callable[[Call], Sequence[int]]
 
 @dataclass(frozen=True)
 class Swap:
-    """Assignments of names to names, one after the other: `given[n]` is whose array the name n has after them."""
+    """Assignments of names to names, one after the other: `origins[n]` is the name whose array n has after them."""
     statements: tuple[AST, ...]
-    given: dict[str, str]
+    origins: dict[str, str]
 
 
 def argument_rotation(function: FunctionDef, context: NormalContext) -> FunctionDef:
@@ -61,31 +61,32 @@ def rotated(function: FunctionDef, typing: Typing, free: Names, within: bool = F
     """The function with such copies; the table of `typing` gains their names. `within` another function what is
     returned is the argument itself where its name has it at the end."""
     swaps = [s for block in _blocks(function.body) for s in swaps_of(block, typing)]
-    if swaps and (own := _under_their_own(function, typing, {n for s in swaps for n in s.given})) is not function:
+    if swaps and (own := _renamed_arguments(function, typing, {n for s in swaps for n in s.origins})) is not function:
         function, swaps = own, [s for block in _blocks(own.body) for s in swaps_of(block, typing)]
     for group in _groups(swaps):
-        given = [p.id for p in function.args.args if p.id in group]
-        inside = [s for s in swaps if group & s.given.keys()]
-        if given and _is_plain(function, group, inside, typing):
-            function = _Rotation(function, typing, free, sorted(group), given, inside, within).function
+        arguments = [p.id for p in function.args.args if p.id in group]
+        inside = [s for s in swaps if group & s.origins.keys()]
+        if arguments and _is_plain(function, group, inside, typing):
+            function = _Rotation(function, typing, free, sorted(group), arguments, inside, within).function
             swaps = [s for block in _blocks(function.body) for s in swaps_of(block, typing)]
     return function
 
 
-def _under_their_own(function: FunctionDef, typing: Typing, swapped: set[str]) -> FunctionDef:
-    """The function in which arguments that were only given other names, `a = u`, which swap, go on under their own."""
+def _renamed_arguments(function: FunctionDef, typing: Typing, swapped: set[str]) -> FunctionDef:
+    """The function in which arguments bound to other names only, `a = u`, which swap, go on under their own."""
     parameters = {p.id for p in function.args.args}
     for place, statement in enumerate(function.body):
         if not isinstance(statement, Assign) or not isinstance(statement.value, Name):
             continue
-        given, bound = statement.value.id, str(getattr(statement.targets[0], "id", ""))
+        argument, bound = statement.value.id, str(getattr(statement.targets[0], "id", ""))
         before, after = function.body[:place], function.body[place + 1:]
-        if given in parameters and bound in swapped - parameters and typing.table[given] == typing.table[bound] and (
-                not _is_read(given, after)) and given not in stored_names(before) and bound not in {
-                *names(before), *stored_names(before)}:
+        unused = not _is_read(argument, after) and argument not in stored_names(before) and bound not in {
+            *names(before), *stored_names(before)}
+        if argument in parameters and bound in swapped - parameters and unused and (
+                typing.table[argument] == typing.table[bound]):
             made = copy(function)
-            made.body = [*before, *(rename(s, {bound: given}) for s in after)]
-            return _under_their_own(made, typing, swapped | {given})
+            made.body = [*before, *(rename(s, {bound: argument}) for s in after)]
+            return _renamed_arguments(made, typing, swapped | {argument})
     return function
 
 
@@ -114,11 +115,11 @@ def swaps_of(block: list[AST], typing: Typing) -> list[Swap]:
             run.append((statement, str(statement.targets[0].id), str(statement.value.id)))
             continue
         if len(run) > 2:
-            given: dict[str, str] = {}
+            origins: dict[str, str] = {}
             for _, bound, value in run:
-                given[bound] = given.get(value, value)
-            held = {n for n in given if n not in given.values()}
-            kept = {n: g for n, g in given.items() if n not in held}
+                origins[bound] = origins.get(value, value)
+            held = {n for n in origins if n not in origins.values()}
+            kept = {n: g for n, g in origins.items() if n not in held}
             if kept and set(kept) == set(kept.values()):
                 found.append(Swap(tuple(s for s, _, _ in run), kept))
         run = []
@@ -129,14 +130,14 @@ def _groups(swaps: list[Swap]) -> list[set[str]]:
     """The names that swap with each other, by any of the swaps."""
     groups: list[set[str]] = []
     for swap in swaps:
-        joined = set(swap.given).union(*(g for g in groups if g & swap.given.keys()))
+        joined = set(swap.origins).union(*(g for g in groups if g & swap.origins.keys()))
         groups = [g for g in groups if not g & joined] + [joined]
     return groups
 
 
 def _is_plain(function: FunctionDef, group: set[str], swaps: list[Swap], typing: Typing) -> bool:
     """Whether nothing but the swaps binds these names after they are made, no other name is a view of their arrays
-    before, what only holds an array is read by its swap alone, and one of the arrays is written."""
+    before, what only holds an array is read by its swap alone, and one of the arrays is stored into."""
     first = _first(function.body, swaps)
     own = {id(n) for s in swaps for statement in s.statements for n in walk(statement)}
     parameters = {p.id for p in function.args.args}
@@ -156,11 +157,11 @@ def _is_plain(function: FunctionDef, group: set[str], swaps: list[Swap], typing:
                 return False    # a view, or may be one
     holders = {n for s in swaps for statement in s.statements for n in stored_names(statement)} - group
     outside = {n.id for n in walk(function.body) if isinstance(n, Name) and id(n) not in own}
-    return sorted([*made, *(group & parameters)]) == sorted(group) and not holders & outside and _written(
+    return sorted([*made, *(group & parameters)]) == sorted(group) and not holders & outside and _is_stored_into(
         function, group)
 
 
-def _written(function: FunctionDef, group: set[str]) -> bool:
+def _is_stored_into(function: FunctionDef, group: set[str]) -> bool:
     for node in walk(function.body):
         target = node.target if isinstance(node, AugAssign) else node.targets[0] if isinstance(node, Assign) and \
             isinstance(node.targets[0], Subscript) else None
@@ -181,21 +182,21 @@ def _first(body: list[AST], swaps: list[Swap]) -> int:
 class _Rotation:
     """A function in which the arguments among some names have copies."""
 
-    def __init__(self, function: FunctionDef, typing: Typing, free: Names, group: list[str], given: list[str],
+    def __init__(self, function: FunctionDef, typing: Typing, free: Names, group: list[str], arguments: list[str],
                  swaps: list[Swap], within: bool):
         self.group, self.typing, self.free = group, typing, free
-        self.copies = {p: typing.declare(free.fresh(f"{p}_own"), typing.table[p]) for p in given}
-        self.places = {p: typing.declare(free.fresh(f"{p}_place"), INT) for p in given}
+        self.copies = {p: typing.declare(free.fresh(f"{p}_own"), typing.table[p]) for p in arguments}
+        self.places = {p: typing.declare(free.fresh(f"{p}_place"), INT) for p in arguments}
         free.meant.update({copied: p for p, copied in self.copies.items()})
         self.last = {id(s.statements[-1]): s for s in swaps}
         first = _first(function.body, swaps)
-        start = [assign(self.copies[p], call("numpy.copy", name(p))) for p in given]
-        start += [assign(self.places[p], const(group.index(p))) for p in given]
+        start = [assign(self.copies[p], call("numpy.copy", name(p))) for p in arguments]
+        start += [assign(self.places[p], const(group.index(p))) for p in arguments]
         rest = self.block(function.body[first:])
         end = [rest.pop()] if rest and isinstance(rest[-1], Return) else []
-        left = [at(self.put_back(p, 0), function.body[first]) for p in given]
+        left = [at(self.put_back(p, 0), function.body[first]) for p in arguments]
         if within and end:
-            end = self.shared(end[0], [n for n in names(function.body[-1]) if n in group])
+            end = self.returned_holders(end[0], [n for n in names(function.body[-1]) if n in group])
         self.function = copy(function)
         self.function.body = [*function.body[:first], *(at(s, function.body[first]) for s in start), *rest, *left, *end]
 
@@ -208,13 +209,13 @@ class _Rotation:
                 made.orelse = self.block(statement.orelse)
             new.append(made)
             if id(statement) in self.last:
-                new += [at(self.moved(p, self.last[id(statement)]), statement) for p in self.places]
+                new += [at(self.counted_swap(p, self.last[id(statement)]), statement) for p in self.places]
         return new
 
-    def moved(self, parameter: str, swap: Swap) -> AST:
+    def counted_swap(self, parameter: str, swap: Swap) -> AST:
         """Counts which name has an argument's array after a swap."""
         place = self.places[parameter]
-        goes = {self.group.index(g): self.group.index(n) for n, g in swap.given.items()}
+        goes = {self.group.index(g): self.group.index(n) for n, g in swap.origins.items()}
         if len(self.group) == 2:
             return assign(place, BinOp(const(1), Sub(), name(place)))
         made: list[AST] = []
@@ -222,7 +223,7 @@ class _Rotation:
             made = [If(compare(name(place), Eq(), const(before)), [assign(place, const(after))], made)]
         return made[0]
 
-    def shared(self, last: AST, returned: list[str]) -> list[AST]:
+    def returned_holders(self, last: AST, returned: list[str]) -> list[AST]:
         """The return, of an argument's array where the name of what is returned has it."""
         made: list[AST] = []
         for holder in returned:
@@ -237,7 +238,7 @@ class _Rotation:
         return [*(at(s, last) for s in made), last]
 
     def put_back(self, parameter: str, number: int) -> AST:
-        """The argument's array takes what the name that has it stands for."""
+        """The argument's array takes the content of the name that has it."""
         holder = self.group[number]
         fill = assign(index(name(parameter), const(...)), name(self.copies.get(holder, holder)))
         if number == len(self.group) - 1:

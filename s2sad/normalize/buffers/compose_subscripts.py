@@ -60,7 +60,7 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
         refuse("a part of a part of an array whose bounds change")
         return inner
     if not isinstance(inner, Slice):
-        return _cell(shapes, start, step, inner, length)
+        return _element(shapes, start, step, inner, length)
     within = shapes.span(inner, length)
     if within is None or size is None:
         refuse("a part of a part of an array whose bounds change")
@@ -84,7 +84,7 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
 
 
 def _product(step: Step, other: Step) -> Step | None:
-    """The step of a part of a part; None where one runs backwards and the other is no written number."""
+    """The step of a part of a part; None where one runs backwards and the other is no constant."""
     if isinstance(step, int) and isinstance(other, int):
         return step * other
     if any(isinstance(s, int) and s < 0 for s in (step, other)):
@@ -93,7 +93,7 @@ def _product(step: Step, other: Step) -> Step | None:
                 BinOp(step_expression(step), Mult(), step_expression(other)))
 
 
-def _cell(shapes: Shapes, start: Affine, step: Step, inner: AST, length: Affine) -> AST:
+def _element(shapes: Shapes, start: Affine, step: Step, inner: AST, length: Affine) -> AST:
     """The position of one element of a slice."""
     number = whole_number(inner)
     if number is not None:
@@ -106,7 +106,7 @@ def _cell(shapes: Shapes, start: Affine, step: Step, inner: AST, length: Affine)
 
 
 def add_to(node: AST, shapes: Shapes, offset: Affine) -> AST:
-    """`node + offset`, with written numbers added up."""
+    """`node + offset`, with constants folded."""
     form = shapes.size(node)
     if offset.terms or form is None or not isinstance(node, (BinOp, Name)):
         return copy(node) if offset == Affine() else BinOp(shapes.expression(offset), Add(), copy(node))

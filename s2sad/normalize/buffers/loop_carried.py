@@ -1,7 +1,7 @@
-"""loop_carried: a name that a loop binds to one array after another stands for one buffer, which is filled.
+"""loop_carried: each loop-carried array has one buffer; a rebinding of its name becomes a copy into it.
 
-Used by `views`. Requires structured form and types; establishes that a name stands for one array wherever turns of a
-loop meet.
+Used by `resolve_views`. Requires structured form and types; establishes that a name is bound to one array wherever
+iterations join.
 
     v = u                           v_1 = np.empty_like(u)
     for s in range(n):              v_1[...] = u
@@ -11,8 +11,9 @@ loop meet.
                                         assert v_1.shape == out.shape
                                         v_1[...] = out
 
-A name's own array is its buffer where no other name stands for it, and is filled where it is bound if its old content
-is not used any more. NumPy binds names and copies nothing: where a store would tell (`aliases`), it is refused.
+A name's own array is its buffer where no other name is bound to it, and is filled where the name is bound if its old
+content is not used any more. NumPy binds names and copies nothing: a store after which a copy would differ is refused
+(`may_alias`).
 """
 from __future__ import annotations
 
@@ -26,92 +27,92 @@ from s2sad.normalize.buffers.allocations import ALLOCATING, dtype_of
 from s2sad.normalize.buffers.joins import Joins, merged
 from s2sad.evaluate.completion import FALL, endless, completion
 from s2sad.normalize.shape_guards import forwards, inside
-from s2sad.normalize.buffers.access_paths import AMBIGUOUS, View
+from s2sad.normalize.buffers.access_paths import AMBIGUOUS, AccessPath
 from s2sad.normalize.single_assignment import breaks
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, BinOp, Break, Call, For, If, Name, Subscript, While, assign, at, call, call_name,
     const, copy, dump, index, name, names, stored_names, walk, walk_statements,
 )
 
-Tail = dict[str, str]                   # the buffers of a loop, by the names that stand for them
+Tail = dict[str, str]                   # the buffers of a loop, by their names
 CHANGES = "'{}' may change its size from one iteration to the next"
 
 
 class LoopCarried(Joins):
-    """What names stand for in and after loops."""
-    unset: set[str]                     # names of arrays that are bound before they are read, as the flags tell
+    """The access paths of names in and after loops."""
+    unset: set[str]                     # names of arrays whose flags say that they are bound before they are read
     late: dict[str, Shape | None]       # buffers of such names in the loops here, and their shapes
     bound_at: dict[str, AST]            # the statement that has last bound a name of an array
     writes: Callable[[Call], Sequence[int]]
-    altered: set[str]                   # names whose arrays the loop here writes in place
-    left: list[dict[str, View]]         # what names stand for at the breaks of the loop here
+    stored_in_loop: set[str]            # names whose arrays the loop here stores into
+    at_breaks: list[dict[str, AccessPath]]  # the access paths of names at the breaks of the loop here
 
     def buffer(self, identifier: str, place: AST, origin: AST, near: set[str]) -> tuple[str, list[AST]]:
-        """The array that a name stands for from here on, and the statements that make it; `near` are the names that are
-        used later."""
-        base, subscripts = self.seen[identifier]
-        if not subscripts and base in self.home and not self.held(base, near - {identifier}, self.seen):
+        """The buffer of a name from here on, and the statements that make it; `near` are the names used later."""
+        base, subscripts = self.paths[identifier]
+        if not subscripts and base in self.depths and not self.is_referenced(base, near - {identifier}, self.paths):
             return base, []
         made = self.version(identifier)
         kind = self.types[identifier]
         value = index(name(base), *map(copy, subscripts)) if subscripts else name(base)
         statements = self.allocations.allocate(made, array(kind.dtype, kind.rank), value, origin)
-        self.home[made] = self.depth
+        self.depths[made] = self.depth
         self.typing.declare(made, kind)
         self.aliases.copied(base, made, True)
         return made, statements
 
     def fills_buffer(self, identifier: str, value: AST, statement: AST) -> bool:
-        """Whether what a name is bound to may go straight into the buffer that it stands for: nothing that is used
-        later stands for what was there, the size is known to be the same, and no store could take the new array for
+        """Whether what a name is bound to may go straight into its buffer: no name that is used later is bound to what
+        was there, the size is known to be the same, and no store could take the new array for
         one that the buffer may have been before."""
         buffer = self.buffers.get(identifier)
-        if buffer is None or self.seen.get(identifier) != (buffer, ()) or call_name(value) in ALLOCATING:
+        if buffer is None or self.paths.get(identifier) != (buffer, ()) or call_name(value) in ALLOCATING:
             return False
-        if identifier in self.altered and self.aliases.is_shared(buffer):
+        if identifier in self.stored_in_loop and self.aliases.is_shared(buffer):
             return False
-        near = self.references.after[id(statement)] - {identifier}
+        near = self.uses.after[id(statement)] - {identifier}
         shapes = self.shapes.of(name(buffer)), self.shapes.of(value)
-        return all(map(self.shapes.same, *shapes)) and not self.held(buffer, near, self.seen)
+        return all(map(self.shapes.same, *shapes)) and not self.is_referenced(buffer, near, self.paths)
 
     # -- loops -------------------------------------------------------------------------------------------------------
 
     def loop(self, statement: For | While) -> list[AST]:
-        head, after = self.references.head[id(statement)], self.references.after[id(statement)]
+        head, after = self.uses.head[id(statement)], self.uses.after[id(statement)]
         inside = [t.id for s in walk_statements(statement.body) if isinstance(s, Assign) for t in s.targets
                   if isinstance(t, Name) and t.id in self.types and self.types[t.id].is_array]
         bounds = self.resolve(statement.iter) if isinstance(statement, For) else None
-        before, start = dict(self.seen), []
+        before, start = dict(self.paths), []
         test = set(names(statement.test)) if isinstance(statement, While) else set()
         buffers: Tail = {}
         for n in dict.fromkeys(inside):
-            if self.seen.get(n, AMBIGUOUS) != AMBIGUOUS and n in head | after | test:
+            if self.paths.get(n, AMBIGUOUS) != AMBIGUOUS and n in head | after | test:
                 buffers[n], made = self.buffer(n, statement, statement, head | after | test)
                 start += made
-        self.aliases.begin(buffers.values(), {*self.home, *self.parameters}, stored_names(statement))
-        self.seen = {n: AMBIGUOUS if n in inside else v for n, v in self.seen.items()}
-        self.seen |= {n: (b, ()) for n, b in buffers.items()}
+        self.aliases.begin_loop(buffers.values(), {*self.depths, *self.parameters}, stored_names(statement))
+        self.paths = {n: AMBIGUOUS if n in inside else v for n, v in self.paths.items()}
+        self.paths |= {n: (b, ()) for n, b in buffers.items()}
         outer_buffers, self.buffers = self.buffers, buffers
-        outer_altered, self.altered = self.altered, self.stored_into(statement)
+        outer_altered, self.stored_in_loop = self.stored_in_loop, self.stored_into(statement)
         late = {n: self.version(n) for n in dict.fromkeys(inside) if n in self.unset & after}
         outer, self.late = self.late, dict.fromkeys(late.values())
-        outer_left, self.left = self.left, []
+        outer_left, self.at_breaks = self.at_breaks, []
         self.depth += 1
-        new = self.turn(statement, bounds, buffers | late)
+        new = self.loop_statement(statement, bounds, buffers | late)
         self.depth -= 1
-        start += self.started(late, statement)
-        self.late, self.buffers, self.altered = outer, outer_buffers, outer_altered
-        self.seen, self.left = _agreed([*self.left, *([] if endless(statement) else [self.seen])]), outer_left
-        self.aliases.end()
-        lost = set(buffers.values())    # filled again since another name came to stand for them
+        start += self.late_allocations(late, statement)
+        self.late, self.buffers, self.stored_in_loop = outer, outer_buffers, outer_altered
+        self.paths = _agreed([*self.at_breaks, *([] if endless(statement) else [self.paths])])
+        self.at_breaks = outer_left
+        self.aliases.end_loop()
+        lost = set(buffers.values())    # filled again since another name was bound to them
         counter = statement.target.id if isinstance(statement, For) else ""     # has no value after its loop
-        self.seen = {n: v if (n not in inside or n not in before and v[0] not in lost) and counter not in names(
-            list(v[1])) else AMBIGUOUS for n, v in self.seen.items()}
-        self.seen |= {n: (b, ()) for n, b in [*buffers.items(), *late.items()]}
+        self.paths = {n: v if (n not in inside or n not in before and v[0] not in lost) and counter not in names(
+            list(v[1])) else AMBIGUOUS for n, v in self.paths.items()}
+        self.paths |= {n: (b, ()) for n, b in [*buffers.items(), *late.items()]}
         return [*start, new]
 
     def stored_into(self, loop: AST) -> set[str]:
-        """The names whose arrays a loop writes, as far as its text shows it: in stores, in calls, through views."""
+        """The names whose arrays a loop stores into, as far as its text shows: in stores, in calls, through views."""
         found: set[str] = set()
         for node in walk(loop):
             if isinstance(node, AugAssign):
@@ -128,24 +129,24 @@ class LoopCarried(Joins):
                 return found
             found |= grown
 
-    def started(self, late: Tail, origin: AST) -> list[AST]:
+    def late_allocations(self, late: Tail, origin: AST) -> list[AST]:
         """The allocations of arrays that a loop may bind, and that are used after it, in the sizes that they have."""
         made: list[AST] = []
         for n, buffer in list(late.items()):
             shape = self.late[buffer]
             if shape is None:
                 del late[n]
-            elif all(d is not None and self.is_older(d) for d in shape):
+            elif all(d is not None and self.is_loop_invariant(d) for d in shape):
                 sizes = shape_expression(self.shapes, shape)
                 self.shapes.allocated(buffer, shape)
-                self.home[buffer] = self.depth
+                self.depths[buffer] = self.depth
                 made.append(assign(buffer, call("numpy.empty", sizes, *dtype_of(self.typing.table[buffer]))))
             else:
                 self.report.error("S201", "an array of a size that a loop makes is returned from inside it",
                                   self.bound_at.get(n, origin), help="bind it to a name, break, and return it after")
         return made
 
-    def turn(self, statement: For | While, bounds: AST | None, buffers: Tail) -> AST:
+    def loop_statement(self, statement: For | While, bounds: AST | None, buffers: Tail) -> AST:
         """The loop itself."""
         if isinstance(statement, While):
             self.testing = True
@@ -163,24 +164,24 @@ class LoopCarried(Joins):
         new: list[AST] = []
         known = dict(self.shapes.equal)
         for position, statement in enumerate(block):
-            outer, self.before = self.before, []
+            outer, self.preceding = self.preceding, []
             self.shapes.serial += 1
             last = tail is not None and position == len(block) - 1
             if isinstance(statement, Break):
-                self.left.append(dict(self.seen))
-                made = [*self.filled(tail or {}, statement), statement]
+                self.at_breaks.append(dict(self.paths))
+                made = [*self.fill_buffers(tail or {}, statement), statement]
             elif last and isinstance(statement, If) and breaks(statement):
-                made, tail = [self.parting(statement, tail or {})], None
+                made, tail = [self.exit_branch(statement, tail or {})], None
             else:
                 made = self.statement(statement)
-            new += [at(s, statement) for s in [*self.before, *self.required(statement), *made]]
-            self.before = outer
+            new += [at(s, statement) for s in [*self.preceding, *self.required(statement), *made]]
+            self.preceding = outer
             tail = None if isinstance(statement, Break) else tail
         if tail:
-            outer, self.before = self.before, []
-            made = self.filled(tail, block[-1])
-            new += [at(s, block[-1]) for s in [*self.before, *self.required(block[-1]), *made]]
-            self.before = outer
+            outer, self.preceding = self.preceding, []
+            made = self.fill_buffers(tail, block[-1])
+            new += [at(s, block[-1]) for s in [*self.preceding, *self.required(block[-1]), *made]]
+            self.preceding = outer
         self.ended, self.shapes.equal = self.shapes.equal, known
         return new
 
@@ -193,28 +194,28 @@ class LoopCarried(Joins):
                   *(inside(self.shapes.expression(form), text) for form in needed)]
         return list({dump(g): g for g in guards}.values())
 
-    def parting(self, statement: If, tail: Tail) -> If:
+    def exit_branch(self, statement: If, tail: Tail) -> If:
         """The branch at the end of a loop's body of which a side leaves the loop."""
-        test, before = self.resolve(statement.test), dict(self.seen)
+        test, before = self.resolve(statement.test), dict(self.paths)
         body = self.block(statement.body, tail) if statement.body else []
-        first, self.seen = self.seen, dict(before)
+        first, self.paths = self.paths, dict(before)
         orelse = self.block(statement.orelse, tail) if statement.orelse else self.block([], None)
         if tail and not statement.orelse:
-            self.seen = before
-            orelse = [at(s, statement) for s in self.filled(tail, statement)]
+            self.paths = before
+            orelse = [at(s, statement) for s in self.fill_buffers(tail, statement)]
         stays = [FALL in completion(arm) for arm in (statement.body, statement.orelse)]
-        self.seen = merged(first, self.seen, True) if all(stays) else first if stays[0] else self.seen
+        self.paths = merged(first, self.paths, True) if all(stays) else first if stays[0] else self.paths
         return If(test, body, orelse)
 
-    def filled(self, buffers: Tail, origin: AST) -> list[AST]:
-        """The buffers take what their names stand for, all at once."""
-        moves: list[tuple[str, str, View]] = []
+    def fill_buffers(self, buffers: Tail, origin: AST) -> list[AST]:
+        """The buffers take the content of their names, all at once."""
+        moves: list[tuple[str, str, AccessPath]] = []
         for n, made in buffers.items():
-            if made in self.late and n not in self.seen:
+            if made in self.late and n not in self.paths:
                 continue
-            view = self.seen.get(n, AMBIGUOUS)
+            view = self.paths.get(n, AMBIGUOUS)
             if view == AMBIGUOUS:
-                self.viewed(at(name(n), self.bound_at.get(n, origin)))
+                self.access_path(at(name(n), self.bound_at.get(n, origin)))
                 continue
             self.aliases.moved(made, view[0])
             if made in self.late and self.late[made] is None:
@@ -224,10 +225,10 @@ class LoopCarried(Joins):
                 self.shapes.allocated(made, shape)
             if view != (made, ()):
                 moves.append((n, made, view))
-        self.aliases.meet()
-        return self.moved(moves, origin)
+        self.aliases.end_iteration()
+        return self.parallel_copies(moves, origin)
 
-    def moved(self, moves: list[tuple[str, str, View]], origin: AST) -> list[AST]:
+    def parallel_copies(self, moves: list[tuple[str, str, AccessPath]], origin: AST) -> list[AST]:
         made: list[AST] = []
         while moves:
             ready = next((m for m in moves if all(other is m or other[2][0] != m[1] for other in moves)), None)
@@ -236,44 +237,44 @@ class LoopCarried(Joins):
                 kind = array(self.types[n].dtype, self.types[n].rank)
                 held = self.typing.declare(self.free.fresh(f"{n}_before"), kind)
                 made += self.allocations.allocate(held, self.typing.table[held], name(buffer), origin)
-                self.home[held] = self.depth
+                self.depths[held] = self.depth
                 moves = [(m, b, (held, v[1]) if v[0] == buffer else v) for m, b, v in moves]
                 continue
             moves.remove(ready)
             made += self.fill(*ready, origin)
         return made
 
-    def fill(self, identifier: str, buffer: str, view: View, origin: AST) -> list[AST]:
+    def fill(self, identifier: str, buffer: str, view: AccessPath, origin: AST) -> list[AST]:
         place = index(name(buffer), const(...))
         value = index(name(view[0]), *map(copy, view[1])) if view[1] else name(view[0])
-        if not all(map(self.may_last, self.shapes.of(name(buffer)), self.shapes.of(value))):
+        if not all(map(self.may_be_equal, self.shapes.of(name(buffer)), self.shapes.of(value))):
             self.report.error("S201", CHANGES.format(self.free.said(identifier)),
                               self.bound_at.get(identifier, origin),
                               help="give arrays of different sizes different names, or copy into one: x[...] = ...")
             return []
-        checks = self.checks(place, value)
+        checks = self.shape_guards(place, value)
         said = const(CHANGES.format(self.free.said(identifier)))
         checks = [Assert(c.test, said) if isinstance(c, Assert) else c for c in checks]
-        value = self.apart(place, value, checks, origin)
+        value = self.materialized(place, value, checks, origin)
         return [*checks, assign(place, value)]
 
-    def may_last(self, filled: Affine | None, size: Affine | None) -> bool:
-        """Whether the size that an array has at the end of a turn may be the one that it had before: it is known to be,
+    def may_be_equal(self, filled: Affine | None, size: Affine | None) -> bool:
+        """Whether the size of an array at the end of an iteration may be the one that it had before: it is known to be,
         or nothing that it is made of changes in the loop."""
         if filled is None or size is None or size == ONE != filled:
             return False
         apart = self.shapes.reduced(size).plus(self.shapes.reduced(filled), -1)
         if not apart.terms:
             return apart.constant == 0
-        return self.is_older(size)
+        return self.is_loop_invariant(size)
 
-    def is_older(self, size: Affine) -> bool:
+    def is_loop_invariant(self, size: Affine) -> bool:
         """Whether a size is made of what is from before the loop."""
-        return all(self.aliases.is_older(n, self.typing.table[n].is_array)
+        return all(self.aliases.is_loop_invariant(n, self.typing.table[n].is_array)
                    for symbol, _ in self.shapes.reduced(size).terms for n in names(self.shapes.atoms[symbol]))
 
 
-def _agreed(ends: list[dict[str, View]]) -> dict[str, View]:
-    """What names stand for behind a loop: what they do wherever it may end, of those places where they are bound."""
-    return {n: view if all(repr(seen.get(n, view)) == repr(view) for seen in ends) else AMBIGUOUS
+def _agreed(ends: list[dict[str, AccessPath]]) -> dict[str, AccessPath]:
+    """The access paths of names behind a loop: those that they have at all of its exits at which they are bound."""
+    return {n: view if all(repr(paths.get(n, view)) == repr(view) for paths in ends) else AMBIGUOUS
             for end in ends for n, view in end.items()}

@@ -15,8 +15,8 @@ from s2sad.tree import AST, AugAssign, Break, For, FunctionDef, If, Name, While,
 
 @dataclass
 class _Loop:
-    """A loop that is being read: its buffers, the arrays from before it, the names that it binds, and the moves where a
-    turn of it ends."""
+    """A loop that is being read: its buffers, the arrays from before it, the names that it binds, and the moves at
+    the end of an iteration."""
     buffers: frozenset[str]
     known: frozenset[str]
     bound: frozenset[str]
@@ -43,29 +43,29 @@ class Aliases:
         """Whether a buffer may, so far, be the same array as another one."""
         return any(a == buffer for a, _ in self._pairs)
 
-    def begin(self, buffers: Iterable[str], known: Iterable[str], bound: Iterable[str]) -> None:
+    def begin_loop(self, buffers: Iterable[str], known: Iterable[str], bound: Iterable[str]) -> None:
         self._loops.append(_Loop(frozenset(buffers), frozenset(known), frozenset(bound)))
 
-    def is_older(self, identifier: str, is_array: bool) -> bool:
+    def is_loop_invariant(self, identifier: str, is_array: bool) -> bool:
         """Whether an array, or a number, is from before the loop."""
         loop = self._loops[-1]
         return identifier in loop.known | loop.buffers if is_array else identifier not in loop.bound
 
-    def returns(self, base: str, older: Iterable[str]) -> bool:
+    def may_be_stored_again(self, base: str, older: Iterable[str]) -> bool:
         """Whether an array from before a branch may be stored into again after it, under its own name: not one that
-        every turn of the loop here makes anew."""
+        every iteration of the loop here allocates."""
         loop = self._loops[-1] if self._loops else None
         return base in older and (loop is None or base in loop.known | loop.buffers)
 
-    def end(self) -> None:
+    def end_loop(self) -> None:
         self._loops.pop()
 
     def moved(self, buffer: str, base: str) -> None:
-        """At the end of a turn the buffer is filled from an array."""
+        """At the end of an iteration the buffer is filled from an array."""
         self._loops[-1].moves.append((buffer, base))
 
-    def meet(self) -> None:
-        """The turn ends: buffers that take one array share it, what is older than the loop stays what it is."""
+    def end_iteration(self) -> None:
+        """The iteration ends: buffers that take one array share it, what is older than the loop stays what it is."""
         loop = self._loops[-1]
         for place, (buffer, base) in enumerate(loop.moves):
             self.copied(base, buffer, base in loop.known - loop.buffers)
@@ -86,7 +86,7 @@ class Aliases:
         self._stores.append((base, statement, frozenset(near)))
 
     def check(self, report: Report) -> bool:
-        """Reports the stores that would tell a buffer from NumPy's array; whether there are any."""
+        """Refuses the stores after which a buffer would differ from NumPy's array; whether there are any."""
         pairs, found = self._closed(), False
         for base, statement, near in self._stores:
             if any(a == base and (b in self.visible or b in near) for a, b in pairs):
@@ -109,7 +109,8 @@ class Aliases:
 
 
 class UpcomingUses:
-    """The table: `after[id(statement)]` and, for loops, `head[id(loop)]`, the names used from where the body begins."""
+    """The names used after a statement before they are bound anew, `after[id(statement)]`, and from where the body of a
+    loop begins, `head[id(loop)]`."""
 
     def __init__(self, function: FunctionDef):
         self.after: dict[int, set[str]] = {}

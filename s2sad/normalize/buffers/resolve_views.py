@@ -1,8 +1,8 @@
 """resolve_views: every array reference names its base array and all of its subscripts.
 
 Requires structured form and types; establishes that an array name is bound once on each path, by an allocation, and
-that no name stands for a part of another array. What a view's index was when it was bound is frozen. Names of tuples go
-too.
+that no name is bound to a part of another array. What a view's index was when it was bound is frozen. Names of tuples
+go too.
 
     def f(x, y, i: int):                def f(x, y, i):
         row = x[i, 1:-1]                    y[...] = 0.0
@@ -26,33 +26,33 @@ from s2sad.infer.call_types import stored_into
 from s2sad.normalize.buffers.may_alias import Aliases
 from s2sad.normalize.buffers.store_hazards import overlaps
 from s2sad.normalize.buffers.loop_carried import LoopCarried
-from s2sad.normalize.buffers.access_paths import AMBIGUOUS, View, is_whole_place
+from s2sad.normalize.buffers.access_paths import AMBIGUOUS, AccessPath, is_whole_place
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.shape_guards import equal, of_one_size
 from s2sad.normalize.loops.reduction_loops import is_reduction
 from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Expr, For, FunctionDef, If, Name, Return, Slice, Store,
-    Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, index, indices, is_unset, name,
-    rebuild, tuple_of, walk, walk_statements, with_body,
+    Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, index, indices, is_unset, name, rebuild,
+    tuple_of, walk, walk_statements, with_body,
 )
 
 Writes = Callable[[Call], Sequence[int]]
 
 
 def resolve_views(function: FunctionDef, context: NormalContext) -> FunctionDef:
-    """The function with views resolved; what cannot be resolved goes into the report."""
+    """The function with views resolved; refuses what cannot be."""
     typing, free, report = context.typing, context.names, context.report
     bound = [p.id for p in function.args.args]
     bound += [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
     shapes = Shapes(typing, single_values(function))
     pass_ = _ResolveViews(typing.table, typing, free, report, bound, shapes)
-    pass_.seen = {p.id: (p.id, ()) for p in function.args.args if typing.table[p.id].is_array}
-    pass_.parameters = set(pass_.seen)
+    pass_.paths = {p.id: (p.id, ()) for p in function.args.args if typing.table[p.id].is_array}
+    pass_.parameters = set(pass_.paths)
     pass_.loops, pass_.writes, pass_.lists = context.in_loops, context.written, context.lists
-    pass_.bound_at, pass_.unset, pass_.late, pass_.buffers, pass_.altered = {}, set(), {}, {}, set()
-    pass_.left = []
-    pass_.references, pass_.aliases = UpcomingUses(function), Aliases(pass_.parameters)
+    pass_.bound_at, pass_.unset, pass_.late, pass_.buffers, pass_.stored_in_loop = {}, set(), {}, {}, set()
+    pass_.at_breaks = []
+    pass_.uses, pass_.aliases = UpcomingUses(function), Aliases(pass_.parameters)
     new = with_body(function, function.body)
     lengths = [equal(index(attribute(name(p.id), "shape"), const(k)), const(1))
                for p in function.args.args for k in typing.ones.get(p.id, ())]
@@ -99,14 +99,14 @@ class _ResolveViews(LoopCarried):
             return [] if kind.is_array else [assign(target, const(value.value))]
         if kind.kind == "tuple" and call_name(value) is None:
             self.tuples[target.id] = self.resolve(value)
-            self.stays(self.tuples[target.id], statement)
+            self.refuse_changing_tuple(self.tuples[target.id], statement)
             return []
         if not kind.is_array:
             return [assign(target, self.number(target.id, self.called(value, statement)))]
         self.bound_at[target.id] = statement
         return self.bind_array(target.id, value, statement)
 
-    def stays(self, value: AST, statement: Assign) -> None:
+    def refuse_changing_tuple(self, value: AST, statement: Assign) -> None:
         """Refuses a tuple that is read later, when what it is made of may be something else."""
         parts = [n for n in walk(value) if isinstance(n, Subscript) and not isinstance(n.value, Attribute)]
         numbers = {n.id for n in walk(value) if isinstance(n, Name) and not self.typing.of(n).is_array}
@@ -116,26 +116,26 @@ class _ResolveViews(LoopCarried):
                               statement, help="give each of them a name, or make it an array: np.array([...])")
 
     def number(self, identifier: str, value: AST) -> AST:
-        """What a number is bound to; in a size it stands for what is resolved, as names of arrays change."""
+        """What a number is bound to; sizes are known over the resolved value, as names of arrays change."""
         if self.shapes.values.get(identifier) is not None:
             self.shapes.values = {**self.shapes.values, identifier: value}
         return value
 
     def called(self, value: AST, statement: AST) -> AST:
-        """The value resolved; the arrays that a call writes are noted."""
+        """The value resolved; notes the arrays that a call stores into."""
         if isinstance(value, Call) and (call_name(value) or "").startswith("user."):
             for position in self.writes(value):
-                self.stored((self.viewed(value.args[position]) or AMBIGUOUS)[0], statement)
+                self.note_store((self.access_path(value.args[position]) or AMBIGUOUS)[0], statement)
         return self.resolve(value)
 
-    def stored(self, base: str, statement: AST) -> None:
-        near = self.references.after.get(id(statement), set())
-        self.aliases.stored(base, statement, {self.seen[n][0] for n in near if n in self.seen})
+    def note_store(self, base: str, statement: AST) -> None:
+        near = self.uses.after.get(id(statement), set())
+        self.aliases.stored(base, statement, {self.paths[n][0] for n in near if n in self.paths})
 
     def bind_array(self, target: str, value: AST, statement: AST) -> list[AST]:
-        if isinstance(value, (Name, Subscript)) and not self.picks(value) and self.viewed(value):
-            base, prefix = self.viewed(value) or AMBIGUOUS
-            self.seen[target] = (base, tuple(self.frozen(s, f"{target}_at") for s in prefix))
+        if isinstance(value, (Name, Subscript)) and not self.picks(value) and self.access_path(value):
+            base, prefix = self.access_path(value) or AMBIGUOUS
+            self.paths[target] = (base, tuple(self.frozen(s, f"{target}_at") for s in prefix))
             return []
         if isinstance(value, Attribute) or isinstance(value, Name):
             self.report.error("S201", f"'{target}' would be a view that is not supported", statement,
@@ -144,13 +144,13 @@ class _ResolveViews(LoopCarried):
         value = self.resolve(value)
         if self.fills_buffer(target, value, statement):
             place = index(name(self.buffers[target]), const(...))
-            checks = self.checks(place, value)
-            value = self.apart(place, value, checks, statement)
+            checks = self.shape_guards(place, value)
+            value = self.materialized(place, value, checks, statement)
             return [*checks, assign(place, value)]
         new = self.version(target)
         made = self.allocations.allocate(new, self.types[target], value, statement)
-        self.seen[target] = (new, ())
-        self.home[new] = self.depth
+        self.paths[target] = (new, ())
+        self.depths[new] = self.depth
         self.typing.declare(new, self.types[target])
         return made
 
@@ -172,52 +172,52 @@ class _ResolveViews(LoopCarried):
                                      lambda place: augment(place, statement.op, statement.value))
         if isinstance(target, Name) and not self.typing.of(target).is_array:
             return [augment(target, statement.op, self.resolve(statement.value))]
-        place = self.place(target)
-        self.stored(base_name(place), statement)
+        place = self.store_target(target)
+        self.note_store(base_name(place), statement)
         value = self.resolve(statement.value)
-        checks = self.checks(place, value) if self.is_region(place) else []
-        value = self.apart(place, value, checks, statement)
+        checks = self.shape_guards(place, value) if self.is_region(place) else []
+        value = self.materialized(place, value, checks, statement)
         if type(statement.op).__name__ in ("Add", "Sub"):
             return [*checks, augment(place, statement.op, value)]
         return [*checks, assign(place, BinOp(self.load(place), statement.op, value))]
 
-    def picked_part(self, target: AST) -> View | None:
+    def picked_part(self, target: AST) -> AccessPath | None:
         """What a target's array is a part of, where arrays pick elements of that part."""
         if not isinstance(target, Subscript) or not self.picks(target):
             return None
-        view = self.viewed(target.value)
+        view = self.access_path(target.value)
         return view if view is not None and self.picks_from_part(target, view) else None
 
-    def through_copy(self, target: Subscript, part: View, origin: AST, stored: Callable[[AST], AST]) -> list[AST]:
+    def through_copy(self, target: Subscript, part: AccessPath, origin: AST, stored: Callable[[AST], AST]) -> list[AST]:
         """A store to elements that are picked from a part of an array: to a copy of the part, which is put back."""
-        held = self.copied(target.value)
+        held = self.copied_part(target.value)
         made = self.statement(stored(index(name(held), *indices(target))))
         return [*made, *self.store(index(index(name(part[0]), *part[1]), const(...)), name(held), origin)]
 
     def store(self, target: Subscript, value: AST, statement: AST) -> list[AST]:
         if (view := self.picked_part(target)) is not None:
             return self.through_copy(target, view, statement, lambda place: assign(place, value))
-        place, new = self.place(target), self.resolve(value)
-        self.stored(base_name(place), statement)
+        place, new = self.store_target(target), self.resolve(value)
+        self.note_store(base_name(place), statement)
         listed = self.is_region(place) and stored_into(target, self.lists)
         if listed:
-            self.is_row(place, new, statement)
-        checks = self.checks(place, new) if self.is_region(place) else []
+            self.refuse_repeated_row(place, new, statement)
+        checks = self.shape_guards(place, new) if self.is_region(place) else []
         checks = list(map(of_one_size, checks)) if listed else checks
-        new = self.apart(place, new, checks, target)
+        new = self.materialized(place, new, checks, target)
         return [*checks, assign(place, new)]
 
-    def is_row(self, place: Subscript, value: AST, statement: AST) -> None:
+    def refuse_repeated_row(self, place: Subscript, value: AST, statement: AST) -> None:
         """Refuses what would be repeated in a row of the array in place of a list: the list holds it as it is."""
         row, made = self.shapes.of(self.load(place)), self.shapes.of(value)
         if len(row) != len(made) or any(m == ONE and not self.shapes.same(r, m) for r, m in zip(row, made)):
             self.report.error("S201", "an array of another size than the others is put into a list", statement,
                               help="give arrays of different sizes different names")
 
-    def apart(self, place: Subscript, value: AST, before: list[AST], origin: AST) -> AST:
+    def materialized(self, place: Subscript, value: AST, before: list[AST], origin: AST) -> AST:
         """The value, under a name of its own where the place cannot hold it while it is made: a loop would read what
         it has filled, or a function's derivative or loop needs its result as it is."""
-        if not self.made_first(place, value):
+        if not self.must_materialize(place, value):
             return value
         kind = self.typing.of(value)
         held = self.typing.declare(self.free.fresh(f"{base_name(place)}_next"), kind)
@@ -225,11 +225,11 @@ class _ResolveViews(LoopCarried):
             self.shapes.values = {**self.shapes.values, held: None}
             before.append(assign(held, value))
             return name(held)
-        value = self.unmasked(value, before, origin)
+        value = self.materialized_masks(value, before, origin)
         before += self.allocations.allocate(held, array(kind.dtype, kind.rank), value, origin)
         return name(held)
 
-    def unmasked(self, value: AST, before: list[AST], origin: AST) -> AST:
+    def materialized_masks(self, value: AST, before: list[AST], origin: AST) -> AST:
         """The value with names for what masks pick: only the statement that fills what a mask picks walks the mask."""
         def change(n: AST) -> AST | None:
             if not isinstance(n, Subscript) or not any(
@@ -242,7 +242,7 @@ class _ResolveViews(LoopCarried):
             return name(held)
         return rebuild(value, change)
 
-    def made_first(self, place: Subscript, value: AST) -> bool:
+    def must_materialize(self, place: Subscript, value: AST) -> bool:
         """Whether a value must be there before the place is filled with it."""
         if not self.is_region(place):
             return rules.find_array(call_name(value)) is not None and base_name(place) in read_names(value)

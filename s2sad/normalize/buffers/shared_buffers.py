@@ -70,7 +70,7 @@ class _SwapContents:
 
     def is_plain(self, swap: Swap) -> bool:
         """Whether two arrays of the function's own are swapped, which no other name that is used later shares."""
-        pair, holders = set(swap.given), {n for s in swap.statements for n in stored_names(s)}
+        pair, holders = set(swap.origins), {n for s in swap.statements for n in stored_names(s)}
         kinds = [self.typing.of(name(n)) for n in sorted(pair)]
         after = self.contents.uses.after[id(swap.statements[-1])]
         swapping = {id(s) for s in self.swapping(pair)}
@@ -88,13 +88,13 @@ class _SwapContents:
         blocks = [self.function.body, *(b for s in walk_statements(self.function.body)
                                         if isinstance(s, (If, For, While))
                                         for b in (s.body, s.orelse))]
-        return [s for b in blocks for swap in swaps_of(b, self.typing) if set(swap.given) == pair
+        return [s for b in blocks for swap in swaps_of(b, self.typing) if set(swap.origins) == pair
                 for s in swap.statements]
 
     def stores(self, swap: Swap) -> list[AST]:
         self.changed = True
-        a, b = sorted(swap.given)
-        holder = next(n for s in swap.statements for n in stored_names(s) if n not in swap.given)
+        a, b = sorted(swap.origins)
+        holder = next(n for s in swap.statements for n in stored_names(s) if n not in swap.origins)
         whole = const(...)
         made = [Assert(compare(attribute(name(a), "shape"), Eq(), attribute(name(b), "shape")), const(EXCHANGED)),
                 assign(holder, call("numpy.copy", name(a))), assign(index(name(a), whole), name(b)),
@@ -102,7 +102,7 @@ class _SwapContents:
         return [at(s, swap.statements[0]) for s in made]
 
 
-_MOST = 120         # statements that are written once more, in one function
+_MOST = 120         # statements that are duplicated in one function
 
 
 def tail_duplication(function: FunctionDef, context: NormalContext) -> FunctionDef:
@@ -182,8 +182,8 @@ class _TailDuplication:
         if any(isinstance(s, If) and breaks(s) or isinstance(s, Break) for s in block[start:end]):
             end = len(block)
         together, moved = self.contents.component(chosen), block[start:end]
-        written = {n for s in walk(moved) for n in self.contents.stored_arrays(s)}
-        return end if written & together and _length(moved) <= self.left else None
+        stored = {n for s in walk(moved) for n in self.contents.stored_arrays(s)}
+        return end if stored & together and _length(moved) <= self.left else None
 
     def chosen(self, branch: If) -> set[str]:
         """The names that may be bound to different arrays behind a branch, one of which has a name before it."""

@@ -245,9 +245,9 @@ class IndexIntervals:
         return self.interval(bound[0].value, depth + 1) if once else (None, None)
 
     def store_count(self, identifier: str) -> int:
-        given = any(p.id == identifier for p in self.function.args.args)
-        return given + sum(isinstance(n, Name) and n.id == identifier and isinstance(n.ctx, Store)
-                           for n in walk(self.function.body))
+        parameter = any(p.id == identifier for p in self.function.args.args)
+        return parameter + sum(isinstance(n, Name) and n.id == identifier and isinstance(n.ctx, Store)
+                               for n in walk(self.function.body))
 
     def lower_bound(self, identifier: str) -> int | None:
         """The least value of a name that only loops over ranges with constant starts bind."""

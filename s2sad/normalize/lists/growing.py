@@ -236,8 +236,8 @@ def _as_arrays(tree: FunctionDef) -> set[int]:
     for node in walk(tree.body):
         called = call_name(node) or ""
         if called.startswith("numpy.") or called in _READING or called in MARKS:
-            given = [*node.args, *(k.value for k in node.keywords)]
-            found |= {id(n) for g in given for n in (g.elts if isinstance(g, (Tuple, List)) else [g])}
+            arguments = [*node.args, *(k.value for k in node.keywords)]
+            found |= {id(n) for a in arguments for n in (a.elts if isinstance(a, (Tuple, List)) else [a])}
         elif isinstance(node, For):
             found.add(id(node.iter))
         elif isinstance(node, Subscript):

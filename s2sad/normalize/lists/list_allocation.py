@@ -17,8 +17,8 @@ loop, another array of these sizes; or they follow from what is bound there (`Ro
     rows.append(x[i * m:(i + 1) * m])           (m,)        the same in the first iteration and in the second
     rows.append(x[:i])                          None
 
-A row of other sizes is an error when it is stored. A list holds arrays themselves, not copies: where one is written, it
-is a view or refused (`lists_of_views`).
+A row of other sizes is an error when it is stored. A list holds arrays themselves, not copies: where one is stored
+into, it is a view or refused (`lists_of_views`).
 """
 from __future__ import annotations
 
@@ -262,9 +262,9 @@ class RowShapes:
 class _SliceShapes(Shapes):
     """Shapes where slices are taken to lie inside their arrays."""
 
-    def __init__(self, given: Shapes):
-        super().__init__(given.typing, given.values)
-        self.guarded, self.several, self.counters = given.guarded, given.several, given.counters
+    def __init__(self, shapes: Shapes):
+        super().__init__(shapes.typing, shapes.values)
+        self.guarded, self.several, self.counters = shapes.guarded, shapes.several, shapes.counters
 
     def is_ordered(self, part: Slice) -> bool:
         return True

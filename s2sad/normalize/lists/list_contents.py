@@ -15,7 +15,7 @@ from s2sad.infer.inference import Typing
 from s2sad.liveness import base_name
 from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.normalize.lists.capacity import Appended, own_parts
-from s2sad.normalize.views.view_aliases import shows
+from s2sad.normalize.views.view_aliases import makes_view
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, If, IfExp, List, Name,
     Store, Sub, Subscript, While, call_name, const, index, indices, name, names, rename, stored_names, walk,
@@ -53,7 +53,7 @@ class ListContents:
         """The names whose memory a value may be."""
         if isinstance(value, IfExp):
             return self.sources(value.body) | self.sources(value.orelse)
-        if shows(value):
+        if makes_view(value):
             return self.sources(value.args[0])
         if not isinstance(value, (Name, Subscript, Attribute)) or not self.typing.of(value).is_array:
             return set()
@@ -163,7 +163,7 @@ def stored_into_later(function: FunctionDef, stores: Sequence[AST], typing: Typi
 
 def is_shared(value: AST, typing: Typing) -> bool:
     """Whether a value is an array that another name or list may share."""
-    return (isinstance(value, (Name, Subscript, Attribute)) or shows(value)) and typing.of(value).is_array
+    return (isinstance(value, (Name, Subscript, Attribute)) or makes_view(value)) and typing.of(value).is_array
 
 
 def is_stored_into_later(function: FunctionDef, store: AST, value: AST, stores: Sequence[AST], memory: Memory) -> bool:
@@ -254,7 +254,7 @@ def row_aliases(function: FunctionDef, appended: Appended) -> list[AST]:
     bound = [(s.targets[0].id, s) for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
     spelled = {n for n, s in bound if isinstance(s.value, List) and s.value.elts}
     lists = {n for n, s in bound if isinstance(s.value, List) or call_name(s.value) == LISTED}
-    written = [n for n in nodes if isinstance(n, Subscript) and isinstance(n.ctx, Store)]
+    stored = [n for n in nodes if isinstance(n, Subscript) and isinstance(n.ctx, Store)]
     found = []
     for store, outer, value, several in ((s, *put) for s in nodes for put in _puts(s, appended, spelled)):
         before = [order[id(s)] for n, s in bound if n == value and order[id(s)] < order[id(store)]]
@@ -268,8 +268,8 @@ def row_aliases(function: FunctionDef, appended: Appended) -> list[AST]:
             order[id(store)] < order[id(n)] < ends or id(n) in again)}
         by_others = {n for t, v in bindings(function) if outer in names(v) for n in stored_names(t)} - {outer}
         rows = any(n in by_others or n == outer and isinstance(w.value, Subscript)
-                   for w in written for n in [getattr(_base(w), "id", "")])
-        if later & {id(_base(w)) for w in written} or (later or again or several) and rows:
+                   for w in stored for n in [getattr(_base(w), "id", "")])
+        if later & {id(_base(w)) for w in stored} or (later or again or several) and rows:
             found.append(store)
     return found
 

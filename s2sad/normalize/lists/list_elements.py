@@ -229,7 +229,7 @@ def _allocation_of(block: list[AST], place: int, mentions: Counter[str]) -> int 
 
 
 def unsupported_lists(function: FunctionDef, context: NormalContext) -> None:
-    """Refuses a list, or a part of one, that stands inside an expression, where no pass has given it a name.
+    """Refuses a list, or a part of one, that stands inside an expression, where no pass has bound it to a name.
 
         def f(x):
             ks = [1, 2]

@@ -1,13 +1,13 @@
-"""contiguity: which arrays lie in memory element after element, in C's order, where NumPy reshapes without a copy.
+"""contiguity: which arrays are contiguous, in C's order, so that NumPy reshapes them without a copy.
 
 Requires structured form in which functions of whole arrays stand alone. What NumPy makes keeps the order of what it is
 made from; a parameter lies as the caller has it, which is a guard's to ask.
 
-    f = np.ravel(u)                 assert u.flags.c_contiguous, "an array is reshaped and written ..."
+    f = np.ravel(u)                 assert u.flags.c_contiguous
     f[0] = 1.0                      f = np.ravel(u)
                                     f[0] = 1.0
 
-An order that is asked for, as in `np.copy(u, order="F")`, goes before that; one other than C's is that of a copy.
+An order that is requested, as in `np.copy(u, order="F")`, goes before that; one other than C's is that of a copy.
 """
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ from s2sad.tree import (
 )
 
 Asked = Callable[[Call], Sequence[int]]
-_MADE = {f"numpy.{f}" for f in "zeros empty ones full dot outer eye arange linspace".split()}
-_ALIKE = {f"numpy.{f}" for f in ("zeros_like", "empty_like", "ones_like", "full_like", "copy", "array")}
-_KEEPING = {f"numpy.{f}" for f in ("asarray", "ascontiguousarray", "reshape", "ravel")}
-_TURNING = {f"numpy.{f}" for f in (
+_ALLOCATING = {f"numpy.{f}" for f in "zeros empty ones full dot outer eye arange linspace".split()}
+_LIKE = {f"numpy.{f}" for f in ("zeros_like", "empty_like", "ones_like", "full_like", "copy", "array")}
+_SAME_MEMORY = {f"numpy.{f}" for f in ("asarray", "ascontiguousarray", "reshape", "ravel")}
+_PERMUTING = {f"numpy.{f}" for f in (
     "transpose", "flip", "fliplr", "flipud", "rot90", "squeeze", "swapaxes", "moveaxis", "expand_dims", "atleast_1d",
     "atleast_2d", "broadcast_to", "diagonal", "diag", "split", "array_split", "hsplit", "vsplit", "real", "imag")}
 
 
 class Contiguity:
-    """What the parameters of one function, as it is written, must be for its arrays to lie so; `moved` are names of
-    arrays that stand for others in NumPy, which may lie otherwise: lists' items, a called function's results."""
+    """The parameters of one function that must be contiguous for its arrays to be; `unknown` are names of arrays that
+    are others in NumPy, which may lie otherwise: elements of lists, results of a called function."""
 
-    def __init__(self, function: FunctionDef, typing: Typing, moved: Set[str] = frozenset()):
-        self.typing, self.moved = typing, moved
+    def __init__(self, function: FunctionDef, typing: Typing, unknown: Set[str] = frozenset()):
+        self.typing, self.unknown = typing, unknown
         self.parameters = {p.id for p in function.args.args}
         self.bound: dict[str, list[AST | None]] = {}
         for statement in walk(function.body):
@@ -48,45 +48,47 @@ class Contiguity:
                     self.bound.setdefault(n.id, []).append(statement.value if n is target else None)
         self._known: dict[str, frozenset[str] | None] = {}
 
-    def same(self, identifier: str, other: str) -> None:
+    def rebind(self, identifier: str, other: str) -> None:
         """Another name is bound to what a name is bound to."""
         self.bound[other] = self.bound.get(identifier, [None])
 
     def needs(self, node: AST) -> frozenset[str] | None:
-        """The parameters that must lie so for an array to do; None if it may not even then."""
+        """The parameters that must be contiguous for an array to be; None if it may not be even then."""
         if isinstance(node, Name):
             return self._name(node.id)
         if isinstance(node, Subscript):
-            return self.needs(node.value) if self._leads(node) else self._fresh(node) if self._picks(node) else None
+            if self._is_contiguous_part(node):
+                return self.needs(node.value)
+            return self._fresh(node) if self._picks(node) else None
         called = call_name(node)
         if called is None:
             plain = isinstance(node, (BinOp, UnaryOp))
             return self._elementwise(node) if plain else None
-        if called in _MADE or called in _ALIKE or called in _KEEPING:
+        if called in _ALLOCATING or called in _LIKE or called in _SAME_MEMORY:
             return self._made(called, node)
         if called == "numpy.matmul":    # of stacks, and what einsum becomes, is ordered as the operands are
             return frozenset() if self.typing.of(node).rank < 2 else self._elementwise(node)
-        if called in _TURNING or called.startswith("user."):
+        if called in _PERMUTING or called.startswith("user."):
             return None
         return self._elementwise(node) if rules.find_array(called) is None else self._fresh(node)
 
     def _made(self, called: str, node: Call) -> frozenset[str] | None:
-        """What is made lies in the order that is asked for, and else as NumPy has it, or as what it is made from."""
-        order = asked_order(node)
-        if order == "C" or called == "numpy.ascontiguousarray" or called in _MADE and order == "K":
+        """A new array lies in the order that is requested, else in NumPy's, or in that of what it is made from."""
+        order = requested_order(node)
+        if order == "C" or called == "numpy.ascontiguousarray" or called in _ALLOCATING and order == "K":
             return frozenset()
         inner = node.args[0]
         if order != "K":
             return self._fresh(node)
         if not self.typing.of(inner).is_array or not isinstance(inner, (Name, Subscript, Call, BinOp, UnaryOp)):
             return frozenset()
-        fresh = None if called in _KEEPING else self._fresh(node)
-        return fresh if fresh is not None else self.needs(inner) if called in _KEEPING else self._ordered(inner)
+        fresh = None if called in _SAME_MEMORY else self._fresh(node)
+        return fresh if fresh is not None else self.needs(inner) if called in _SAME_MEMORY else self._ordered(inner)
 
     def _name(self, identifier: str) -> frozenset[str] | None:
         if identifier not in self._known:
             found: frozenset[str] | None = frozenset({identifier} & self.parameters)
-            if identifier in self.moved:
+            if identifier in self.unknown:
                 return self._fresh(name(identifier))
             if not found and identifier not in self.bound:
                 return None
@@ -98,7 +100,7 @@ class Contiguity:
         return self._known[identifier]
 
     def _fresh(self, node: AST) -> frozenset[str] | None:
-        """Of what a function makes anew is known how it lies where it has one axis."""
+        """Of what a function allocates is known that it is contiguous where it has one axis."""
         return frozenset() if self.typing.of(node).rank <= 1 else None
 
     def _elementwise(self, node: AST) -> frozenset[str] | None:
@@ -124,8 +126,8 @@ class Contiguity:
     def _picks(self, node: Subscript) -> bool:
         return any(not isinstance(s, Slice) and self.typing.of(s).is_array for s in indices(node))
 
-    def _leads(self, node: Subscript) -> bool:
-        """Whether a subscript takes what lies together: numbers first, a slice of one axis, then all of the others."""
+    def _is_contiguous_part(self, node: Subscript) -> bool:
+        """Whether a subscript takes a contiguous part: numbers first, a slice of one axis, then all of the others."""
         if self._picks(node):
             return False
         sliced = False
@@ -142,11 +144,11 @@ class Contiguity:
         return True
 
 
-def asked_order(node: Call) -> str:
-    """The order in memory that a call asks for: "C", "F", "K" for what it has by itself; "" if it is not certain."""
-    given = [k.value for k in node.keywords if k.arg == "order"]
-    written = given[0].value if given and isinstance(given[0], Constant) else "" if given else None
-    return "K" if written is None else known if (known := str(written).upper()) in ("C", "F", "K") else ""
+def requested_order(node: Call) -> str:
+    """The order in memory that a call requests: "C", "F", "K" for its operand's; "" if it is not certain."""
+    orders = [k.value for k in node.keywords if k.arg == "order"]
+    order = orders[0].value if orders and isinstance(orders[0], Constant) else "" if orders else None
+    return "K" if order is None else known if (known := str(order).upper()) in ("C", "F", "K") else ""
 
 
 def contiguous_arguments(function: FunctionDef, context: NormalContext) -> None:

@@ -30,26 +30,27 @@ _RESHAPED = ("numpy.reshape", "numpy.ravel")
 @dataclass(frozen=True)
 class InverseView:
     """The view of an operand, the operand made of the view, and the view's elements made again."""
-    made: AST
-    back: AST
-    again: AST
+    view: AST
+    operand: AST
+    refreshed: AST
 
 
 def inverse_views(binding: Assign, part: AST, typing: Typing) -> InverseView | None:
-    """What a view and its operand are made of each other by; None for functions that are not turned back."""
+    """How a view and its operand are made of each other; None for functions without an inverse."""
     called, value, view = call_name(binding.value) or "", binding.value, name(binding.targets[0].id)
-    shown, given = typing.of(value).rank, typing.of(part).rank
+    view_rank, part_rank = typing.of(value).rank, typing.of(part).rank
     if called in _RESHAPED:
         shape = attribute(copy(part), "shape")
-        back = name(view.id) if shown == given == 1 else call("numpy.ravel", view) if given == 1 else call(
+        back = name(view.id) if view_rank == part_rank == 1 else call("numpy.ravel", view) if part_rank == 1 else call(
             "numpy.reshape", view, shape)
-        again = copy(part) if shown == given == 1 else call("numpy.ravel", copy(part)) if shown == 1 else call(
+        again = copy(part) if view_rank == part_rank == 1 else call(
+            "numpy.ravel", copy(part)) if view_rank == 1 else call(
             "numpy.reshape", copy(part), attribute(name(view.id), "shape"))
-        return InverseView(_with(value, part), back, again)
+        return InverseView(_applied_to(value, part), back, again)
     if called in ("numpy.transpose", "numpy.flip"):
-        made = _with(value, part)
-        return InverseView(made, _with(value, view), copy(made))
-    moved = _moved(value, given)
+        made = _applied_to(value, part)
+        return InverseView(made, _applied_to(value, view), copy(made))
+    moved = _moved_axes(value, part_rank)
     if moved is None:
         return None
     source, destination = (tuple_of(*map(const, axes)) for axes in moved)
@@ -57,69 +58,69 @@ def inverse_views(binding: Assign, part: AST, typing: Typing) -> InverseView | N
     return InverseView(made, call("numpy.moveaxis", view, copy(destination), copy(source)), copy(made))
 
 
-def _with(value: Call, operand: AST) -> Call:
+def _applied_to(value: Call, operand: AST) -> Call:
     made = copy(value)
     made.args[0] = copy(operand)
     return made
 
 
-def _moved(value: Call, rank: int) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
+def _moved_axes(value: Call, rank: int) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
     """The axes that a function moves, and where to."""
     rule = rules.find_array(call_name(value))
     if rule is None or call_name(value) not in ("numpy.moveaxis", "numpy.swapaxes"):
         return None
-    given = rule.arguments(value)
+    arguments = rule.arguments(value)
     if call_name(value) == "numpy.swapaxes":
-        pair = [whole_number(given[a]) for a in ("axis1", "axis2")]
+        pair = [whole_number(arguments[a]) for a in ("axis1", "axis2")]
         if None in pair or not all(-rank <= a < rank for a in pair if a is not None):
             return None
         a, b = (axis % rank for axis in pair if axis is not None)
         return ((a, b), (b, a)) if a != b else ((), ())
-    source, destination = (_axes(given[a], rank) for a in ("source", "destination"))
+    source, destination = (_axes(arguments[a], rank) for a in ("source", "destination"))
     return None if source is None or destination is None else (source, destination)
 
 
 def _axes(node: AST, rank: int) -> tuple[int, ...] | None:
-    """The axes that an argument names, in its order; None if they are not written out."""
+    """The axes that an argument names, in its order; None if they are not constants."""
     axes = [whole_number(n) for n in (node.elts if isinstance(node, (Tuple, List)) else [node])]
     return tuple(a % rank for a in axes if a is not None) if None not in axes else None
 
 
-def by_element(binding: Assign, part: AST, rest: list[AST], typing: Typing) -> list[AST] | None:
-    """What follows a view's binding over elements of its operand alone, and rows or columns where the view has the same
-    axes in another order; None if it asks for more."""
+def through_operand(binding: Assign, part: AST, rest: list[AST], typing: Typing) -> list[AST] | None:
+    """What follows a view's binding with elements of its operand in place of the view's, and rows or columns where the
+    view has the same axes in another order; None if it reads more."""
     target, value = binding.targets[0].id, binding.value
-    rank, given = typing.of(value).rank, typing.of(part).rank
-    order = _order(value, given)
+    rank, part_rank = typing.of(value).rank, typing.of(part).rank
+    order = _order(value, part_rank)
     if not isinstance(part, Name) or order is None and (rank != 1 or call_name(value) not in _RESHAPED):
         return None
     most = 0 if order is None else 1
 
-    def taken(n: AST) -> bool:
+    def is_access(n: AST) -> bool:
         return isinstance(n, Subscript) and isinstance(n.value, Name) and n.value.id == target and typing.of(
             n).rank <= most and all(isinstance(s, Slice) or typing.of(s).is_integer for s in indices(n))
-    inside = {id(n.value) for n in walk(rest) if taken(n) or _asks_size(n, target)}
+    inside = {id(n.value) for n in walk(rest) if is_access(n) or _is_size(n, target)}
     if any(isinstance(n, Name) and n.id == target and id(n) not in inside for n in walk(rest)):
         return None
 
     def change(n: AST) -> AST | None:
-        if taken(n):
+        if is_access(n):
             places = [rebuild(s, change) for s in indices(n)]
             places += [Slice(None, None, None) for _ in range(rank - len(places))]
-            found = _unravelled(places[0], part, given) if order is None else [
-                places[order.index(k)] for k in range(given)]
+            found = _unravelled(places[0], part, part_rank) if order is None else [
+                places[order.index(k)] for k in range(part_rank)]
             return at(Subscript(name(part.id), index(name(part.id), *found).slice, n.ctx), n)
-        if isinstance(n, Subscript) and isinstance(n.value, Attribute) and _asks_size(n.value, target):
+        if isinstance(n, Subscript) and isinstance(n.value, Attribute) and _is_size(n.value, target):
             axis = whole_number(n.slice) or 0
             return attribute(name(part.id), "size") if order is None else index(
                 attribute(name(part.id), "shape"), const(order[axis]))
-        return attribute(name(part.id), "size") if _asks_size(n, target) and n.attr == "size" else None
-    asked = [n for n in walk(rest) if isinstance(n, Attribute) and _asks_size(n, target) and n.attr == "shape"]
+        return attribute(name(part.id), "size") if _is_size(n, target) and n.attr == "size" else None
+    asked = [n for n in walk(rest) if isinstance(n, Attribute) and _is_size(n, target) and n.attr == "shape"]
     known = {id(n.value) for n in walk(rest) if isinstance(n, Subscript) and whole_number(n.slice) is not None}
     return None if any(id(n) not in known for n in asked) else [rebuild(s, change) for s in rest]
 
 
-def _asks_size(node: AST, target: str) -> bool:
+def _is_size(node: AST, target: str) -> bool:
     return isinstance(node, Attribute) and isinstance(node.value, Name) and node.value.id == target and node.attr in (
         "shape", "size")
 
@@ -128,7 +129,7 @@ def _order(value: Call, rank: int) -> list[int] | None:
     """The operand's axis for each axis of the view, where it has the same axes in another order."""
     if call_name(value) == "numpy.transpose":
         return list(range(rank))[::-1]
-    moved = _moved(value, rank)
+    moved = _moved_axes(value, rank)
     if moved is None:
         return None
     order = [k for k in range(rank) if k not in moved[0]]
@@ -156,8 +157,8 @@ _SPLIT = {"numpy.split": None, "numpy.vsplit": 0}
 
 def splits(function: FunctionDef) -> FunctionDef:
     """The function with such slices."""
-    def block(given: list[AST]) -> list[AST]:
-        return [at(made, s) for s in given for made in _statement(with_blocks(s, block))]
+    def block(body: list[AST]) -> list[AST]:
+        return [at(made, s) for s in body for made in _statement(with_blocks(s, block))]
     return with_body(function, block(function.body))
 
 
@@ -168,9 +169,9 @@ def _statement(statement: AST) -> list[AST]:
         return [statement]
     rule = rules.find_array(called)
     assert rule is not None
-    given = rule.arguments(statement.value)
-    axis = _SPLIT[called] if _SPLIT[called] is not None else whole_number(given["axis"])
-    number, asked, array = whole_number(given["part"]), given["sections"], given["x"]
+    arguments = rule.arguments(statement.value)
+    axis = _SPLIT[called] if _SPLIT[called] is not None else whole_number(arguments["axis"])
+    number, asked, array = whole_number(arguments["part"]), arguments["sections"], arguments["x"]
     if axis is None or axis < 0 or number is None:
         return [statement]
     size = index(attribute(copy(array), "shape"), const(axis))

@@ -1,11 +1,11 @@
 """view_aliases: which names share memory in NumPy: an array and the views of it that functions make.
 
-Such a view is an array of its own here. `sources` says what a name may be a view of, `differing` which stores then
-make it another array than NumPy's, `OperandAliases` which names are on either side of one view. Parts of one array
-whose elements are others are told apart whatever its size:
+Such a view is an array of its own here. `sources` says what a name may be a view of, `diverging_stores` after which
+stores it differs from NumPy's array, `OperandAliases` which names are on either side of one view. Parts of one array
+that share no element are known whatever its size:
 
     y[:n * n]  y[n * n:]            they share no element
-    y[:n]      y[2 * n:]            none if n is not negative: `DisjointSlices.apart` says so
+    y[:n]      y[2 * n:]            none if n is not negative: `DisjointSlices` says so
     y[0::2]    y[1::2]              none
     y[:n]      y[k:]                perhaps
 """
@@ -26,7 +26,7 @@ from s2sad.tree import (
     walk_statements,
 )
 
-SHOWN = {f"numpy.{f}" for f in (
+VIEW_FUNCTIONS = {f"numpy.{f}" for f in (
     "transpose", "reshape", "ravel", "flip", "fliplr", "flipud", "rot90", "asarray", "ascontiguousarray", "squeeze",
     "swapaxes", "moveaxis", "expand_dims", "atleast_1d", "atleast_2d", "broadcast_to", "diagonal", "diag",
     "split", "array_split", "hsplit", "vsplit", "real", "imag")}
@@ -36,11 +36,11 @@ Links = dict[str, dict[str, bool]]
 Writes = Callable[[Call], list[str]]
 
 
-def shows(node: AST) -> bool:
-    """Whether a call may give a view of its first argument, or that itself, as the first power of a matrix is (one that
-    is written is spelled so)."""
+def makes_view(node: AST) -> bool:
+    """Whether a call may give a view of its first argument, or that itself, as the first power of a matrix is (a
+    constant one is spelled so)."""
     power = call_name(node) == "numpy.linalg.matrix_power" and whole_number(node.args[1]) is None
-    return isinstance(node, Call) and bool(node.args) and (call_name(node) in SHOWN or power)
+    return isinstance(node, Call) and bool(node.args) and (call_name(node) in VIEW_FUNCTIONS or power)
 
 
 def unsupported_views(function: FunctionDef, context: NormalContext) -> None:
@@ -57,16 +57,15 @@ def unsupported_views(function: FunctionDef, context: NormalContext) -> None:
     these views and their operands alike; changes nothing.
     """
     typing, writes, report = context.typing, context.written_arrays, context.report
-    for statement in dict.fromkeys(s for s, _, _ in differing(function, typing, writes)):
+    for statement in dict.fromkeys(s for s, _, _ in diverging_stores(function, typing, writes)):
         report.error("S201", "an array is written that NumPy shares with another one, which is a view of it by a "
                      "function", statement, help="write into the array itself, or take a copy: np.copy(...)")
 
 
-def differing(function: FunctionDef, typing: Typing, writes: Writes) -> Iterator[tuple[AST, str, str]]:
-    """The statements that write an array, its name, and the one of another array that then is not what it is in
-    NumPy."""
+def diverging_stores(function: FunctionDef, typing: Typing, writes: Writes) -> Iterator[tuple[AST, str, str]]:
+    """The statements that store into an array, its name, and that of another one which then differs from NumPy's."""
     links = _links(function, typing)
-    if not any(shown for above in links.values() for shown in above.values()):
+    if not any(by_function for above in links.values() for by_function in above.values()):
         return
     parameters = {p.id for p in function.args.args}
     live = Liveness(function, parameters, Accesses(), strong=False)
@@ -76,12 +75,12 @@ def differing(function: FunctionDef, typing: Typing, writes: Writes) -> Iterator
         value = statement.value
         called = isinstance(value, Call) and (call_name(value) or "").startswith("user.")
         near = live.after[id(statement)] | parameters | (read_names(value) if called else set())
-        for n in sorted(written_names(statement, typing, writes)):
-            yield from ((statement, n, other) for other in sorted(near) if _differ(n, other, links))
+        for n in sorted(stored_arrays(statement, typing, writes)):
+            yield from ((statement, n, other) for other in sorted(near) if _diverge(n, other, links))
 
 
-def written_names(statement: AST, typing: Typing, writes: Writes) -> set[str]:
-    """The arrays whose elements a simple statement writes."""
+def stored_arrays(statement: AST, typing: Typing, writes: Writes) -> set[str]:
+    """The arrays that a simple statement stores into."""
     value = getattr(statement, "value", None)
     called = isinstance(value, Call) and (call_name(value) or "").startswith("user.")
     return {base_name(t) for t in targets(statement) if isinstance(t, Subscript) or isinstance(
@@ -89,7 +88,7 @@ def written_names(statement: AST, typing: Typing, writes: Writes) -> set[str]:
 
 
 def sources(statement: AST, typing: Typing) -> list[tuple[AST, bool]]:
-    """The arrays that the name which a statement binds may be a view of; true where a function shows it."""
+    """The arrays that the name which a statement binds may be a view of; true where a function makes it."""
     if not isinstance(statement, Assign) or not isinstance(statement.targets[0], Name):
         return []
     value, called = statement.value, call_name(statement.value)
@@ -99,18 +98,18 @@ def sources(statement: AST, typing: Typing) -> list[tuple[AST, bool]]:
         return []  # a matrix is made
     if called in _ALIASES and typing.of(value).dtype != typing.of(value.args[0]).dtype:
         return []  # a copy in another dtype
-    shown = shows(value)
-    source = value.args[0] if shown else value
+    by_function = makes_view(value)
+    source = value.args[0] if by_function else value
     is_array = isinstance(source, (Name, Subscript)) and typing.of(source).is_array
-    return [(source, shown and called not in _SLICED)] if is_array else []
+    return [(source, by_function and called not in _SLICED)] if is_array else []
 
 
 def _links(function: FunctionDef, typing: Typing) -> Links:
-    """The names that each name may be a view of; true where a function shows it."""
+    """The names that each name may be a view of; true where a function makes it."""
     direct: dict[str, set[tuple[str, bool]]] = {}
     for statement in walk(function.body):
-        for source, shown in sources(statement, typing):
-            direct.setdefault(statement.targets[0].id, set()).add((base_name(source), shown))
+        for source, by_function in sources(statement, typing):
+            direct.setdefault(statement.targets[0].id, set()).add((base_name(source), by_function))
     return {n: _above(n, direct) for n in direct}
 
 
@@ -118,53 +117,53 @@ def _above(identifier: str, direct: dict[str, set[tuple[str, bool]]]) -> dict[st
     found: dict[str, bool] = {}
     waiting: list[tuple[str, bool]] = sorted(direct[identifier])
     while waiting:
-        above, shown = waiting.pop()
-        if above in found and (found[above] or not shown):
+        above, by_function = waiting.pop()
+        if above in found and (found[above] or not by_function):
             continue
-        found[above] = shown
-        waiting += [(n, shown or s) for n, s in sorted(direct.get(above, ()))]
+        found[above] = by_function
+        waiting += [(n, by_function or s) for n, s in sorted(direct.get(above, ()))]
     return found
 
 
-def _differ(written: str, other: str, links: Links) -> bool:
-    """Whether two names share an array in NumPy that here they do not share."""
-    first, second = ({n: False, **links.get(n, {})} for n in (written, other))
+def _diverge(stored: str, other: str, links: Links) -> bool:
+    """Whether two names share an array in NumPy and do not share one here."""
+    first, second = ({n: False, **links.get(n, {})} for n in (stored, other))
     common = [first[n] or second[n] for n in first if n in second]
-    if written == other:
-        return first[written]
+    if stored == other:
+        return first[stored]
     return bool(common) and all(common)
 
 
 @dataclass
 class OperandAliases:
-    """The names on both sides; `required` are numbers that must not be negative for other parts to be others;
+    """The names on both sides; `nonnegative` are numbers that must not be negative for parts to be disjoint;
     `ambiguous` if a name may be on either side."""
     view: set[str]
     operand: set[str]
     ambiguous: bool
     part: AST
     disjoint: DisjointSlices
-    required: list[AST] = field(default_factory=list)
+    nonnegative: list[AST] = field(default_factory=list)
 
-    def concerned(self, told: Iterable[tuple[str, str]]) -> bool:
-        """Whether the view is on one side of what tells two arrays apart."""
-        return any({n, other} & self.view for n, other in told)
+    def concerns(self, diverging: Iterable[tuple[str, str]]) -> bool:
+        """Whether the view is one of two arrays that differ from NumPy's."""
+        return any({n, other} & self.view for n, other in diverging)
 
     def mentioned(self, node: AST | list[AST]) -> tuple[bool, bool]:
         """Whether elements of the view, and of what it is a view of, are mentioned."""
         shapes = {id(n.value) for n in walk(node) if isinstance(n, Attribute) and n.attr in ("shape", "size", "dtype")}
         found = [n for n in occurrences(node) if id(n) not in shapes]
         return (any(base_name(n) in self.view for n in found),
-                any(base_name(n) in self.operand and not self.other(n) for n in found))
+                any(base_name(n) in self.operand and not self.is_disjoint(n) for n in found))
 
-    def other(self, occurrence: AST) -> bool:
-        """Whether a part of an array is known to be another one than that of the view."""
+    def is_disjoint(self, occurrence: AST) -> bool:
+        """Whether a part of an array is known to share no element with that of the view."""
         if base_name(occurrence) != base_name(self.part):
             return False
-        needed = self.disjoint.apart(self.part, occurrence)
+        needed = self.disjoint.disjointness(self.part, occurrence)
         if needed:
-            known = {dump(n) for n in self.required}
-            self.required += [copy(n) for n in needed if dump(n) not in known]
+            known = {dump(n) for n in self.nonnegative}
+            self.nonnegative += [copy(n) for n in needed if dump(n) not in known]
         return needed is not None
 
 
@@ -177,26 +176,26 @@ def operand_aliases(function: FunctionDef, binding: Assign, typing: Typing) -> O
     view, operand = {binding.targets[0].id}, {base_name(part)}
     while more := {t for t, source in edges if base_name(source) in view} - view:
         view |= more
-    both = OperandAliases(view, operand, False, _resolved(part), DisjointSlices(function, values))
+    aliases = OperandAliases(view, operand, False, _resolved(part), DisjointSlices(function, values))
     if base_name(part) not in values:
-        both.part = Name("", part.ctx, None, None)      # what is bound anew has no parts that are known to be others
-    edges = [(t, source) for t, source in edges if not both.other(source)]
+        aliases.part = Name("", part.ctx, None, None)      # what is bound anew has no parts that are known to be others
+    edges = [(t, source) for t, source in edges if not aliases.is_disjoint(source)]
     while more := {n for t, source in edges for n in (t, base_name(source))
                    if {t, base_name(source)} & operand and not {t, base_name(source)} & view} - operand:
         operand |= more
-    both.ambiguous = bool(view & operand) or any(
-        t in view and base_name(source) not in view for t, source in edges) or _is_bound_to_others(function, both, [
+    aliases.ambiguous = bool(view & operand) or any(
+        t in view and base_name(source) not in view for t, source in edges) or _is_bound_to_others(function, aliases, [
             binding.targets[0].id, *(t for t, _ in edges)])
-    return both
+    return aliases
 
 
-def _is_bound_to_others(function: FunctionDef, both: OperandAliases, known: list[str]) -> bool:
+def _is_bound_to_others(function: FunctionDef, aliases: OperandAliases, known: list[str]) -> bool:
     """Whether a name of either side is bound to memory of its own as well, in a branch or in a loop: then it shares
     none of the other side's. `known` are the names as often as they are bound to what is on a side."""
     times = times_bound(function.body, Assign, For)
     times.update(p.id for p in function.args.args)
     sides = Counter(known)
-    return any(times[n] > sides[n] for n in both.view) or any(times[n] > max(sides[n], 1) for n in both.operand)
+    return any(times[n] > sides[n] for n in aliases.view) or any(times[n] > max(sides[n], 1) for n in aliases.operand)
 
 
 def _resolved(part: AST) -> AST:
@@ -214,28 +213,28 @@ class DisjointSlices:
         self.values = values
         self.atoms: dict[str, AST] = {}
 
-    def lasts(self, node: AST, depth: int = 0) -> bool:
+    def is_invariant(self, node: AST, depth: int = 0) -> bool:
         """Whether an expression is the same wherever it stands: of arrays it reads sizes of parameters."""
-        if depth > 20 or isinstance(node, Subscript) and not (isinstance(node.value, Attribute) and self.lasts(
+        if depth > 20 or isinstance(node, Subscript) and not (isinstance(node.value, Attribute) and self.is_invariant(
                 node.value, depth + 1)) or isinstance(node, Call):
             return False
         for n in names(node):
             if n not in self.values or n not in self.parameters and (
-                    (value := self.values[n]) is None or not self.lasts(value, depth + 1)):
+                    (value := self.values[n]) is None or not self.is_invariant(value, depth + 1)):
                 return False
         return True
 
-    def apart(self, one: AST, other: AST) -> list[AST] | None:
+    def disjointness(self, one: AST, other: AST) -> list[AST] | None:
         """The expressions that must not be negative for two parts of one array to share nothing; None if they may."""
         if not isinstance(one, Subscript) or not isinstance(other, Subscript):
             return None
         for a, b in zip(_first(one), _first(other)):
             for low, high in ((a, b), (b, a)):
-                if (found := self.before(low, high)) is not None:
+                if (found := self.precedes(low, high)) is not None:
                     return found
         return None
 
-    def before(self, low: AST, high: AST) -> list[AST] | None:
+    def precedes(self, low: AST, high: AST) -> list[AST] | None:
         """The same for one axis, where the first part is to lie before the second, or between its elements."""
         if not isinstance(low, Slice) or not isinstance(high, Slice):
             a, b = whole_number(low), whole_number(high)
@@ -263,7 +262,7 @@ class DisjointSlices:
         number = whole_number(node)
         if number is not None:
             return {(): number} if number else {}
-        if depth > 20 or not self.lasts(node):
+        if depth > 20 or not self.is_invariant(node):
             return None
         if isinstance(node, UnaryOp) and isinstance(node.op, USub):
             inner = self.polynomial(node.operand, depth + 1)
