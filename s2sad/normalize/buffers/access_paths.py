@@ -7,23 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from s2sad import rules
 from s2sad.diagnostics import Report
-from s2sad.infer.affine import Affine
 from s2sad.infer.inference import Typing
-from s2sad.infer.signatures.laws import FITTING, INNER
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.slice_extents import is_whole, are_separated
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
-from s2sad.normalize.buffers.allocations import Allocations
-from s2sad.normalize.array_anf import is_function
-from s2sad.normalize.shape_guards import equal, matching
+from s2sad.normalize.buffers.allocations import Allocations, is_full
 from s2sad.evaluate.expressions.hoist import constant_index
 from s2sad.normalize.buffers.compose_subscripts import composed, is_new
 from s2sad.tree import (
     AST, Attribute, BinOp, Call, Constant, List, Name, Slice, Subscript, Tuple, assign, at, attribute, call, call_name,
-    const, copy, dump, index, indices, mult, name, names, rebuild, substitute, tuple_of, walk,
+    const, copy, index, indices, mult, name, names, rebuild, substitute, tuple_of, walk,
 )
 
 AccessPath = tuple[str, tuple[AST, ...]]
@@ -139,7 +134,7 @@ class AccessPaths:
         """The subscripts of a view's part, trailing whole axes left out."""
         def refuse(what: str) -> None:
             self.report.error("S201", what, node, help="take the part from the array itself, or write a loop")
-        if not view[1] and len(added) == 1 and _is_full(added[0]):
+        if not view[1] and len(added) == 1 and is_full(added[0]):
             return ()
         if any(self.typing.of(s).is_array for s in (*view[1], *added) if not isinstance(s, Slice)):
             if any(isinstance(s, Slice) or is_new(s) or self.typing.of(s).is_array for s in view[1]):
@@ -147,7 +142,7 @@ class AccessPaths:
             elif are_separated([*view[1], *added], self.typing):
                 refuse("subscripts that pick elements on both sides of a slice")
             return (*view[1], *added)
-        if all(not isinstance(s, Slice) and not is_new(s) and not _is_full(s) for s in (*view[1], *added)):
+        if all(not isinstance(s, Slice) and not is_new(s) and not is_full(s) for s in (*view[1], *added)):
             return (*view[1], *added)
         found = composed(self.shapes, name(view[0]), list(view[1]), added, refuse)
         while found and is_whole(found[-1]) and not any(map(is_new, found)) and len(found) > 1 and \
@@ -194,10 +189,6 @@ class AccessPaths:
     def is_region(self, place: Subscript) -> bool:
         return self.typing.of(place).is_array
 
-    def load(self, place: Subscript) -> AST:
-        subscripts = indices(place)
-        return name(place.value.id) if _is_full(subscripts[0]) and len(subscripts) == 1 else copy(place)
-
     def resolve(self, node: AST) -> AST:
         def change(n: AST) -> AST | None:
             if isinstance(n, Name) and n.id in self.tuples:
@@ -224,7 +215,7 @@ class AccessPaths:
                if self.typing.of(n.left).is_array or self.typing.of(n.right).is_array):
             self.report.error("S201", "an array meets a tuple or list that is spelled out", node,
                               help="make it an array: np.array([...])")
-        self.preceding += self.operands_fit(made)
+        self.preceding += self.allocations.function_guards(made, self.loops)
         return made
 
     def item(self, value: AST, node: Subscript) -> AST:
@@ -245,39 +236,6 @@ class AccessPaths:
                               help="make it an array: np.array([...])[k]")
             return const(0.0)
         return _item(value, self.resolve(node.slice))
-
-    def operands_fit(self, node: AST) -> list[AST]:
-        """Guards that the arrays in an operand of a function of whole arrays fit each other."""
-        functions = [n for n in walk(node) if isinstance(n, Call) and rules.find_array(call_name(n)) is not None]
-        operands = [a for n in functions for a in n.args]
-        fitting = [guard for n in functions for guard in self.entries_fit(n)]
-        return fitting + [guard for o in operands if len({dump(p) for p in array_operands(o, self.typing)}) > 1
-                for guard in self.allocations.operands_fit(o, self.shapes.of(o))]
-
-    def entries_fit(self, node: Call) -> list[AST]:
-        """Guards that the operands of a function fit each other, where its law says how."""
-        rule = rules.find_array(call_name(node))
-        assert rule is not None
-        arguments, made = rule.arguments(node), []
-        sparse = "sparse" in rule.law
-        for pair in FITTING.get(rule.law, ()) if sparse or self.loops else ():     # NumPy raises by itself
-            first, second = (self.size_along(arguments[p], axis) for p, axis in pair)
-            if self.shapes.same(first, second):
-                continue
-            sizes = [copy(arguments[p]) if size is None else self.shapes.extent(size)
-                       for (p, _), size in zip(pair, (first, second))]
-            if not any(self.typing.of(w).is_array for w in sizes):
-                made.append((matching if sparse else equal)(sizes[0], sizes[1]))
-            if first is not None and second is not None:
-                self.shapes.unify(first, second)
-        return made
-
-    def size_along(self, node: AST, axis: int) -> Affine | None:
-        """The size of an operand along an axis, or a number."""
-        rank = self.typing.of(node).rank
-        if not rank:
-            return self.shapes.size(node)
-        return self.shapes.of(node)[-min(rank, 2) if axis == INNER else axis]
 
     def prefix_length(self, node: AST) -> int:
         return len((self.access_path(node) or AMBIGUOUS)[1])
@@ -318,44 +276,10 @@ class AccessPaths:
         self.report.error("S201", f"the method '{node.func.attr}'", node, help="write it as a loop")
         return const(0.0)
 
-    def shape_guards(self, place: Subscript, value: AST) -> list[AST]:
-        """Guards that the arrays of a whole-array statement fit what it stores into."""
-        whole = self.load(place)
-        made: list[AST] = []
-        for part in [value] if is_function(value) else array_operands(value, self.typing):
-            if self.typing.of(part).rank > self.typing.of(place).rank:
-                self.report.error("S203", f"a {self.typing.of(part)} does not fit into a {self.typing.of(place)}",
-                                  place, help="the shapes must be equal, or of length 1 where they differ")
-                continue
-            made += self.allocations.fitting(whole, part)
-        return list({dump(m): m for m in made}.values())
-
 
 def is_whole_place(place: Subscript) -> bool:
     """Whether a place is all of its array."""
     return all(map(is_whole, indices(place)))
-
-
-def array_operands(node: AST, typing: Typing) -> list[AST]:
-    """The array references (whole or partly indexed) that an elementwise expression reads, outermost only."""
-    if isinstance(node, (Name, Subscript)) and typing.of(node).is_array:
-        return [node]
-    if isinstance(node, (Attribute, Name, Constant, Subscript)) or isinstance(node, Call) and typing.of(node).is_number:
-        return []   # what is asked of a whole array is no matter of its shape
-    children = [c for f in node._fields for c in _children(getattr(node, f, None))]
-    return [part for c in children for part in array_operands(c, typing)]
-
-
-def _children(value: object) -> list[AST]:
-    if isinstance(value, list):
-        return [v for v in value if isinstance(v, AST)]
-    return [value] if isinstance(value, AST) else []
-
-
-def _is_full(node: AST) -> bool:
-    if isinstance(node, Slice):
-        return node.lower is None and node.upper is None and node.step is None
-    return isinstance(node, Constant) and node.value is Ellipsis
 
 
 def _item(value: AST, position: AST) -> AST:

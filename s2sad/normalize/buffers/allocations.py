@@ -1,4 +1,4 @@
-"""Allocations in their two normal forms: `np.empty`/`np.zeros` of a shape, and the same of an array's shape.
+"""allocations: their two normal forms, `np.empty`/`np.zeros` of a shape and of an array's shape, and guards of shapes.
 
     w = np.ones(n)                  w = np.empty(n)
                                     w[...] = 1.0
@@ -10,16 +10,18 @@
 """
 from __future__ import annotations
 
+from s2sad import rules
 from s2sad.diagnostics import Report
+from s2sad.infer.affine import Affine
 from s2sad.infer.inference import Typing
-from s2sad.infer.signatures.laws import ONE, Shape
+from s2sad.infer.signatures.laws import FITTING, INNER, ONE, Shape
 from s2sad.infer.shapes import Shapes, shape_expression
 from s2sad.infer.types import Type
 from s2sad.normalize.array_anf import is_function
-from s2sad.normalize.shape_guards import equal, written
+from s2sad.normalize.shape_guards import equal, matching, written
 from s2sad.tree import (
-    AST, Assign, Attribute, Call, List, Name, Subscript, Tuple, assign, attribute, call, call_name,
-    children, const, dump, index, name, tuple_of, walk,
+    AST, Assign, Attribute, Call, Constant, List, Name, Slice, Subscript, Tuple, assign, attribute, call, call_name,
+    children, const, copy, dump, index, indices, name, tuple_of, walk,
 )
 
 _FILLS = {"numpy.ones": 1.0, "numpy.ones_like": 1.0}
@@ -106,6 +108,51 @@ class Allocations:
                 self.shapes.unify(x, y)
         return made
 
+    def store_guards(self, place: Subscript, value: AST) -> list[AST]:
+        """Guards that the arrays of a whole-array statement fit what it stores into."""
+        whole = loaded(place)
+        made: list[AST] = []
+        for part in [value] if is_function(value) else array_operands(value, self.typing):
+            if self.typing.of(part).rank > self.typing.of(place).rank:
+                self.report.error("S203", f"a {self.typing.of(part)} does not fit into a {self.typing.of(place)}",
+                                  place, help="the shapes must be equal, or of length 1 where they differ")
+                continue
+            made += self.fitting(whole, part)
+        return list({dump(m): m for m in made}.values())
+
+    def function_guards(self, node: AST, loops: bool) -> list[AST]:
+        """Guards that the arrays in an operand of a function of whole arrays fit each other."""
+        functions = [n for n in walk(node) if isinstance(n, Call) and rules.find_array(call_name(n)) is not None]
+        operands = [a for n in functions for a in n.args]
+        fitting = [guard for n in functions for guard in self.entries_fit(n, loops)]
+        return fitting + [guard for o in operands if len({dump(p) for p in array_operands(o, self.typing)}) > 1
+                for guard in self.operands_fit(o, self.shapes.of(o))]
+
+    def entries_fit(self, node: Call, loops: bool) -> list[AST]:
+        """Guards that the operands of a function fit each other, where its law says how."""
+        rule = rules.find_array(call_name(node))
+        assert rule is not None
+        arguments, made = rule.arguments(node), []
+        sparse = "sparse" in rule.law
+        for pair in FITTING.get(rule.law, ()) if sparse or loops else ():     # NumPy raises by itself
+            first, second = (self.size_along(arguments[p], axis) for p, axis in pair)
+            if self.shapes.same(first, second):
+                continue
+            sizes = [copy(arguments[p]) if size is None else self.shapes.extent(size)
+                     for (p, _), size in zip(pair, (first, second))]
+            if not any(self.typing.of(w).is_array for w in sizes):
+                made.append((matching if sparse else equal)(sizes[0], sizes[1]))
+            if first is not None and second is not None:
+                self.shapes.unify(first, second)
+        return made
+
+    def size_along(self, node: AST, axis: int) -> Affine | None:
+        """The size of an operand along an axis, or a number."""
+        rank = self.typing.of(node).rank
+        if not rank:
+            return self.shapes.size(node)
+        return self.shapes.of(node)[-min(rank, 2) if axis == INNER else axis]
+
     def _shaped(self, target: str, kind: Type, function: str, args: list[AST]) -> list[AST]:
         shape = tuple_of(*args[0].elts) if isinstance(args[0], List) else args[0]
         if isinstance(shape, Tuple) and len(shape.elts) == 1:
@@ -153,6 +200,28 @@ class Allocations:
         self.note_shape(target, shape)
         return [assign(target, call("numpy.empty", shape, *dtype_of(kind))),
                 *(assign(index(name(target), *at), item) for at, item in entries)]
+
+
+def array_operands(node: AST, typing: Typing) -> list[AST]:
+    """The array references (whole or partly indexed) that an elementwise expression reads, outermost only."""
+    if isinstance(node, (Name, Subscript)) and typing.of(node).is_array:
+        return [node]
+    if isinstance(node, (Attribute, Name, Constant, Subscript)) or isinstance(node, Call) and typing.of(node).is_number:
+        return []   # what is asked of a whole array is no matter of its shape
+    return [part for child in children(node) for part in array_operands(child, typing)]
+
+
+def loaded(place: Subscript) -> AST:
+    """What a place holds: the array by its name where it is all of it."""
+    subscripts = indices(place)
+    return name(place.value.id) if is_full(subscripts[0]) and len(subscripts) == 1 else copy(place)
+
+
+def is_full(node: AST) -> bool:
+    """Whether a subscript takes all of an array: `:` or `...`."""
+    if isinstance(node, Slice):
+        return node.lower is None and node.upper is None and node.step is None
+    return isinstance(node, Constant) and node.value is Ellipsis
 
 
 def _outermost(node: AST, typing: Typing) -> list[AST]:

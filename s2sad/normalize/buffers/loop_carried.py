@@ -252,7 +252,7 @@ class LoopCarried(Joins):
                               self.bound_at.get(identifier, origin),
                               help="give arrays of different sizes different names, or copy into one: x[...] = ...")
             return []
-        checks = self.shape_guards(place, value)
+        checks = self.allocations.store_guards(place, value)
         said = const(CHANGES.format(self.free.said(identifier)))
         checks = [Assert(c.test, said) if isinstance(c, Assert) else c for c in checks]
         value = self.materialized(place, value, checks, origin)

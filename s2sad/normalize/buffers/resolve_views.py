@@ -23,6 +23,7 @@ from s2sad.infer.shapes import Shapes, single_values
 from s2sad.infer.slice_extents import scattered
 from s2sad.infer.types import array
 from s2sad.infer.call_types import stored_into
+from s2sad.normalize.buffers.allocations import loaded
 from s2sad.normalize.buffers.may_alias import Aliases
 from s2sad.normalize.buffers.store_hazards import overlaps
 from s2sad.normalize.buffers.loop_carried import LoopCarried
@@ -144,7 +145,7 @@ class _ResolveViews(LoopCarried):
         value = self.resolve(value)
         if self.fills_buffer(target, value, statement):
             place = index(name(self.buffers[target]), const(...))
-            checks = self.shape_guards(place, value)
+            checks = self.allocations.store_guards(place, value)
             value = self.materialized(place, value, checks, statement)
             return [*checks, assign(place, value)]
         new = self.version(target)
@@ -175,11 +176,11 @@ class _ResolveViews(LoopCarried):
         place = self.store_target(target)
         self.note_store(base_name(place), statement)
         value = self.resolve(statement.value)
-        checks = self.shape_guards(place, value) if self.is_region(place) else []
+        checks = self.allocations.store_guards(place, value) if self.is_region(place) else []
         value = self.materialized(place, value, checks, statement)
         if type(statement.op).__name__ in ("Add", "Sub"):
             return [*checks, augment(place, statement.op, value)]
-        return [*checks, assign(place, BinOp(self.load(place), statement.op, value))]
+        return [*checks, assign(place, BinOp(loaded(place), statement.op, value))]
 
     def picked_part(self, target: AST) -> AccessPath | None:
         """What a target's array is a part of, where arrays pick elements of that part."""
@@ -202,14 +203,14 @@ class _ResolveViews(LoopCarried):
         listed = self.is_region(place) and stored_into(target, self.lists)
         if listed:
             self.refuse_repeated_row(place, new, statement)
-        checks = self.shape_guards(place, new) if self.is_region(place) else []
+        checks = self.allocations.store_guards(place, new) if self.is_region(place) else []
         checks = list(map(of_one_size, checks)) if listed else checks
         new = self.materialized(place, new, checks, target)
         return [*checks, assign(place, new)]
 
     def refuse_repeated_row(self, place: Subscript, value: AST, statement: AST) -> None:
         """Refuses what would be repeated in a row of the array in place of a list: the list holds it as it is."""
-        row, made = self.shapes.of(self.load(place)), self.shapes.of(value)
+        row, made = self.shapes.of(loaded(place)), self.shapes.of(value)
         if len(row) != len(made) or any(m == ONE and not self.shapes.same(r, m) for r, m in zip(row, made)):
             self.report.error("S201", "an array of another size than the others is put into a list", statement,
                               help="give arrays of different sizes different names")
@@ -251,7 +252,7 @@ class _ResolveViews(LoopCarried):
             return True
         if rules.find_array(call_name(value)) is None:
             return False
-        filled, made = self.shapes.of(self.load(place)), self.shapes.of(value)
+        filled, made = self.shapes.of(loaded(place)), self.shapes.of(value)
         spread = len(filled) != len(made) or any(m == ONE != f for f, m in zip(filled, made))
         part = looped and is_reduction(value) and not is_whole_place(place)
         return spread or part or base_name(place) in read_names(value)

@@ -24,12 +24,11 @@ from s2sad.infer.shapes import Shapes, started_shapes, shape_expression
 from s2sad.infer.slice_extents import scattered
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
-from s2sad.normalize.buffers.allocations import dtype_of
+from s2sad.normalize.buffers.allocations import array_operands, dtype_of
 from s2sad.normalize.loops.element_of import Elements, moves
 from s2sad.normalize.array_anf import is_function
 from s2sad.normalize.shape_guards import as_many
 from s2sad.normalize.loops.reduction_loops import Reductions, is_reduction
-from s2sad.normalize.buffers.access_paths import array_operands
 from s2sad.normalize.buffers.compose_subscripts import is_new
 from s2sad.passes import Context
 from s2sad.rules.operation import operation
