@@ -22,9 +22,7 @@ from s2sad.infer.types import array
 from s2sad.normalize.buffers.may_alias import Aliases
 from s2sad.normalize.buffers.access_paths import AMBIGUOUS, AccessPaths, AccessPath
 from s2sad.normalize.buffers.may_alias import UpcomingUses
-from s2sad.tree import (
-    AST, If, Subscript, assign, at, const, copy, index, name, names, rename,
-)
+from s2sad.tree import AST, If, Subscript, assign, at, const, copy, index, name, names, rename
 
 
 @dataclass
