@@ -19,7 +19,7 @@ from typing import Any
 from benchmarks.tables import Table, verdict
 
 TARGETS = {"brusselator": {"cold": 6.0, "warm": 0.8}, "shallow_water": {"cold": 15.0, "warm": 1.5}}
-STEPS = {"program": "read", "summary": "summarize", "taken_apart": "take structures apart", "derived": "derive"}
+STEPS = {"program": "read", "summary": "summarize", "flat_program": "take structures apart", "derived": "derive"}
 WORDS = {"python": "Python starts, ends", "import": "import numpy, s2sad", "numba": "import numba",
          "compiler": "import the compiler", **STEPS, "prepare": "compile or load", "rest": "first runs, the rest"}
 

@@ -85,7 +85,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     found = facts(derived, request, units) | {"unshadowed": missing_shadows(
         unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
 
-    sharing = given_twice(units)
+    sharing = aliased_derivatives(units)
 
     def final(d: UnitDerivative) -> FunctionDef:
         return d.function if request.level != "fast" or d.function.name in sharing else fast(d, units)
@@ -96,7 +96,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         functions += more
         sources += [d.unit.kernel.source] * len(more)
     entered = final(derived)
-    kept = kept_tape(derived, entered, units) if request.level == "fast" else None
+    kept = with_caller_tape(derived, entered, units) if request.level == "fast" else None
     if kept is None:
         functions.append(with_origins(entered, unit.kernel.source))
     else:
@@ -149,22 +149,22 @@ def _writing(function: FunctionDef, units: Units) -> set[str]:
     return {call_name(n) or "" for n in walk(function.body) if isinstance(n, Call) and units.effects.writes(n)}
 
 
-def given_twice(units: Units) -> set[str]:
+def aliased_derivatives(units: Units) -> set[str]:
     """The derivatives that a call gives one array twice, and all that they call: their loops stay as they are, for a
     shadow may be another one's, too."""
     found: set[str] = set()
     while True:
         more = {callee for d in units.derived.values() for n in walk(d.function.body) if isinstance(n, Call)
                 for room, _, callee in [(call_name(n) or "").partition(".")] if room == "user"
-                and (d.function.name in found or _is_twice([b for a in n.args if (b := base_name(a))
+                and (d.function.name in found or _repeats([b for a in n.args if (b := base_name(a))
                                                             and b in d.types and d.types[b].is_array]))}
         if more <= found:
             return found
         found |= more
 
 
-def _is_twice(given: list[str]) -> bool:
-    return len(set(given)) < len(given)
+def _repeats(arguments: list[str]) -> bool:
+    return len(set(arguments)) < len(arguments)
 
 
 def shadow_of(identifier: str) -> str:
@@ -173,7 +173,7 @@ def shadow_of(identifier: str) -> str:
     return stem if number.isdigit() else identifier
 
 
-def kept_tape(derived: UnitDerivative, function: FunctionDef, units: Units) -> ReusableTape | None:
+def with_caller_tape(derived: UnitDerivative, function: FunctionDef, units: Units) -> ReusableTape | None:
     """The entry's adjoint over stacks that the caller keeps between calls."""
     tape = derived.made.tape
     if tape is None or units.engine != "numba":

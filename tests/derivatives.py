@@ -88,7 +88,7 @@ def _wide(value: Any) -> Any:
     return value.astype("float64") if isinstance(value, np.ndarray) and value.dtype.kind == "f" else value
 
 
-class Subject:
+class VectorFunction:
     """A kernel as a mathematical function: from the floats of `wrt` to the floats of `of`."""
 
     def __init__(self, function: Callable, arguments: tuple, wrt: tuple[str, ...], of: tuple[str, ...]):
@@ -140,7 +140,7 @@ class Subject:
 
 
 # -- differences ----------------------------------------------------------------------------------------------------
-def differences(subject: Subject, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def differences(subject: VectorFunction, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The derivative along a direction by output, with estimates of the errors."""
     return along_line(subject.along(direction), noise=subject.noise)
 
@@ -152,7 +152,7 @@ def _unchanged(before: tuple, after: tuple, what: str) -> None:
             f"{what} changed argument {k}: {a} became {b}")
 
 
-def _same_shape(gradients: Values, subject: Subject) -> None:
+def _same_shape(gradients: Values, subject: VectorFunction) -> None:
     assert tuple(gradients) == subject.wrt or set(gradients) == set(subject.wrt), f"gradients for {tuple(gradients)}"
     for n in subject.wrt:
         given, found = subject.given[n], gradients[n]
@@ -170,7 +170,7 @@ def _close(found: float, expected: float, magnitude: float, error: float, rtol: 
     return abs(found - expected) / (magnitude or 1.0)
 
 
-def _primal_values(differentiated: Any, subject: Subject, rtol: float) -> None:
+def _primal_values(differentiated: Any, subject: VectorFunction, rtol: float) -> None:
     """The primal's values are the kernel's, but for what rounding does to them."""
     given = copy.deepcopy(subject.given)
     result = differentiated(*given.values())
@@ -196,11 +196,11 @@ def check_derivatives(function: Callable, arguments: tuple, wrt: tuple[str, ...]
     arguments relax the tolerances to what float32 can hold.
     """
     with running(engine) as run_under:
-        return _measured(function, Subject(function, arguments, wrt, of), run_under, rtol, dot_tol, seed, coordinates,
-                         directions, vanishing)
+        return _measured(function, VectorFunction(function, arguments, wrt, of), run_under, rtol, dot_tol, seed,
+                         coordinates, directions, vanishing)
 
 
-def _measured(function: Callable, subject: Subject, engine: str, rtol: float, dot_tol: float, seed: int,
+def _measured(function: Callable, subject: VectorFunction, engine: str, rtol: float, dot_tol: float, seed: int,
               coordinates: int, directions: int, vanishing: float) -> Measured:
     if subject.is_single():
         rtol, dot_tol = max(rtol, 2e-3), max(dot_tol, 1e-4)
@@ -247,7 +247,7 @@ def check_value(function: Callable, arguments: tuple, wrt: tuple[str, ...], engi
     np.testing.assert_allclose(found, expected, rtol=tolerance, atol=1e-12, err_msg="the value beside the gradient")
 
 
-def _rounded(subject: Subject, direction: np.ndarray) -> np.ndarray:
+def _rounded(subject: VectorFunction, direction: np.ndarray) -> np.ndarray:
     """The direction as the tangents' dtypes can hold it."""
     return _vector(_split(subject.given, subject.wrt, direction), subject.wrt)
 
@@ -263,7 +263,7 @@ def _dot_product(bars: np.ndarray, y_dot: np.ndarray, x_bar: np.ndarray, x_dot: 
     return distance / (magnitude or 1.0)
 
 
-def _along(subject: Subject, direction: np.ndarray, bars: np.ndarray, y_dot: np.ndarray, x_bar: np.ndarray,
+def _along(subject: VectorFunction, direction: np.ndarray, bars: np.ndarray, y_dot: np.ndarray, x_bar: np.ndarray,
            rtol: float) -> float:
     """The tangent by output, and the adjoint, against differences along one direction."""
     expected, error = differences(subject, direction)
@@ -275,7 +275,7 @@ def _along(subject: Subject, direction: np.ndarray, bars: np.ndarray, y_dot: np.
                   float(np.abs(bars * error).sum()), rtol, "adjoint along a direction")
 
 
-def _single_inputs(subject: Subject, bars: np.ndarray, x_bar: np.ndarray, rtol: float, count: int,
+def _single_inputs(subject: VectorFunction, bars: np.ndarray, x_bar: np.ndarray, rtol: float, count: int,
                    rng: np.random.Generator) -> float:
     """The gradient of single inputs: all of them where they are few."""
     worst, scales = 0.0, subject.scales()

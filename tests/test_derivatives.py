@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests import derivatives
-from tests.derivatives import Subject, UnreliableDifferences, check_derivatives, differences
+from tests.derivatives import VectorFunction, UnreliableDifferences, check_derivatives, differences
 from tests.seeds import generator
 
 
@@ -104,7 +104,7 @@ def jump(u):
 
 @pytest.mark.parametrize(("function", "at"), [(absolute, 0.0), (absolute, 1e-7), (jump, 0.0), (jump, 1e-12)])
 def test_knows_a_kink(function, at, monkeypatch):
-    subject = Subject(function, (np.array([at, 1.0]),), ("u",), ("return",))
+    subject = VectorFunction(function, (np.array([at, 1.0]),), ("u",), ("return",))
     _, error = differences(subject, np.array([1.0, 0.0]))
     assert error[0] > 1e-4
 
@@ -121,7 +121,7 @@ def test_raises_at_a_kink(monkeypatch):
     (lambda u: math.exp(30.0 * u[0]), 30.0 * math.exp(9.0), 0.3), (lambda u: u[0] ** 9, 9.0, 1.0),
     (lambda u: math.sin(50.0 * u[0]), 50.0 * math.cos(10.0), 0.2), (lambda u: 1e-9 * u[0], 1e-9, 3.0)])
 def test_differences_are_as_good_as_they_say(function, slope, at):
-    subject = Subject(function, (np.array([at]),), ("u",), ("return",))
+    subject = VectorFunction(function, (np.array([at]),), ("u",), ("return",))
     found, error = differences(subject, np.array([1.0]))
     assert abs(found[0] - slope) <= 20 * error[0]
     assert error[0] < 1e-8 * abs(slope)
@@ -140,7 +140,7 @@ def solved_apart(condition, random, wrong=0.0, size=4):
     """How far a derivative of a solve is from its differences, as multiples of their estimated errors."""
     a = nearly_singular(condition, size, random)
     b = a @ random.standard_normal(size)
-    subject = Subject(solved, (a, b), ("a",), ("return",))
+    subject = VectorFunction(solved, (a, b), ("a",), ("return",))
     direction = random.standard_normal(a.shape) * np.abs(a)
     if random.random() < 0.5:
         direction *= (np.arange(a.size) == random.integers(a.size)).reshape(a.shape)
@@ -170,7 +170,7 @@ def narrow(u):
 
 def test_differences_see_what_is_narrower_than_their_steps():
     """The steps say 1, as if there were nothing; the slope is 11."""
-    subject = Subject(narrow, (np.array([2.0]),), ("u",), ("return",))
+    subject = VectorFunction(narrow, (np.array([2.0]),), ("u",), ("return",))
     _, error = differences(subject, np.array([1.0]))
     assert error[0] > 1.0
 
@@ -180,7 +180,7 @@ def stairs(u):
 
 
 def test_differences_know_what_single_precision_within_does():
-    subject = Subject(stairs, (np.array([0.7]),), ("u",), ("return",))
+    subject = VectorFunction(stairs, (np.array([0.7]),), ("u",), ("return",))
     found, error = differences(subject, np.array([1.0]))
     assert abs(found[0] - 1.4) < 10 * error[0] < 1e-2
 
@@ -189,7 +189,7 @@ def test_differences_know_what_single_precision_within_does():
                                                  (lambda u: u[0] ** 3, 0.0)])
 def test_differences_hold_where_the_value_is_zero(function, slope):
     """There is no rounding to measure."""
-    subject = Subject(function, (np.array([0.0]),), ("u",), ("return",))
+    subject = VectorFunction(function, (np.array([0.0]),), ("u",), ("return",))
     found, error = differences(subject, np.array([0.97]))
     assert abs(found[0] - 0.97 * slope) <= 10 * error[0] + 1e-14
     assert error[0] < 1e-10

@@ -42,7 +42,7 @@ from s2sad.run.module_loader import load
 from s2sad.tree import FunctionDef
 from s2sad.units import Unit
 from s2sad.dispatch.cache import ProgramVersion
-from tests.derivatives import Subject, differences
+from tests.derivatives import VectorFunction, differences
 from tests.seeds import generator
 
 FOLDER = Path(__file__).resolve().parent / "golden"
@@ -173,9 +173,9 @@ class Call:
         self.returned = dict(zip(signature.returns, function(*arguments) or ()))
 
 
-def subject_of(case: str) -> Subject:
+def subject_of(case: str) -> VectorFunction:
     module = given(case).module
-    return Subject(given(case).kernel, given(case).arguments, module.WRT, module.OF)
+    return VectorFunction(given(case).kernel, given(case).arguments, module.WRT, module.OF)
 
 
 def parts(like: dict[str, Any], names: tuple[str, ...], rng: np.random.Generator) -> dict[str, Any]:
@@ -200,7 +200,7 @@ def reals(vector: np.ndarray) -> np.ndarray:
     return vector.view(float) if np.iscomplexobj(vector) else vector
 
 
-def tolerance(subject: Subject) -> float:
+def tolerance(subject: VectorFunction) -> float:
     return 2e-3 if any(getattr(v, "dtype", None) == np.float32 for v in subject.given.values()) else 1e-7
 
 

@@ -17,7 +17,7 @@ import s2sad
 from benchmarks.calls import fresh, plain_numba, seed_like
 from benchmarks.published.cases import Case
 from s2sad import S2sadError
-from s2sad.report.question import BenchQuestion
+from s2sad.report.measured_call import MeasuredCall
 from s2sad.report.timing import Prepare, Times, sampled
 
 
@@ -46,21 +46,21 @@ class Ours:
 
     def __init__(self, case: Case, size: str):
         self.case, self.arguments = case, case.arguments(size)
-        self.question = BenchQuestion.asked(case.function, self.arguments, case.wrt, case.of, "numba")
-        values = dict(zip(self.question.values, fresh(self.arguments)))
-        values["return"] = self.question.primal(self.question.values)(*values.values())
+        self.measured = MeasuredCall.for_call(case.function, self.arguments, case.wrt, case.of, "numba")
+        values = dict(zip(self.measured.values, fresh(self.arguments)))
+        values["return"] = self.measured.primal(self.measured.values)(*values.values())
         self.seeds = {name: _seed(values[name]) for name in case.of}
         self.function = s2sad.differentiate(case.function, wrt=case.wrt, of=case.of, engine="numba")
         self.call = partial(s2sad.vjp, self.function, self.arguments, self.seeds)
-        self.reverse = self.question.reverse()
+        self.reverse = self.measured.reverse()
         self.gradients = self.reverse.vjp(self.arguments, self.seeds)
 
     def primal(self) -> Callable[[], Any]:
-        return self.question.bare(dict(zip(self.question.values, fresh(self.arguments))))
+        return self.measured.bare(dict(zip(self.measured.values, fresh(self.arguments))))
 
     def adjoint(self) -> Callable[[], Any]:
-        values, shadows, seeds = self.reverse.arranged(self.arguments, self.seeds)
-        outside = self.question.state.outside(self.question.types)
+        values, shadows, seeds = self.reverse.bind_values(self.arguments, self.seeds)
+        outside = self.measured.state.outside(self.measured.types)
         return partial(self.reverse.rv.function, *self.reverse.rv.assemble(values, shadows, seeds, outside))
 
 

@@ -18,15 +18,15 @@ from s2sad.dispatch.arguments import float_parameters
 from s2sad.cli.parser import COMMANDS, RUNNING, command_parser
 from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, Report, S2sadError
-from s2sad.interface.pytrees.spelled_types import form_spelled, listed, named, spelled_out
+from s2sad.interface.pytrees.spelled_types import parse_form, split_list, flat_names, flat_spelled
 from s2sad.infer.assumed_types import Assumed, assumed_types
 from s2sad.program import Program, Request
-from s2sad.report.argument_literals import evaluated, flat_values, form_of_literal
+from s2sad.report.argument_literals import evaluate_arguments, flat_values, form_of_literal
 from s2sad.report.bench import bench
-from s2sad.report.cache_contents import cleared, described
+from s2sad.report.cache_contents import clear_cache, describe_cache
 from s2sad.report.check import check
-from s2sad.report.explain import explained
-from s2sad.report.made_up import run_on_file
+from s2sad.report.explain import explain_program
+from s2sad.report.sample_arguments import run_on_file
 from s2sad.report.output import check_output, write_output
 from s2sad.report.picture import kind_of
 from s2sad.report.stages import ROOMS, STAGES, stages
@@ -43,10 +43,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     >>> main(["adjoint", "nowhere.py:f"])
     1
     """
-    parser, given = command_parser(), sys.argv[1:] if argv is None else list(argv)
-    if given and not given[0].startswith("-") and given[0] not in COMMANDS:
-        parser.error(_no_command(given[0]))
-    options = parser.parse_args(given)
+    parser, arguments = command_parser(), sys.argv[1:] if argv is None else list(argv)
+    if arguments and not arguments[0].startswith("-") and arguments[0] not in COMMANDS:
+        parser.error(_no_command(arguments[0]))
+    options = parser.parse_args(arguments)
     if options.command is None:
         parser.print_help()
         return 2
@@ -81,25 +81,25 @@ def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
     path, _, function = options.target.rpartition(":")
     if not path or not function.isidentifier():
         parser.error(_no_target(options))
-    given = _given(parser, options.types or "")
+    types = _types_option(parser, options.types or "")
     program = read.load_file(path, function)
     check_output(options.output, program.files)
     check_output(getattr(options, "picture", None), program.files, "--picture")
-    return _answered(program, parser, options, given)
+    return _execute(program, parser, options, types)
 
 
 @deep_stack
-def _answered(program: Program, parser: argparse.ArgumentParser, options: argparse.Namespace,
-              given: dict[str, Form]) -> int:
-    """Writes what is asked of a program that has been read."""
+def _execute(program: Program, parser: argparse.ArgumentParser, options: argparse.Namespace,
+             types: dict[str, Form]) -> int:
+    """Runs the command on a program that has been read, and writes its output."""
     path, _, function = options.target.rpartition(":")
     values = _values(program, options)
     program, request, found, paths = _request(parser, program, options, {
-        **{name: form_of_literal(v) for name, v in values.items()}, **given})
+        **{name: form_of_literal(v) for name, v in values.items()}, **types})
     if options.command in RUNNING:
-        return _ran(path, function, options, found, request, paths)
+        return _run_file(path, function, options, found, request, paths)
     if options.command == "explain":
-        explanation = explained(program, request, flat_values(values, paths, program.kernels[program.entry]))
+        explanation = explain_program(program, request, flat_values(values, paths, program.kernels[program.entry]))
         text = explanation.json() + "\n" if options.json else explanation.html() if options.html else f"{explanation}\n"
     elif options.command == "stages":
         text = _stages(parser, program, request, options.after)
@@ -113,9 +113,9 @@ def _answered(program: Program, parser: argparse.ArgumentParser, options: argpar
     return 0
 
 
-def _ran(path: str, function: str, options: argparse.Namespace, found: dict[str, Assumed], request: Request,
-         paths: dict[str, str]) -> int:
-    """What runs the file: `check` and `bench`."""
+def _run_file(path: str, function: str, options: argparse.Namespace, found: dict[str, Assumed], request: Request,
+              paths: dict[str, str]) -> int:
+    """The commands that run the file: `check` and `bench`."""
     if options.command == "check":
         report = run_on_file(check, path, function, options.arguments, found, request, paths)
         write_output(options.output, f"{report}\n")
@@ -131,7 +131,8 @@ def _ran(path: str, function: str, options: argparse.Namespace, found: dict[str,
 
 def _cache(options: argparse.Namespace) -> int:
     try:
-        write_output(None, f"{store.location()}\n" if options.where else cleared() if options.clear else described())
+        write_output(None, f"{store.location()}\n" if options.where
+                     else clear_cache() if options.clear else describe_cache())
     except RuntimeError as error:
         raise S2sadError(Diagnostic("S407", f"there is no cache: {error}",
                                     help="set S2SAD_CACHE_DIR to a folder of your own")) from None
@@ -139,7 +140,7 @@ def _cache(options: argparse.Namespace) -> int:
 
 
 def _no_command(word: str) -> str:
-    """What is said of a first word that is no command."""
+    """The message for a first word that is no command."""
     if ":" in word or word.endswith(".py"):
         return f"a command is missing: s2sad adjoint {word}"
     close = difflib.get_close_matches(word, COMMANDS, 1)
@@ -148,7 +149,7 @@ def _no_command(word: str) -> str:
 
 
 def _no_target(options: argparse.Namespace) -> str:
-    """What is said of a target without a function: which there are in its file."""
+    """The message for a target without a function: the functions of its file."""
     path, _, function = options.target.rpartition(":")
     path = path if path and not os.path.exists(options.target) else options.target.rstrip(":")
     if not os.path.exists(path) and not path.endswith(".py"):
@@ -156,27 +157,27 @@ def _no_target(options: argparse.Namespace) -> str:
     there = read.functions(path)
     if not there:
         return f"'{options.target}' names no function, and {path} defines none at module level"
-    asked = "\n".join(f"  s2sad {options.command} {path}:{name}" for name in there)
-    return f"'{options.target}' names no function at module level; {path} defines\n{asked}"
+    commands = "\n".join(f"  s2sad {options.command} {path}:{name}" for name in there)
+    return f"'{options.target}' names no function at module level; {path} defines\n{commands}"
 
 
 def _request(parser: argparse.ArgumentParser, program: Program, options: argparse.Namespace,
-             given: dict[str, Form]) -> tuple[Program, Request, dict[str, Assumed], dict[str, str]]:
-    """The program without structures, what is asked for, the types of its parameters by name, and the paths of these
-    in structures."""
+             spelled: dict[str, Form]) -> tuple[Program, Request, dict[str, Assumed], dict[str, str]]:
+    """The program without structures, the request, the types of its parameters by name, and the paths of these in
+    structures."""
     kernel = program.kernels[program.entry]
-    for name in given:
+    for name in spelled:
         if name not in kernel.parameters:
             parser.error(f"--types names '{name}', which is no parameter of '{program.entry}': its parameters are "
                          f"{', '.join(kernel.parameters)}")
-    program, leaves, paths = spelled_out(program, given)
+    program, leaves, paths = flat_spelled(program, spelled)
     kernel = program.kernels[program.entry]
     report = Report(kernel.source)
     found = assumed_types(program.entry, {n: k.tree for n, k in program.kernels.items()}, kernel.parameters,
                     kernel.annotations, kernel.defaults, leaves, report)
     report.finish()
     types = tuple(found[p].type for p in kernel.parameters)
-    wrt, of = (named(_listed(names), paths) for names in (options.wrt, options.of))
+    wrt, of = (flat_names(_listed(names), paths) for names in (options.wrt, options.of))
     wrt = selected_wrt(program.entry, kernel.parameters, types, wrt)
     of = selected_of(program.entry, kernel.parameters, types, pipeline.summary(program, types), of)
     engine = chosen("auto") if options.engine == "auto" else options.engine
@@ -191,21 +192,21 @@ def _values(program: Program, options: argparse.Namespace) -> dict[str, Any]:
     if options.command != "explain" or options.arguments is None:
         return {}
     kernel = program.kernels[program.entry]
-    return evaluated(options.arguments, kernel.parameters, float_parameters(kernel))
+    return evaluate_arguments(options.arguments, kernel.parameters, float_parameters(kernel))
 
 
 def _listed(names: str | None) -> tuple[str, ...] | None:
     return None if names is None else tuple(n.strip() for n in names.split(",") if n.strip())
 
 
-def _given(parser: argparse.ArgumentParser, text: str) -> dict[str, Form]:
+def _types_option(parser: argparse.ArgumentParser, text: str) -> dict[str, Form]:
     """The types of `--types "u: float64[:, :], n: int64"`."""
     found: dict[str, Form] = {}
-    for part in listed(text):
+    for part in split_list(text):
         name, colon, spelling = part.partition(":")
         if not colon or not name.strip().isidentifier():
             parser.error(f"--types: '{part.strip()}' is not NAME: TYPE, as u: float64[:, :]")
-        kind = form_spelled(spelling)
+        kind = parse_form(spelling)
         if kind is None:
             parser.error(f"--types: '{spelling.strip()}' is no type for '{name.strip()}'; use float64, float32, "
                          "complex128, int64 or bool, an array of these, as float64[:, :], or a structure, as "

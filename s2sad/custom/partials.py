@@ -23,11 +23,11 @@ _BUILTINS = ("abs", "float", "max", "min")
 class Partials:
     """The partials of one function: `trees` by parameter, with resolved names, and the functions `called` by path."""
 
-    def __init__(self, path: str, function: Any, parameters: tuple[str, ...], given: Mapping[str, str]):
-        self.path, self.function, self.parameters, self.given = path, function, parameters, given
+    def __init__(self, path: str, function: Any, parameters: tuple[str, ...], texts: Mapping[str, str]):
+        self.path, self.function, self.parameters, self.texts = path, function, parameters, texts
         self.called: dict[str, Any] = {}
         self.values: dict[str, Any] = {}
-        self.trees = {p: self._tree(p, given[p]) for p in parameters}
+        self.trees = {p: self._tree(p, texts[p]) for p in parameters}
 
     # -- names -------------------------------------------------------------------------------------------------------
 
@@ -58,7 +58,7 @@ class Partials:
         found = f"{home}.{path}" if root == path else path
         value = imported(found) if root else None
         if not callable(value):
-            raise self.wrong(f"the partial {parameter}={self.given[parameter]!r} reads {path or 'an attribute'}",
+            raise self.wrong(f"the partial {parameter}={self.texts[parameter]!r} reads {path or 'an attribute'}",
                              f"it may read {', '.join(self.parameters)} and {RESULT}, and call functions by their name")
         self.called[found] = value
         return ROOM + found
@@ -81,7 +81,7 @@ class Partials:
                 measured, error = slope
                 if not abs(stated - measured) <= 1e-5 * max(abs(stated), abs(measured)) + 10 * error + 1e-8:
                     where = ", ".join(f"{p} = {x:.6g}" for p, x in point.items())
-                    raise self.wrong(f"the partial {parameter}={self.given[parameter]!r} is {stated:.6g} at {where}, "
+                    raise self.wrong(f"the partial {parameter}={self.texts[parameter]!r} is {stated:.6g} at {where}, "
                                      f"but differences give {measured:.6g}",
                                      "correct it, or say with domain= where it holds; check=False registers it "
                                      "unchecked")
@@ -141,11 +141,11 @@ class Partials:
             space.setdefault(root, sys.modules.get(root))
         try:
             with np.errstate(all="ignore"):
-                return float(eval(self.given[parameter], {**space, **values}))
+                return float(eval(self.texts[parameter], {**space, **values}))
         except ArithmeticError:
             return math.nan
         except Exception as error:
-            raise self.wrong(f"the partial {parameter}={self.given[parameter]!r} cannot be computed: "
+            raise self.wrong(f"the partial {parameter}={self.texts[parameter]!r} cannot be computed: "
                              f"{type(error).__name__}: {error}") from None
 
     def wrong(self, message: str, help: str = "") -> S2sadError:

@@ -33,11 +33,11 @@ class UserDerivative:
         self.path, self.function, self.named = path, function, named
         self.parameters = self.plain_parameters(function, path)
 
-    def own(self, given: dict[str, Any], writes: Any = None, returns: int | None = None) -> RegisteredDerivative:
+    def derivative(self, given: dict[str, Any], writes: Any = None, returns: int | None = None) -> RegisteredDerivative:
         """The derivative: `given` has what stands behind adjoint=, tangent=, forward=, reverse=, implicit=, solver=.
         With `writes` or `returns` the function is not read."""
         given = {what: value for what, value in given.items() if value is not None}
-        self.together(given)
+        self.check_combination(given)
         solver, residual = given.pop("solver", "dense" if "implicit" in given else ""), given.pop("implicit", None)
         if isinstance(solver, str) and solver and solver not in SOLVERS:
             raise self.wrong(f"solver={solver!r} is none of {', '.join(SOLVERS)}", "or give a function that solves")
@@ -47,19 +47,19 @@ class UserDerivative:
         roles = {what: self.roles(what, g) for what, g in functions.items() if what != "solver"}
         if residual is not None:
             residual = self.residual_of(residual)
-        texts = {what: said(g.plain) for what, g in functions.items()}
+        texts = {what: rule_text(g.plain) for what, g in functions.items()}
         if writes is not None or returns is not None:
             functions["primal"] = self.function_of("primal", self.function)
-            stored = sorted(said(functions["primal"].plain).stores - set(self.written(writes)))
+            stored = sorted(rule_text(functions["primal"].plain).stores - set(self.written_arguments(writes)))
             if stored:
                 raise self.wrong(f"it writes its argument '{stored[0]}', which writes= does not name",
                                  f"name it, or write `{stored[0]} = {stored[0]} + 1.0` in place of `+=`")
             roles["primal"] = tuple(("primal", p) for p in self.parameters)
         return RegisteredDerivative(self.path.rpartition(".")[2], functions, roles, texts, residual,
-                                    solver if isinstance(solver, str) else "", self.written(writes),
-                                    self.returned(returns))
+                                    solver if isinstance(solver, str) else "", self.written_arguments(writes),
+                                    self.returned_count(returns))
 
-    def written(self, writes: Any) -> tuple[str, ...]:
+    def written_arguments(self, writes: Any) -> tuple[str, ...]:
         named = () if writes is None else (writes,) if isinstance(writes, str) else tuple(writes)
         unknown = [p for p in named if p not in self.parameters]
         if unknown:
@@ -67,12 +67,12 @@ class UserDerivative:
                              f"its parameters are {', '.join(self.parameters)}")
         return named
 
-    def returned(self, returns: int | None) -> int:
+    def returned_count(self, returns: int | None) -> int:
         if returns is not None and (type(returns) is not int or returns < 0):
             raise self.wrong(f"returns={returns!r} is no number of floats", "write 0, 1, 2, ...")
         return returns or 0
 
-    def together(self, given: dict[str, Any]) -> None:
+    def check_combination(self, given: dict[str, Any]) -> None:
         """Which of them go together."""
         there = [group for group in _TOGETHER if any(what in given for what in group)]
         if len(there) > 1:
@@ -156,7 +156,7 @@ class UserDerivative:
         return S2sadError(Diagnostic("S302", f"rule for '{self.path}': {message}", help=help))
 
 
-def said(function: Any) -> RuleText:
+def rule_text(function: Any) -> RuleText:
     """What the text of a function says."""
     try:
         definition = capture(function).tree
@@ -165,7 +165,7 @@ def said(function: Any) -> RuleText:
     returns = [n.value for n in walk_statements(definition.body) if isinstance(n, Return)]
     kept = [e for v in returns if v is not None for e in _parts(v)]
     return RuleText(frozenset(n.id for n in walk(definition.body) if isinstance(n, Name)),
-                    frozenset(written(definition)),
+                    frozenset(written_parameters(definition)),
                     tuple(map(_count, returns)), frozenset(b for b in map(_kept, kept) if b))
 
 
@@ -187,7 +187,7 @@ def _kept(value: AST) -> str | None:
     return _base(value)
 
 
-def written(definition: FunctionDef) -> list[str]:
+def written_parameters(definition: FunctionDef) -> list[str]:
     """The parameters whose content a function's text writes in place."""
     given = definition.args
     parameters = {a.id for a in (*given.posonlyargs, *given.args, *given.kwonlyargs)}

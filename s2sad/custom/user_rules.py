@@ -5,7 +5,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar, overload
 
-from s2sad.custom.user_adjoints import UserDerivative, written
+from s2sad.custom.user_adjoints import UserDerivative, written_parameters
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.custom.partials import Partials, dotted
 from s2sad.read.capture import capture
@@ -55,9 +55,9 @@ def nondifferentiable(function: Any = None, *, result: str = "float") -> Any:
     if function is None:
         return lambda f: nondifferentiable(f, result=result)
     path, value = _named(function)
-    written = _written(value)
-    if written:
-        raise _wrong(f"nondifferentiable: '{path}' writes its argument '{written}'", "write it without, "
+    stored = _first_written(value)
+    if stored:
+        raise _wrong(f"nondifferentiable: '{path}' writes its argument '{stored}'", "write it without, "
                      "`u = u + 1.0` in place of `u += 1.0`")
     _add(path, value, result)
     return value
@@ -167,8 +167,8 @@ def _owned(function: Any, own: dict[str, Any], unread: dict[str, Any]) -> Any:
     if plain is None:
         raise _wrong(f"rule: a Python function is needed, not {value!r}", "wrap it in one")
     path = f"{plain.__module__}.{plain.__qualname__}"
-    found = UserDerivative(path, plain, _named).own(own, **unread)
-    TABLE.give(ROOM + path, None)
+    found = UserDerivative(path, plain, _named).derivative(own, **unread)
+    TABLE.set_user_rule(ROOM + path, None)
     GIVEN.add(RegisteredRule(path, value, plain, False, own=found))
     return value
 
@@ -194,7 +194,7 @@ def _ruled(path: str, function: Any, parameters: tuple[str, ...], partials: Mapp
     found = Rule(ROOM + path, parameters, read.trees, singular=frozenset(singular), domain=dict(domain or {}),
                  kink=kink, linear=frozenset(p for p in parameters if not reads[p] & {p, "y"}),
                  zero=frozenset(p for p in parameters if number(read.trees[p]) == 0))
-    helpers = tuple(GIVEN.by_path.get(p) or GIVEN.add(_given(p, f, False)) for p, f in read.called.items())
+    helpers = tuple(GIVEN.by_path.get(p) or GIVEN.add(_registered_rule(p, f, False)) for p, f in read.called.items())
     _add(path, function, found, helpers)
     return function
 
@@ -226,21 +226,21 @@ def _named(function: Any) -> tuple[str, Any]:
     return f"{module}.{name}", function
 
 
-def _written(function: Any) -> str | None:
+def _first_written(function: Any) -> str | None:
     """A parameter that a function's text writes in place; None if there is none, or no text."""
     try:
-        return next(iter(written(capture(function).tree)), None)
+        return next(iter(written_parameters(capture(function).tree)), None)
     except S2sadError:
         return None
 
 
-def _given(path: str, function: Any, ruled: bool, reads: tuple[RegisteredRule, ...] = ()) -> RegisteredRule:
+def _registered_rule(path: str, function: Any, ruled: bool, reads: tuple[RegisteredRule, ...] = ()) -> RegisteredRule:
     return RegisteredRule(path, function, python_function(function) or function, ruled, reads)
 
 
 def _add(path: str, function: Any, found: Rule | str, reads: tuple[RegisteredRule, ...] = ()) -> None:
-    TABLE.give(ROOM + path, found)
-    GIVEN.add(_given(path, function, True, reads))
+    TABLE.set_user_rule(ROOM + path, found)
+    GIVEN.add(_registered_rule(path, function, True, reads))
 
 
 def _wrong(message: str, help: str = "") -> S2sadError:

@@ -47,10 +47,10 @@ def bind(kernel: Kernel, args: Sequence[Any], keywords: Mapping[str, Any] | None
     return [bound[n] if n in bound else kernel.defaults[n] for n in names]
 
 
-def admitted(name: str, value: Any, is_float: bool = False) -> Any:
+def kernel_value(name: str, value: Any, is_float: bool = False) -> Any:
     """The value as generated code takes it: an ndarray, float, complex number, int, bool, str or None; else S2sadError.
 
-    >>> admitted("x", 3, is_float=True), admitted("n", 3)
+    >>> kernel_value("x", 3, is_float=True), kernel_value("n", 3)
     (3.0, 3)
     """
     kind = type(value)
@@ -62,7 +62,7 @@ def admitted(name: str, value: Any, is_float: bool = False) -> Any:
         return bool(value)
     if isinstance(value, (int, np.integer)):
         if not _LEAST <= value < _BEYOND:
-            raise _unfit(name, f"is {value}, which does not fit 64 bits", "give a float")
+            raise _argument_error(name, f"is {value}, which does not fit 64 bits", "give a float")
         return float(value) if is_float else int(value)
     if isinstance(value, _SINGLE):
         return value
@@ -70,15 +70,15 @@ def admitted(name: str, value: Any, is_float: bool = False) -> Any:
         return float(value)
     if isinstance(value, complex):
         return np.complex128(value)     # NumPy's, which divides by zero without an error
-    raise _unfit(name, *_odd(name, value))
+    raise _argument_error(name, *_unsupported(name, value))
 
 
-def coerced(name: str, value: Any, is_float: bool) -> Any:
-    """The function that turns later values of the same type into what `admitted` gave, or None if it keeps them."""
-    kind, given = type(admitted(name, value, is_float)), type(value)
+def coercion(name: str, value: Any, is_float: bool) -> Any:
+    """The function that turns later values of the same type into what `kernel_value` gave, or None if it keeps them."""
+    kind, passed = type(kernel_value(name, value, is_float)), type(value)
     if kind is np.ndarray:
-        return None if given is np.ndarray else np.asarray
-    return None if kind is given else kind
+        return None if passed is np.ndarray else np.asarray
+    return None if kind is passed else kind
 
 
 def types(values: Sequence[Any]) -> tuple[Type, ...]:
@@ -86,8 +86,8 @@ def types(values: Sequence[Any]) -> tuple[Type, ...]:
 
 
 def describe(args: Sequence[Any]) -> tuple[Any, ...]:
-    """A key that is equal only for arguments that may take the same compiled function: all of each one that `admitted`
-    and the types look at, and the layout of arrays."""
+    """A key that is equal only for arguments that may take the same compiled function: of each all that `kernel_value`
+    and the types depend on, and the layout of arrays."""
     array = np.ndarray
     return tuple([(a.dtype, a.ndim if 1 not in a.shape else of_value(a), a.flags.num) if (kind := type(a)) is array
                   else kind if kind in _PLAIN or kind is int and _LEAST <= a < _BEYOND else _described(a)
@@ -103,10 +103,10 @@ def _described(value: Any) -> Any:
     return type(value)
 
 
-def written_argument(name: str, value: Any) -> None:
+def check_writable(name: str, value: Any) -> None:
     """Refuses a read-only array where the kernel writes."""
     if isinstance(value, np.ndarray) and not value.flags.writeable:
-        raise _unfit(name, "is read-only, and the function writes it", "pass a copy of it")
+        raise _argument_error(name, "is read-only, and the function writes it", "pass a copy of it")
 
 
 def shadow(name: str, value: Any, primal: str, of: Any) -> Any:
@@ -144,11 +144,11 @@ def misfit(message: str, remedy: str = "") -> S2sadError:
 def _array(name: str, value: np.ndarray) -> np.ndarray:
     found = misfit_of(value, name)
     if found is not None:
-        raise _unfit(name, *found)
+        raise _argument_error(name, *found)
     return value if type(value) is np.ndarray else np.asarray(value)
 
 
-def _odd(name: str, value: Any) -> tuple[str, str]:
+def _unsupported(name: str, value: Any) -> tuple[str, str]:
     if isinstance(value, (list, tuple)):
         return f"is {_a(value)}", f"pass numpy.array({name}, dtype=float)"
     if isinstance(value, np.number):
@@ -168,7 +168,7 @@ def _a(value: Any) -> str:
     return word if value is None else f"{'an' if word[0].lower() in 'aeio' else 'a'} {word}"
 
 
-def _unfit(name: str, what: str, remedy: str) -> S2sadError:
+def _argument_error(name: str, what: str, remedy: str) -> S2sadError:
     return S2sadError(Diagnostic("S405", f"the argument '{name}' {what}", help=remedy))
 
 
@@ -186,7 +186,7 @@ def make_zero(x: Any) -> Any:
     form = form_of(x, "x", sys.maxsize)
     if isinstance(form, PyTree):
         return mapped(form, x, "x", lambda path, kind, leaf: leaf if kind.kind == "other" else make_zero(leaf))
-    value = admitted("x", x)
+    value = kernel_value("x", x)
     if isinstance(value, np.ndarray):
         return np.zeros_like(value) if value.dtype.name in INEXACT else value
     if isinstance(value, complex):

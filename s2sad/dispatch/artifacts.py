@@ -64,12 +64,12 @@ class ReadRecord:
     warned: tuple[str, ...] = ()
 
 
-def _miss_unless_whole(find: Callable[..., T]) -> Callable[..., T | None]:
+def _miss_unless_complete(find: Callable[..., T]) -> Callable[..., T | None]:
     """An entry that does not hold what it should is a miss, as one that is not there."""
     @wraps(find)
-    def found(*given: Any) -> T | None:
+    def found(*arguments: Any) -> T | None:
         try:
-            return find(*given)
+            return find(*arguments)
         except (ValueError, LookupError, TypeError, AttributeError):
             return None
     return found
@@ -77,12 +77,12 @@ def _miss_unless_whole(find: Callable[..., T]) -> Callable[..., T | None]:
 
 # -- readings -------------------------------------------------------------------------------------------------------
 
-@_miss_unless_whole
-def find(function: FunctionType) -> ReadRecord | None:
+@_miss_unless_complete
+def load_reading(function: FunctionType) -> ReadRecord | None:
     """The reading of a function that holds now."""
     for described, kernel, asks, warned, *held in _readings(_place(function)):
         guards = Guards()
-        values = _taken(described, (function,), guards)
+        values = _replay_guards(described, (function,), guards)
         if values is not None:
             arrays, records = ({n: values[k[0]][k[1]] if isinstance(k, tuple) else values[k] for n, k in part}
                                for part in held)
@@ -92,12 +92,12 @@ def find(function: FunctionType) -> ReadRecord | None:
     return None
 
 
-def keep(reading: ReadRecord, function: FunctionType) -> None:
+def store_reading(reading: ReadRecord, function: FunctionType) -> None:
     """Puts a reading before the others of its function."""
     place = _place(function)
     if place is None or reading.address is None:
         return
-    described, numbers = _described(reading.guards, (function,))
+    described, numbers = _describe_guards(reading.guards, (function,))
     held = (tuple((n, numbers[id(v)]) for n, v in part.items()) for part in (reading.arrays, reading.records))
     entry = (described, _of_kernel(reading.kernel), reading.asks, reading.warned, *held)
     others = [e for e in _readings(place) if e[0] != described]
@@ -114,7 +114,7 @@ def address(guards: Guards, function: FunctionType, held: Iterable[Any], kernel:
     if not ENABLED or guards.varying:
         return None
     try:
-        described, numbers = _described(guards, (function,))
+        described, numbers = _describe_guards(guards, (function,))
         _literal(_of_kernel(kernel))
     except NotSerializable:
         return None
@@ -145,25 +145,25 @@ def _kernel(kept: Any) -> Kernel:
 
 # -- what was derived -------------------------------------------------------------------------------------------------
 
-def summary_of(place: str | None, types: tuple[Type, ...]) -> EntrySummary | None:
+def load_summary(place: str | None, types: tuple[Type, ...]) -> EntrySummary | None:
     """What was found out about a kernel for arguments of these types."""
     found = None if place is None else _get(f"summary {place} {_text(types)}")
     return found if isinstance(found, EntrySummary) else None
 
 
-def keep_summary(place: str | None, types: tuple[Type, ...], found: EntrySummary) -> None:
+def store_summary(place: str | None, types: tuple[Type, ...], found: EntrySummary) -> None:
     if place is not None:
         _put(found, f"summary {place} {_text(types)}")
 
 
-@_miss_unless_whole
-def generated_for(place: str | None, request: Request) -> Generated | None:
+@_miss_unless_complete
+def load_generated(place: str | None, request: Request) -> Generated | None:
     """The generated module that was made for a request."""
     kept = None if place is None else _get(f"text {place} {_text(request)}")
     return None if kept is None else Generated(*kept)
 
 
-def keep_generated(place: str | None, request: Request, found: Generated) -> None:
+def store_generated(place: str | None, request: Request, found: Generated) -> None:
     """Keeps a generated module, but not one of which more is asked than what is written here."""
     facts = found.facts
     if place is None or facts.get("moving") or facts.get("unshadowed"):
@@ -172,8 +172,8 @@ def keep_generated(place: str | None, request: Request, found: Generated) -> Non
     _put((found.text, found.entry, found.parameters, found.returns, kept), f"text {place} {_text(request)}")
 
 
-@_miss_unless_whole
-def flat_of(reading: ReadRecord, forms: tuple[Any, ...]) -> Any:
+@_miss_unless_complete
+def load_flat(reading: ReadRecord, forms: tuple[Any, ...]) -> Any:
     """What was kept of a function for arguments of these forms, with the guards of their classes."""
     place = reading.address
     kept = None if place is None else _get(_flat_place(place, forms))
@@ -181,19 +181,19 @@ def flat_of(reading: ReadRecord, forms: tuple[Any, ...]) -> Any:
         return None
     described, kernel, paths, cells, result = kept
     guards = Guards()
-    if _taken(described, _classes(forms, reading), guards) is None:
+    if _replay_guards(described, _classes(forms, reading), guards) is None:
         return None
     return _kernel(kernel), paths, frozenset(cells), result, guards, _address((place, described))
 
 
-def keep_flat(reading: ReadRecord, forms: tuple[Any, ...], kernel: Kernel, paths: dict[str, str], cells: Iterable[str],
+def store_flat(reading: ReadRecord, forms: tuple[Any, ...], kernel: Kernel, paths: dict[str, str], cells: Iterable[str],
               result: Any, guards: Guards) -> str | None:
     """Keeps what arguments of these forms are taken apart into; the address of what is derived for them."""
     place = reading.address
     if place is None:
         return None
     try:
-        described, _ = _described(guards, _classes(forms, reading))
+        described, _ = _describe_guards(guards, _classes(forms, reading))
         _put((described, _of_kernel(kernel), paths, tuple(sorted(cells)), result), _flat_place(place, forms))
         return _address((place, described))
     except NotSerializable:
@@ -218,7 +218,7 @@ def _classes(forms: Iterable[Any], reading: ReadRecord) -> tuple[type, ...]:
 
 # -- guards as descriptions -------------------------------------------------------------------------------------------
 
-def _described(guards: Guards, roots: Sequence[Any]) -> tuple[tuple[Any, ...], dict[int, Any]]:
+def _describe_guards(guards: Guards, roots: Sequence[Any]) -> tuple[tuple[Any, ...], dict[int, Any]]:
     """What was taken, each as (the number of its holder, step, key, description), and the numbers of the values; those
     of roots are negative, items of tuples have two. Raises Unkept."""
     numbers: dict[int, Any] = {id(root): -2 - k for k, root in enumerate(roots)} | {id(None): -1}
@@ -235,7 +235,7 @@ def _described(guards: Guards, roots: Sequence[Any]) -> tuple[tuple[Any, ...], d
     return tuple(found), numbers
 
 
-def _taken(described: Any, roots: Sequence[Any], guards: Guards) -> list[Any] | None:
+def _replay_guards(described: Any, roots: Sequence[Any], guards: Guards) -> list[Any] | None:
     """The values that are taken on the ways that are described; None if one of them is not what is described."""
     values: list[Any] = []
     with recording(guards):
@@ -303,15 +303,15 @@ def _of_code(code: CodeType) -> str:
     path = code.co_filename
     linecache.checkcache(path)
     text = "" if path == "<string>" else "".join(linecache.getlines(path))
-    said = repr((fingerprint(code), path, code.co_firstlineno)) + text
-    return hashlib.sha256(said.encode()).hexdigest()
+    key = repr((fingerprint(code), path, code.co_firstlineno)) + text
+    return hashlib.sha256(key.encode()).hexdigest()
 
 
 @cache
 def _package() -> str:
     """What this package is: its files, and the versions of what they use."""
-    said = repr((_package_files(), platform.python_version(), np.__version__))
-    return hashlib.sha256(said.encode()).hexdigest()
+    key = repr((_package_files(), platform.python_version(), np.__version__))
+    return hashlib.sha256(key.encode()).hexdigest()
 
 
 def _package_files() -> list[tuple[str, int, int]]:

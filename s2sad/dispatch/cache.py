@@ -77,7 +77,7 @@ class DerivativeCache:
 
     def _kept(self) -> ProgramVersion | None:
         """The state for what another process has read, if the function reads the same here."""
-        known = None if self._states else artifacts.find(self.function)
+        known = None if self._states else artifacts.load_reading(self.function)
         return None if known is None else ProgramVersion(known, self.function)
 
     def _read(self) -> ProgramVersion:
@@ -107,10 +107,10 @@ class DerivativeCache:
         """The state for another reading of the function."""
         for state in self._states:
             if state.serves(program):
-                state.take_over(program)
+                state.adopt(program)
                 return state
         found = ProgramVersion.of(program, self.function)
-        artifacts.keep(found.reading, self.function)
+        artifacts.store_reading(found.reading, self.function)
         return found
 
 
@@ -118,7 +118,7 @@ class DerivativeCache:
 class RepreparedCall(Protocol):
     """A prepared call that is prepared again for another reading of its function."""
 
-    def restated(self, state: ProgramVersion) -> RepreparedCall: ...
+    def prepared_for(self, state: ProgramVersion) -> RepreparedCall: ...
 
 
 class ProgramVersion:
@@ -136,7 +136,7 @@ class ProgramVersion:
         self._summaries: dict[tuple[Type, ...], EntrySummary] = {}
         self._forms: dict[Any, Any] = {}
         self._read, self._program = read or self._again, None
-        self.given: tuple[RegisteredRule, ...] = ()
+        self.registered: tuple[RegisteredRule, ...] = ()
         self._compiled_in = Guards()        # what functions with derivatives of their own read, which nobody else does
         self._frozen: list[tuple[Any, list[str]]] = []
         self._hold(reading.guards, reading.arrays)
@@ -154,9 +154,9 @@ class ProgramVersion:
 
     def with_program(self, program: Program) -> ProgramVersion:
         """The state, whose program was read."""
-        self._program, self.given = program, compiler().registered_rules(program)
+        self._program, self.registered = program, compiler().registered_rules(program)
         with recording(self._compiled_in):
-            self._frozen = [(g.plain, compiler().compiled_in(g.plain)) for g in self.given
+            self._frozen = [(g.plain, compiler().compiled_in(g.plain)) for g in self.registered
                             if isinstance(g.plain, FunctionType)]
         return self
 
@@ -181,9 +181,9 @@ class ProgramVersion:
             self.variant(request, engine)
         for key, entry in other.entries.items():
             if isinstance(entry, RepreparedCall):
-                self.entries[key] = entry.restated(self)
+                self.entries[key] = entry.prepared_for(self)
 
-    def take_over(self, program: Program) -> None:
+    def adopt(self, program: Program) -> None:
         """From now on the state is for what this reading took."""
         self._hold(program.guards, program.arrays)
 
@@ -197,12 +197,12 @@ class ProgramVersion:
 
     def unchanged(self) -> bool:
         """Whether the functions with derivatives of their own are what they were."""
-        return all(g.reachable() for g in self.given) and self._compiled_in.hold()
+        return all(g.reachable() for g in self.registered) and self._compiled_in.hold()
 
     def serves(self, program: Program) -> bool:
         """Whether what was derived here holds for another reading of the same function."""
         if self._program is not None:
-            return (self.given == compiler().registered_rules(program) and self.unchanged()
+            return (self.registered == compiler().registered_rules(program) and self.unchanged()
                     and compiler().same_program(self._program, program))
         if artifacts.address(program.guards, self.function, (), self.kernel) != self.reading.address:
             return False
@@ -211,11 +211,11 @@ class ProgramVersion:
 
     def summary(self, types: tuple[Type, ...]) -> EntrySummary:
         """What the pipeline says of the kernel's writes and results for these types."""
-        found = self._summaries.get(types) or artifacts.summary_of(self.reading.address, types)
+        found = self._summaries.get(types) or artifacts.load_summary(self.reading.address, types)
         if found is None:
             with Working(f"reading '{self.kernel.name}'"):
                 found = compiler().summary(self.program, types, self._forms)
-            artifacts.keep_summary(self.reading.address, types, found)
+            artifacts.store_summary(self.reading.address, types, found)
         if types not in self._summaries:
             self._summaries[types] = found
             for array in (n for n in found.returned.values() if n.startswith(HIDDEN)):
@@ -241,21 +241,21 @@ class ProgramVersion:
         engine = chosen(engine)
         key = (request, engine)
         if engine == "numba":
-            self.unfrozen()
+            self.check_frozen_arrays()
         with COMPILER_LOCK:
             if key not in self._variants:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
                                   request.with_primal)
-                generated = artifacts.generated_for(self.reading.address, request)
+                generated = artifacts.load_generated(self.reading.address, request)
                 if generated is None:
                     with Working(f"deriving the {request.mode} of '{self.kernel.name}'"):
                         generated = compiler().derived(self.program, request, self._forms)
-                    artifacts.keep_generated(self.reading.address, request, generated)
+                    artifacts.store_generated(self.reading.address, request, generated)
                 self._variants[key] = Executable(generated, engine, self.summary(request.types), self.kernel.name,
-                                               self.given)
+                                               self.registered)
             return self._variants[key]
 
-    def unfrozen(self) -> None:
+    def check_frozen_arrays(self) -> None:
         """Raises if a function with a derivative of its own reads an array of its module: Numba would compile its
         content in."""
         for given, array in ((g, a) for g, arrays in self._frozen for a in arrays):
@@ -270,7 +270,7 @@ class ProgramVersion:
         variant = self.variant(Request("primal", types, (), ()), engine)
         hidden = tuple(p.name for p in variant.generated.parameters if p.name.startswith(HIDDEN))
         values = self.arrays_by_name()
-        return _with_trailing(variant.heard, tuple(values[h] for h in hidden)) if hidden else variant.heard
+        return _with_trailing(variant.call, tuple(values[h] for h in hidden)) if hidden else variant.call
 
     def first_run(self, values: Sequence[Any], engine: str) -> None:
         """Runs the primal with bounds checks on copies, so that an index out of bounds raises before any write."""
@@ -281,7 +281,7 @@ class ProgramVersion:
         variant = self.variant(Request("primal", types, (), ()), engine)
         text = quiet(variant.generated.text)
         guards = tuple(variant.generated.facts.get("guards", ()))
-        module = compiled(text, variant.generated.entry, bounds=True, user_functions=bool(self.given), guards=guards)
+        module = compiled(text, variant.generated.entry, bounds=True, user_functions=bool(self.registered), guards=guards)
         keep_loaded(module, self)
         function = getattr(module, variant.generated.entry)
         copies = dict(zip(self.parameters, self.copied(values, types)))
@@ -309,8 +309,8 @@ class ProgramVersion:
     def copied(self, values: Sequence[Any], types: tuple[Type, ...]) -> list[Any]:
         """The values, with copies of the arrays that the function may write."""
         summary = self.summary(types)
-        lying(summary, dict(zip(self.parameters, values)))
-        return [own(v) if name in summary.written and isinstance(v, np.ndarray) else v
+        check_contiguous(summary, dict(zip(self.parameters, values)))
+        return [private_copy(v) if name in summary.written and isinstance(v, np.ndarray) else v
                 for name, v in zip(self.parameters, values)]
 
     def arrays_by_name(self) -> dict[str, Any]:
@@ -326,11 +326,11 @@ class ProgramVersion:
         if not self.arrays:
             return {}
         summary = self.summary(types)
-        lying(summary, self.arrays_by_name())
-        return {n: own(a) if n in summary.written else a for n, a in self.arrays_by_name().items()}
+        check_contiguous(summary, self.arrays_by_name())
+        return {n: private_copy(a) if n in summary.written else a for n, a in self.arrays_by_name().items()}
 
 
-def lying(summary: Any, values: Mapping[str, Any]) -> None:
+def check_contiguous(summary: Any, values: Mapping[str, Any]) -> None:
     """Refuses an array that has to be contiguous and is not."""
     for name in summary.contiguous:
         if name in values and not values[name].flags.c_contiguous:
@@ -340,7 +340,7 @@ def lying(summary: Any, values: Mapping[str, Any]) -> None:
                 help="pass np.ascontiguousarray(...), or write it as a loop"))
 
 
-def own(array: np.ndarray) -> np.ndarray:
+def private_copy(array: np.ndarray) -> np.ndarray:
     """A copy of an array that a function may write."""
     return np.array(array, order="C")
 

@@ -24,9 +24,8 @@ from s2sad.run.user_derivatives import checked_derivatives
 from s2sad.pytree import Form, PyTree
 from s2sad.tree import equal
 
-__all__ = ["asks", "checked_constants", "checked_derivatives", "compiled_in", "derived", "entry_kernel",
-           "not_a_function", "program", "registered_rules", "result_form", "same_program", "summary", "taken_apart",
-           "uncompiled"]
+__all__ = ["asks", "checked_constants", "checked_derivatives", "compiled_in", "derived", "entry_kernel", "flat_program",
+           "not_a_function", "program", "registered_rules", "result_form", "same_program", "summary", "uncompiled"]
 
 
 def program(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path] = ()) -> Program:
@@ -52,7 +51,7 @@ def derived(program: Program, request: Request, forms: dict[Any, Any]) -> Genera
     return pipeline.derive(program, request, forms=forms)
 
 
-def taken_apart(program: Program, function: FunctionType, forms: tuple[Form, ...], varying: Collection[Path]
+def flat_program(program: Program, function: FunctionType, forms: tuple[Form, ...], varying: Collection[Path]
                 ) -> tuple[Flat, list[Any], Guards]:
     """The flat program, the functions of classes that it calls, which are read as they are met, and what was taken of
     the arguments' classes."""

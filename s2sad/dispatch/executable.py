@@ -24,7 +24,7 @@ def _as_it_is(value: Any) -> Any:
     return value
 
 
-def _unwarned(function: Callable[..., Any]) -> Callable[..., Any]:
+def _without_warnings(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function without NumPy's warnings: inf and nan are results of a derivative, and compiled code says nothing of
     them either. Who has asked NumPy to raise or to call is heard."""
     def called(*arguments: Any) -> Any:
@@ -56,18 +56,18 @@ class Executable:
     """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked."""
 
     def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
-                 given: tuple[RegisteredRule, ...] = ()):
+                 registered: tuple[RegisteredRule, ...] = ()):
         self.generated, self.engine, self.kernel = generated, engine, kernel
         self.parameters: tuple[Parameter, ...] = generated.parameters
         plain = tuple(generated.facts.get("wrappers", ()))
-        moving = bool(given) or generated.facts.get("moving", False)
+        moving = bool(registered) or generated.facts.get("moving", False)
         guards = tuple(generated.facts.get("guards", ()))
         module = (compiled(generated.text, generated.entry, plain=plain, user_functions=moving, guards=guards)
-                  if engine == "numba" else load(generated.text, generated.entry, own=bool(given), guards=guards))
+                  if engine == "numba" else load(generated.text, generated.entry, own=bool(registered), guards=guards))
         self.failures = ExceptionMeanings(generated.facts, str(module.__file__), kernel)
         keep_loaded(module, self)
-        if given and engine == "numpy":
-            compiler().checked_constants(module, given)
+        if registered and engine == "numpy":
+            compiler().checked_constants(module, registered)
             if "units" in generated.facts:
                 compiler().checked_derivatives(module, generated.facts["units"])
         stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
@@ -75,7 +75,7 @@ class Executable:
         self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)
         self.function: Callable[..., Any] = (
             TapeReuse(self.dispatcher, self._first) if stacks else
-            _unwarned(self.dispatcher) if engine == "numpy" else self.dispatcher)
+            _without_warnings(self.dispatcher) if engine == "numpy" else self.dispatcher)
         self.shadows = {p.primal: p for p in self.parameters if p.role == "shadow"}
         self.seeds = tuple(p for p in self.parameters if p.role == "seed")
         self._written = frozenset(summary.written)
@@ -144,7 +144,7 @@ class Executable:
             raise self.failures.meaning(error) from None
         return () if returned is None else tuple([kind(v) for kind, v in zip(self._kinds, returned)])
 
-    def heard(self, *arguments: Any) -> Any:
+    def call(self, *arguments: Any) -> Any:
         """Calls the generated function, and gives what it gives."""
         try:
             return self.function(*arguments)

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from s2sad.interface.activities import Active, Annotation, BatchDuplicated, Duplicated, DuplicatedNoNeed, Mode
-from s2sad.dispatch.arguments import INEXACT, admitted, bind, coerced, make_zero, misfit, shadow, written_argument
+from s2sad.dispatch.arguments import INEXACT, kernel_value, bind, coercion, make_zero, misfit, shadow, check_writable
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.dispatch.executable import Executable
 from s2sad.program import Request, leaves
 from s2sad.interface.selection import (
-    RETURN, ReturnedValues, array_seed, places, result_seed, selected_of, selected_wrt, structured,
+    RETURN, ReturnedValues, array_seed, places, result_seed, selected_of, selected_wrt, seeds_by_position,
 )
 from s2sad.dispatch.cache import ProgramVersion
 
@@ -29,20 +29,20 @@ class AnnotatedCall:
         names = state.parameters
         bound = bind(state.kernel, annotated)
         self.marks = dict(zip(names, annotated))
-        for name, given in self.marks.items():
-            _admissible(name, given, mode)
+        for name, mark in self.marks.items():
+            _admissible(name, mark, mode)
         self.active = tuple(n for n, a in self.marks.items() if isinstance(a, Active))
         self.duplicated = tuple(n for n, a in self.marks.items() if isinstance(a, Duplicated))
-        given = [a.value if isinstance(a, Annotation) else a for a in annotated]
-        self._convert(given, bound)
-        values = self._values(given)
+        primals = [a.value if isinstance(a, Annotation) else a for a in annotated]
+        self._convert(primals, bound)
+        values = self._values(primals)
         self.types = state.types(values)
         self.summary = state.summary(self.types)
         self.results = ReturnedValues.of(self.summary)
         self.written = [k for k, n in enumerate(names)
                         if n in self.summary.written and isinstance(values[k], np.ndarray)]
         for k in self.written:
-            written_argument(names[k], values[k])
+            check_writable(names[k], values[k])
         noneed = {n for n, a in self.marks.items() if isinstance(a, DuplicatedNoNeed)}
         self.keeps = mode.with_primal or any(names[k] not in noneed for k in self.written)
         self.variant = self._made()
@@ -53,14 +53,14 @@ class AnnotatedCall:
                        and type(a.shadow) is not np.ndarray and isinstance(a.shadow, np.ndarray)]
         self._ready = False
 
-    def _convert(self, given: list[Any], bound: list[Any]) -> None:
+    def _convert(self, primals: list[Any], bound: list[Any]) -> None:
         """What turns the arguments into values of the kernel's types, and the defaults of those left out."""
         names = self.state.parameters
         floats = self.state.floats | set(self.active) | {
             n for n in self.duplicated if not isinstance(self.marks[n].value, np.ndarray)}
-        self.tail = [admitted(n, v, n in floats) for n, v in zip(names[len(given):], bound[len(given):])]
-        self.coercions = [(k, how) for k, (n, v) in enumerate(zip(names, given))
-                          if (how := coerced(n, v, n in floats)) is not None]
+        self.tail = [kernel_value(n, v, n in floats) for n, v in zip(names[len(primals):], bound[len(primals):])]
+        self.coercions = [(k, how) for k, (n, v) in enumerate(zip(names, primals))
+                          if (how := coercion(n, v, n in floats)) is not None]
 
     def _made(self) -> Executable | None:
         """The variant, or None where no output asked for can depend on an input asked for."""
@@ -88,15 +88,15 @@ class AnnotatedCall:
         for name in sorted({*self.results.aliases.values()} - {*self.duplicated}):
             if self.state.parameters.index(name) not in self.written:
                 continue
-            asked = Request("adjoint", self.types, wrt, (name,))
-            found = self.state.variant(asked, self.engine).generated.facts
+            request = Request("adjoint", self.types, wrt, (name,))
+            found = self.state.variant(request, self.engine).generated.facts
             if not {*wrt} <= {*found.get("independent", ())}:
                 raise S2sadError(Diagnostic(
                     "S406", f"the argument '{name}' is Const, but active values are stored in it and it is returned",
                     help=f"say Duplicated({name}, s2sad.make_zero({name})), or return nothing"))
 
-    def __call__(self, given: Sequence[Any], shadows: Sequence[Any], seed: Any) -> Any:
-        values = self._values(given)
+    def __call__(self, primals: Sequence[Any], shadows: Sequence[Any], seed: Any) -> Any:
+        values = self._values(primals)
         by_name = dict(zip(self.state.parameters, values))
         owned = dict(zip(self.duplicated, shadows))
         if not self._ready or not self.mode.reverse:
@@ -137,8 +137,8 @@ class AnnotatedCall:
                 shadows[name] += seeds[place]
         return variant.run(arguments, shared)
 
-    def _values(self, given: Sequence[Any]) -> list[Any]:
-        values = [*given, *self.tail]
+    def _values(self, primals: Sequence[Any]) -> list[Any]:
+        values = [*primals, *self.tail]
         for k, how in self.coercions:
             values[k] = how(values[k])
         return values
@@ -181,7 +181,7 @@ class AnnotatedCall:
                 raise misfit(f"the seed of 'return' is missing: the function returns {what}",
                              "give seed=..., shaped as that")
             return {0: 1.0}
-        found = structured(results, seed, seeded)
+        found = seeds_by_position(results, seed, seeded)
         return {k: result_seed(s, results.types[k]) if k in results.own
                 else array_seed(RETURN, s, values[results.aliases[k]]) for k, s in found.items()}
 
@@ -194,24 +194,24 @@ def _lost(name: str, store: Any, source: Source, mode: Mode) -> Diagnostic:
                       help=f"say Duplicated({name}, s2sad.make_zero({name})), or Const for what is stored here")
 
 
-def _admissible(name: str, given: Any, mode: Mode) -> None:
+def _admissible(name: str, mark: Any, mode: Mode) -> None:
     """Refuses an annotation that does not fit its argument or the mode."""
-    value = given.value if isinstance(given, Annotation) else given
+    value = mark.value if isinstance(mark, Annotation) else mark
     is_array = isinstance(value, np.ndarray)
     number = isinstance(value, (int, float, complex, np.integer, np.floating)) and not isinstance(value, bool)
-    if not isinstance(given, Annotation):
+    if not isinstance(mark, Annotation):
         if is_array or isinstance(value, (float, complex, np.floating)):
             raise _refused(f"the argument '{name}' has no annotation",
                            f"say {_choices(name, is_array, mode)}")
-    elif isinstance(given, BatchDuplicated):
+    elif isinstance(mark, BatchDuplicated):
         raise _refused(f"the argument '{name}' is BatchDuplicated, which is not supported",
                        f"call once for each direction with Duplicated({name}, shadow)")
-    elif isinstance(given, Active) and not mode.reverse:
+    elif isinstance(mark, Active) and not mode.reverse:
         raise _refused(f"the argument '{name}' is Active, which means nothing in a forward mode",
                        f"use Duplicated({name}, {name}_dot)")
-    elif isinstance(given, Active) and not number:
+    elif isinstance(mark, Active) and not number:
         raise _refused(f"the argument '{name}' is Active, but no float", f"say {_choices(name, is_array, mode)}")
-    elif isinstance(given, Duplicated):
+    elif isinstance(mark, Duplicated):
         if number and mode.reverse:
             raise _refused(f"the argument '{name}' is a float, which cannot be Duplicated in reverse",
                            f"use Active({name})")

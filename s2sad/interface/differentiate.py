@@ -7,15 +7,15 @@ from typing import Any, Concatenate, Generic, NoReturn, ParamSpec, TypeVar, over
 
 from s2sad.interface.autodiff import AnnotatedCall
 from s2sad.interface.activities import Annotation, Const, Duplicated, Mode
-from s2sad.dispatch.arguments import admitted, bind, describe
+from s2sad.dispatch.arguments import kernel_value, bind, describe
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.interface.foreign_names import unexpected
-from s2sad.interface.pytrees import flat_autodiff as with_structures, flattened, taken_apart
+from s2sad.interface.foreign_names import unexpected_keywords
+from s2sad.interface.pytrees import flat_autodiff as with_structures, flattened, flat_call
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import selection_of
 from s2sad.program import Request
-from s2sad.live_objects.unwrap import given_functions
+from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.compiled import chosen
 from s2sad.interface.selection import ReturnedValues, Wrt, names_of, selected_of, selected_wrt
 from s2sad.interface.shadow_calls import ShadowCall
@@ -58,7 +58,7 @@ def differentiate(function: Callable[..., Any] | None = None, *, wrt: Wrt = None
     <differentiated double>
     """
     if unknown:
-        raise unexpected("differentiate", unknown)
+        raise unexpected_keywords("differentiate", unknown)
     chosen(engine)
     if function is None:
         return lambda f: Differentiated(f, wrt, of, engine)
@@ -82,7 +82,7 @@ class Differentiated(Decorated, Generic[P, R]):
         self.__s2sad_selection__ = (self.wrt, self.of, engine)
         self._tokens = {mode: f"{mode} {self.__s2sad_selection__!r}" for mode in ("adjoint", "tangent")}
 
-    def given(self) -> tuple[Any, ...]:
+    def decorator_arguments(self) -> tuple[Any, ...]:
         return self._original, *self.__s2sad_selection__
 
     @property
@@ -133,7 +133,7 @@ class Differentiated(Decorated, Generic[P, R]):
     @public
     def primal(self, *args: Any, **keywords: Any) -> Any:
         """What f returns, computed by the compiled primal (under NumPy: by f itself)."""
-        given, args, keywords = given_functions(self, args, keywords)
+        given, args, keywords = apply_functions(self, args, keywords)
         if given is not self:
             return Differentiated(given, engine=self.engine).primal(*args, **keywords)
         state = self._derivatives.state()
@@ -196,13 +196,13 @@ class Differentiated(Decorated, Generic[P, R]):
 
     def _values(self, state: ProgramVersion, args: tuple[Any, ...], keywords: dict[str, Any]) -> list[Any]:
         bound = bind(state.kernel, args, keywords)
-        return [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, bound)]
+        return [kernel_value(n, v, n in state.floats) for n, v in zip(state.parameters, bound)]
 
     def _source(self, mode: str, args: tuple[Any, ...], keywords: dict[str, Any], level: str) -> str:
-        given, args, keywords = given_functions(self, args, keywords)
+        given, args, keywords = apply_functions(self, args, keywords)
         derivatives = self._derivatives if given is self else derivatives_of(given)
-        state, values, (wrt, of, _) = taken_apart(derivatives.with_constants(), self, args, keywords)
-        types = state.types([admitted(n, v, n in state.floats) for n, v in zip(state.parameters, values)])
+        state, values, (wrt, of, _) = flat_call(derivatives.with_constants(), self, args, keywords)
+        types = state.types([kernel_value(n, v, n in state.floats) for n, v in zip(state.parameters, values)])
         name, parameters = state.kernel.name, state.parameters
         wrt = selected_wrt(name, parameters, types, wrt)
         of = selected_of(name, parameters, types, state.summary(types), of)
@@ -233,7 +233,7 @@ def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = Non
     if not isinstance(mode, Mode):
         raise S2sadError(Diagnostic("S402", f"{mode!r} is no mode",
                                     help="use Forward, ForwardWithPrimal, Reverse or ReverseWithPrimal"))
-    given, annotated, _ = given_functions(f, [
+    given, annotated, _ = apply_functions(f, [
         a.value if isinstance(a, Const) and callable(a.value) else a for a in annotated], {})
     state = derivatives_of(given).state()
     found = with_structures.flat_autodiff(state, mode, annotated, selection_of(f)[2], seed)

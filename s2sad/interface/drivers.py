@@ -7,14 +7,14 @@ from typing import Any, Generic, NoReturn, ParamSpec, TypeVar
 
 import numpy as np
 
-from s2sad.dispatch.arguments import admitted, bind, describe, make_zero
+from s2sad.dispatch.arguments import kernel_value, bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.interface.foreign_names import unexpected
+from s2sad.interface.foreign_names import unexpected_keywords
 from s2sad.interface.pytrees import flat_drivers as with_structures, flattened
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
 from s2sad.interface.selection import RETURN, Wrt, names_of
-from s2sad.live_objects.unwrap import given_functions
+from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.tracebacks import public
 from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
 
@@ -49,7 +49,7 @@ def gradient(f: Callable[P, Any], wrt: Wrt = None, **unknown: NoReturn) -> Gradi
     array([2., 4.])
     """
     if unknown:
-        raise unexpected("gradient", unknown)
+        raise unexpected_keywords("gradient", unknown)
     return Gradient(f, wrt)
 
 
@@ -69,7 +69,7 @@ def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, **unknown: NoReturn) 
     (5.0, array([2., 4.]))
     """
     if unknown:
-        raise unexpected("value_and_gradient", unknown)
+        raise unexpected_keywords("value_and_gradient", unknown)
     return ValueAndGradient(f, wrt)
 
 
@@ -84,7 +84,7 @@ class _Driver(Decorated):
         self.__name__ = self.__qualname__ = f"{self._what.replace(' ', '_')}_of_{name}"
         self.__doc__ = f"The {self._what} of '{name}'."
 
-    def given(self) -> tuple[Any, ...]:
+    def decorator_arguments(self) -> tuple[Any, ...]:
         return self.__wrapped__, self._names
 
     def __get__(self, instance: Any, owner: Any = None) -> Any:
@@ -119,7 +119,7 @@ class ValueAndGradient(_Driver, Generic[P, R]):
 def _prepared(f: Any, derivatives: DerivativeCache, names: tuple[str, ...] | None, args: tuple[Any, ...],
               keywords: dict[str, Any]) -> tuple[ReverseCall | with_structures.FlatGradient, tuple[Any, ...]]:
     """The prepared gradient for arguments of these types, and the arguments by position."""
-    given, args, keywords = given_functions(f, args, keywords)
+    given, args, keywords = apply_functions(f, args, keywords)
     state = (derivatives if given is f else derivatives_of(given)).state()
     if keywords:
         args = tuple(bind(state.kernel, args, keywords))
@@ -144,7 +144,7 @@ def _with_floats(state: ProgramVersion, names: tuple[str, ...] | None, args: tup
     if found and found[-1] >= len(args):
         args = tuple(bind(state.kernel, args))
     odd = [k for k in found if isinstance(args[k], _INTEGERS) and not isinstance(args[k], bool)]
-    return tuple([admitted(p, a, True) if k in odd else a for k, (p, a) in enumerate(zip(state.parameters, args))]
+    return tuple([kernel_value(p, a, True) if k in odd else a for k, (p, a) in enumerate(zip(state.parameters, args))]
                  ) if odd else args
 
 
@@ -168,7 +168,7 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     >>> vjp(scale, (np.ones(2), 3.0), {"u": np.ones(2)})
     {'u': array([3., 3.]), 'c': 2.0}
     """
-    given, args, _ = given_functions(f, _listed(args), {})
+    given, args, _ = apply_functions(f, _listed(args), {})
     state, names = derivatives_of(given).state(), names_of(wrt, given)
     apart = flattened(state, args)
     if apart is not None:
@@ -198,7 +198,7 @@ def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any],
     >>> jvp(scale, (np.ones(2), 3.0), {"c": 1.0})
     {'u': array([1., 1.])}
     """
-    given, args, _ = given_functions(f, _listed(args), {})
+    given, args, _ = apply_functions(f, _listed(args), {})
     state, names = derivatives_of(given).state(), names_of(of, given, "of")
     apart = flattened(state, args)
     if apart is not None:

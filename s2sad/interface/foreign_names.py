@@ -40,7 +40,7 @@ def attribute(name: str) -> str:
     return f"module 's2sad' has no attribute {name!r}{known}"
 
 
-def unexpected(function: str, keywords: dict[str, NoReturn]) -> TypeError:
+def unexpected_keywords(function: str, keywords: dict[str, NoReturn]) -> TypeError:
     """The error for keywords that a function does not have."""
     name = next(iter(keywords))
     known = f": write {_KEYWORDS[name]}" if name in _KEYWORDS else ""

@@ -18,7 +18,7 @@ from functools import cached_property, reduce
 from types import CodeType, FunctionType
 from typing import Any
 
-from s2sad.live_objects.unwrap import given, python_function
+from s2sad.live_objects.unwrap import partial_application, python_function
 
 
 class Decorated(ABC):
@@ -26,27 +26,27 @@ class Decorated(ABC):
     __wrapped__: Any
 
     @abstractmethod
-    def given(self) -> tuple[Any, ...]:
+    def decorator_arguments(self) -> tuple[Any, ...]:
         """The arguments that make another one of these."""
 
     @abstractmethod
     def __call__(self, *args: Any, **keywords: Any) -> Any: ...
 
     def __reduce_ex__(self, protocol: Any) -> Any:
-        if _under(*_name(self.__wrapped__)) is self:
-            return (_restored, (self._named,)) if protocol >= 4 else _name(self.__wrapped__)[1]
-        return made, (type(self), self.given(), _texts(self.__wrapped__))
+        if _lookup(*_name(self.__wrapped__)) is self:
+            return (_restore_decorated, (self._named,)) if protocol >= 4 else _name(self.__wrapped__)[1]
+        return rebuild_decorated, (type(self), self.decorator_arguments(), _sources(self.__wrapped__))
 
     @cached_property
     def _named(self) -> FunctionType:
-        named = FunctionType(_restored.__code__, {}, "_named")
+        named = FunctionType(_restore_decorated.__code__, {}, "_named")
         named.__module__, path = _name(self.__wrapped__)
         named.__qualname__ = f"{path}._named"
-        vars(named)["made"] = type(self), self.given(), _texts(self.__wrapped__)
+        vars(named)["made"] = type(self), self.decorator_arguments(), _sources(self.__wrapped__)
         return named
 
 
-def made(kind: type[Decorated], given: tuple[Any, ...], texts: dict[str, str]) -> Decorated:
+def rebuild_decorated(kind: type[Decorated], given: tuple[Any, ...], texts: dict[str, str]) -> Decorated:
     """Another one, in a process that may not have its source."""
     for path, text in texts.items():
         if not linecache.getlines(path):
@@ -54,12 +54,12 @@ def made(kind: type[Decorated], given: tuple[Any, ...], texts: dict[str, str]) -
     return kind(*given)
 
 
-def _restored(named: FunctionType) -> Any:
+def _restore_decorated(named: FunctionType) -> Any:
     """What a function stands for: that under its name, where it came by its name; else another one."""
-    owner = _under(named.__module__, named.__qualname__.rpartition(".")[0])
+    owner = _lookup(named.__module__, named.__qualname__.rpartition(".")[0])
     if isinstance(owner, Decorated) and vars(owner).get("_named") is named:
         return owner
-    return made(*vars(named)["made"])
+    return rebuild_decorated(*vars(named)["made"])
 
 
 # -- names and texts ------------------------------------------------------------------------------------------------
@@ -68,12 +68,12 @@ def _name(function: Any) -> tuple[str, str]:
     return getattr(function, "__module__", None) or "", getattr(function, "__qualname__", "")
 
 
-def _under(module: str, path: str) -> Any:
+def _lookup(module: str, path: str) -> Any:
     """What a path of names in a module leads to; None if to nothing."""
     return reduce(lambda value, name: getattr(value, name, None), path.split("."), sys.modules.get(module))
 
 
-def _texts(function: Any) -> dict[str, str]:
+def _sources(function: Any) -> dict[str, str]:
     """The texts, by path, of a function and of those that it may call, where these are written by their content."""
     found: dict[str, str] = {}
     seen, left = set(), [function]
@@ -82,8 +82,8 @@ def _texts(function: Any) -> dict[str, str]:
         if plain is None or id(plain) in seen:
             continue
         seen.add(id(plain))
-        plain, bound = given(plain)
-        if plain.__module__ != "__main__" and python_function(_under(*_name(plain))) is plain:
+        plain, bound = partial_application(plain)
+        if plain.__module__ != "__main__" and python_function(_lookup(*_name(plain))) is plain:
             continue
         path = plain.__code__.co_filename
         found[path] = "".join(linecache.getlines(path, plain.__globals__))

@@ -56,12 +56,12 @@ def places(names: Sequence[str]) -> tuple[int, ...]:
     return tuple(int(name.partition(" ")[2]) for name in names)
 
 
-def structured(results: ReturnedValues, seed: Any, seeded: Sequence[int]) -> dict[int, Any]:
+def seeds_by_position(results: ReturnedValues, seed: Any, seeded: Sequence[int]) -> dict[int, Any]:
     """The seed of the returned value by position: a tuple of the same length for a tuple, None where `seeded` lacks
     the position."""
     if results.nest is None:
         return {0: seed}
-    seed = in_a_row(seed, results.nest)
+    seed = flat_seed(seed, results.nest)
     for place, item in enumerate(seed):
         if place not in seeded and item is not None:
             raise misfit(f"the seed of 'return' has a value at {place}, where the result is no float",
@@ -69,7 +69,7 @@ def structured(results: ReturnedValues, seed: Any, seeded: Sequence[int]) -> dic
     return {place: seed[place] for place in seeded}
 
 
-def in_a_row(seed: Any, structure: Structure) -> list[Any]:
+def flat_seed(seed: Any, structure: Structure) -> list[Any]:
     """The parts of a seed in a row; None stands for a tuple in which nothing is a float."""
     if structure is None:
         return [seed]
@@ -79,7 +79,7 @@ def in_a_row(seed: Any, structure: Structure) -> list[Any]:
         raise misfit(f"the seed of 'return' is {what}, the result is a tuple of {len(structure)}",
                      "give a tuple of the same length, with None for what is no float")
     parts = seed if seed is not None else (None,) * len(structure)
-    return [part for item, inner in zip(parts, structure) for part in in_a_row(item, inner)]
+    return [part for item, inner in zip(parts, structure) for part in flat_seed(item, inner)]
 
 
 def number_seed(seed: Any, name: str = RETURN, is_complex: bool = False) -> float | complex:
@@ -110,17 +110,17 @@ def result_seed(seed: Any, kind: Type) -> Any:
     return np.array(seed, order="C")
 
 
-def array_seed(name: str, given: Any, like: np.ndarray) -> np.ndarray:
+def array_seed(name: str, seed: Any, like: np.ndarray) -> np.ndarray:
     """A private copy of an array seed, which must have the dtype and shape of its output."""
-    if not isinstance(given, np.ndarray):
-        raise misfit(f"the seed of '{name}' is of type {type(given).__name__}, its output is an array",
+    if not isinstance(seed, np.ndarray):
+        raise misfit(f"the seed of '{name}' is of type {type(seed).__name__}, its output is an array",
                      f"give an array of {like.dtype} of shape {like.shape}")
-    if given.dtype != like.dtype or given.shape != like.shape:
-        raise misfit(f"the seed of '{name}' is an array of {given.dtype} of shape {given.shape}, its output one of "
+    if seed.dtype != like.dtype or seed.shape != like.shape:
+        raise misfit(f"the seed of '{name}' is an array of {seed.dtype} of shape {seed.shape}, its output one of "
                      f"{like.dtype} of shape {like.shape}", f"give an array of {like.dtype} of shape {like.shape}")
-    if (found := misfit_of(given, "seed")) is not None:
+    if (found := misfit_of(seed, "seed")) is not None:
         raise misfit(f"the seed of '{name}' {found[0]}", f"give an array of {like.dtype} of shape {like.shape}")
-    return np.array(given, order="C")
+    return np.array(seed, order="C")
 
 
 def names_of(chosen: Wrt, f: Any, what: str = "wrt") -> tuple[str, ...] | None:

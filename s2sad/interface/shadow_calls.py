@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from s2sad.dispatch.arguments import coerced, shadow, written_argument
+from s2sad.dispatch.arguments import coercion, shadow, check_writable
 from s2sad.dispatch.executable import HIDDEN
 from s2sad.run.exceptions import CAUGHT
 from s2sad.interface.selection import RETURN, result_seed
-from s2sad.interface.shadow_signature import arranged
+from s2sad.interface.shadow_signature import match_arguments
 from s2sad.dispatch.cache import ProgramVersion
 
 
@@ -19,13 +19,13 @@ class ShadowCall:
 
     def __init__(self, state: ProgramVersion, mode: str, args: tuple[Any, ...], selection: tuple[Any, Any, str]):
         self.state = state
-        self.variant, self.layout, values = arranged(state, mode, args, selection)
+        self.variant, self.layout, values = match_arguments(state, mode, args, selection)
         by_name = dict(zip(state.parameters, values))
         self.types = state.types(values)
         written = state.summary(self.types).written
         for name, value in by_name.items():
             if name in written:
-                written_argument(name, value)
+                check_writable(name, value)
         self._hidden = [k for k, p in enumerate(self.variant.parameters) if p.name.startswith(HIDDEN)]
         self._hidden_written = any(self.variant.parameters[k].name in written for k in self._hidden)
         self._fitted(args, by_name)
@@ -60,7 +60,7 @@ class ShadowCall:
         found = []
         for k, value in enumerate(args):
             role, name = self.layout[k] if k < len(self.layout) else ("seed", RETURN)
-            how = coerced(name, value, role != "primal" or name in self.state.floats)
+            how = coercion(name, value, role != "primal" or name in self.state.floats)
             if how is not None:
                 found.append((k, how))
         return found

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.dispatch.arguments import INEXACT, admitted
+from s2sad.dispatch.arguments import INEXACT, kernel_value
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.dispatch.executable import HIDDEN, Executable
 from s2sad.infer.types import Type
@@ -25,8 +25,8 @@ Layout = list[tuple[str, str]]
 Selection = tuple[Any, Any, str]
 
 
-def arranged(state: ProgramVersion, mode: str, args: tuple[Any, ...], selection: Selection) -> tuple[Executable, Layout,
-                                                                                                     list[Any]]:
+def match_arguments(state: ProgramVersion, mode: str, args: tuple[Any, ...], selection: Selection
+                    ) -> tuple[Executable, Layout, list[Any]]:
     """The variant, (role, parameter) of every argument without the seeds, and the values of f's own arguments."""
     valid: Request | None = None
     for strict, count in ((True, _STRICT), (False, _LOOSE)):
@@ -50,7 +50,8 @@ def _meant(layout: Layout, args: Sequence[Any]) -> bool:
 
 def _values(state: ProgramVersion, layout: Layout, args: Sequence[Any]) -> list[Any]:
     """f's own arguments in a reading of the list."""
-    return [admitted(name, args[k], name in state.floats) for k, (role, name) in enumerate(layout) if role == "primal"]
+    return [kernel_value(name, args[k], name in state.floats)
+            for k, (role, name) in enumerate(layout) if role == "primal"]
 
 
 def _request(state: ProgramVersion, mode: str, types: tuple[Type, ...], selection: Selection) -> Request:
@@ -136,11 +137,11 @@ def _misread(state: ProgramVersion, mode: str, args: Sequence[Any], selection: S
     name, order = state.kernel.name, state.parameters.index
     signature = (", ".join(p.name for p in variant.parameters if not p.name.startswith(HIDDEN)) if variant else
                  f"{', '.join(state.parameters)}, with a shadow after each float array")
-    said = " or ".join(_missing(absent, short, variant) for absent, short in sorted(
+    missing = " or ".join(_missing(absent, short, variant) for absent, short in sorted(
         nearest, key=lambda k: [order(n) for n in k[0]]) if variant and short >= 0)
-    message = f"'{name}.{mode}' was given {len(args)} arguments {f'without {said}' if said else _UNFIT}"
-    given = f"given were {', '.join(map(_said, args))}" if args and not said else ""
-    return S2sadError(Diagnostic("S405", message, note=given, help=f"call {name}.{mode}({signature})"))
+    message = f"'{name}.{mode}' was given {len(args)} arguments {f'without {missing}' if missing else _UNFIT}"
+    note = f"given were {', '.join(map(_argument_text, args))}" if args and not missing else ""
+    return S2sadError(Diagnostic("S405", message, note=note, help=f"call {name}.{mode}({signature})"))
 
 
 _UNFIT = "that do not fit its signature"
@@ -153,7 +154,7 @@ def _missing(absent: Sequence[str], short: int, variant: Executable) -> str:
                          *(f"the seed '{p.name}'" for p in variant.seeds[len(variant.seeds) - short:] if short)])
 
 
-def _said(value: Any) -> str:
+def _argument_text(value: Any) -> str:
     """An argument by its type and shape."""
     if isinstance(value, np.ndarray):
         return f"an array of {value.dtype} of shape {value.shape}"

@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.dispatch.arguments import admitted, bind, coerced, misfit
+from s2sad.dispatch.arguments import kernel_value, bind, coercion, misfit
 from s2sad.diagnostics import Diagnostic, S2sadError, warn
 from s2sad.dispatch.executable import Executable
 from s2sad.infer.types import NONE
 from s2sad.program import Request
 from s2sad.interface.selection import (
-    RETURN, ReturnedValues, array_seed, number_seed, places, result_seed, selected_of, selected_wrt, structured,
+    RETURN, ReturnedValues, array_seed, number_seed, places, result_seed, selected_of, selected_wrt, seeds_by_position,
 )
-from s2sad.dispatch.cache import ProgramVersion, lying, own
+from s2sad.dispatch.cache import ProgramVersion, check_contiguous, private_copy
 
 _ONE = {RETURN: 1.0}
 
@@ -34,9 +34,9 @@ class PreparedCall:
     def __init__(self, state: ProgramVersion, f: Any, args: tuple[Any, ...]):
         self.state, self.names, self.engine = state, state.parameters, selection_of(f)[2]
         bound = bind(state.kernel, args)
-        self.tail = [admitted(n, v, n in state.floats) for n, v in zip(self.names[len(args):], bound[len(args):])]
+        self.tail = [kernel_value(n, v, n in state.floats) for n, v in zip(self.names[len(args):], bound[len(args):])]
         self.coercions = [(k, how) for k, (n, v) in enumerate(zip(self.names, args))
-                          if (how := coerced(n, v, n in state.floats)) is not None]
+                          if (how := coercion(n, v, n in state.floats)) is not None]
         values = self.values_of(args)
         self.types = state.types(values)
         self.summary = state.summary(self.types)
@@ -54,15 +54,15 @@ class PreparedCall:
             values[k] = how(values[k])
         return values
 
-    def private(self, args: Sequence[Any]) -> list[Any]:
+    def private_copies(self, args: Sequence[Any]) -> list[Any]:
         """The values, with copies of what the function may write."""
         values = self.values_of(args)
         if self._apart is not None:
             self._apart(values)
         if self.summary.contiguous:
-            lying(self.summary, dict(zip(self.names, values)))
+            check_contiguous(self.summary, dict(zip(self.names, values)))
         for k in self.written:
-            values[k] = own(values[k])
+            values[k] = private_copy(values[k])
         return values
 
     def called(self, variant: Executable, values: Mapping[str, Any], shadows: Mapping[str, Any],
@@ -105,13 +105,13 @@ class ReverseCall(PreparedCall):
         self.in_vain = tuple(n for n in self.wrt if chosen is not None and n in independent)
 
     def run(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[Any, ...]]:
-        values, shadows, given = self.arranged(args, seeds)
-        return shadows, self.called(self.rv, values, shadows, given)
+        values, shadows, result_seeds = self.bind_values(args, seeds)
+        return shadows, self.called(self.rv, values, shadows, result_seeds)
 
-    def arranged(self, args: Sequence[Any], seeds: Mapping[str, Any]
+    def bind_values(self, args: Sequence[Any], seeds: Mapping[str, Any]
                  ) -> tuple[dict[str, Any], dict[str, Any], list[Any]]:
         """The values and the shadows by name, and the seeds of results."""
-        values = dict(zip(self.names, self.private(args)))
+        values = dict(zip(self.names, self.private_copies(args)))
         by_place = self._result_seeds(seeds.get(RETURN)) if RETURN in seeds else {}
         shadows = {}
         for name in self.rv.shadows:
@@ -140,10 +140,10 @@ class ReverseCall(PreparedCall):
 
     def _result_seeds(self, seed: Any) -> dict[int, Any]:
         """The seeds of the results, by position."""
-        given = structured(self.results, seed, self.results.floats)
+        seeds = seeds_by_position(self.results, seed, self.results.floats)
         for place in self.results.own:
-            given[place] = result_seed(given[place], self.results.types[place])
-        return given
+            seeds[place] = result_seed(seeds[place], self.results.types[place])
+        return seeds
 
 
 class ForwardCall(PreparedCall):
@@ -155,30 +155,31 @@ class ForwardCall(PreparedCall):
         name = state.kernel.name
         self.wrt = selected_wrt(name, self.names, self.types, inputs)
         self.of = selected_of(name, self.names, self.types, self.summary, of if of is not None else selection_of(f)[1])
-        self.asked = of if of is not None else (*(n for n in self.of if n != RETURN),
+        self.requested = of if of is not None else (*(n for n in self.of if n != RETURN),
                                                 *((RETURN,) if self.results.floats else ()))
         self.fv = self.variant("tangent", self.wrt, self.of)
 
-    def arranged(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    def bind_values(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
         """The values and the tangents by name."""
-        values = dict(zip(self.names, self.private(args)))
+        values = dict(zip(self.names, self.private_copies(args)))
         shadows = {}
         for name in self.fv.shadows:
-            value, given = values[name], tangents.get(name)
+            value, tangent = values[name], tangents.get(name)
             if isinstance(value, np.ndarray):
-                shadows[name] = np.zeros(value.shape, value.dtype) if given is None else array_seed(name, given, value)
+                shadows[name] = (np.zeros(value.shape, value.dtype) if tangent is None
+                                 else array_seed(name, tangent, value))
             else:
-                shadows[name] = number_seed(given, name, isinstance(value, complex))
+                shadows[name] = number_seed(tangent, name, isinstance(value, complex))
         return values, shadows
 
     def jvp(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> dict[str, Any]:
-        values, shadows = self.arranged(args, tangents)
+        values, shadows = self.bind_values(args, tangents)
         returned = self.called(self.fv, values, shadows)
         found: dict[int, Any] = dict(zip(places(self.fv.generated.returns), returned))
         for place, name in self.results.aliases.items():
             found[place] = shadows[name]
-        outputs = {name: shadows[name] for name in self.asked if name != RETURN}
-        if RETURN in self.asked:
+        outputs = {name: shadows[name] for name in self.requested if name != RETURN}
+        if RETURN in self.requested:
             outputs[RETURN] = self.results.structure(found)
         return outputs
 

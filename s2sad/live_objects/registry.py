@@ -85,12 +85,12 @@ class Registry:
         self.by_identity: dict[int, RegisteredRule] = {}  # holds the functions, so that no other gets their identity
         self.edition = 0
 
-    def add(self, given: RegisteredRule) -> RegisteredRule:
+    def add(self, registered: RegisteredRule) -> RegisteredRule:
         self.edition += 1
-        self.by_path[given.path] = given
-        for value in (given.function, given.plain):
-            self.by_identity[id(value)] = given
-        return given
+        self.by_path[registered.path] = registered
+        for value in (registered.function, registered.plain):
+            self.by_identity[id(value)] = registered
+        return registered
 
     def of(self, value: Any) -> RegisteredRule | None:
         """The given function that a value is, if it has a derivative."""
@@ -112,10 +112,10 @@ class Registry:
         found: dict[str, RegisteredRule] = {}
         waiting = [self.by_path[p] for p in paths if p in self.by_path]
         while waiting:
-            given = waiting.pop()
-            if given.path not in found:
-                found[given.path] = given
-                waiting += given.reads
+            registered = waiting.pop()
+            if registered.path not in found:
+                found[registered.path] = registered
+                waiting += registered.reads
         return list(found.values())
 
 

@@ -21,8 +21,8 @@ from s2sad.live_objects.guards import STEPS, class_attribute, reached, taken
 from s2sad.live_objects.side_table import remembered, side_table
 
 STEPS["function"] = lambda value: lambda *_: named_function(value)
-STEPS["kernel"] = lambda function: lambda *_: given(function)[0]
-STEPS["given"] = lambda function: given(function)[1].get
+STEPS["kernel"] = lambda function: lambda *_: partial_application(function)[0]
+STEPS["given"] = lambda function: partial_application(function)[1].get
 STEPS["bound"] = lambda holder: lambda key, _: bound(holder, key)
 _KEPT = 16                              # how many methods and partials of one function are remembered
 _LIBRARIES = ("builtins", "functools", "numpy", "numba", "scipy", "s2sad")
@@ -35,7 +35,7 @@ def python_function(value: Any) -> FunctionType | None:
     if found is not None:
         return found
     method = _method(value)
-    return None if method is None else _given(method, value)
+    return None if method is None else _partially_applied(method, value)
 
 
 def named_function(value: Any) -> FunctionType | None:
@@ -45,20 +45,20 @@ def named_function(value: Any) -> FunctionType | None:
             inner = getattr(value, "__wrapped_kernel__", None)
             return value if inner is None else named_function(inner)
         if isinstance(value, (MethodType, functools.partial)):
-            return _given(value)
+            return _partially_applied(value)
         names = ("__wrapped_kernel__", "py_func")
         value = next((getattr(value, n) for n in names if not isinstance(value, type) and hasattr(value, n)), None)
     return None
 
 
-def given(function: FunctionType) -> tuple[FunctionType, Mapping[str, Any]]:
+def partial_application(function: FunctionType) -> tuple[FunctionType, Mapping[str, Any]]:
     """The function whose text is read, and what it was given, by parameter; of an object that is called what its class
     calls now."""
     kernel, names, called = remembered(function, "given") or (function, {}, None)
     method = None if called is None else _method(called)
-    made = None if method is None else _given(method)
+    made = None if method is None else _partially_applied(method)
     if made is not None:
-        kernel, names = given(made)
+        kernel, names = partial_application(made)
     if kernel is not function:
         reached(function, "kernel", "", kernel)
         for name, value in names.items():
@@ -81,7 +81,7 @@ def by_position(function: Callable[..., Any]) -> Callable[..., Any]:
     return _called(plain, {})
 
 
-def given_functions(f: Any, args: Sequence[Any], keywords: Mapping[str, Any]
+def apply_functions(f: Any, args: Sequence[Any], keywords: Mapping[str, Any]
                     ) -> tuple[Any, tuple[Any, ...], dict[str, Any]]:
     """A function as it is given those of its arguments that are functions, and the arguments that are left."""
     if not any(map(callable, args)) and not any(map(callable, keywords.values())):
@@ -110,7 +110,7 @@ def _method(value: Any) -> MethodType | None:
     return MethodType(called, value) if isinstance(called, FunctionType) else None
 
 
-def _given(value: MethodType | functools.partial, called: Any = None) -> FunctionType | None:
+def _partially_applied(value: MethodType | functools.partial, called: Any = None) -> FunctionType | None:
     """A function of the arguments that a method or partial leaves; the same one for the same method or partial.
     `called` is the object that is called, if that is how the method was found."""
     inner = value.__func__ if isinstance(value, MethodType) else value.func
@@ -129,7 +129,7 @@ def _given(value: MethodType | functools.partial, called: Any = None) -> Functio
         names = inspect.signature(function).bind_partial(*args[:-1], **keywords).arguments
     except TypeError:
         return None
-    kernel, before = given(function)
+    kernel, before = partial_application(function)
     made = _called(function, names, called)
     side_table(made)["given"] = kernel, {**before, **names}, called
     kept[:] = [*kept[-_KEPT + 1:], (args, dict(keywords), made)]

@@ -20,7 +20,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.live_objects.guards import taken
 from s2sad.read.live_module import LiveScope, defaults_of
 from s2sad.read.outside_values import AST, Captured, kind_of
-from s2sad.live_objects.unwrap import fingerprint, given, python_function
+from s2sad.live_objects.unwrap import fingerprint, partial_application, python_function
 
 _FUTURE = functools.reduce(int.__or__, (getattr(__future__, n).compiler_flag for n in __future__.all_feature_names))
 # line ends to str.splitlines, but not to Python: replaced by blanks as wide in UTF-8
@@ -37,7 +37,7 @@ def capture(value: Any) -> Captured:
     function = python_function(value)
     if function is None:
         raise S2sadError(not_a_function(value))
-    function, bound = given(function)
+    function, bound = partial_application(function)
     taken(function, "attribute", "__defaults__")
     if hasattr(function, "__wrapped__"):
         raise S2sadError(Diagnostic("S101", f"'{function.__name__}' is wrapped by a decorator that s2sad does not know",

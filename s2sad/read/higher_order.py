@@ -21,7 +21,7 @@ from s2sad.live_objects.guards import taken
 from s2sad.read.capture import capture
 from s2sad.read.outside_values import AST, Captured, UserFunctionValue, Library, NotConstant, library_value
 from s2sad.read.lambda_lifting import EnclosingNames, NestedFunction
-from s2sad.live_objects.unwrap import given as given_before
+from s2sad.live_objects.unwrap import partial_application
 from s2sad.read.unique_names import unique_names
 from s2sad.tree import Call, FunctionDef
 
@@ -36,7 +36,7 @@ def definition(function: UserFunctionValue) -> Captured:
 
 def by_default(node: Call, callee: UserFunctionValue) -> Handed:
     """The functions that a call leaves to the defaults of the callee's parameters."""
-    handle = given_before(callee.handle)[0] if isinstance(callee.handle, FunctionType) else callee.handle
+    handle = partial_application(callee.handle)[0] if isinstance(callee.handle, FunctionType) else callee.handle
     if isinstance(handle, FunctionType) and not any(map(callable, [
             *(taken(handle, "attribute", "__defaults__") or ()), *(handle.__kwdefaults__ or {}).values()])):
         return {}

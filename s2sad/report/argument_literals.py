@@ -34,12 +34,12 @@ _HELP = ('write numbers, np.ones((4, 4)), np.zeros, np.full, np.arange, np.linsp
          'shape, as --arguments "u=np.ones((512, 512)), steps=100" or "u: float64[512, 512], steps: 100"')
 
 
-def evaluated(text: str, parameters: Sequence[str], floats: Collection[str] = ()) -> dict[str, Any]:
+def evaluate_arguments(text: str, parameters: Sequence[str], floats: Collection[str] = ()) -> dict[str, Any]:
     """The values by the names of parameters; those that are not named are missing, an integer for one of `floats` is
     a float. Raises S2sadError (S405).
 
-    >>> found = evaluated("np.ones((2, 3)), n=2 * 8", ["u", "n"])
-    >>> found["u"].shape, found["n"], evaluated("u: float64[9]", ["u"])["u"].shape
+    >>> found = evaluate_arguments("np.ones((2, 3)), n=2 * 8", ["u", "n"])
+    >>> found["u"].shape, found["n"], evaluate_arguments("u: float64[9]", ["u"])["u"].shape
     ((2, 3), 16, (9,))
     """
     try:
@@ -126,7 +126,7 @@ def _value(node: ast.expr) -> Any:
     if isinstance(node, ast.Subscript):
         return _typed(node)
     if isinstance(node, ast.Call):
-        return _made(node)
+        return _constructed(node)
     raise _refusal(f"{ast.unparse(node)} would have to be run")
 
 
@@ -168,13 +168,13 @@ def _dtype(node: ast.expr) -> str:
     return found
 
 
-def _made(node: ast.Call) -> Any:
+def _constructed(node: ast.Call) -> Any:
     """The array or number that a constructor of NumPy's makes."""
     title = ast.unparse(node.func)
     called = title.removeprefix("np.").removeprefix("numpy.")
-    given = {k.arg: k.value for k in node.keywords}
-    dtype = _dtype(given.pop("dtype")) if "dtype" in given else ""
-    if title == called and called not in ("float", "int", "bool", "complex") or given or any(
+    options = {k.arg: k.value for k in node.keywords}
+    dtype = _dtype(options.pop("dtype")) if "dtype" in options else ""
+    if title == called and called not in ("float", "int", "bool", "complex") or options or any(
             isinstance(a, ast.Starred) for a in node.args):
         raise _refusal(f"{ast.unparse(node)} would have to be run")
     values = [_value(a) for a in node.args]

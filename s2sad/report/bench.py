@@ -15,13 +15,13 @@ from s2sad.interface.differentiate import differentiate
 from s2sad.interface.drivers import gradient, vjp
 from s2sad.interface.value_calls import ForwardCall, selection_of
 from s2sad.program import Request
-from s2sad.report.explain import Explanation, explained
-from s2sad.report.findings import in_words
+from s2sad.report.explain import Explanation, explain_program
+from s2sad.report.findings import byte_text
 from s2sad.report.output import check_output, write_output
 from s2sad.report.picture import drawn, kind_of
-from s2sad.report.question import BenchQuestion
+from s2sad.report.measured_call import MeasuredCall
 from s2sad.report.slopes import ReferenceSlopes, Slopes, reason
-from s2sad.report.subject import split, vector_of
+from s2sad.report.vector_function import split, vector_of
 from s2sad.report.timing import Times, on_one_core, sampled, seconds
 from s2sad.interface.selection import RETURN, ReturnedValues, Wrt
 from s2sad.run.tracebacks import public
@@ -123,47 +123,49 @@ def bench(f: Callable[..., Any], *args: Any, wrt: Wrt = None, of: str | Iterable
     (['primal', 'adjoint, bare', 'gradient', 'tangent'], 0.0)
     """
     with on_one_core() as where:
-        question = BenchQuestion.asked(f, args, wrt, of, engine)
+        measured = MeasuredCall.for_call(f, args, wrt, of, engine)
         carried = selection_of(f)
-        asked = differentiate(f, wrt=wrt if wrt is not None else carried[0], of=of if of is not None else carried[1],
-                              engine=question.engine)
-        return _Measurement(question, asked, args, budget, where).made()
+        differentiated = differentiate(f, wrt=wrt if wrt is not None else carried[0],
+                                       of=of if of is not None else carried[1],
+                                       engine=measured.engine)
+        return _Measurement(measured, differentiated, args, budget, where).made()
 
 
 class _Measurement:
-    def __init__(self, question: BenchQuestion, asked: Any, args: tuple[Any, ...], budget: float, where: str):
-        self.question, self.asked, self.args, self.budget, self.where = question, asked, args, budget, where
-        self.run = question.primal(question.values)
+    def __init__(self, measured: MeasuredCall, differentiated: Any, args: tuple[Any, ...], budget: float, where: str):
+        self.measured, self.differentiated, self.args = measured, differentiated, args
+        self.budget, self.where = budget, where
+        self.run = measured.primal(measured.values)
         self._outputs()     # what is compiled is compiled
         start, outputs = perf_counter(), self._outputs()
         patience = int(_PATIENCE / (60.0 * (perf_counter() - start)))
         self.seeds, self.user_call = self._seeds(outputs)
-        self.reverse = question.reverse()
-        self.forward = question.forward() if question.has_tangent() else None
-        gradients = self.reverse.vjp(question.arguments, self.seeds)
-        self.slopes = Slopes(question, self.seeds, gradients, max(1, min(_COMPARED, patience)))
+        self.reverse = measured.reverse()
+        self.forward = measured.forward() if measured.has_tangent() else None
+        gradients = self.reverse.vjp(measured.arguments, self.seeds)
+        self.slopes = Slopes(measured, self.seeds, gradients, max(1, min(_COMPARED, patience)))
 
     def _outputs(self) -> dict[str, Any]:
-        values = dict(zip(self.question.values, self._copies()))
+        values = dict(zip(self.measured.values, self._copies()))
         values[RETURN] = self.run(*values.values())
-        return {n: values[n] for n in self.question.of}
+        return {n: values[n] for n in self.measured.of}
 
     def _copies(self) -> list[Any]:
-        return self.question.state.copied(self.question.arguments, self.question.types)
+        return self.measured.state.copied(self.measured.arguments, self.measured.types)
 
     def _seeds(self, outputs: dict[str, Any]) -> tuple[dict[str, Any], tuple[str, Callable[[], Any]]]:
         """The seeds of the outputs, and the call as a user makes it, with its name."""
-        question, asked, args = self.question, self.asked, self.args
-        results = ReturnedValues.of(question.state.summary(question.types))
-        if question.of == (RETURN,) and len(results.types) == 1 and results.types[0].is_float \
+        measured, differentiated, args = self.measured, self.differentiated, self.args
+        results = ReturnedValues.of(measured.state.summary(measured.types))
+        if measured.of == (RETURN,) and len(results.types) == 1 and results.types[0].is_float \
                 and not results.types[0].is_array:
-            return {RETURN: 1.0}, ("gradient", partial(gradient(asked), *args))
-        size = vector_of(outputs, question.of).size
-        seeds = split(outputs, question.of, np.random.default_rng(0).standard_normal(size))
-        if question.structured:
-            prepared = question.reverse()
-            return seeds, ("vjp", lambda: prepared.vjp(question.arguments, seeds))
-        return seeds, ("vjp", partial(vjp, asked, args, seeds))
+            return {RETURN: 1.0}, ("gradient", partial(gradient(differentiated), *args))
+        size = vector_of(outputs, measured.of).size
+        seeds = split(outputs, measured.of, np.random.default_rng(0).standard_normal(size))
+        if measured.structured:
+            prepared = measured.reverse()
+            return seeds, ("vjp", lambda: prepared.vjp(measured.arguments, seeds))
+        return seeds, ("vjp", partial(vjp, differentiated, args, seeds))
 
     # -- what is timed -------------------------------------------------------------------------------------------------
 
@@ -185,7 +187,7 @@ class _Measurement:
         elif stepped is not None:
             remarks.append("no complex step: differences do not confirm it, as with abs, or near a kink")
         times = {n: Times.of(t) for n, t in sampled(candidates, self.budget, least=3).items()}
-        title = (f"Bench of {self.question.title}, one thread{self.where}, {times['primal'].rounds} rounds in turns")
+        title = (f"Bench of {self.measured.title}, one thread{self.where}, {times['primal'].rounds} rounds in turns")
         return Bench(title, tuple(self._runs(times, reference, found)), self.slopes.size, self.slopes.places.size,
                      reference.floor, (*self._measure(reference), *remarks, *self._memory()))
 
@@ -214,21 +216,21 @@ class _Measurement:
                 yield Run(name, taken, 1, error(self.slopes.adjoint()))
 
     def _primal(self) -> Callable[[], Any]:
-        return self.question.bare(dict(zip(self.question.values, self._copies())))
+        return self.measured.bare(dict(zip(self.measured.values, self._copies())))
 
     def _adjoint(self) -> Callable[[], Any]:
-        values, shadows, seeds = self.reverse.arranged(self.question.arguments, self.seeds)
+        values, shadows, seeds = self.reverse.bind_values(self.measured.arguments, self.seeds)
         return self._bare(self.reverse.rv, values, shadows, seeds)
 
     def _tangent(self, call: ForwardCall) -> Callable[[], Any]:
         x_dot = np.zeros(self.slopes.size)
         x_dot[self.slopes.places[:1]] = 1.0
-        tangents = split(self.question.values, self.question.wrt, x_dot)
-        return self._bare(call.fv, *call.arranged(self.question.arguments, tangents))
+        tangents = split(self.measured.values, self.measured.wrt, x_dot)
+        return self._bare(call.fv, *call.bind_values(self.measured.arguments, tangents))
 
     def _bare(self, variant: Any, values: dict[str, Any], shadows: dict[str, Any], seeds: Sequence[Any] = ()
               ) -> Callable[[], Any]:
-        outside = self.question.state.outside(self.question.types)
+        outside = self.measured.state.outside(self.measured.types)
         return partial(variant.function, *variant.assemble(values, shadows, seeds, outside))
 
     def _differences(self, count: int) -> Callable[[], Any]:
@@ -237,7 +239,7 @@ class _Measurement:
         return lambda: [run() for run in prepared]
 
     def _complex_step(self) -> Callable[[], Any]:
-        return self.question.bare(self.slopes.complex_values(int(self.slopes.places[0])))
+        return self.measured.bare(self.slopes.complex_values(int(self.slopes.places[0])))
 
     # -- what is said --------------------------------------------------------------------------------------------------
 
@@ -245,17 +247,17 @@ class _Measurement:
         slopes = self.slopes
         some = f" {slopes.places.size} of" if slopes.places.size < slopes.size else ""
         of = f"the largest of{some} the {slopes.size} derivatives"
-        single = ["differences and the complex step are taken in float64"] if self.question.single else []
-        return [f"error: {of}, as a fraction of the largest; against {reference.said}", *single]
+        single = ["differences and the complex step are taken in float64"] if self.measured.single else []
+        return [f"error: {of}, as a fraction of the largest; against {reference.source}", *single]
 
     def _memory(self) -> list[str]:
         """What `explain` says of memory, and what arguments and shadows take."""
-        question = self.question
-        request = Request("adjoint", question.types, question.wrt, question.of, question.engine)
-        explanation: Explanation = explained(question.state.program, request, question.values)
-        arrays = {n: v.nbytes for n, v in question.values.items() if isinstance(v, np.ndarray)}
+        measured = self.measured
+        request = Request("adjoint", measured.types, measured.wrt, measured.of, measured.engine)
+        explanation: Explanation = explain_program(measured.state.program, request, measured.values)
+        arrays = {n: v.nbytes for n, v in measured.values.items() if isinstance(v, np.ndarray)}
         shadows = sum(arrays.get(n, 0) for n in self.reverse.rv.shadows)
-        given = sum(arrays.values())
+        taken = sum(arrays.values())
         known = 0 if explanation.tape == "nothing" else explanation.bytes
-        total = f"; {in_words(given + shadows + known)} in all" if known is not None else ""
-        return [f"memory: arrays {in_words(given)}, shadows {in_words(shadows)}, recorded {explanation.tape}{total}"]
+        total = f"; {byte_text(taken + shadows + known)} in all" if known is not None else ""
+        return [f"memory: arrays {byte_text(taken)}, shadows {byte_text(shadows)}, recorded {explanation.tape}{total}"]

@@ -9,7 +9,7 @@ from s2sad.run.permissions import exposure
 _KINDS = {"code": "machine code", "py": "generated text", "data": "data", "module": "derivatives"}
 
 
-def described() -> str:
+def describe_cache() -> str:
     """Where the cache is, what it holds of each kind, when the oldest of it was used, and its limits."""
     place = store.location()
     found = eviction.entries(place)
@@ -29,7 +29,7 @@ def described() -> str:
     return "\n".join(lines) + "\n"
 
 
-def cleared() -> str:
+def clear_cache() -> str:
     """Removes what the cache holds, and says how much that was."""
     place = store.location()
     count, size = eviction.clear(place)

@@ -11,9 +11,9 @@ import numpy as np
 
 from s2sad.program import Request
 from s2sad.report.differences import differences
-from s2sad.report.parting import wrong_adjoint, wrong_tangent
-from s2sad.report.question import BenchQuestion
-from s2sad.report.subject import Subject, flat, split, vector_of
+from s2sad.report.divergence import wrong_adjoint, wrong_tangent
+from s2sad.report.measured_call import MeasuredCall
+from s2sad.report.vector_function import VectorFunction, flat, split, vector_of
 from s2sad.rules import constant_result
 from s2sad.live_objects.registry import ROOM
 from s2sad.run.compiled import bounds_checked
@@ -95,24 +95,24 @@ def check(f: Callable[..., Any], *args: Any, wrt: Wrt = None,
     >>> bool(check(cube, 2.0, engine="numpy"))
     True
     """
-    return _Measurement(BenchQuestion.asked(f, args, wrt, of, engine), seed).made()
+    return _Measurement(MeasuredCall.for_call(f, args, wrt, of, engine), seed).made()
 
 
 class _Measurement:
-    def __init__(self, question: BenchQuestion, seed: int):
-        values, wrt, of = question.values, question.wrt, question.of
-        self.question, self.state, self.values, self.wrt, self.of = question, question.state, values, wrt, of
-        self.subject = Subject(question.original, values, wrt, of)
-        self.outputs = self.subject.narrowed(values)
-        self.dot_tolerance, self.tolerance = (1e-4, 2e-3) if question.single else (1e-12, 1e-6)
+    def __init__(self, measured: MeasuredCall, seed: int):
+        values, wrt, of = measured.values, measured.wrt, measured.of
+        self.measured, self.state, self.values, self.wrt, self.of = measured, measured.state, values, wrt, of
+        self.function_of_x = VectorFunction(measured.original, values, wrt, of)
+        self.outputs = self.function_of_x.narrowed(values)
+        self.dot_tolerance, self.tolerance = (1e-4, 2e-3) if measured.single else (1e-12, 1e-6)
         rng = np.random.default_rng(seed)
-        wished = rng.standard_normal(self.subject.x.size) * self.subject.scales()
+        wished = rng.standard_normal(self.function_of_x.x.size) * self.function_of_x.scales()
         self.x_dot = split(values, wrt, wished)
         self.direction = vector_of(self.x_dot, wrt)
         self.seeds = split(self.outputs, of, rng.standard_normal(vector_of(self.outputs, of).size))
 
     def made(self) -> Checked:
-        if not self.question.has_tangent():
+        if not self.measured.has_tangent():
             return self.made_without_tangent()
         tangents, gradients = self.derivatives()
         y_dot, x_bar = vector_of(tangents, self.of), vector_of(gradients, self.wrt)
@@ -122,7 +122,7 @@ class _Measurement:
         finite = np.all(np.isfinite(vector_of(self.outputs, self.of)))
         apart = distance / magnitude if magnitude else 0.0
         apart = apart if math.isfinite(apart) else math.inf if finite else 0.0
-        expected, error = differences(self.subject.along(self.direction))
+        expected, error = differences(self.function_of_x.along(self.direction))
         known = np.isfinite(error)
         found = Checked(self.title(), apart, self.dot_tolerance, self.by_output(y_dot, expected, error, known),
                         self.tolerance, int((~known).sum()), known.size)
@@ -130,12 +130,12 @@ class _Measurement:
 
     def made_without_tangent(self) -> Checked:
         """The adjoint against differences, where these are sure."""
-        expected, error = differences(self.subject.along(self.direction))
+        expected, error = differences(self.function_of_x.along(self.direction))
         known = np.isfinite(error)
         weights = np.where(known, vector_of(self.seeds, self.of), 0.0)
         self.seeds = split(self.outputs, self.of, weights)
         with bounds_checked():
-            x_bar = vector_of(self.question.reverse().vjp(self.question.arguments, self.seeds), self.wrt)
+            x_bar = vector_of(self.measured.reverse().vjp(self.measured.arguments, self.seeds), self.wrt)
         terms, slopes = x_bar * self.direction, np.where(known, weights * np.where(known, expected, 0.0), 0.0)
         beyond = max(abs(_sum(terms) - _sum(slopes)) - 10 * _sum(np.abs(weights[known]) * error[known]), 0.0)
         magnitude = float(np.abs(terms).sum() + np.abs(slopes).sum())
@@ -147,12 +147,12 @@ class _Measurement:
                        "" if apart <= self.tolerance else f"adjoints of the user's own, without tangents: {own}", True)
 
     def title(self) -> str:
-        return f"Check of {self.question.title}{', with bounds checks' if self.question.engine == 'numba' else ''}"
+        return f"Check of {self.measured.title}{', with bounds checks' if self.measured.engine == 'numba' else ''}"
 
     def derivatives(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        args = self.question.arguments
+        args = self.measured.arguments
         with bounds_checked():
-            return self.question.forward().jvp(args, self.x_dot), self.question.reverse().vjp(args, self.seeds)
+            return self.measured.forward().jvp(args, self.x_dot), self.measured.reverse().vjp(args, self.seeds)
 
     def by_output(self, y_dot: np.ndarray, expected: np.ndarray, error: np.ndarray, known: np.ndarray
                   ) -> dict[str, float]:
@@ -171,15 +171,15 @@ class _Measurement:
     def where(self, found: Checked, total: float) -> str:
         """The first statement where they part, in words."""
         def request(mode: str) -> Request:
-            return Request(mode, self.question.types, self.wrt, self.of)
-        given = {**self.values, **self.state.outside(self.question.types)}
+            return Request(mode, self.measured.types, self.wrt, self.of)
+        values = {**self.values, **self.state.outside(self.measured.types)}
         if not found.tangent_holds:
-            fixed = ", ".join(g.path for g in self.state.given if constant_result(ROOM + g.path))
+            fixed = ", ".join(g.path for g in self.state.registered if constant_result(ROOM + g.path))
             if fixed:
                 return f"held fixed by s2sad.nondifferentiable, which differences do not do: {fixed}"
-            place = wrong_tangent(self.state.program, request("tangent"), given, self.x_dot)
+            place = wrong_tangent(self.state.program, request("tangent"), values, self.x_dot)
             return f"the tangent parts from the differences first at {place}" if place else _LOST
-        place = wrong_adjoint(self.state.program, request, given, self.x_dot, self.seeds, total)
+        place = wrong_adjoint(self.state.program, request, values, self.x_dot, self.seeds, total)
         return f"the adjoint is wrong first, going backwards, at {place}" if place else _LOST
 
 

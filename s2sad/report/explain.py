@@ -8,13 +8,13 @@ from html import escape
 from typing import Any
 
 from s2sad import pipeline
-from s2sad.dispatch.arguments import admitted
-from s2sad.interface.pytrees import Carrier, taken_apart
+from s2sad.dispatch.arguments import kernel_value
+from s2sad.interface.pytrees import Carrier, flat_call
 from s2sad.live_objects.guards import current
 from s2sad.normalize.calls.global_arrays import hidden_arrays
 from s2sad.program import Program, Request
-from s2sad.live_objects.unwrap import given_functions
-from s2sad.report.findings import Findings, FoundPlace, findings, in_words
+from s2sad.live_objects.unwrap import apply_functions
+from s2sad.report.findings import Findings, FoundPlace, findings, byte_text
 from s2sad.report.listing import Listing, listings
 from s2sad.report.page import page
 from s2sad.report.sizes import sizes_of
@@ -56,7 +56,7 @@ class Explanation:
             plain = f"{' + '.join(sizes)} bytes" if len(sizes) < 4 else "as many bytes as follow from the arguments"
             return ", and ".join([*([plain] if sizes else []), *([f"what grows as it runs: {grow}"] if grow else [])])
         open_ends = ", ".join(dict.fromkeys(s.name for s in stacks if s.grows or s.bytes is None))
-        return in_words(self.bytes) + (f", and what is known only at run time: {open_ends}" if open_ends else "")
+        return byte_text(self.bytes) + (f", and what is known only at run time: {open_ends}" if open_ends else "")
 
     def json(self) -> str:
         """The facts as JSON: {"title": ..., "bytes": ..., "functions": [...]}."""
@@ -103,24 +103,24 @@ def explain(f: Callable[..., Any], *args: Any, wrt: Wrt = None,
         i: int64, inactive: int64 has no derivative
     ...
     """
-    asked = Carrier.overridden(f, names_of(wrt, f), names_of(of, f, "of"), engine)
-    function, args, _ = given_functions(f, args, {})
-    state, given, carried = taken_apart(derivatives_of(function).state(), asked, args)
-    values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, given)]
+    carrier = Carrier.with_overrides(f, names_of(wrt, f), names_of(of, f, "of"), engine)
+    function, args, _ = apply_functions(f, args, {})
+    state, arguments, carried = flat_call(derivatives_of(function).state(), carrier, args)
+    values = [kernel_value(n, v, n in state.floats) for n, v in zip(state.parameters, arguments)]
     types, name = state.types(values), state.kernel.name
     request = Request("adjoint", types, selected_wrt(name, state.parameters, types, carried[0]),
                       selected_of(name, state.parameters, types, state.summary(types), carried[1]), chosen(carried[2]))
-    return explained(state.program, request, dict(zip(state.parameters, values)))
+    return explain_program(state.program, request, dict(zip(state.parameters, values)))
 
 
-def explained(program: Program, request: Request, given: Mapping[str, Any] | None = None) -> Explanation:
-    """The report on a program and a request; with `given` arguments by name also on the bytes these take."""
+def explain_program(program: Program, request: Request, arguments: Mapping[str, Any] | None = None) -> Explanation:
+    """The report on a program and a request; with arguments by name also on the bytes these take."""
     made = pipeline.derive(program, request)
     units, entry = made.facts["units"], made.facts["derived"]
     sizes = {}
-    if given is not None:
+    if arguments is not None:
         outside = {p: current(program.arrays[a]) for p, a in hidden_arrays(units.program).items()}
-        sizes = sizes_of(units, entry.unit, {**given, **outside})
+        sizes = sizes_of(units, entry.unit, {**arguments, **outside})
     derived = [entry, *(d for d in units.derived.values() if d is not entry)]
     title = (f"{request.mode.capitalize()} of {entry.unit.kernel.name}: d({', '.join(request.of) or 'nothing'}) / "
              f"d({', '.join(request.wrt) or 'nothing'}), engine {request.engine}")
@@ -147,17 +147,18 @@ def _lines(found: Findings) -> list[str]:
     lines += ["  recorded"] if found.recorded else []
     for stacked in found.recorded:
         lines.append(f"    {stacked.name}: {stacked.size}, {stacked.what}")
-        lines += [f"      needed by {said(p)}" for p in stacked.needed_by]
+        lines += [f"      needed by {place_text(p)}" for p in stacked.needed_by]
     lines.append("  variables")
     lines += [f"    {v.variable}: {v.type + ', ' if v.type else ''}{v.reason}" for v in found.variables]
     lines += _section("computed again instead of recorded", [
-        f"{a.variable}: {a.how}, {said(a.place)}" for a in found.again])
-    lines += _section("left out of the forward sweep", [said(p) for p in found.dropped])
-    lines += _section("run in the reverse sweep only", [said(p) for p in found.reversed_again])
-    lines += _section("loops run forward and back per iteration", [said(p) for p in found.loops])
-    lines += _section("not differentiable", [f"{said(k.place).rstrip(':')}: {k.what}" for k in found.kinks])
+        f"{a.variable}: {a.how}, {place_text(a.place)}" for a in found.again])
+    lines += _section("left out of the forward sweep", [place_text(p) for p in found.dropped])
+    lines += _section("run in the reverse sweep only", [place_text(p) for p in found.reversed_again])
+    lines += _section("loops run forward and back per iteration", [place_text(p) for p in found.loops])
+    lines += _section("not differentiable", [f"{place_text(k.place).rstrip(':')}: {k.what}" for k in found.kinks])
     if found.interpreted:
-        lines += _section("run by the interpreter, which Numba's code calls", [said(p) for p in found.interpreted])
+        lines += _section("run by the interpreter, which Numba's code calls",
+                          [place_text(p) for p in found.interpreted])
     return lines
 
 
@@ -165,5 +166,5 @@ def _section(title: str, lines: list[str]) -> list[str]:
     return [f"  {title}", *(f"    {line}" for line in lines)] if lines else [f"  {title}: nothing"]
 
 
-def said(place: FoundPlace) -> str:
+def place_text(place: FoundPlace) -> str:
     return f"{place.path}:{place.line}: {place.text}" if place.path else f"line {place.line}: {place.text}"

@@ -58,15 +58,15 @@ class RecordedValue:
         if self.dtype == "any":
             return "bytes known only at run time"
         each = self.formula.replace(" per push", "")
-        counted = "" if self.bytes is None or each == str(self.bytes) else f"{in_words(self.bytes)} = "
+        counted = "" if self.bytes is None or each == str(self.bytes) else f"{byte_text(self.bytes)} = "
         return f"{counted}{each} bytes" + (" per push, the number of pushes is known only at run time"
                                            if self.grows else "")
 
 
-def in_words(count: int) -> str:
+def byte_text(count: int) -> str:
     """A number of bytes, in MB from a tenth of one on.
 
-    >>> in_words(2880), in_words(8_000_000), in_words(1_234_567_890)
+    >>> byte_text(2880), byte_text(8_000_000), byte_text(1_234_567_890)
     ('2,880 bytes', '8.00 MB', '1,235 MB')
     """
     if count < 100_000:

@@ -16,7 +16,7 @@ from s2sad.analyze.to_be_recorded import has_adjoint
 from s2sad.differentiate.adjoint import REVERSE
 from s2sad.emit.module import FunctionLines
 from s2sad.program import Generated, Kernel, Program
-from s2sad.report.findings import Findings, FoundPlace, RecordedValue, in_words
+from s2sad.report.findings import Findings, FoundPlace, RecordedValue, byte_text
 from s2sad.tree import (
     AST, Assign, AugAssign, Constant, Expr, For, FunctionDef, If, Return, While, is_comment, names, stmt, walk,
 )
@@ -223,7 +223,7 @@ class _Listing:
         badges = {}
         for key, here in stacks.items():
             known = [s.bytes for s in here if s.bytes is not None and not s.grows]
-            parts = [in_words(sum(known)) if known else "recorded" if not all(s.grows for s in here) else "",
+            parts = [byte_text(sum(known)) if known else "recorded" if not all(s.grows for s in here) else "",
                      "grows" if any(s.grows for s in here) else ""]
             badges[key] = " + ".join(filter(None, parts))
         return badges

@@ -13,7 +13,7 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
-from s2sad.report.findings import Findings, FoundPlace, in_words
+from s2sad.report.findings import Findings, FoundPlace, byte_text
 from s2sad.report.listing import Listing
 
 _PLACEHOLDER = re.compile("@(title|text|data)@")
@@ -48,7 +48,7 @@ def _function(listing: Listing, found: Findings | None) -> dict[str, Any]:
                   for line in listing.lines],
         "records": [] if found is None else [
             {"name": s.name, "bytes": None if s.grows else s.bytes, "what": s.what, "size": s.size,
-             "words": in_words(s.bytes) if s.bytes is not None and not s.grows else s.size,
+             "words": byte_text(s.bytes) if s.bytes is not None and not s.grows else s.size,
              "link": listing.link(s.place, found.path)} for s in found.recorded],
         "tables": [] if found is None else list(_tables(listing, found))}
 
@@ -58,8 +58,8 @@ def _tables(listing: Listing, found: Findings) -> Iterable[dict[str, Any]]:
     def row(place: FoundPlace | None, *cells: str) -> dict[str, Any]:
         return {"link": 0 if place is None else listing.link(place, found.path), "cells": cells}
 
-    def places(given: Iterable[FoundPlace]) -> list[dict[str, Any]]:
-        return [row(p, _where(p), p.text) for p in given]
+    def places(found_places: Iterable[FoundPlace]) -> list[dict[str, Any]]:
+        return [row(p, _where(p), p.text) for p in found_places]
 
     tables = [
         ("Recorded", ("name", "bytes", "what", "needed by"), [

@@ -42,11 +42,11 @@ class Shape:
 class SizeEvaluator:
     """The names of one kernel with their values where they are known."""
 
-    def __init__(self, unit: Unit, given: Mapping[str, Any], constants: Mapping[str, Any]):
+    def __init__(self, unit: Unit, arguments: Mapping[str, Any], constants: Mapping[str, Any]):
         self.unit, self.constants = unit, constants
         written = {p.id for k, p in enumerate(unit.function.args.args) if k in unit.summary.written}
         self.known = {n: Shape(v.shape, v.dtype) if n in written and isinstance(v, np.ndarray) else v
-                      for n, v in given.items()}
+                      for n, v in arguments.items()}
         self.waiting: set[str] = set()
 
     def bytes(self, recorded: StackEntry) -> int | None:
@@ -84,10 +84,10 @@ class SizeEvaluator:
         return Shape(tuple(shape) if isinstance(shape, tuple) else (int(shape),), kind.dtype)
 
 
-def sizes_of(units: Units, entry: Unit, given: Mapping[str, Any]) -> dict[str, SizeEvaluator]:
+def sizes_of(units: Units, entry: Unit, arguments: Mapping[str, Any]) -> dict[str, SizeEvaluator]:
     """The sizes of the entry and of every kernel that it calls (of its first call), by title."""
     constants = units.program.constants
-    found = {entry.title: SizeEvaluator(entry, given, constants)}
+    found = {entry.title: SizeEvaluator(entry, arguments, constants)}
     waiting = [entry]
     while waiting:
         unit = waiting.pop(0)

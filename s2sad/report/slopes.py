@@ -1,4 +1,4 @@
-"""Some derivatives of a question's weighted outputs, by every way that is compared, and what they are held against.
+"""Some derivatives of a measured call's weighted outputs, by every way that is compared, and what they are held against.
 
 The complex step is exact to rounding where the kernel does nothing but analytic functions of its inputs; `abs`, `conj`
 or a comparison of imaginary parts make it another number, silently. So it is the reference only where it agrees with
@@ -18,8 +18,8 @@ import numpy as np
 from s2sad.diagnostics import S2sadError
 from s2sad.interface.value_calls import ForwardCall
 from s2sad.report.differences import differences
-from s2sad.report.question import BenchQuestion
-from s2sad.report.subject import Subject, flat, split, vector_of
+from s2sad.report.measured_call import MeasuredCall
+from s2sad.report.vector_function import VectorFunction, flat, split, vector_of
 from s2sad.interface.selection import RETURN
 
 _STEP = 1e-20                       # of the complex step, as a fraction of the input
@@ -34,7 +34,7 @@ class ReferenceSlopes:
     largest."""
     values: np.ndarray
     floor: float
-    said: str
+    source: str
 
     def error(self, found: np.ndarray) -> float:
         """The largest distance, as a fraction of the largest derivative; nan where none is known, or not finite.
@@ -48,21 +48,21 @@ class ReferenceSlopes:
 
 
 class Slopes:
-    """The derivatives of the outputs, weighted by `seeds`, for some of a question's `size` inputs."""
+    """The derivatives of the outputs, weighted by `seeds`, for some of a measured call's `size` inputs."""
 
-    def __init__(self, question: BenchQuestion, seeds: dict[str, Any], gradients: dict[str, Any], most: int):
-        self.question, self.weights = question, vector_of(seeds, question.of)
-        self.subject = Subject(self._primal(), question.values, question.wrt, question.of)
-        self.gradient, self.scales = vector_of(gradients, question.wrt), self.subject.scales()
-        self.centre, self.size = vector_of(self.subject.outputs, question.of), self.gradient.size
+    def __init__(self, measured: MeasuredCall, seeds: dict[str, Any], gradients: dict[str, Any], most: int):
+        self.measured, self.weights = measured, vector_of(seeds, measured.of)
+        self.function_of_x = VectorFunction(self._primal(), measured.values, measured.wrt, measured.of)
+        self.gradient, self.scales = vector_of(gradients, measured.wrt), self.function_of_x.scales()
+        self.centre, self.size = vector_of(self.function_of_x.outputs, measured.of), self.gradient.size
         moving = np.flatnonzero(self.gradient)
         places = moving if moving.size else np.arange(self.size)
         self.places = np.sort(np.random.default_rng(0).choice(places, min(most, places.size), replace=False))
 
     def _primal(self) -> Callable[..., Any]:
         """The primal; of kernels with arrays of float32 for float64, in which differences are taken."""
-        values = self.question.values
-        return self.question.primal({n: np.zeros(v.shape) if getattr(v, "dtype", None) == np.float32 else v
+        values = self.measured.values
+        return self.measured.primal({n: np.zeros(v.shape) if getattr(v, "dtype", None) == np.float32 else v
                                      for n, v in values.items()})
 
     # -- the ways ------------------------------------------------------------------------------------------------------
@@ -73,9 +73,9 @@ class Slopes:
     def tangent(self, call: ForwardCall) -> np.ndarray:
         found = []
         for place in self.places:
-            tangents = split(self.question.values, self.question.wrt, self._direction(place, 1.0))
-            dots = call.jvp(self.question.arguments, tangents)
-            found.append(self._weighted(vector_of(dots, self.question.of)))
+            tangents = split(self.measured.values, self.measured.wrt, self._direction(place, 1.0))
+            dots = call.jvp(self.measured.arguments, tangents)
+            found.append(self._weighted(vector_of(dots, self.measured.of)))
         return np.array(found)
 
     def central(self, step: float) -> np.ndarray:
@@ -90,24 +90,24 @@ class Slopes:
 
     def complex_step(self) -> np.ndarray:
         """Raises whatever the kernel raises that takes no complex numbers, or S2sadError where none can be compiled."""
-        if any(np.iscomplexobj(v) for v in self.question.values.values()):
+        if any(np.iscomplexobj(v) for v in self.measured.values.values()):
             raise ValueError("the kernel takes complex numbers itself")
-        function = self.question.primal(self.complex_values(0))
+        function = self.measured.primal(self.complex_values(0))
         return np.array([self._weighted(self._imaginary(function, self.complex_values(k))) / (_STEP * self.scales[k])
                          for k in self.places])
 
     def complex_values(self, place: int) -> dict[str, Any]:
         """The values with complex numbers for what is differentiated or written, one of the inputs with a step."""
-        question, found = self.question, {}
-        x = self.subject.x.astype("complex128")
+        measured, found = self.measured, {}
+        x = self.function_of_x.x.astype("complex128")
         x[place] += 1j * _STEP * self.scales[place]
-        written, at = question.state.summary(question.types).written, 0
-        for name, value in self.subject.given.items():
+        written, at = measured.state.summary(measured.types).written, 0
+        for name, value in self.function_of_x.arguments.items():
             found[name] = value.astype("complex128") if name in written and getattr(
                 value, "dtype", None) == np.float64 else np.array(value) if isinstance(value, np.ndarray) else value
-        for name in question.wrt:
-            shape = np.shape(self.subject.given[name])
-            part = x[at:at + flat(self.subject.given[name]).size]
+        for name in measured.wrt:
+            shape = np.shape(self.function_of_x.arguments[name])
+            part = x[at:at + flat(self.function_of_x.arguments[name]).size]
             found[name] = part.reshape(shape) if shape else complex(part[0])
             at += part.size
         return found
@@ -116,9 +116,9 @@ class Slopes:
         """The imaginary parts of the outputs, of complex values that are written."""
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("error")      # an imaginary part that is discarded
-            values[RETURN] = function(*[values[n] for n in self.question.values])
-        outputs = {n: values[n] for n in self.question.of}
-        return np.concatenate([np.zeros(0), *(_parts(self.subject.outputs[n], outputs[n]) for n in outputs)])
+            values[RETURN] = function(*[values[n] for n in self.measured.values])
+        outputs = {n: values[n] for n in self.measured.of}
+        return np.concatenate([np.zeros(0), *(_parts(self.function_of_x.outputs[n], outputs[n]) for n in outputs)])
 
     # -- what they are held against ------------------------------------------------------------------------------------
 
@@ -153,7 +153,7 @@ class Slopes:
 
     def _line(self, place: int) -> Callable[[float], np.ndarray]:
         """The weighted outputs along one input, less what they are at its value: what does not depend on it is 0."""
-        line = self.subject.along(self._direction(place, self.scales[place]))
+        line = self.function_of_x.along(self._direction(place, self.scales[place]))
         return lambda h: np.array([self._weighted(line(h) - self.centre)])
 
     def _weighted(self, values: np.ndarray) -> float:

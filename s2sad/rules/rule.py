@@ -212,7 +212,7 @@ class RuleTable:
             self._claim(key)
             self.constants[key] = result
 
-    def give(self, name: str, found: Rule | str | None) -> None:
+    def set_user_rule(self, name: str, found: Rule | str | None) -> None:
         """Sets a user's rule, or the kind of result of a user's function without a derivative; None takes either away.
         The last one holds."""
         self.rules.pop(name, None)

@@ -185,7 +185,7 @@ class _Enough(BaseException):
     """A derivative was asked for, and is not needed."""
 
 
-def only_asked(collector: Collector, function: Any, subject: derivatives.Subject) -> derivatives.Measured:
+def only_asked(collector: Collector, function: Any, subject: derivatives.VectorFunction) -> derivatives.Measured:
     """What `check_derivatives` asks for, in place of what it measures."""
     differentiated, args = s2sad.differentiate(function, engine="numpy"), tuple(subject.given.values())
     tangents = derivatives._split(subject.given, subject.wrt, subject.x)

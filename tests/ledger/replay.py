@@ -17,7 +17,7 @@ from typing import Any
 from s2sad import S2sadError, pipeline, read
 from s2sad.dispatch import compiler
 from s2sad.blocks import with_blocks
-from s2sad.dispatch.compiler import entry_kernel, taken_apart
+from s2sad.dispatch.compiler import entry_kernel, flat_program
 from s2sad.emit.module import module_text
 from s2sad.program import Program, Request
 from s2sad.interface.selection import selected_of
@@ -136,7 +136,7 @@ class Replay:
         if self.forms is None:
             return program
         function = read.python_function(self.function)
-        return taken_apart(program, function, self.forms, self.varying)[0].program
+        return flat_program(program, function, self.forms, self.varying)[0].program
 
     def default(self, program: Program, forms: Any) -> Request:
         """The adjoint of all that may be derived; raises what the kernel is refused with."""

@@ -6,7 +6,7 @@ import pytest
 
 from s2sad import S2sadError
 from s2sad.cli import main
-from s2sad.report.argument_literals import evaluated, form_of_literal
+from s2sad.report.argument_literals import evaluate_arguments, form_of_literal
 
 NAMES = ("u", "v", "n")
 
@@ -27,18 +27,18 @@ NAMES = ("u", "v", "n")
     ("np.ones((100_000, 100_000))", (100_000, 100_000), "float64"),     # takes no memory
 ])
 def test_arrays(text, shape, dtype):
-    value = evaluated(f"u={text}", NAMES)["u"]
+    value = evaluate_arguments(f"u={text}", NAMES)["u"]
     assert (value.shape, value.dtype.name) == (shape, dtype)
     kind = form_of_literal(value)
     assert (kind.dtype, kind.rank, kind.ones) == (dtype, len(shape), tuple(k for k, s in enumerate(shape) if s == 1))
 
 
 def test_numbers_and_names():
-    assert evaluated("1.5, n=-3 * 4 // 5, v=True", NAMES) == {"u": 1.5, "v": True, "n": -3}
-    assert evaluated("u: 1.5, n: (2 + 1) ** 2", NAMES) == {"u": 1.5, "n": 9}
-    assert evaluated("u=2, n=2", NAMES, ["u"]) == {"u": 2.0, "n": 2} and evaluated("", NAMES) == {}
-    assert isinstance(evaluated("u=2", NAMES, ["u"])["u"], float)
-    assert isinstance(evaluated("np.float32(2)", NAMES)["u"], np.float32)
+    assert evaluate_arguments("1.5, n=-3 * 4 // 5, v=True", NAMES) == {"u": 1.5, "v": True, "n": -3}
+    assert evaluate_arguments("u: 1.5, n: (2 + 1) ** 2", NAMES) == {"u": 1.5, "n": 9}
+    assert evaluate_arguments("u=2, n=2", NAMES, ["u"]) == {"u": 2.0, "n": 2} and evaluate_arguments("", NAMES) == {}
+    assert isinstance(evaluate_arguments("u=2", NAMES, ["u"])["u"], float)
+    assert isinstance(evaluate_arguments("np.float32(2)", NAMES)["u"], np.float32)
 
 
 @pytest.mark.parametrize(("text", "message"), [
@@ -68,7 +68,7 @@ def test_numbers_and_names():
 ])
 def test_refusals(text, message):
     with pytest.raises(S2sadError) as refusal:
-        evaluated(text, NAMES)
+        evaluate_arguments(text, NAMES)
     [found] = refusal.value.diagnostics
     assert (found.code, found.message) == ("S405", f"--arguments: {message}")
 

@@ -32,15 +32,16 @@ Layout = list[tuple[str, str]]          # the role and the parameter of each arg
 
 # -- autodiff -------------------------------------------------------------------------------------------------------
 
-def flat_autodiff(state: ProgramVersion, mode: Mode, given: Sequence[Any], engine: str, seed: Any) -> tuple[Any] | None:
+def flat_autodiff(state: ProgramVersion, mode: Mode, annotated: Sequence[Any], engine: str, seed: Any
+                  ) -> tuple[Any] | None:
     """What `autodiff` returns, in a tuple of one; None if there is nothing to take apart."""
-    plain = [a.value if isinstance(a, Annotation) else a for a in given]
+    plain = [a.value if isinstance(a, Annotation) else a for a in annotated]
     apart = flattened(state, plain)
     if apart is None:
         return None
     values = bind(state.kernel, plain)
-    marks = [*given, *values[len(given):]]
-    with apart.told():
+    marks = [*annotated, *values[len(annotated):]]
+    with apart.user_paths():
         return (_FlatAutodiff(apart, mode, marks, values, engine).called(seed),)
 
 
@@ -50,7 +51,7 @@ class _FlatAutodiff:
     def __init__(self, apart: Flattened, mode: Mode, marks: list[Any], values: Sequence[Any], engine: str):
         self.apart, self.mode, self.engine = apart, mode, engine
         self.args = list(values)
-        self.given: list[Any] = []
+        self.annotated: list[Any] = []
         self.active: list[tuple[str, Any, str | int] | None] = []   # where each Active float's adjoint is added
         self.shadowed: list[tuple[np.ndarray, str, Any, str | int]] = []
         flat = apart.values(self.args)
@@ -59,7 +60,7 @@ class _FlatAutodiff:
             if isinstance(form, PyTree):
                 self._structure(parameter, form, mark)
             elif is_held(form):
-                self.given.append(mark)
+                self.annotated.append(mark)
                 if isinstance(mark, Active):
                     self.active.append(None)
 
@@ -74,18 +75,18 @@ class _FlatAutodiff:
             raise S2sadError(Diagnostic("S402", f"the argument '{parameter}' {what}", help=f"say Const({parameter}) "
                                         f"or Duplicated({parameter}, {parameter}_{suffix})"))
         if not isinstance(mark, Duplicated):
-            self.given += [Const(self.flat[n]) for n in names]
+            self.annotated += [Const(self.flat[n]) for n in names]
             return
-        shadows = self.apart.spread((parameter, form, parameter), mark.shadow, "shadow", self.flat)
+        shadows = self.apart.flat_parts((parameter, form, parameter), mark.shadow, "shadow", self.flat)
         self._places(form, mark.shadow, parameter, shadows)
         for name in names:
             leaf = self.flat[name]
             if name not in floats:
-                self.given.append(Const(leaf) if isinstance(leaf, np.ndarray) else leaf)
+                self.annotated.append(Const(leaf) if isinstance(leaf, np.ndarray) else leaf)
             elif isinstance(leaf, np.ndarray) or not self.mode.reverse:
-                self.given.append(type(mark)(leaf, shadows[name]))
+                self.annotated.append(type(mark)(leaf, shadows[name]))
             else:
-                self.given.append(Active(leaf))
+                self.annotated.append(Active(leaf))
         assert value is not None
 
     def _places(self, form: PyTree, shadow: Any, path: str, shadows: dict[str, Any]) -> None:
@@ -108,13 +109,13 @@ class _FlatAutodiff:
 
     def called(self, seed: Any) -> Any:
         apart = self.apart
-        kinds = tuple(type(a) if isinstance(a, Annotation) else None for a in self.given)
-        values = [a.value if isinstance(a, Annotation) else a for a in self.given]
-        shadows = [a.shadow for a in self.given if isinstance(a, Duplicated)]
+        kinds = tuple(type(a) if isinstance(a, Annotation) else None for a in self.annotated)
+        values = [a.value if isinstance(a, Annotation) else a for a in self.annotated]
+        shadows = [a.shadow for a in self.annotated if isinstance(a, Duplicated)]
         key = (self.mode, self.engine, kinds, describe(values), describe(shadows))
         entry = apart.state.entries.get(key)
         if entry is None:
-            entry = apart.state.entries[key] = AnnotatedCall(apart.state, self.mode, self.given, self.engine)
+            entry = apart.state.entries[key] = AnnotatedCall(apart.state, self.mode, self.annotated, self.engine)
         if seed is not None and apart.result is not None:
             seed = apart.result_seed(seed)
         found = entry(values, shadows, seed)
@@ -157,7 +158,7 @@ def shadowed(state: ProgramVersion, mode: str, args: Sequence[Any], f: Any) -> t
             wrong = wrong or error
             continue
         if found is not None:
-            with found[0].told():
+            with found[0].user_paths():
                 return (_called(*found),)
     if unmeant:
         return None     # the list is refused as any shadow that is no array
@@ -173,7 +174,7 @@ def _reading(state: ProgramVersion, mode: str, layout: Layout, args: Sequence[An
     apart = flattened(state, [args[k] for k, (role, _) in enumerate(layout) if role == "primal"])
     if apart is None:
         return None
-    with apart.told():
+    with apart.user_paths():
         carrier = apart.carried(f)[1]
         values = apart.values([args[k] for k, (role, _) in enumerate(layout) if role == "primal"])
         shadows = _implied(apart, mode, values, carrier)
@@ -241,7 +242,7 @@ def _called(apart: Flattened, mode: str, layout: Layout, args: Sequence[Any], sh
             if isinstance(form, Type):
                 bars[parameter] = args[k]
                 continue
-            found = apart.spread((parameter, form, parameter), args[k], "shadow", values)
+            found = apart.flat_parts((parameter, form, parameter), args[k], "shadow", values)
             bars |= {n: v for n, v in found.items() if apart.paths[n] in shadows}
             cells += [(bars[n], kind, v, i) for n, kind, v, i in apart.held(form, args[k], parameter) if n in bars]
     flat: list[Any] = []
@@ -263,7 +264,7 @@ def _called(apart: Flattened, mode: str, layout: Layout, args: Sequence[Any], sh
 def primal(apart: Flattened, args: Sequence[Any], engine: str) -> Any:
     """What the compiled primal returns; fields that it assigns are assigned."""
     state = apart.state
-    with apart.told():
+    with apart.user_paths():
         values = apart.values(args)
         types = state.types(values)
         function, disjoint = state.primal(types, engine), state.apart(types)

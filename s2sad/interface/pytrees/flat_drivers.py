@@ -25,30 +25,30 @@ class FlatGradient:
     def value_and_gradient(self, args: Sequence[Any]) -> tuple[Any, Any]:
         """The value, and the gradients as `gradient` gives them."""
         apart = self.apart
-        with apart.told():
-            asked, call, values = _reverse(apart, self.f, args, (RETURN,), self.names, True)
+        with apart.user_paths():
+            paths, call, values = _reverse(apart, self.f, args, (RETURN,), self.names, True)
             shadows, returned = call.run(values, {RETURN: 1.0})
-            found = _answered(apart, self.f, self.names, asked, call, args, call.gradients(shadows, returned))
-        return returned[0], found[asked[0][0]] if self.alone(asked) else found
+            found = _by_argument(apart, self.f, self.names, paths, call, args, call.gradients(shadows, returned))
+        return returned[0], found[paths[0][0]] if self.alone(paths) else found
 
-    def alone(self, asked: Sequence[Path]) -> bool:
+    def alone(self, paths: Sequence[Path]) -> bool:
         """Whether there is one gradient, which is given as it is."""
         explicit = self.names is not None or selection_of(self.f)[0] is not None
-        return len(asked) == 1 and (explicit or len(self.apart.independents()) <= 1)
+        return len(paths) == 1 and (explicit or len(self.apart.independents()) <= 1)
 
 
 def vjp(apart: Flattened, f: Any, args: Sequence[Any], seeds: Mapping[str, Any], names: Sequence[str] | None
         ) -> dict[str, Any]:
     """The gradients as `vjp` gives them."""
-    with apart.told():
+    with apart.user_paths():
         values = dict(zip(apart.paths, apart.values(args)))
         flat, kept = _seeds(apart, seeds, values)
-        asked, call, ordered = _reverse(apart, f, args, tuple(flat), names, False)
+        paths, call, ordered = _reverse(apart, f, args, tuple(flat), names, False)
         found = call.vjp(ordered, flat)
         for name, seed in kept.items():
             if name in found:
                 found[name] = found[name] + seed
-        return _answered(apart, f, names, asked, call, args, found)
+        return _by_argument(apart, f, names, paths, call, args, found)
 
 
 def _seeds(apart: Flattened, seeds: Mapping[str, Any], values: Mapping[str, Any]
@@ -60,10 +60,10 @@ def _seeds(apart: Flattened, seeds: Mapping[str, Any], values: Mapping[str, Any]
         if name == RETURN:
             flat[RETURN] = seed if apart.result is None else apart.result_seed(seed)
             continue
-        path = apart._asked(name, "seeds")
+        path = apart._selected_path(name, "seeds")
         written = apart.written(path)
-        for leaf, given in apart.spread(path, seed, "seed", values).items():
-            (flat if leaf in written else kept)[leaf] = given
+        for leaf, value in apart.flat_parts(path, seed, "seed", values).items():
+            (flat if leaf in written else kept)[leaf] = value
         for leaf in written:
             flat.setdefault(leaf, seed)  # not a float: refused as any other
     return flat, kept
@@ -73,39 +73,39 @@ def _reverse(apart: Flattened, f: Any, args: Sequence[Any], outputs: tuple[str, 
              with_value: bool) -> tuple[list[Path], ReverseCall, list[Any]]:
     values = apart.values(args)
     inputs, carrier = apart.carried(f)
-    asked = apart.asked(names, "wrt") if names is not None or inputs is None else inputs
+    paths = apart.selected_paths(names, "wrt") if names is not None or inputs is None else inputs
     if with_value and names is None and inputs is None:
-        asked = [path for path in asked if path[0] in apart.independents()] or asked
-    wrt = apart.flat_names(asked, "wrt") if asked else None
+        paths = [path for path in paths if path[0] in apart.independents()] or paths
+    wrt = apart.flat_names(paths, "wrt") if paths else None
     key = ("reverse", with_value, outputs, wrt, carrier.__s2sad_selection__, describe(values))
     call = apart.state.entries.get(key)
     if call is None:
         call = apart.state.entries[key] = ReverseCall(apart.state, carrier, tuple(values), outputs, wrt, with_value)
         call.in_vain = ()
-    return asked, call, values
+    return paths, call, values
 
 
-def _answered(apart: Flattened, f: Any, names: Sequence[str] | None, asked: list[Path], call: ReverseCall,
+def _by_argument(apart: Flattened, f: Any, names: Sequence[str] | None, paths: list[Path], call: ReverseCall,
               args: Sequence[Any], found: Mapping[str, Any]) -> dict[str, Any]:
     lost = set(call.rv.generated.facts.get("independent", ()))
     explicit = names is not None or selection_of(f)[0] is not None
-    for name, form, path in asked if explicit else ():
+    for name, form, path in paths if explicit else ():
         if set(apart.floats(form, path)) <= lost:
             warn(f"no output asked for of '{apart.title}' depends on '{name}': its gradient is zero")
-    return {path[0]: apart.gathered(path, args, found) for path in asked}
+    return {path[0]: apart.with_floats(path, args, found) for path in paths}
 
 
 def jvp(apart: Flattened, f: Any, args: Sequence[Any], tangents: Mapping[str, Any], of: Sequence[str] | None
         ) -> dict[str, Any]:
     """The tangents as `jvp` gives them."""
-    with apart.told():
+    with apart.user_paths():
         values = apart.values(args)
         by_name = dict(zip(apart.paths, values))
         flat: dict[str, Any] = {}
-        for name, given in tangents.items():
-            path = apart._asked(name, "tangents")
-            own = apart.spread(path, given, "tangent", by_name)
-            flat |= own or {apart.flat_names([path], "tangents")[0]: given}
+        for name, value in tangents.items():
+            path = apart._selected_path(name, "tangents")
+            own = apart.flat_parts(path, value, "tangent", by_name)
+            flat |= own or {apart.flat_names([path], "tangents")[0]: value}
         _, carrier = apart.carried(f)
         outputs = apart.outputs(of)
         key = ("forward", tuple(flat), outputs, carrier.__s2sad_selection__, describe(values))
@@ -117,19 +117,19 @@ def jvp(apart: Flattened, f: Any, args: Sequence[Any], tangents: Mapping[str, An
 
 
 def _tangents(apart: Flattened, args: Sequence[Any], of: Sequence[str] | None, found: dict[str, Any],
-              given: Mapping[str, Any]) -> dict[str, Any]:
+              tangents: Mapping[str, Any]) -> dict[str, Any]:
     """The tangents of outputs: of what a structure holds and the kernel does not write, those that it had."""
     if of is None:
         roots = {apart.paths[n].partition(".")[0].partition("[")[0] for n in found if n != RETURN}
         of = [*(p for p in apart.forms if p in roots), *([RETURN] if RETURN in found else [])]
-    answer: dict[str, Any] = {}
+    outputs: dict[str, Any] = {}
     for name in of:
         if name == RETURN:
-            answer[name] = found[RETURN] if apart.result is None else apart.result_of(found[RETURN])
+            outputs[name] = found[RETURN] if apart.result is None else apart.result_of(found[RETURN])
             continue
-        path = apart._asked(name, "of")
+        path = apart._selected_path(name, "of")
         floats = apart.floats(path[1], path[2])
-        held = {n: found.get(n, copy.copy(given.get(n))) for n in floats}
+        held = {n: found.get(n, copy.copy(tangents.get(n))) for n in floats}
         zeros = {n: make_zero(v) for n, v in zip(apart.paths, apart.values(args)) if held.get(n, 0) is None}
-        answer[name] = apart.gathered(path, args, {**held, **zeros})
-    return answer
+        outputs[name] = apart.with_floats(path, args, {**held, **zeros})
+    return outputs

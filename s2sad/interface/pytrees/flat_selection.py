@@ -25,7 +25,7 @@ class Carrier:
         self.__s2sad_selection__ = selection
 
     @classmethod
-    def overridden(cls, f: Any, wrt: Any, of: Any, engine: str | None) -> Carrier:
+    def with_overrides(cls, f: Any, wrt: Any, of: Any, engine: str | None) -> Carrier:
         """What f carries, where nothing else was said."""
         carried = selection_of(f)
         return cls((wrt if wrt is not None else carried[0], of if of is not None else carried[1],
@@ -43,11 +43,11 @@ class FlatSelection:
     state: ProgramVersion
     title: str
 
-    def asked(self, names: Sequence[str] | None, what: str) -> list[Path]:
+    def selected_paths(self, names: Sequence[str] | None, what: str) -> list[Path]:
         """What names mean: a parameter, or a part of one; by default every parameter that holds a float."""
         if names is None:
             return [(p, f, p) for p, f in self.forms.items() if self.floats(f, p)]
-        return [self._asked(n, what) for n in names]
+        return [self._selected_path(n, what) for n in names]
 
     def independents(self) -> list[str]:
         """The parameters that a gradient is with respect to where nobody says: structures that hold a float, and
@@ -55,7 +55,7 @@ class FlatSelection:
         return [p for p, form in self.forms.items()
                 if (self.floats(form, p) if isinstance(form, PyTree) else p in self.plain and form != NONE)]
 
-    def _asked(self, name: str, what: str) -> Path:
+    def _selected_path(self, name: str, what: str) -> Path:
         keys = steps(name)
         root = str(keys[0]) if keys else name
         if keys is None or root not in self.forms:
@@ -86,7 +86,7 @@ class FlatSelection:
     def carried(self, f: Any) -> tuple[list[Path] | None, Carrier]:
         """What a differentiated function carries: its wrt, and all of it in flat names."""
         wrt, of, engine = selection_of(f)
-        inputs = None if wrt is None else self.asked(wrt, "wrt")
+        inputs = None if wrt is None else self.selected_paths(wrt, "wrt")
         return inputs, Carrier((None if inputs is None else self.flat_names(inputs, "wrt"), self.outputs(of), engine))
 
     def outputs(self, of: Sequence[str] | None) -> tuple[str, ...] | None:
@@ -94,7 +94,7 @@ class FlatSelection:
         if of is None:
             return None
         found: list[str] = [RETURN] if RETURN in of else []
-        for path in self.asked([n for n in of if n != RETURN], "of"):
+        for path in self.selected_paths([n for n in of if n != RETURN], "of"):
             found += self.written(path)
         return tuple(dict.fromkeys(found))
 

@@ -50,7 +50,7 @@ def flattened(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
     return found
 
 
-def taken_apart(state: ProgramVersion, f: Any, args: Sequence[Any], keywords: Mapping[str, Any] | None = None
+def flat_call(state: ProgramVersion, f: Any, args: Sequence[Any], keywords: Mapping[str, Any] | None = None
                 ) -> tuple[ProgramVersion, list[Any], tuple[Any, Any, str]]:
     """The state and the values to work with, flat where there are structures, and what f carries in its names."""
     values = bind(state.kernel, args, keywords)
@@ -67,7 +67,7 @@ class Flattened(FlatSelection):
         self.forms = dict(zip(state.parameters, forms))
         self.title, self.plain = state.kernel.name, state.kernel.independents
         self.methods: list[Any] = []
-        kept = artifacts.flat_of(state.reading, forms)
+        kept = artifacts.load_flat(state.reading, forms)
         if kept is None:
             self._take_apart(state, forms)
         else:
@@ -78,13 +78,13 @@ class Flattened(FlatSelection):
 
     def _take_apart(self, state: ProgramVersion, forms: tuple[Form, ...]) -> None:
         """Has it done by the compiler, and kept for other processes, where no function of a class is called."""
-        flat, self.methods, self._classes = compiler().taken_apart(
+        flat, self.methods, self._classes = compiler().flat_program(
             state.program, state.function, forms, state.guards.varying)
         self.cells, self.paths = flat.cells, flat.paths
         self.result = None if flat.result is None else compiler().result_form(flat.result)
         program = flat.program
         kernel = program.kernels[program.entry]
-        address = None if self.methods else artifacts.keep_flat(
+        address = None if self.methods else artifacts.store_flat(
             state.reading, forms, kernel, self.paths, self.cells, self.result, self._classes)
         self.state = ProgramVersion(ReadRecord(kernel, False, program.arrays, {}, program.guards, address),
                                     state.function,
@@ -92,9 +92,9 @@ class Flattened(FlatSelection):
 
     @staticmethod
     def _program(state: ProgramVersion, forms: tuple[Form, ...]) -> Any:
-        return compiler().taken_apart(state.program, state.function, forms, state.guards.varying)[0].program
+        return compiler().flat_program(state.program, state.function, forms, state.guards.varying)[0].program
 
-    def restated(self, state: ProgramVersion) -> Flattened:
+    def prepared_for(self, state: ProgramVersion) -> Flattened:
         """The flat program of another reading of the function, with what was derived of this one."""
         found = Flattened(state, tuple(self.forms.values()))
         found.state.derive_as(self.state)
@@ -123,20 +123,20 @@ class Flattened(FlatSelection):
     def _apart(self, args: Sequence[Any]) -> None:
         """Refuses a field that is given twice and assigned: each name would have its own number."""
         seen: dict[tuple[int, str | int], str] = {}
-        for name, _, holder, key in self.holders(args, True):
+        for name, _, holder, key in self.cell_holders(args, True):
             first = seen.setdefault((id(holder), key), name)
             if name != first and {name, first} & self.cells:
                 raise S2sadError(Diagnostic("S404", f"'{self.paths[first]}' and '{self.paths[name]}' are one field of "
                                             "one object, and it is assigned", help="pass a copy of one of them"))
 
-    def holders(self, args: Sequence[Any], every: bool = False) -> Iterator[Holder]:
+    def cell_holders(self, args: Sequence[Any], every: bool = False) -> Iterator[Holder]:
         """The cells, or every leaf, each with the structure that holds it, its kind and the key there."""
         for (parameter, form), value in zip(self.forms.items(), args):
             yield from self.held(form, value, parameter, every)
 
     def write_back(self, args: Sequence[Any], flat: Mapping[str, Any]) -> None:
         """Gives the fields that the kernel assigns what their cells hold."""
-        for name, kind, holder, key in self.holders(args):
+        for name, kind, holder, key in self.cell_holders(args):
             assign_part(kind, holder, key, flat[name][0].item())
 
     def held(self, form: Form, value: Any, path: str, every: bool = False) -> Iterator[Holder]:
@@ -150,7 +150,7 @@ class Flattened(FlatSelection):
                 yield self.names[inner], form.kind, value, key
 
     @contextmanager
-    def told(self) -> Iterator[None]:
+    def user_paths(self) -> Iterator[None]:
         """Errors name what the caller wrote: state.u, not state_u."""
         try:
             yield
@@ -160,14 +160,15 @@ class Flattened(FlatSelection):
                 raise
             pattern = re.compile(r"\b(" + "|".join(map(re.escape, sorted(other, key=len, reverse=True))) + r")\b")
 
-            def said(text: str) -> str:
+            def with_paths(text: str) -> str:
                 return pattern.sub(lambda m: other[m[1]], text)
-            raise S2sadError(*(replace(d, message=said(d.message), note=said(d.note), help=said(d.help))
+            raise S2sadError(*(replace(d, message=with_paths(d.message), note=with_paths(d.note),
+                                       help=with_paths(d.help))
                                for d in error.diagnostics)) from None
 
     # -- back ----------------------------------------------------------------------------------------------------------
 
-    def gathered(self, path: Path, args: Sequence[Any], found: Mapping[str, Any]) -> Any:
+    def with_floats(self, path: Path, args: Sequence[Any], found: Mapping[str, Any]) -> Any:
         """A part of the arguments with what was found in place of its floats; everything else as it is."""
         _, form, spelling = path
         return mapped(form, self.part(path, args), spelling, lambda p, kind, leaf: self._back(p, kind, leaf, found))
@@ -187,12 +188,12 @@ class Flattened(FlatSelection):
             value, form = part_of(form.kind, value, key), form.items[form.keys.index(key)]
         return value
 
-    def spread(self, path: Path, given: Any, what: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    def flat_parts(self, path: Path, value: Any, what: str, values: Mapping[str, Any]) -> dict[str, Any]:
         """A shadow, seed or tangent of something, by flat names; it must be of the same make."""
         name, form, spelling = path
-        if not fits(form, given):
+        if not fits(form, value):
             what_form = "an array or a number" if isinstance(form, Type) else str(form)
-            raise misfit(f"the {what} of '{name}' is of type {type(given).__name__} or has other parts: '{name}' is "
+            raise misfit(f"the {what} of '{name}' is of type {type(value).__name__} or has other parts: '{name}' is "
                          f"{what_form}", f"make one with s2sad.make_zero({name})")
         floats, fixed = set(self.floats(form, spelling)), {self.names[p] for p in places_of(form, spelling)}
         found: dict[str, Any] = {}
@@ -204,7 +205,7 @@ class Flattened(FlatSelection):
                              f"make one with s2sad.make_zero({name})")
             if flat in floats:
                 found[flat] = _cell_seed(leaf, values[flat], name, path) if flat in self.cells else leaf
-        mapped(form, given, spelling, add)
+        mapped(form, value, spelling, add)
         return found
 
     # -- results -------------------------------------------------------------------------------------------------------
@@ -230,26 +231,26 @@ class Flattened(FlatSelection):
         assert self.result is not None
         count = sum(is_held(t) for _, t in leaves(self.result, RETURN))
         remaining = iter(returned if count > 1 else (returned,))
-        return _built(self.result, remaining)
+        return _unflatten(self.result, remaining)
 
-    def calling(self, function: Callable[..., Any], args: Sequence[Any]) -> Callable[..., Any]:
+    def flat_function(self, function: Callable[..., Any], args: Sequence[Any]) -> Callable[..., Any]:
         """The function, which takes structures like args, as one of flat arguments."""
         def called(*flat: Any) -> Any:
             by_name = dict(zip(self.paths, flat))
-            own = [self.gathered((p, form, p), args, by_name) for p, form in self.forms.items()]
+            own = [self.with_floats((p, form, p), args, by_name) for p, form in self.forms.items()]
             returned = function(*own)
-            for name, kind, holder, key in self.holders(own):
+            for name, kind, holder, key in self.cell_holders(own):
                 by_name[name][0] = part_of(kind, holder, key)
             return returned if self.result is None else self.result_leaves(returned)
         return called
 
 
-def _built(form: Form, remaining: Iterator[Any]) -> Any:
+def _unflatten(form: Form, remaining: Iterator[Any]) -> Any:
     """A structure whose leaves are given in order."""
     if isinstance(form, Type):
         found = next(remaining) if is_held(form) else None
         return float(found) if type(found) is np.float64 else found
-    items = [_built(i, remaining) for i in form.items]
+    items = [_unflatten(i, remaining) for i in form.items]
     if form.kind == "named" and form.made is not None:
         return tuple.__new__(form.made, items)  # pyright: ignore[reportArgumentType]
     if form.kind == "dict":
@@ -262,8 +263,8 @@ def _built(form: Form, remaining: Iterator[Any]) -> Any:
     return items if form.kind == "list" else tuple(items)
 
 
-def _cell_seed(given: Any, like: np.ndarray, name: str, path: str) -> np.ndarray:
-    if isinstance(given, (bool, np.bool_)) or not isinstance(given, _NUMBERS[:4 + np.iscomplexobj(like)]):
-        raise misfit(f"the part '{path}' of what was given for '{name}' is of type {type(given).__name__}, not a float",
+def _cell_seed(value: Any, like: np.ndarray, name: str, path: str) -> np.ndarray:
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, _NUMBERS[:4 + np.iscomplexobj(like)]):
+        raise misfit(f"the part '{path}' of what was given for '{name}' is of type {type(value).__name__}, not a float",
                      "give a float")
-    return np.array([given], like.dtype)
+    return np.array([value], like.dtype)

@@ -21,10 +21,10 @@ _OF_ARRAYS = ("shape", "size", "ndim", "dtype", "T", "copy", "fill", "sum", "mea
               "cumsum", "clip", "sort", "any", "all", "nonzero", "squeeze", "swapaxes", "repeat", "take", "tolist")
 
 
-def form_spelled(text: str) -> Form | None:
+def parse_form(text: str) -> Form | None:
     """What a text spells, or None.
 
-    >>> form_spelled("{u: float64[:], t: float}").keys, str(form_spelled("(int, float)")), form_spelled("{u}")
+    >>> parse_form("{u: float64[:], t: float}").keys, str(parse_form("(int, float)")), parse_form("{u}")
     (('u', 't'), 'a tuple', None)
     """
     text = text.strip()
@@ -32,9 +32,9 @@ def form_spelled(text: str) -> Form | None:
         return NONE
     if text[:1] + text[-1:] not in ("{}", "()"):
         return parsed_type(text)
-    parts = [part.partition(":") if text[0] == "{" else ("0", ":", part) for part in listed(text[1:-1])]
+    parts = [part.partition(":") if text[0] == "{" else ("0", ":", part) for part in split_list(text[1:-1])]
     keys = [key.strip().strip("'\"") for key, _, _ in parts]
-    items = [form_spelled(rest) for _, colon, rest in parts if colon]
+    items = [parse_form(rest) for _, colon, rest in parts if colon]
     if any(i is None for i in items) or len(items) < len(parts) or text[0] == "{" and len(set(keys)) < len(keys):
         return None
     known = tuple(i for i in items if i is not None)
@@ -43,7 +43,7 @@ def form_spelled(text: str) -> Form | None:
     return PyTree("tuple", tuple(range(len(known))), known)
 
 
-def listed(text: str) -> list[str]:
+def split_list(text: str) -> list[str]:
     """A list with commas, those in brackets aside."""
     parts, depth = [""], 0
     for letter in text:
@@ -55,16 +55,16 @@ def listed(text: str) -> list[str]:
     return [p for p in parts if p.strip()]
 
 
-def spelled_out(program: Program, given: Mapping[str, Form]) -> tuple[Program, dict[str, Type], dict[str, str]]:
+def flat_spelled(program: Program, types: Mapping[str, Form]) -> tuple[Program, dict[str, Type], dict[str, str]]:
     """The program without structures, the types that were given by flat names, and the flat names' paths; raises
     S2sadError where a parameter has parts and nothing says which."""
     kernel = program.kernels[program.entry]
     defaults = {p: NONE if d is None else form_of(d, p) for p, d in kernel.defaults.items()
                 if d is None or isinstance(d, tuple)}
-    forms = {p: given.get(p, defaults.get(p, UNKNOWN)) for p in kernel.parameters}
+    forms = {p: types.get(p, defaults.get(p, UNKNOWN)) for p in kernel.parameters}
     _known(kernel, forms)
     if not asks(program) and not any(isinstance(f, PyTree) for f in forms.values()):
-        return program, {p: f for p, f in given.items() if isinstance(f, Type)}, {}
+        return program, {p: f for p, f in types.items() if isinstance(f, Type)}, {}
     flat = fields(program, tuple(forms.values()))
     kinds = {path: kind for p, form in forms.items() for path, kind in leaves(form, p) if is_held(kind)}
     types = {name: array(kinds[path].dtype, 1) if name in flat.cells else kinds[path]
@@ -94,7 +94,7 @@ def _part(node: AST) -> str:
     return key if isinstance(key, str) else ""
 
 
-def named(names: tuple[str, ...] | None, paths: Mapping[str, str]) -> tuple[str, ...] | None:
+def flat_names(names: tuple[str, ...] | None, paths: Mapping[str, str]) -> tuple[str, ...] | None:
     """The flat names of what names mean: parameters, or parts of them."""
     if names is None:
         return None

@@ -1,4 +1,4 @@
-"""parting: the first statement at which a derivative is wrong, found by running it with a probe at every statement.
+"""divergence: the first statement at which a derivative is wrong, found by running it with a probe at every statement.
 
 The tangent has a value and its tangent side by side: run at shifted inputs, the values give differences, and the first
 probe at which they part from the tangent is the statement. For the adjoint, adjoint times tangent summed over all
@@ -21,7 +21,7 @@ from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.evaluate.argument_binding import result_structure
 from s2sad.program import Generated, Program, Request
 from s2sad.report.differences import differences
-from s2sad.interface.selection import RETURN, in_a_row
+from s2sad.interface.selection import RETURN, flat_seed
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Assign, AugAssign, Call, Expr, FunctionDef, Name, Return, Subscript, call, call_name, const, copy, index,
@@ -36,7 +36,7 @@ _DEFINED = {"numpy.empty": "numpy.zeros", "numpy.empty_like": "numpy.zeros_like"
 Events = list[tuple[str, Any, Any]]
 
 
-def wrong_tangent(program: Program, request: Request, given: Mapping[str, Any], x_dot: Mapping[str, Any]) -> str:
+def wrong_tangent(program: Program, request: Request, values: Mapping[str, Any], x_dot: Mapping[str, Any]) -> str:
     """The place at which the tangent first parts from differences, in words; empty if it parts nowhere."""
     made = pipeline.derive(program, request)
     units: Units = made.facts["units"]
@@ -45,7 +45,7 @@ def wrong_tangent(program: Program, request: Request, given: Mapping[str, Any], 
 
     def run(distance: float) -> Events:
         events.clear()
-        moved = {n: given[n] + distance * np.asarray(x_dot[n]) if n in x_dot else given[n] for n in given}
+        moved = {n: values[n] + distance * np.asarray(x_dot[n]) if n in x_dot else values[n] for n in values}
         function(*_arguments(made, {n: _plain(v) for n, v in moved.items()}, x_dot, {}))
         return list(events)
 
@@ -69,11 +69,11 @@ def wrong_tangent(program: Program, request: Request, given: Mapping[str, Any], 
     return ""
 
 
-def wrong_adjoint(program: Program, request: Callable[[str], Request], given: Mapping[str, Any],
+def wrong_adjoint(program: Program, request: Callable[[str], Request], values: Mapping[str, Any],
                   x_dot: Mapping[str, Any], seeds: Mapping[str, Any], total: float) -> str:
     """The place at which, going backwards, adjoint times tangent first changes; empty if it does nowhere."""
-    dots, order = _states(program, request("tangent"), given, x_dot, {})
-    bars, _ = _states(program, request("adjoint"), given, seeds, seeds)
+    dots, order = _states(program, request("tangent"), values, x_dot, {})
+    bars, _ = _states(program, request("adjoint"), values, seeds, seeds)
     place = {where: k for k, where in enumerate(order)}
     last = len(order)
     for where, state in bars.items():
@@ -133,10 +133,10 @@ def _probes(statement: AST, primals: dict[str, str], derived: UnitDerivative) ->
                           index(name(target.value.id), *map(copy, indices(target)))))
         elif isinstance(statement, Expr) or table[base_name(target)].is_number or target not in targets(statement):
             found.append((name(primal), name(base_name(target))))
-    return [Expr(call(_PROBE, const(_said(statement, derived)), value, dot)) for value, dot in found]
+    return [Expr(call(_PROBE, const(_statement_text(statement, derived)), value, dot)) for value, dot in found]
 
 
-def _said(statement: AST, derived: UnitDerivative) -> str:
+def _statement_text(statement: AST, derived: UnitDerivative) -> str:
     source = derived.unit.kernel.source
     home, line = source.home(statement.lineno)
     return f"{home.path}:{line}: {text_of(statement, source, 90)}"
@@ -158,7 +158,7 @@ def _same_way(first: Events, later: Events) -> list[bool]:
 
 # -- the adjoint: all variables between the statements of the entry -------------------------------------------------
 
-def _states(program: Program, request: Request, given: Mapping[str, Any], shadows: Mapping[str, Any],
+def _states(program: Program, request: Request, values: Mapping[str, Any], shadows: Mapping[str, Any],
             seeds: Mapping[str, Any]) -> tuple[dict[str, dict[str, Any]], list[str]]:
     """The shadows by primal after each top-level statement of the entry that has any, by place; the places in order."""
     made = pipeline.derive(program, request)
@@ -166,7 +166,7 @@ def _states(program: Program, request: Request, given: Mapping[str, Any], shadow
     entry: FunctionDef = rename(copy(derived.made.function), _DEFINED)
     entry.body, last = _with_snapshots(entry.body, derived, request.mode == "tangent")
     function, events = _loaded(made, units, {entry.name: entry})
-    function(*_arguments(made, {n: _plain(v) for n, v in given.items()}, shadows, seeds))
+    function(*_arguments(made, {n: _plain(v) for n, v in values.items()}, shadows, seeds))
     found = {place: {p: space[s] for p, s in derived.made.shadows.items() if s in space} for place, space, _ in events}
     return found, [*(p for p in found if p), *last]
 
@@ -182,7 +182,7 @@ def _with_snapshots(body: list[AST], derived: UnitDerivative, whole: bool) -> tu
         made.append(statement)
         if _where(statement) is None:
             continue
-        place = f"{statement.lineno}.{statement.col_offset} {_said(statement, derived)}"
+        place = f"{statement.lineno}.{statement.col_offset} {_statement_text(statement, derived)}"
         if isinstance(statement, Return):
             return made, [place] if whole else []
         deals = deals or any(isinstance(n, Name) and n.id in shadows for n in walk(statement))
@@ -229,12 +229,12 @@ def _arguments(made: Generated, values: Mapping[str, Any], shadows: Mapping[str,
         if parameter.role == "primal":
             arguments.append(np.array(value) if isinstance(value, np.ndarray) else value)
         elif parameter.role == "shadow":
-            given = shadows.get(parameter.primal)
-            arguments.append((np.zeros_like(value) if given is None else np.array(given))
-                             if isinstance(value, np.ndarray) else _number(value)(given or 0.0))
+            shadow = shadows.get(parameter.primal)
+            arguments.append((np.zeros_like(value) if shadow is None else np.array(shadow))
+                             if isinstance(value, np.ndarray) else _number(value)(shadow or 0.0))
         else:
             program = made.facts["units"].program
-            row = in_a_row(seeds.get(RETURN), result_structure(program.entry, program))
+            row = flat_seed(seeds.get(RETURN), result_structure(program.entry, program))
             arguments.append(row[int(parameter.primal.split()[1])])
     return arguments
 

@@ -31,7 +31,7 @@ def run_on_file(verb: Callable[..., Answer], path: str, function: str, arguments
     kernel = _imported(path, function)
     wrt, of = ([paths.get(n, n) for n in names] for names in (request.wrt, request.of))
     if arguments is None:
-        values: tuple[Any, ...] = tuple(made_up(a) for a in found.values())
+        values: tuple[Any, ...] = tuple(sample_argument(a) for a in found.values())
         print(f"running {path} and {function} on made-up arguments (give yours with --arguments)", file=sys.stderr)
     else:
         print(f"running {path} and {function}", file=sys.stderr)
@@ -46,11 +46,11 @@ def run_on_file(verb: Callable[..., Answer], path: str, function: str, arguments
                                     help='give arguments that fit: --arguments "np.ones((4, 4)), 3"')) from error
 
 
-def made_up(assumed: Assumed, seed: int = 0) -> Any:
+def sample_argument(assumed: Assumed, seed: int = 0) -> Any:
     """An argument of a type: arrays with axes of 6 (or as many as they are unpacked into), integers 3.
 
     >>> from s2sad.infer.types import FLOAT, INT, array
-    >>> made_up(Assumed(INT)), made_up(Assumed(array("float64", 2))).shape
+    >>> sample_argument(Assumed(INT)), sample_argument(Assumed(array("float64", 2))).shape
     (3, (6, 6))
     """
     kind, rng = assumed.type, np.random.default_rng(seed)

@@ -57,27 +57,28 @@ def split(like: Mapping[str, Any], names: Sequence[str], vector: np.ndarray) -> 
     return found
 
 
-class Subject:
+class VectorFunction:
     """The kernel at given arguments; arrays of float32 are widened, so that differences are taken in float64."""
 
-    def __init__(self, function: Callable[..., Any], given: Mapping[str, Any], wrt: Sequence[str], of: Sequence[str]):
+    def __init__(self, function: Callable[..., Any], arguments: Mapping[str, Any], wrt: Sequence[str],
+                 of: Sequence[str]):
         self.function, self.wrt, self.of = function, tuple(wrt), tuple(of)
-        self.given = {n: v.astype("float64") if isinstance(v, np.ndarray) and v.dtype == np.float32 else v
-                      for n, v in given.items()}
-        self.x = vector_of(self.given, self.wrt)
+        self.arguments = {n: v.astype("float64") if isinstance(v, np.ndarray) and v.dtype == np.float32 else v
+                          for n, v in arguments.items()}
+        self.x = vector_of(self.arguments, self.wrt)
         self.outputs = self.run({})
 
     def run(self, changed: Mapping[str, Any]) -> dict[str, Any]:
         """The contents of the outputs after a call on copies."""
-        values = copy.deepcopy({**self.given, **changed})
+        values = copy.deepcopy({**self.arguments, **changed})
         with np.errstate(all="ignore"):
-            values[RETURN] = self.function(*[values[n] for n in self.given])
+            values[RETURN] = self.function(*[values[n] for n in self.arguments])
         return {n: values[n] for n in self.of}
 
     def along(self, direction: np.ndarray) -> Callable[[float], np.ndarray]:
         """The outputs as a function of the distance gone in a direction."""
         def line(distance: float) -> np.ndarray:
-            moved = split(self.given, self.wrt, self.x + distance * direction)
+            moved = split(self.arguments, self.wrt, self.x + distance * direction)
             return vector_of(self.run(moved), self.of)
         return line
 
@@ -85,11 +86,11 @@ class Subject:
         """A natural step for every input: its own size, or its argument's where it is small."""
         parts = [np.zeros(0)]
         for name in self.wrt:
-            size = np.abs(flat(self.given[name]))
+            size = np.abs(flat(self.arguments[name]))
             parts.append(np.maximum(size, 0.1 * (size.max(initial=0.0) or 1.0)))
         return np.concatenate(parts)
 
-    def narrowed(self, given: Mapping[str, Any]) -> dict[str, Any]:
+    def narrowed(self, arguments: Mapping[str, Any]) -> dict[str, Any]:
         """The outputs with the dtypes that the arguments were given with."""
-        return {n: v.astype(given[n].dtype) if n in given and isinstance(v, np.ndarray) else v
+        return {n: v.astype(arguments[n].dtype) if n in arguments and isinstance(v, np.ndarray) else v
                 for n, v in self.outputs.items()}

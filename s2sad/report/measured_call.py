@@ -8,20 +8,20 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.dispatch.arguments import admitted, bind
+from s2sad.dispatch.arguments import kernel_value, bind
 from s2sad.diagnostics import S2sadError
-from s2sad.interface.pytrees import Carrier, flattened, taken_apart
+from s2sad.interface.pytrees import Carrier, flattened, flat_call
 from s2sad.infer.types import Type
 from s2sad.interface.value_calls import ForwardCall, ReverseCall
 from s2sad.program import Request
 from s2sad.run.compiled import chosen
 from s2sad.interface.selection import ReturnedValues, Wrt, names_of, selected_of, selected_wrt
-from s2sad.live_objects.unwrap import by_position, given_functions
+from s2sad.live_objects.unwrap import by_position, apply_functions
 from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
 
 
 @dataclass(frozen=True)
-class BenchQuestion:
+class MeasuredCall:
     """A function's `values` by parameter, flat where they were structures, and `original`, which takes them by
     position; the inputs and outputs asked for. `single`: among the values are arrays of float32; `structured`: the
     values were structures."""
@@ -36,20 +36,20 @@ class BenchQuestion:
     structured: bool
 
     @classmethod
-    def asked(cls, f: Callable[..., Any], args: tuple[Any, ...], wrt: Wrt, of: str | Iterable[str] | None,
-              engine: str | None) -> BenchQuestion:
+    def for_call(cls, f: Callable[..., Any], args: tuple[Any, ...], wrt: Wrt, of: str | Iterable[str] | None,
+              engine: str | None) -> MeasuredCall:
         """What is asked of f at args, of a state of its own; raises S2sadError."""
-        function, args, _ = given_functions(f, args, {})
-        given = DerivativeCache(derivatives_of(function).function).state()
-        apart = flattened(given, args)
-        asked = Carrier.overridden(f, names_of(wrt, f), names_of(of, f, "of"), engine)
-        state, flat, carried = taken_apart(given, asked, args)
-        values = [admitted(n, v, n in state.floats) for n, v in zip(state.parameters, flat)]
+        function, args, _ = apply_functions(f, args, {})
+        unflattened = DerivativeCache(derivatives_of(function).function).state()
+        apart = flattened(unflattened, args)
+        carrier = Carrier.with_overrides(f, names_of(wrt, f), names_of(of, f, "of"), engine)
+        state, flat, carried = flat_call(unflattened, carrier, args)
+        values = [kernel_value(n, v, n in state.floats) for n, v in zip(state.parameters, flat)]
         types, name = state.types(values), state.kernel.name
         single = any(getattr(v, "dtype", None) == np.float32 for v in values)
         original = by_position(state.function if single else getattr(function, "_original", function))
         if apart is not None:
-            original = apart.calling(original, bind(given.kernel, args))
+            original = apart.flat_function(original, bind(unflattened.kernel, args))
         inputs = selected_wrt(name, state.parameters, types, carried[0])
         outputs = selected_of(name, state.parameters, types, state.summary(types), carried[1])
         return cls(original, state, dict(zip(state.parameters, values)), types, inputs, outputs, chosen(carried[2]),
@@ -97,7 +97,7 @@ class BenchQuestion:
             return self.original
         types = self.state.types(list(values.values()))
         function, results = self.state.primal(types, self.engine), ReturnedValues.of(self.state.summary(types))
-        return lambda *given: results.with_aliases(function(*given), dict(zip(self.values, given)))
+        return lambda *values: results.with_aliases(function(*values), dict(zip(self.values, values)))
 
     def bare(self, values: Mapping[str, Any]) -> Callable[[], Any]:
         """One run of the function on values, which are written, with nothing around it."""
