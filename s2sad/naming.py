@@ -10,7 +10,7 @@ from collections.abc import Iterable
 class Names:
     """Names taken in one function; the user's are taken from the start and never change.
 
-    `wanted` tells of every name that was made what was wished for, `meant` of some what a user calls it.
+    `wanted` has the requested name of every name that was made, `meant` what a user calls some of them.
 
     >>> names = Names(["u", "u_bar"])
     >>> names.fresh("u_bar"), names.fresh("v_bar"), names.fresh("u_bar"), names.fresh("v_bar")
@@ -58,5 +58,5 @@ class Names:
         return made
 
     def said(self, identifier: str) -> str:
-        """What a message calls it."""
+        """The name in messages: what the user calls it."""
         return self.meant.get(identifier, identifier)

@@ -150,8 +150,8 @@ def _writing(function: FunctionDef, units: Units) -> set[str]:
 
 
 def aliased_derivatives(units: Units) -> set[str]:
-    """The derivatives that a call gives one array twice, and all that they call: their loops stay as they are, for a
-    shadow may be another one's, too."""
+    """The derivatives that a call passes one array twice, and all that they call: their loops stay as they are, for two
+    shadows may be aliases."""
     found: set[str] = set()
     while True:
         more = {callee for d in units.derived.values() for n in walk(d.function.body) if isinstance(n, Call)
@@ -206,7 +206,7 @@ def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:
 
 def facts(derived: UnitDerivative, request: Request, units: Units) -> dict[str, Any]:
     """What wrappers and reports ask of a derivative: which of `wrt` no output depends on, all that was made, and
-    whether functions are handed to functions, which Numba does not keep on disk."""
+    whether functions are arguments of functions, which Numba does not keep on disk."""
     active = derived.activity.active
     moving = any(d.unit.kernel.residual and d.beside for d in units.derived.values())
     return {"independent": tuple(w for w in request.wrt if w not in active), "derived": derived, "units": units,

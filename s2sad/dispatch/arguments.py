@@ -1,4 +1,4 @@
-"""Arguments as a caller gives them become values of the kernel's types, or a refusal that names the argument."""
+"""The caller's arguments as values of the kernel's types, or a refusal that names the argument."""
 from __future__ import annotations
 
 import sys
@@ -16,7 +16,7 @@ from s2sad.pytree import PyTree, form_of, mapped
 FLOATS = ("float64", "float32")
 INEXACT = (*FLOATS, "complex128")   # the dtypes of what has shadows
 _LEAST, _BEYOND = -2 ** 63, 2 ** 63
-_PLAIN = frozenset((float, bool, str, complex, type(None), np.float64, np.float32, np.bool_))   # told by their class
+_PLAIN = frozenset((float, bool, str, complex, type(None), np.float64, np.float32, np.bool_))   # known by their class
 _SINGLE: type[np.floating] = np.float32  # to pyright np.float32 itself is an alias, which isinstance does not take
 _NUMBERS = (int, float, complex, np.integer, np.floating)
 _FLOAT_ANNOTATIONS = ("float", "np.float64", "numpy.float64", "float64", "np.float32", "numpy.float32", "float32")

@@ -1,11 +1,11 @@
-"""What was derived, handed on to later processes: what a function reads, what it writes, and the generated text.
+"""Derivatives on disk, for later processes: what a function reads, what it writes, and the generated text.
 
     readings of a function     the guards of a reading, in order, each as a description of what was taken there
     its summaries, texts       under the reading's address: a digest of these descriptions
 
 A later process takes the same values on the same ways and compares them with the descriptions: code by what it does and
 its file's text, numbers by value, arrays by type, all else by what it is called. What holds is this process's reading,
-and its guards are compared at each call as those of any other. What has no description that tells it from all else is
+and its guards are compared at each call as those of any other. What no description identifies is
 not kept: a process without it derives anew. Entries are texts of a few kinds of literals; nothing in one is executed
 or imported but the generated text itself, which the store vouches for.
 """
@@ -47,7 +47,7 @@ _FACTS = ("wrappers", "stacks", "taped", "independent", "guards", "places")
 
 
 class NotSerializable(Exception):
-    """A value that another process could not tell from all else."""
+    """A value that no description identifies in another process."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def load_reading(function: FunctionType) -> ReadRecord | None:
 
 
 def store_reading(reading: ReadRecord, function: FunctionType) -> None:
-    """Puts a reading before the others of its function."""
+    """Stores a reading, before the others of its function."""
     place = _place(function)
     if place is None or reading.address is None:
         return
@@ -110,7 +110,7 @@ def _readings(place: str | None) -> list[Any]:
 
 
 def address(guards: Guards, function: FunctionType, held: Iterable[Any], kernel: Kernel) -> str | None:
-    """Where what is derived of a reading is kept; None where that cannot be, for another process could not tell."""
+    """The address under which the derivatives of a reading are kept; None where no description identifies a value."""
     if not ENABLED or guards.varying:
         return None
     try:
@@ -146,7 +146,7 @@ def _kernel(kept: Any) -> Kernel:
 # -- what was derived -------------------------------------------------------------------------------------------------
 
 def load_summary(place: str | None, types: tuple[Type, ...]) -> EntrySummary | None:
-    """What was found out about a kernel for arguments of these types."""
+    """The summary of a kernel for arguments of these types, None if none is stored."""
     found = None if place is None else _get(f"summary {place} {_text(types)}")
     return found if isinstance(found, EntrySummary) else None
 
@@ -220,7 +220,7 @@ def _classes(forms: Iterable[Any], reading: ReadRecord) -> tuple[type, ...]:
 
 def _describe_guards(guards: Guards, roots: Sequence[Any]) -> tuple[tuple[Any, ...], dict[int, Any]]:
     """What was taken, each as (the number of its holder, step, key, description), and the numbers of the values; those
-    of roots are negative, items of tuples have two. Raises Unkept."""
+    of roots are negative, items of tuples have two. Raises NotSerializable."""
     numbers: dict[int, Any] = {id(root): -2 - k for k, root in enumerate(roots)} | {id(None): -1}
     found: list[tuple[Any, ...]] = []
     for guard in guards.places.values():
@@ -261,7 +261,7 @@ def _replay_guards(described: Any, roots: Sequence[Any], guards: Guards) -> list
 
 
 def _description(value: Any) -> Any:
-    """What tells a value from others in another process; raises Unkept where nothing does."""
+    """The description that identifies a value in another process; raises NotSerializable where nothing does."""
     if value is ABSENT:
         return ("absent",)
     if value is None or isinstance(value, (int, float, complex, str, np.generic)):
@@ -369,7 +369,7 @@ def _text(value: Any) -> str:
 
 
 def _literal(value: Any) -> Any:
-    """A value as JSON: [kind, content] for all but None, bools, whole numbers and strings. Raises Unkept."""
+    """A value as JSON: [kind, content] for all but None, bools, whole numbers and strings. Raises NotSerializable."""
     if value is None or type(value) in (bool, int, str):
         return value
     if type(value) in (float, complex):

@@ -1,7 +1,7 @@
 """The derivatives of one function: derived once for what is asked, compiled, and kept.
 
-A `Derivatives` lies in the side table of its function. It has one `State` for each set of values of the constants
-that the function reads, and a state one `Variant` for each (mode, types, wrt, of, engine).
+A `DerivativeCache` lies in the side table of its function. It has one `ProgramVersion` for each set of values of the
+constants that the function reads, and a version one `Executable` for each (mode, types, wrt, of, engine).
 """
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ class Decorated(ABC):
 
     @abstractmethod
     def decorator_arguments(self) -> tuple[Any, ...]:
-        """The arguments that make another one of these."""
+        """The arguments of the decorator, which make a copy."""
 
     @abstractmethod
     def __call__(self, *args: Any, **keywords: Any) -> Any: ...
@@ -47,7 +47,7 @@ class Decorated(ABC):
 
 
 def rebuild_decorated(kind: type[Decorated], given: tuple[Any, ...], texts: dict[str, str]) -> Decorated:
-    """Another one, in a process that may not have its source."""
+    """A copy, in a process that may not have its source."""
     for path, text in texts.items():
         if not linecache.getlines(path):
             linecache.cache[path] = len(text), None, text.splitlines(keepends=True), path
@@ -55,7 +55,7 @@ def rebuild_decorated(kind: type[Decorated], given: tuple[Any, ...], texts: dict
 
 
 def _restore_decorated(named: FunctionType) -> Any:
-    """What a function stands for: that under its name, where it came by its name; else another one."""
+    """The decorated function of a pickled name: that under its name, where it was pickled by name; else a new one."""
     owner = _lookup(named.__module__, named.__qualname__.rpartition(".")[0])
     if isinstance(owner, Decorated) and vars(owner).get("_named") is named:
         return owner

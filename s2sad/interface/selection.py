@@ -22,7 +22,7 @@ Wrt = str | int | Iterable[str | int] | None
 class ReturnedValues:
     """The returned values: `floats` are the positions that have derivatives, `own` those that are no written
     argument, `aliases` the written argument at each other position, `arguments` the argument at each that has one;
-    `nest` tells how they are put into tuples."""
+    `nest` is how they are put into tuples."""
     types: tuple[Type, ...]
     floats: tuple[int, ...]
     own: tuple[int, ...]
@@ -70,7 +70,7 @@ def seeds_by_position(results: ReturnedValues, seed: Any, seeded: Sequence[int])
 
 
 def flat_seed(seed: Any, structure: Structure) -> list[Any]:
-    """The parts of a seed in a row; None stands for a tuple in which nothing is a float."""
+    """The parts of a seed in a row; None for a tuple in which nothing is a float."""
     if structure is None:
         return [seed]
     if seed is not None and (not isinstance(seed, (tuple, list)) or len(seed) != len(structure)):
@@ -124,7 +124,7 @@ def array_seed(name: str, seed: Any, like: np.ndarray) -> np.ndarray:
 
 
 def names_of(chosen: Wrt, f: Any, what: str = "wrt") -> tuple[str, ...] | None:
-    """One name or several as a tuple; a position among f's parameters stands for its name."""
+    """One name or several as a tuple; a position among f's parameters becomes its name."""
     if chosen is None or isinstance(chosen, str):
         return None if chosen is None else (chosen,)
     several = chosen if isinstance(chosen, Iterable) and not isinstance(chosen, np.ndarray) else (chosen,)

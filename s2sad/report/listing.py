@@ -254,7 +254,7 @@ class _Listing:
 
 
 class _Kinds:
-    """What the statements of a derivative are, told by what flows into them: an adjoint reads or binds what comes of a
+    """What the statements of a derivative are, by what flows into them: an adjoint reads or binds what comes of a
     shadow, a record binds a stack, a restore reads one."""
 
     def __init__(self, function: FunctionLines, derived: UnitDerivative | None):

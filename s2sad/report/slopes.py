@@ -1,4 +1,4 @@
-"""Some derivatives of a measured call's weighted outputs, by every way that is compared, and what they are held against.
+"""Derivatives of a measured call's weighted outputs, by every way that is compared, and their reference.
 
 The complex step is exact to rounding where the kernel does nothing but analytic functions of its inputs; `abs`, `conj`
 or a comparison of imaginary parts make it another number, silently. So it is the reference only where it agrees with

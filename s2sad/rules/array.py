@@ -9,7 +9,7 @@ an expression over `g`, the result's shadow, `y`, the result, the operands and t
 
 What is given by rank holds for operands of those ranks, `None` for all others. An operand for which nothing is given
 has no derivative. What several operands gain from is `shared` and computed once. `law` names how the type and the
-shape of the result follow from the arguments (`infer.laws`). Where no `tangent` is given the function is linear in
+shape of the result follow from the arguments (`infer/signatures/laws`). Where no `tangent` is given the function is linear in
 each operand that has a derivative: its tangent is the sum of the function with one operand replaced by its tangent.
 A `tangent` is written over the tangents, `x_dot` for `x`, which are arrays of zeros where an operand has none.
 """

@@ -12,7 +12,7 @@ arrays("numpy.outer(a, b)", law="outer", a="g @ b", b="g.T @ a")
 arrays("numpy.linalg.solve(a, b)", law="solution", shared={"s": "numpy.linalg.solve(a.T, g)"}, b="s",
        a={(2, 1): "-numpy.outer(s, y)", (2, 2): "-(s @ y.T)"}, tangent="numpy.linalg.solve(a, b_dot - a_dot @ y)")
 
-# become products and sums (normalize.contracted)
+# become products and sums (normalize/library/einsum)
 arrays("numpy.tensordot(a, b, axes=2)", law="tensor")
 
 arrays("numpy.linalg.inv(a)", law="matrix", a="-(y.T @ g @ y.T)", tangent="-(y @ a_dot @ y)")

@@ -1,7 +1,7 @@
 """The arguments of one call with structures as arrays and numbers, and the way back.
 
-The flat program is made once for what the arguments are made of (`normalize.fields`); everything behind it knows arrays
-and numbers only.
+The flat program is made once for what the arguments are made of (`evaluate/structures/fields`); everything behind it
+knows arrays and numbers only.
 """
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ class Flattened(FlatSelection):
 
     @contextmanager
     def user_paths(self) -> Iterator[None]:
-        """Errors name what the caller wrote: state.u, not state_u."""
+        """Errors name the caller's paths: state.u, not state_u."""
         try:
             yield
         except S2sadError as error:
