@@ -33,7 +33,7 @@ def unwatched(stage: str, function: FunctionDef) -> None:
 
 
 class Callees(Protocol):
-    """The functions that calls call, each made when it is first asked for."""
+    """The functions that calls call, each made when it is first called for."""
 
     def unit(self, kernel: str, types: tuple[Type, ...], pairs: tuple[tuple[int, int], ...] = ()) -> Any: ...
     def of_call(self, called: Call, typing: Typing) -> Any: ...
@@ -70,7 +70,7 @@ class Context:
         return made
 
     def begin(self, tree: FunctionDef) -> None:
-        """Called before each pass, with the tree that it is given."""
+        """Called before each pass, with its argument."""
 
 
 @dataclass(frozen=True)
@@ -96,8 +96,8 @@ class Repeat:
 
 @dataclass(frozen=True)
 class Alternative:
-    """Passes; where they are refused with the verdict, `changes` change the tree that they were given, and if they do,
-    the passes run on that. What is refused then, too, is said of the tree as it was given."""
+    """Passes; where they are refused with the verdict, `changes` change the tree before them, and if they do, the
+    passes run on that. What is refused then, too, is the refusal of the tree before."""
     passes: tuple[Pass, ...]
     verdict: Callable[[Any], bool]
     changes: tuple[Pass, ...]

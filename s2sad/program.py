@@ -97,11 +97,11 @@ class EntrySummary:
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked for: `mode` is "adjoint", "tangent" or "primal"; types by position.
+    """A derivative to be made: `mode` is "adjoint", "tangent" or "primal"; types by position.
 
     `wrt` and `of` are names of parameters; `of` may hold "return". `engine` is "numpy" or "numba", `level`
     "plain" or "fast". `with_primal` also returns the primal's result. `assumed` has a reason for every parameter whose
-    type was not given.
+    type is an assumption.
     """
     mode: str
     types: tuple[Type, ...]
@@ -147,7 +147,7 @@ class SourcePlace:
 
 @dataclass(frozen=True)
 class TextGuard:
-    """An assertion of a generated text that a sweep made: what is said where it fails, what to do, where its statement
+    """An assertion of a generated text that a sweep made: its message, what to do, where its statement
     is in the kernel, and what it compares, as the text has it; `seed` is the seed that it is about, "" for none."""
     message: str
     help: str

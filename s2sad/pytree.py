@@ -99,7 +99,7 @@ def _form(value: object, name: str, depth: int) -> Form:
 
 
 def annotated_as(made: type) -> dict[str, Any]:
-    """What a class says that its fields are."""
+    """The annotations of a class, those of its bases included."""
     return {k: t for c in reversed(made.__mro__) for k, t in vars(c).get("__annotations__", {}).items()}
 
 
@@ -245,7 +245,7 @@ def leaves(form: Form, path: str) -> Iterator[tuple[str, Type]]:
 
 
 def places_of(form: Form, path: str) -> Iterator[str]:
-    """The paths of what says where the entries of sparse matrices are."""
+    """The paths of the indices of sparse matrices."""
     if isinstance(form, PyTree):
         for key, item in zip(form.keys, form.items):
             inner = step(form, path, key)

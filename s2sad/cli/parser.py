@@ -1,4 +1,4 @@
-"""The options of the command `s2sad`, and what it says of itself."""
+"""The options of the command `s2sad`, and its help."""
 from __future__ import annotations
 
 import argparse

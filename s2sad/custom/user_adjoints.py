@@ -34,7 +34,7 @@ class UserDerivative:
         self.parameters = self.plain_parameters(function, path)
 
     def derivative(self, given: dict[str, Any], writes: Any = None, returns: int | None = None) -> RegisteredDerivative:
-        """The derivative: `given` has what stands behind adjoint=, tangent=, forward=, reverse=, implicit=, solver=.
+        """The derivative; `given` has the functions by keyword: adjoint, tangent, forward, reverse, implicit, solver.
         With `writes` or `returns` the function is not read."""
         given = {what: value for what, value in given.items() if value is not None}
         self.check_combination(given)
@@ -157,7 +157,7 @@ class UserDerivative:
 
 
 def rule_text(function: Any) -> RuleText:
-    """What the text of a function says."""
+    """What a function mentions, stores to and returns, by its text."""
     try:
         definition = capture(function).tree
     except S2sadError:

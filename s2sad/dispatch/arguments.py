@@ -23,7 +23,7 @@ _FLOAT_ANNOTATIONS = ("float", "np.float64", "numpy.float64", "float64", "np.flo
 
 
 def float_parameters(kernel: Kernel) -> frozenset[str]:
-    """The parameters that are floats by their annotation or their default; an int given there means a float."""
+    """The parameters that are floats by their annotation or their default; an int argument is converted."""
     annotated = {p for p, text in kernel.annotations.items() if str(text).strip("\"'") in _FLOAT_ANNOTATIONS}
     return frozenset(annotated | {p for p, value in kernel.defaults.items() if isinstance(value, float)})
 

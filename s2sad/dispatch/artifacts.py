@@ -164,7 +164,7 @@ def load_generated(place: str | None, request: Request) -> Generated | None:
 
 
 def store_generated(place: str | None, request: Request, found: Generated) -> None:
-    """Keeps a generated module, but not one of which more is asked than what is written here."""
+    """Stores a generated module, but none with facts that have no place here."""
     facts = found.facts
     if place is None or facts.get("moving") or facts.get("unshadowed"):
         return
@@ -291,7 +291,7 @@ def _description(value: Any) -> Any:
 
 
 def _content(value: Any) -> str:
-    """A number or string written out, whatever a class of the user's makes of `repr`."""
+    """The literal of a number or string, whatever a class of the user's makes of `repr`."""
     if isinstance(value, np.generic):
         return f"{value.dtype.str} {value.tobytes().hex()}"
     plain: Any = next((c for c in (bool, int, float, complex, str) if isinstance(value, c)), type(None))
@@ -388,7 +388,7 @@ def _literal(value: Any) -> Any:
 
 
 def _value(found: Any) -> Any:
-    """What was written as JSON; raises LookupError for a class that is not there."""
+    """The value of a JSON entry; raises LookupError for a class that is not there."""
     if not isinstance(found, list):
         return found
     kind, *rest = found

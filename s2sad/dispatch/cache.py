@@ -1,4 +1,4 @@
-"""The derivatives of one function: derived once for what is asked, compiled, and kept.
+"""The derivatives of one function: derived once for each request, compiled, and kept.
 
 A `DerivativeCache` lies in the side table of its function. It has one `ProgramVersion` for each set of values of the
 constants that the function reads, and a version one `Executable` for each (mode, types, wrt, of, engine).
@@ -123,7 +123,7 @@ class RepreparedCall(Protocol):
 
 class ProgramVersion:
     """A program whose constants are known, and what was derived from it. `entries` keeps prepared calls by their
-    callers' keys. A `flat` one takes the leaves of structures; one that `asks` must know what arguments are made of."""
+    callers' keys. A `flat` one takes the leaves of structures; one that `asks` depends on the make of arguments."""
 
     def __init__(self, reading: ReadRecord, function: FunctionType, flat: bool = False,
                  read: Callable[[], Program] | None = None):
@@ -210,7 +210,7 @@ class ProgramVersion:
         return True
 
     def summary(self, types: tuple[Type, ...]) -> EntrySummary:
-        """What the pipeline says of the kernel's writes and results for these types."""
+        """The kernel's writes and results for these types."""
         found = self._summaries.get(types) or artifacts.load_summary(self.reading.address, types)
         if found is None:
             with Working(f"reading '{self.kernel.name}'"):

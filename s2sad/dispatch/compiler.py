@@ -1,4 +1,4 @@
-"""The compiler, as what runs derivatives asks it.
+"""The interface of the compiler to what runs derivatives.
 
 Nothing but `deferred.compiler` imports this module, when something must be read or derived: a process that finds on
 disk what it calls goes without.

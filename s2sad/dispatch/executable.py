@@ -25,8 +25,8 @@ def _as_it_is(value: Any) -> Any:
 
 
 def _without_warnings(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function without NumPy's warnings: inf and nan are results of a derivative, and compiled code says nothing of
-    them either. Who has asked NumPy to raise or to call is heard."""
+    """The function without NumPy's warnings: inf and nan are results of a derivative, and compiled code does not
+    warn of them either. `np.errstate` with raise or call holds."""
     def called(*arguments: Any) -> Any:
         kept: dict[str, Any] = {kind: "ignore" for kind, done in np.geterr().items() if done == "warn"}
         with np.errstate(**kept):

@@ -1,4 +1,4 @@
-"""What a caller says of an argument to `autodiff`, as Enzyme has it, and the modes."""
+"""The annotations of arguments of `autodiff`, as Enzyme has them, and the modes."""
 from __future__ import annotations
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Enzyme's annotated call: every argument says what is to be done with it, and primals hold what they should after.
+"""Enzyme's annotated call: every argument has an annotation, and primals hold what they should after.
 
 The derivative may leave anything in a written argument; so unless all of these are NoNeed it runs on private copies,
 and the primal on the caller's arrays.
@@ -63,7 +63,7 @@ class AnnotatedCall:
                           if (how := coercion(n, v, n in floats)) is not None]
 
     def _made(self) -> Executable | None:
-        """The variant, or None where no output asked for can depend on an input asked for."""
+        """The variant, or None where no selected output can depend on a selected input."""
         names, name = self.state.parameters, self.state.kernel.name
         marked = tuple(n for n in names if n in self.active or n in self.duplicated)
         of = (*(n for n in self.duplicated if names.index(n) in self.written),

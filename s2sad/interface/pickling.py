@@ -74,7 +74,7 @@ def _lookup(module: str, path: str) -> Any:
 
 
 def _sources(function: Any) -> dict[str, str]:
-    """The texts, by path, of a function and of those that it may call, where these are written by their content."""
+    """The sources, by path, of a function and of those that it may call, where pickle stores them by content."""
     found: dict[str, str] = {}
     seen, left = set(), [function]
     while left:

@@ -120,7 +120,7 @@ def current(value: Any) -> Any:
 
 
 class Guards:
-    """The places that one reading took values from, in order. `hold()` says whether all of them are what they were:
+    """The places that one reading took values from, in order. `hold()`: whether all of them are what they were:
     numbers, strings and sequences of them by value, everything else by identity, of arrays dtype and rank as well. Of
     the numbers at the paths in `varying` only the type counts."""
 
@@ -171,7 +171,7 @@ class Guards:
 
 
 def layout(array: np.ndarray, _: Any = None) -> tuple[Any, ...]:
-    """What of an array is compiled in: it may be given another shape or dtype in place."""
+    """What of an array is compiled in: its shape and dtype may change in place."""
     return array.dtype, *(n == 1 for n in array.shape)
 
 

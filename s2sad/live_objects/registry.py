@@ -1,4 +1,4 @@
-"""Functions that the user has given a derivative: each is reached by the name under which it can be imported.
+"""Functions with a derivative of the user's own: each is reached by the name under which it can be imported.
 
 In trees such a function is `given.<module>.<name>`; a generated file imports it from that module. A function is known
 by its identity, so that another one of the same name is never taken for it.
@@ -17,7 +17,7 @@ ROOM = "given."
 class RegisteredRule:
     """A function with the dotted path that it is imported by; `reads` are the functions that its partials call.
 
-    `plain` is the Python function behind a compiled one, else the function itself; `ruled` says whether it has
+    `plain` is the Python function behind a compiled one, else the function itself; `ruled`: whether it has
     partials or is held fixed, so that it is called as it is. A function with a derivative of its `own` is read.
     """
     path: str
@@ -35,7 +35,7 @@ class RegisteredRule:
 
 @dataclass(frozen=True)
 class RuleText:
-    """What the text of a user's derivative says: the names that it mentions (None if the text is not known), those
+    """The text of a user's derivative: the names that it mentions (None if the text is not known), those
     whose elements it stores to, how many values each return has (-1 where that cannot be seen), and which names it
     returns."""
     mentions: frozenset[str] | None = None
@@ -78,7 +78,7 @@ class RegisteredDerivative:
 
 
 class Registry:
-    """All given functions, by path and by identity; `edition` grows with each registration."""
+    """All registered functions, by path and by identity; `edition` grows with each registration."""
 
     def __init__(self) -> None:
         self.by_path: dict[str, RegisteredRule] = {}
@@ -93,7 +93,7 @@ class Registry:
         return registered
 
     def of(self, value: Any) -> RegisteredRule | None:
-        """The given function that a value is, if it has a derivative."""
+        """The registered function that a value is, if it has a derivative."""
         found = None if value is None else self.by_identity.get(id(value))
         return found if found is not None and found.ruled else None
 
@@ -103,12 +103,12 @@ class Registry:
         return None if found is None else found.own
 
     def named(self, path: str) -> RegisteredRule | None:
-        """The given function of a dotted path, if it has a derivative."""
+        """The registered function of a dotted path, if it has a derivative."""
         found = self.by_path.get(path)
         return found if found is not None and found.ruled else None
 
     def closure(self, paths: Iterable[str]) -> list[RegisteredRule]:
-        """The given functions of these paths and those that their partials call."""
+        """The registered functions of these paths and those that their partials call."""
         found: dict[str, RegisteredRule] = {}
         waiting = [self.by_path[p] for p in paths if p in self.by_path]
         while waiting:

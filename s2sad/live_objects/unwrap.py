@@ -1,13 +1,13 @@
-"""The plain Python function behind what a user gives, and the arguments that it was given already.
+"""The plain Python function behind a callable, and the arguments that are bound to it already.
 
     differentiate(f), njit(f)        f
-    model.loss                       Model.loss, given self
-    model, whose class has __call__  Model.__call__, given self
-    functools.partial(f, k=2.0)      f, given k
-    f(g, u), of a function g         f, given g
+    model.loss                       Model.loss, self bound
+    model, whose class has __call__  Model.__call__, self bound
+    functools.partial(f, k=2.0)      f, k bound
+    f(g, u), of a function g         f, g bound
 
-A function that was given arguments is called by a function of those left; these are what it is differentiated for.
-The names of the others mean, in its text, what was given.
+A partial application is a function of the parameters that are left, for which it is differentiated. The names of the
+others have, in the function's text, the bound values.
 """
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def named_function(value: Any) -> FunctionType | None:
 
 
 def partial_application(function: FunctionType) -> tuple[FunctionType, Mapping[str, Any]]:
-    """The function whose text is read, and what it was given, by parameter; of an object that is called what its class
+    """The function whose text is read, and its bound arguments by parameter; of an object that is called what its class
     calls now."""
     kernel, names, called = remembered(function, "given") or (function, {}, None)
     method = None if called is None else _method(called)
@@ -83,7 +83,7 @@ def by_position(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def apply_functions(f: Any, args: Sequence[Any], keywords: Mapping[str, Any]
                     ) -> tuple[Any, tuple[Any, ...], dict[str, Any]]:
-    """A function as it is given those of its arguments that are functions, and the arguments that are left."""
+    """The partial application of f to those of its arguments that are functions, and the other arguments."""
     if not any(map(callable, args)) and not any(map(callable, keywords.values())):
         return f, tuple(args), dict(keywords)
     function = python_function(f)

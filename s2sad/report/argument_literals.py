@@ -69,7 +69,7 @@ def form_of_literal(value: Any) -> Form:
 
 
 def flat_values(values: Mapping[str, Any], paths: Mapping[str, str], kernel: Kernel) -> dict[str, Any]:
-    """The values by the flat names of parameters, as far as they are known; `paths` says where each lies."""
+    """The values by the flat names of parameters, as far as they are known; `paths` has the path of each."""
     found: dict[str, Any] = {}
     for parameter in kernel.parameters:
         title, *keys = steps(paths.get(parameter, parameter)) or (parameter,)

@@ -251,7 +251,7 @@ class _Measurement:
         return [f"error: {of}, as a fraction of the largest; against {reference.source}", *single]
 
     def _memory(self) -> list[str]:
-        """What `explain` says of memory, and what arguments and shadows take."""
+        """The bytes of the tape, of arguments and of shadows."""
         measured = self.measured
         request = Request("adjoint", measured.types, measured.wrt, measured.of, measured.engine)
         explanation: Explanation = explain_program(measured.state.program, request, measured.values)

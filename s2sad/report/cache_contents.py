@@ -30,7 +30,7 @@ def describe_cache() -> str:
 
 
 def clear_cache() -> str:
-    """Removes what the cache holds, and says how much that was."""
+    """Empties the cache; the message with what was removed."""
     place = store.location()
     count, size = eviction.clear(place)
     left = len(eviction.entries(place))

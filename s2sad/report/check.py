@@ -26,7 +26,7 @@ _VERDICTS = {True: "&#10003; agrees", False: "&#10007; parts"}
 
 @dataclass(frozen=True)
 class Checked:
-    """The report: true if nothing parted; `str(it)` says what was measured and, if it parted, where first.
+    """The report: true if all agree; `str(it)` is what was measured and, where they disagree, the first place.
 
     `dot_product` and `tangent` are distances as fractions of the magnitudes; `unsure` counts the outputs of which the
     differences say nothing, because a kink or a jump is near. Where a function has an adjoint of its own and no tangent

@@ -222,7 +222,7 @@ def _loaded(made: Generated, units: Units, replaced: Mapping[str, FunctionDef]) 
 
 def _arguments(made: Generated, values: Mapping[str, Any], shadows: Mapping[str, Any],
                seeds: Mapping[str, Any]) -> list[Any]:
-    """Private copies of the arguments; shadows that are not given are zero."""
+    """Private copies of the arguments; missing shadows are zero."""
     arguments: list[Any] = []
     for parameter in made.parameters:
         value = values.get(parameter.name if parameter.role == "primal" else parameter.primal)

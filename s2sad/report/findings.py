@@ -42,7 +42,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class RecordedValue:
-    """A recorded value; `bytes` for the given arguments, of one push if it `grows`, None if not known."""
+    """A recorded value; `bytes` for concrete arguments, of one push if it `grows`, None if not known."""
     name: str
     what: str
     dtype: str
@@ -109,7 +109,7 @@ class Findings:
 
 
 def findings(derived: UnitDerivative, sizes: SizeEvaluator | None, engine: str) -> Findings:
-    """The table of one derivative; `sizes` for the given arguments, if there are any."""
+    """The table of one derivative; `sizes` for concrete arguments, None without any."""
     unit = derived.unit
     reads = [(n, p) for n, role, p in derived.made.parameters if role != "primal"]
     names_wrt = [p for n, p in reads if p in derived.activity.active or p in derived.made.returns]

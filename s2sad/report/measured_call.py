@@ -1,4 +1,4 @@
-"""A function at given arguments and what is asked of it: where `check` and `bench` begin."""
+"""A call of a function with its inputs and outputs: what `check` and `bench` measure."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
@@ -23,7 +23,7 @@ from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
 @dataclass(frozen=True)
 class MeasuredCall:
     """A function's `values` by parameter, flat where they were structures, and `original`, which takes them by
-    position; the inputs and outputs asked for. `single`: among the values are arrays of float32; `structured`: the
+    position; the selected inputs and outputs. `single`: among the values are arrays of float32; `structured`: the
     values were structures."""
     original: Callable[..., Any]
     state: ProgramVersion
@@ -38,7 +38,7 @@ class MeasuredCall:
     @classmethod
     def for_call(cls, f: Callable[..., Any], args: tuple[Any, ...], wrt: Wrt, of: str | Iterable[str] | None,
               engine: str | None) -> MeasuredCall:
-        """What is asked of f at args, of a state of its own; raises S2sadError."""
+        """The call of f at args, in a cache of its own; raises S2sadError."""
         function, args, _ = apply_functions(f, args, {})
         unflattened = DerivativeCache(derivatives_of(function).function).state()
         apart = flattened(unflattened, args)
@@ -68,7 +68,7 @@ class MeasuredCall:
         return ForwardCall(self.state, self._carrier, self.arguments, self.wrt, self.of)
 
     def reverse(self) -> ReverseCall:
-        """The adjoint, prepared; it says nothing of inputs on which no output depends."""
+        """The adjoint, prepared; without a warning for inputs on which no output depends."""
         made = ReverseCall(self.state, self._carrier, self.arguments, self.of, None)
         made.in_vain = ()
         return made
@@ -92,7 +92,7 @@ class MeasuredCall:
 
     def primal(self, values: Mapping[str, Any]) -> Callable[..., Any]:
         """The function of values like these, by position: as it is under NumPy, compiled for their types under Numba.
-        Arrays that it writes are written."""
+        It writes its arguments in place."""
         if self.engine == "numpy":
             return self.original
         types = self.state.types(list(values.values()))
@@ -100,7 +100,7 @@ class MeasuredCall:
         return lambda *values: results.with_aliases(function(*values), dict(zip(self.values, values)))
 
     def bare(self, values: Mapping[str, Any]) -> Callable[[], Any]:
-        """One run of the function on values, which are written, with nothing around it."""
+        """One bare run of the function on values, in place."""
         if self.engine == "numpy":
             return partial(self.original, *values.values())
         types = self.state.types(list(values.values()))

@@ -1,4 +1,4 @@
-"""`check` and `bench` of a function of a file: it is run, and where no arguments are given some are made up."""
+"""`check` and `bench` of a function of a file: it is run, without arguments of the user's on sample arguments."""
 from __future__ import annotations
 
 import importlib.util

@@ -1,4 +1,4 @@
-"""sizes: how many bytes a stack takes for given arguments, computed from shapes without running the kernel.
+"""sizes: how many bytes a stack takes for concrete arguments, computed from shapes without running the kernel.
 
 Requires a derivative and the values of its kernel's arguments, as far as they are known. Names that are bound once,
 outside of loops, are computed from what they are bound to; content that the kernel may have written is not known.
@@ -113,7 +113,7 @@ def _passed(caller: SizeEvaluator, called: Unit, node: Call) -> dict[str, Any]:
 
 
 def _part(caller: SizeEvaluator, argument: AST) -> Any:
-    """The value of an argument; of a part of an array that may have been written its shape."""
+    """The value of an argument; of a part of an array that the kernel may write its shape alone."""
     kind = caller.unit.typing.of(argument)
     if not kind.is_array:
         return caller.value(argument)

@@ -97,7 +97,7 @@ class Slopes:
                          for k in self.places])
 
     def complex_values(self, place: int) -> dict[str, Any]:
-        """The values with complex numbers for what is differentiated or written, one of the inputs with a step."""
+        """The values with complex numbers for inputs and outputs, one of the inputs with a step."""
         measured, found = self.measured, {}
         x = self.function_of_x.x.astype("complex128")
         x[place] += 1j * _STEP * self.scales[place]
@@ -113,7 +113,7 @@ class Slopes:
         return found
 
     def _imaginary(self, function: Callable[..., Any], values: dict[str, Any]) -> np.ndarray:
-        """The imaginary parts of the outputs, of complex values that are written."""
+        """The imaginary parts of the outputs, which the function writes into complex values."""
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("error")      # an imaginary part that is discarded
             values[RETURN] = function(*[values[n] for n in self.measured.values])

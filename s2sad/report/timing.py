@@ -80,7 +80,7 @@ def repeated(call: Callable[[], Any], times: int) -> Callable[[], None]:
 @contextmanager
 def on_one_core() -> Iterator[str]:
     """Keeps the process on one core where the system can, hidden threads of libraries included, so that these neither
-    help nor disturb; gives what is to be said of it."""
+    help nor disturb; the remark for the report."""
     if not hasattr(os, "sched_setaffinity"):
         yield ""
         return

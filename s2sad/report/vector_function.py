@@ -58,7 +58,7 @@ def split(like: Mapping[str, Any], names: Sequence[str], vector: np.ndarray) -> 
 
 
 class VectorFunction:
-    """The kernel at given arguments; arrays of float32 are widened, so that differences are taken in float64."""
+    """The kernel at one point; arrays of float32 are widened, so that differences are taken in float64."""
 
     def __init__(self, function: Callable[..., Any], arguments: Mapping[str, Any], wrt: Sequence[str],
                  of: Sequence[str]):
@@ -91,6 +91,6 @@ class VectorFunction:
         return np.concatenate(parts)
 
     def narrowed(self, arguments: Mapping[str, Any]) -> dict[str, Any]:
-        """The outputs with the dtypes that the arguments were given with."""
+        """The outputs with the dtypes of the arguments."""
         return {n: v.astype(arguments[n].dtype) if n in arguments and isinstance(v, np.ndarray) else v
                 for n, v in self.outputs.items()}

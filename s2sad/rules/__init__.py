@@ -10,7 +10,7 @@
     transforms    Fourier transforms
     complexes     what holds for complex numbers
     sparse        products and solves with sparse matrices
-    composed      functions of whole arrays that are written out in others
+    composed      functions of whole arrays that are expanded into others
     constant      functions whose derivative is zero: floor, comparisons, argmax, ...
 
 A name is a resolved one ("numpy.exp", "math.exp", "builtins.abs") or an operator ("a + b", "a ** b", "-a"). A
@@ -57,5 +57,5 @@ def result_kind(name: str) -> str | None:
 
 
 def names() -> tuple[str, ...]:
-    """Every name with a rule, in the order of registration; not those that the user has given one."""
+    """Every name with a rule, in the order of registration; without those of the user."""
     return tuple(n for n in TABLE.rules if not n.startswith(ROOM))

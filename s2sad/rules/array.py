@@ -7,11 +7,11 @@ an expression over `g`, the result's shadow, `y`, the result, the operands and t
     arrays("numpy.matmul(a, b)", law="matmul", a={(2, 2): "g @ b.T", (2, 1): "numpy.outer(g, b)"}, ...)
     arrays("numpy.linalg.solve(a, b)", law="solved", shared={"s": "numpy.linalg.solve(a.T, g)"}, b="s", ...)
 
-What is given by rank holds for operands of those ranks, `None` for all others. An operand for which nothing is given
-has no derivative. What several operands gain from is `shared` and computed once. `law` names how the type and the
-shape of the result follow from the arguments (`infer/signatures/laws`). Where no `tangent` is given the function is linear in
-each operand that has a derivative: its tangent is the sum of the function with one operand replaced by its tangent.
-A `tangent` is written over the tangents, `x_dot` for `x`, which are arrays of zeros where an operand has none.
+A dictionary has an adjoint for the ranks of the operands, `None` for all others. An operand without an adjoint has no
+derivative. What several adjoints read is `shared` and computed once. `law` names how the type and the shape of the
+result follow from the arguments (`infer/signatures/laws`). A function without a `tangent` is linear in each operand
+that has a derivative: its tangent is the sum of the function with one operand replaced by its tangent. A `tangent` is
+an expression over the tangents, `x_dot` for `x`, which are arrays of zeros where an operand has none.
 """
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ class FlatGradient:
         return returned[0], found[paths[0][0]] if self.alone(paths) else found
 
     def alone(self, paths: Sequence[Path]) -> bool:
-        """Whether there is one gradient, which is given as it is."""
+        """Whether there is one gradient, which is returned without a dictionary."""
         explicit = self.names is not None or selection_of(self.f)[0] is not None
         return len(paths) == 1 and (explicit or len(self.apart.independents()) <= 1)
 
@@ -53,7 +53,7 @@ def vjp(apart: Flattened, f: Any, args: Sequence[Any], seeds: Mapping[str, Any],
 
 def _seeds(apart: Flattened, seeds: Mapping[str, Any], values: Mapping[str, Any]
            ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The seeds of what is written, by flat names, and those of what stays as it is."""
+    """The seeds of outputs that the kernel writes, by flat names, and those of the others."""
     flat: dict[str, Any] = {}
     kept: dict[str, Any] = {}
     for name, seed in seeds.items():

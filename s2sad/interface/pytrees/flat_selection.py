@@ -26,15 +26,15 @@ class Carrier:
 
     @classmethod
     def with_overrides(cls, f: Any, wrt: Any, of: Any, engine: str | None) -> Carrier:
-        """What f carries, where nothing else was said."""
+        """What f carries, with other arguments in its place."""
         carried = selection_of(f)
         return cls((wrt if wrt is not None else carried[0], of if of is not None else carried[1],
                     engine if engine is not None else carried[2]))
 
 
 class FlatSelection:
-    """What is asked of one function for arguments of one make; `names` are its flat names by path, `cells` those of
-    arrays of one element."""
+    """The inputs and outputs of one function for arguments of one make; `names` are its flat names by path, `cells`
+    those of arrays of one element."""
     forms: dict[str, Form]
     names: dict[str, str]
     paths: dict[str, str]
@@ -50,7 +50,7 @@ class FlatSelection:
         return [self._selected_path(n, what) for n in names]
 
     def independents(self) -> list[str]:
-        """The parameters that a gradient is with respect to where nobody says: structures that hold a float, and
+        """The parameters that a gradient is with respect to by default: structures that hold a float, and
         others by the kernel's text."""
         return [p for p, form in self.forms.items()
                 if (self.floats(form, p) if isinstance(form, PyTree) else p in self.plain and form != NONE)]
@@ -74,7 +74,7 @@ class FlatSelection:
             t.is_inexact or t.is_number and self.names[p] in self.state.floats)]
 
     def flat_names(self, paths: Sequence[Path], what: str) -> tuple[str, ...]:
-        """The flat names of what was asked for."""
+        """The flat names of paths."""
         found: list[str] = []
         for name, form, path in paths:
             own = self.floats(form, path)
@@ -90,7 +90,7 @@ class FlatSelection:
         return inputs, Carrier((None if inputs is None else self.flat_names(inputs, "wrt"), self.outputs(of), engine))
 
     def outputs(self, of: Sequence[str] | None) -> tuple[str, ...] | None:
-        """The flat names of outputs: of a structure what is written."""
+        """The flat names of outputs: of a structure the floats that the kernel writes."""
         if of is None:
             return None
         found: list[str] = [RETURN] if RETURN in of else []
@@ -99,7 +99,7 @@ class FlatSelection:
         return tuple(dict.fromkeys(found))
 
     def written(self, path: Path) -> list[str]:
-        """The floats in something that the kernel writes; a leaf of its own is given as it is."""
+        """The floats in something that the kernel writes; a leaf is itself."""
         name, form, spelling = path
         if isinstance(form, Type):
             return [self.names.get(spelling, spelling)]

@@ -34,7 +34,7 @@ Holder = tuple[str, str, Any, "str | int"]
 
 
 def flattened(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
-    """How a call with structures is taken apart; None if there is none among f's arguments and it asks for none."""
+    """The flat form of a call with structures; None if there is none among f's arguments and f needs none."""
     if any(isinstance(d, tuple) for d in state.kernel.defaults.values()):
         args = bind(state.kernel, args)
     if not state.asks and (_PLAIN.issuperset(map(type, args)) or not any(map(is_structure, args))):
@@ -121,7 +121,7 @@ class Flattened(FlatSelection):
         return found
 
     def _apart(self, args: Sequence[Any]) -> None:
-        """Refuses a field that is given twice and assigned: each name would have its own number."""
+        """Refuses a field that is passed twice and assigned: each name would have its own number."""
         seen: dict[tuple[int, str | int], str] = {}
         for name, _, holder, key in self.cell_holders(args, True):
             first = seen.setdefault((id(holder), key), name)
@@ -246,7 +246,7 @@ class Flattened(FlatSelection):
 
 
 def _unflatten(form: Form, remaining: Iterator[Any]) -> Any:
-    """A structure whose leaves are given in order."""
+    """A structure of leaves in order."""
     if isinstance(form, Type):
         found = next(remaining) if is_held(form) else None
         return float(found) if type(found) is np.float64 else found

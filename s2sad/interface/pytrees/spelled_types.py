@@ -56,8 +56,8 @@ def split_list(text: str) -> list[str]:
 
 
 def flat_spelled(program: Program, types: Mapping[str, Form]) -> tuple[Program, dict[str, Type], dict[str, str]]:
-    """The program without structures, the types that were given by flat names, and the flat names' paths; raises
-    S2sadError where a parameter has parts and nothing says which."""
+    """The program without structures, the types by flat names, and the flat names' paths; raises
+    S2sadError where a parameter has parts that are unknown."""
     kernel = program.kernels[program.entry]
     defaults = {p: NONE if d is None else form_of(d, p) for p, d in kernel.defaults.items()
                 if d is None or isinstance(d, tuple)}
@@ -73,7 +73,7 @@ def flat_spelled(program: Program, types: Mapping[str, Form]) -> tuple[Program, 
 
 
 def _known(kernel: Kernel, forms: Mapping[str, Form]) -> None:
-    """Refuses a parameter that is read by field or key where its type is not given."""
+    """Refuses a parameter that is read by field or key and has no type."""
     report, parts = Report(kernel.source), {}
     for node in walk(kernel.tree.body):
         if isinstance(node, (Attribute, Subscript)) and isinstance(node.value, Name) and forms.get(
