@@ -20,12 +20,7 @@ PACKAGE = ROOT / "s2sad"
 LEFT = (
     "flat_returns", "itertools_loops", "chained_assignment", "literal_concatenation", "static_options",
     "tables", "slice_names", "tuple_names", "single_target", "counted_loops", "unsettled", "type_tests",
-    "undecided", "conditional_numbers", "complex_division",
-    "wide_accumulators", "dead_code", "array_anf_added", "initialize_accumulators", "dead_stores",
-    "copy_coalescing", "merge_branches", "split_temporaries", "forward_substitution", "algebra",
-    "if_conversion", "combine_increments", "copy_elision", "common_subexpressions", "remove_marks",
-    "share_temporaries", "wide_numbers", "blocked_products", "index_set_splitting", "loop_memoization",
-    "loop_fusion", "vectorize", "vector_math", "strength_reduction", "unguarded_division", "extremum_scatter",
+    "undecided", "merge_branches", "algebra", "if_conversion", "remove_marks", "loop_memoization",
 )
 # passes that leave facts in the context and the tree as it is
 FACTS = ("reported_types", "inferred_types", "primal_form", "same_primal", "program_structure", "activity",

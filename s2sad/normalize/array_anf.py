@@ -41,7 +41,19 @@ def array_anf(function: FunctionDef, context: Context) -> FunctionDef:
 
 
 def array_anf_added(function: FunctionDef, context: Context) -> FunctionDef:
-    """A derivative with those names, but for what only moves elements that are added to others."""
+    """A derivative with those names, but for what only moves elements that are added to others.
+
+        def f(x: float64[:, :], y: float64[:]):
+            y[:] = x @ y
+
+    in its adjoint:
+
+        def f_adjoint(...):                                     def f_adjoint(...):
+            ...                                                     ...
+            y_bar[...] += np.matmul(np.transpose(x), seed_2)        transpose_value = np.transpose(x)
+                                                                    matmul_value = np.matmul(transpose_value, seed_2)
+                                                                    y_bar[...] += matmul_value
+    """
     return named_arrays(function, context.typing, context.names, added=True)
 
 

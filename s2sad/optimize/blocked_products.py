@@ -1,14 +1,39 @@
 """blocked_products: matrix-vector products of a loop's iterations become one matrix product for a block of iterations.
 
-    for i in range(n):                          for first in range(0, n, 64):
-        t = a @ x[i]                                last = min(first + 64, n)
-        ...                                         t_rows = x[first:last] @ a.T
-        for j in range(m):                          for i in range(first, last):
-            for k in range(d):                          t = t_rows[i - first]
-                a_bar[j, k] += s[j] * x[i, k]           ...
-        y = a.T @ s                                     (s and x[i] are buffered: rows of s_kept, x_kept)
-        for k in range(d):                          a_bar += s_kept.T @ x_kept
-            x_bar[i, k] += y[k]                     x_bar[first:last] += s_kept @ a
+    def f(a: float64[:, :], x: float64[:, :], n):
+        s = 0.0
+        for i in range(n):
+            s += np.sum(np.sin(a @ x[i]))
+        return s
+
+in its adjoint:
+
+    def f_adjoint(...):
+        ...
+        for i in range(n - 1, -1, -1):
+            matmul_value[...] = np.matmul(a, x[i])
+            matmul_value_bar[...] += np.cos(matmul_value) * s_bar
+            a_bar[...] += np.outer(matmul_value_bar, x[i])
+            x_bar[i] += np.matmul(np.transpose(a), matmul_value_bar)
+            matmul_value_bar[...] = 0.0
+
+becomes
+
+    def f_adjoint(...):
+        ...
+        for last in range(n, 0, -64):
+            first = max(last - 64, 0)
+            matmul_value_rows = np.matmul(x[first:last], np.transpose(a))
+            for i in range(last - 1, first - 1, -1):
+                matmul_value[...] = matmul_value_rows[i - first]
+                matmul_value_bar[...] += np.cos(matmul_value) * s_bar
+                a_bar_column_kept[i - first] = matmul_value_bar
+                a_bar_row_kept[i - first] = x[i]
+                matmul_value_bar_kept[i - first] = matmul_value_bar
+                matmul_value_bar[...] = 0.0
+            a_bar_gain = np.matmul(np.transpose(a_bar_column_kept[:last - first]), a_bar_row_kept[:last - first])
+            a_bar[...] += a_bar_gain
+            x_bar[first:last] += np.matmul(matmul_value_bar_kept[:last - first], a)
 
 *Requires* finished text, in which inner loops may be whole-array statements. *Establishes* the same values up to
 rounding. Strip mining: a matrix product reaches the arithmetic peak where matrix-vector products wait for memory, and

@@ -1,7 +1,20 @@
 """extremum_scatter: the adjoint of an extremum of a whole array increments the element that attains it, for NumPy.
 
-    x_bar[...] += np.where(extreme_mask(x, m, None, False) != 0,        x_bar[extreme_place(x, m)] += g
-                           spread(g, x.shape, None, False), 0.0)
+    def f(x: float64[:]):
+        return np.max(x)
+
+in its adjoint:
+
+    def f_adjoint(...):
+        ...
+        x_bar[...] += np.where(extreme_mask(x, max_value, None, False) != 0,
+                               spread(max_value_bar, x.shape, None, False), 0.0)
+
+becomes
+
+    def f_adjoint(...):
+        ...
+        x_bar[extreme_place(x, max_value)] += max_value_bar
 
 *Requires* finished text for NumPy. *Establishes* the same values, without arrays of zeros.
 """

@@ -1,5 +1,25 @@
 """index_set_splitting: a loop with a periodic subscript runs as several loops whose subscripts are affine.
 
+    def f(u: float64[:], w: float64[:]):
+        n = u.size
+        for j in range(n):
+            w[j] = u[(j - 1) % n]
+
+in its adjoint:
+
+    def f_adjoint(...):                     def f_adjoint(...):
+        n = u.size                              n = u.size
+        for j in range(n):                      for j in range(min(1, n)):
+            seed = w_bar[j]                         seed = w_bar[j]
+            w_bar[j] = 0.0                          w_bar[j] = 0.0
+            u_bar[(j - 1) % n] += seed              u_bar[(j - 1) % n] += seed
+                                                for j in range(1, n):
+                                                    seed = w_bar[j]
+                                                    w_bar[j] = 0.0
+                                                    u_bar[j - 1] += seed
+
+A shift that is not a constant, and shifts to both sides:
+
     for j in range(n):                      turn = max(-s % n, 0)
         w[j] = u[(j - s) % n]               rest = max(n - turn, 0)
                                             for j in range(rest):

@@ -1,9 +1,22 @@
 """loop_fusion: adjacent nests over one iteration space become one nest.
 
-    for i in range(s.shape[0]):             for i in range(s.shape[0]):
-        s[i] = u[i] + u[i + 1]                  s[i] = u[i] + u[i + 1]
-    for i in range(1, u.shape[0]):              v[i + 1] = s[i] * u[i + 1]
-        v[i] = s[i - 1] * u[i]
+    def f(x: float64[:], y: float64[:], z: float64[:]):
+        y[:] = np.sin(x)
+        z[:] = x * y
+
+in its adjoint:
+
+    def f_adjoint(...):                         def f_adjoint(...):
+        ...                                         ...
+        for i in range(z.shape[0]):                 for i in range(y.shape[0]):
+            seed = z_bar[i]                             y[i] = np.sin(x[i])
+            z_bar[i] = 0.0                              seed = z_bar[i]
+            x_bar[i] += y[i] * seed                     z_bar[i] = 0.0
+            y_bar[i] += x[i] * seed                     x_bar[i] += y[i] * seed
+        for i in range(y.shape[0]):                     y_bar[i] += x[i] * seed
+            seed = y_bar[i]                             seed = y_bar[i]
+            y_bar[i] = 0.0                              y_bar[i] = 0.0
+            x_bar[i] += np.cos(x[i]) * seed             x_bar[i] += np.cos(x[i]) * seed
 
 *Requires* a finished derivative for Numba (`primal_contraction` fuses nests of a kernel). *Establishes* the same values
 with one pass through memory; `array_contraction` then contracts what nothing else reads. Fusion is legal where an array

@@ -1,7 +1,14 @@
 """strength_reduction: small integer powers of arrays become squares and products, for NumPy, which takes logarithms.
 
-    mean_bar += 5.0 * mean ** 4 * g         mean_bar += 5.0 * (mean ** 2) ** 2 * g
-    p = mean ** 5                           p = (mean ** 2) ** 2 * mean
+    def f(x: float64[:], y: float64[:]):
+        y[:] = x ** 5
+
+in its tangent:
+
+    def f_tangent(...):                         def f_tangent(...):
+        ...                                         ...
+        y_dot[...] = 5.0 * x ** 4 * x_dot           y_dot[...] = 5.0 * (x ** 2) ** 2 * x_dot
+        y[...] = x ** 5                             y[...] = (x ** 2) ** 2 * x
 
 *Requires* finished text for NumPy and the types of its names. *Establishes* the same values up to rounding.
 """

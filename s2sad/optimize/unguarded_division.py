@@ -1,6 +1,21 @@
 """unguarded_division: a shadow over a nonzero scalar is divided without a test of each element, for NumPy.
 
-    np.where(s != 0.0, s / dx, 0.0)     s / dx if abs(dx) > 0.0 else np.where(s != 0.0, s / dx, 0.0)
+    def f(s: float64[:], dx, y: float64[:]):
+        y[:] = s / dx
+
+in its adjoint:
+
+    def f_adjoint(...):
+        ...
+        s_bar[...] += np.where(y_bar != 0.0, y_bar / dx, 0.0)
+        ...
+
+becomes
+
+    def f_adjoint(...):
+        ...
+        s_bar[...] += y_bar / dx if abs(dx) > 0.0 else np.where(y_bar != 0.0, y_bar / dx, 0.0)
+        ...
 
 *Requires* finished text for NumPy and the types of its names. *Establishes* the same values: 0 / dx is 0 for every
 number but 0 and nan.

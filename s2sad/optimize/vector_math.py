@@ -1,7 +1,22 @@
 """vector_math: exponential and hyperbolic functions become those of the runtime, which vectorize.
 
-    for j in range(n):                          for j in range(n):
-        hidden[j] = np.tanh(w[j] + b)               hidden[j] = tanh(w[j] + b)      (of s2sad.runtime)
+    def f(x: float64[:], y: float64[:]):
+        for i in range(y.size):
+            y[i] = np.exp(x[i])
+
+in its adjoint:
+
+    def f_adjoint(...):
+        for i in range(y.size):
+            ...
+            x_bar[i] += np.exp(x[i]) * seed if seed != 0.0 else 0.0
+
+becomes
+
+    def f_adjoint(...):
+        for i in range(y.size):
+            ...
+            x_bar[i] += exp(x[i]) * seed if seed != 0.0 else 0.0
 
 *Requires* finished text for Numba and the types of its names. *Establishes* the same values up to rounding. All calls
 of a function are replaced or none: a recomputed number then has the same digits, and a branch on it goes the same way.

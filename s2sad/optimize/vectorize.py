@@ -1,5 +1,28 @@
 """vectorize: innermost loops of an adjoint in a form that a compiler vectorizes.
 
+    def f(x: float64[:], y: float64[:], a):
+        for i in range(1, x.size):
+            y[i] = a * (x[i] - x[i - 1])
+
+in its adjoint:
+
+    def f_adjoint(...):                             def f_adjoint(...):
+        ...                                             ...
+        for i in range(1, x.size):                      if 1 < x.size:
+            seed = y_bar[i]                                 x_bar_held = x_bar[0]
+            y_bar[i] = 0.0                                  for i in range(1, x.size):
+            seed_2 = a * seed                                   x_bar_held_2 = x_bar[i]
+            a_bar += (x[i] - x[i - 1]) * seed                   seed = y_bar[i]
+            x_bar[i] += seed_2                                  y_bar[i] = 0.0
+            x_bar[i - 1] -= seed_2                              seed_2 = a * seed
+        return (a_bar,)                                         a_bar = added(a_bar, (x[i] - x[i - 1]) * seed)
+                                                                x_bar_held_2 += seed_2
+                                                                x_bar_held -= seed_2
+                                                                x_bar[i - 1] = x_bar_held
+                                                                x_bar_held = x_bar_held_2
+                                                            x_bar[x.size - 1] = x_bar_held
+                                                        return (a_bar,)
+
 `loop_fusion` fuses adjacent nests, `scalar_reductions` reduces in scalars. Where iterations share elements of a shadow:
 `loop_distribution` adds to rows in loops of their own, `scalar_replacement` holds the elements in scalars,
 `loop_peeling` splits off iterations where the others then need no test, and `tape_row_loads` restores rows of the tape

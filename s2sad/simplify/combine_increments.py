@@ -1,8 +1,20 @@
 """combine_increments: several increments of one element of a shadow in a straight-line run become one.
 
-    u_bar[i] += u[i] * seed             ...
-    ...                                 u_bar[i] += b * seed_2 + u[i] * seed
-    u_bar[i] += b * seed_2
+    def f(u: float64[:], y: float64[:], z: float64[:]):
+        for i in range(y.size):
+            y[i] = u[i] * u[i]
+            z[i] = np.sin(u[i])
+
+in its adjoint:
+
+    def f_adjoint(...):                             def f_adjoint(...):
+        for i in range(y.size):                         for i in range(y.size):
+            seed = z_bar[i]                                 seed = z_bar[i]
+            z_bar[i] = 0.0                                  z_bar[i] = 0.0
+            u_bar[i] += np.cos(u[i]) * seed                 seed_2 = y_bar[i]
+            seed_2 = y_bar[i]                               y_bar[i] = 0.0
+            y_bar[i] = 0.0                                  u_bar[i] += 2.0 * (u[i] * seed_2) + np.cos(u[i]) * seed
+            u_bar[i] += 2.0 * (u[i] * seed_2)
 
 *Requires* a structured function. *Establishes* the same sums, reassociated: an increment joins the next one of the same
 element if no statement in between reads or overwrites the array. A compiler cannot do it, since a store to the shadow

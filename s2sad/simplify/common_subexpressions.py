@@ -1,8 +1,26 @@
 """common_subexpressions: an array expression that several statements of a block compute is computed once.
 
-    a_bar[...] += np.exp(x + y) * seed      exp_value = np.exp(x + y)
-    b_bar[...] += np.exp(x + y) * seed_2    a_bar[...] += exp_value * seed
-                                            b_bar[...] += exp_value * seed_2
+    def f(a: float64[:], x: float64[:], y: float64[:]):
+        y[:] = a * np.exp(x + a)
+
+in its adjoint:
+
+    def f_adjoint(...):
+        ...
+        seed_2 = a * y_bar
+        seed_3 = np.where(seed_2 != 0.0, np.exp(x + a) * seed_2, 0.0)
+        a_bar[...] += np.exp(x + a) * y_bar + seed_3
+        ...
+
+becomes
+
+    def f_adjoint(...):
+        ...
+        seed_2 = a * y_bar
+        exp_value = np.exp(x + a)
+        seed_3 = np.where(seed_2 != 0.0, exp_value * seed_2, 0.0)
+        a_bar[...] += exp_value * y_bar + seed_3
+        ...
 
 *Requires* whole-array statements (the NumPy engine) and their types. *Establishes* the same values. Only in the reverse
 sweep, so that the forward sweep keeps the kernel's own statements; only array expressions of two operations or more, or

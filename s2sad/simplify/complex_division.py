@@ -1,6 +1,15 @@
 """complex_division: a division of complex numbers becomes a call of `np.divide`, for Numba.
 
-    h = 1.0 / z         h = np.divide(1.0, z)
+    def f(z: complex128[:], y: complex128[:]):
+        for i in range(z.size):
+            y[i] = 1.0 / z[i]
+
+in its tangent:
+
+    def f_tangent(...):             def f_tangent(...):
+        for i in range(z.size):         for i in range(z.size):
+            ratio = 1.0 / z[i]              ratio = np.divide(1.0, z[i])
+            ...                             ...
 
 *Requires* types; nothing changes where nothing is complex. *Establishes* that no complex division raises: Numba's
 operator does, where NumPy's function gives inf.

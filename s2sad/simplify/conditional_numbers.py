@@ -1,6 +1,15 @@
 """conditional_numbers: every `np.where` of numbers and elements is a choice.
 
-    y[i] = np.where(c, a, b[i])         y[i] = a if c else b[i]
+    def f(x: float64[:], y: float64[:]):
+        y[:] = np.where(x > 0.0, x, y)
+
+in its tangent:
+
+    def f_tangent(...):                                     def f_tangent(...):
+        ...                                                     ...
+        for i in range(y.shape[0]):                             for i in range(y.shape[0]):
+            ...                                                     ...
+            y[i] = np.where(x[i] > 0.0, x[i], y_here)               y[i] = x[i] if x[i] > 0.0 else y_here
 
 Requires whole-array statements as loops, and types; one of arrays may be left in what is returned.
 """

@@ -1,9 +1,24 @@
 """copy_coalescing: versions of one variable whose live ranges do not interfere share a name; copies between them go.
 
-    g = guess                       for i in range(n):
-    for i in range(n):                  guess = f(guess)
-        g_1 = f(g)
-        g = g_1
+    def f(x, n):
+        g = x
+        for i in range(n):
+            g = np.sin(g)
+        return g
+
+in its tangent:
+
+    def f_tangent(...):                         def f_tangent(...):
+        g = x                                       g = x
+        g_dot = x_dot                               g_dot = x_dot
+        g_1 = g                                     for i in range(n):
+        g_1_dot = g_dot                                 g_1 = np.sin(g)
+        for i in range(n):                              g_dot = np.cos(g) * g_dot
+            g_2 = np.sin(g_1)                           g = g_1
+            g_2_dot = np.cos(g_1) * g_1_dot         return (g_dot,)
+            g_1 = g_2
+            g_1_dot = g_2_dot
+        return (g_1_dot,)
 
 *Requires* a structured function and the families of names: which variable each version is of. *Establishes* the
 shortest names: the variable's own for the first version, then `_1`, `_2`, ... The interference graph follows from
@@ -35,13 +50,49 @@ def copy_coalescing(function: FunctionDef, context: DerivativeContext) -> Functi
 
 
 def split_temporaries(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
-    """The function in which a temporary of both sweeps has a name in each."""
+    """The function in which a temporary of both sweeps has a name in each.
+
+        def f(x: float64[:], n):
+            for k in range(n):
+                for i in range(1, x.size):
+                    x[i] = x[i] * x[i - 1]
+
+    in its adjoint:
+
+        def f_adjoint(...):                             def f_adjoint(...):
+            ...                                             ...
+            for k in range(n - 1, -1, -1):                  for k in range(n - 1, -1, -1):
+                for i in range(x.size - 1, 0, -1):              for i in range(x.size - 1, 0, -1):
+                    x[i] = x_stack[k, i - 1]                        x[i] = x_stack[k, i - 1]
+                    x_here = x[i]                                   x_here_3 = x[i]
+                    x_here_2 = x[i - 1]                             x_here_4 = x[i - 1]
+                    seed = x_bar[i]                                 seed = x_bar[i]
+                    x_here_bar = x_here_2 * seed                    x_here_bar = x_here_4 * seed
+                    x_here_2_bar = x_here * seed                    x_here_2_bar = x_here_3 * seed
+                    ...                                             ...
+    """
     kept = {*context.family} | context.parameters(function)
     return split_live_ranges(function, set(_temporaries(context, kept)), context.names, context.typing, REVERSE)
 
 
 def share_temporaries(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
-    """The function in which names made for one purpose, never needed at once, are one name."""
+    """The function in which names made for one purpose, never needed at once, are one name.
+
+        def f(x: float64[:], y: float64[:]):
+            y[0] = x[0] * y[0]
+            y[1] = y[1] * x[1]
+
+    in its adjoint:
+
+        def f_adjoint(...):                 def f_adjoint(...):
+            ...                                 ...
+            seed = y_bar[1]                     seed = y_bar[1]
+            x_bar[1] += y[1] * seed             x_bar[1] += y[1] * seed
+            y_bar[1] = x[1] * seed              y_bar[1] = x[1] * seed
+            seed_2 = y_bar[0]                   seed = y_bar[0]
+            x_bar[0] += y_here * seed_2         x_bar[0] += y_here * seed
+            y_bar[0] = x[0] * seed_2            y_bar[0] = x[0] * seed
+    """
     kept = {*context.renamed.values()} | context.parameters(function)
     return coalesce_temporaries(function, _temporaries(context, kept), context.live_out, context.effects.writes)
 

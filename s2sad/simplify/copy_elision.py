@@ -1,9 +1,16 @@
 """copy_elision: a seed that is a copy of a shadow is read from the shadow itself, which is cleared behind the last use.
 
-    seed = np.copy(w_bar)               a_bar[...] += b * w_bar
-    w_bar[...] = 0.0                    b_bar[...] += a * w_bar
-    a_bar[...] += b * seed              w_bar[...] = 0.0
-    b_bar[...] += a * seed
+    def f(a: float64[:], b: float64[:], w: float64[:]):
+        w[:] = a * b
+
+in its adjoint:
+
+    def f_adjoint(...):             def f_adjoint(...):
+        ...                             ...
+        seed = np.copy(w_bar)           a_bar[...] += b * w_bar
+        w_bar[...] = 0.0                b_bar[...] += a * w_bar
+        a_bar[...] += b * seed          w_bar[...] = 0.0
+        b_bar[...] += a * seed
 
 *Requires* a structured function; under Numba the stores are loops. *Establishes* the same values: no statement in
 between mentions the shadow, and no name keeps a view of it.

@@ -1,5 +1,18 @@
 """dead_code: statements whose results nothing reads are eliminated, and loops and branches that are then empty.
 
+    def f(x):
+        s = np.sin(x)
+        return s + x
+
+in its tangent:
+
+    def f_tangent(x, x_dot):            def f_tangent(x, x_dot):
+        s = np.sin(x)                       s_dot = np.cos(x) * x_dot
+        s_dot = np.cos(x) * x_dot           result_dot = s_dot + x_dot
+        result = s + x                      return (result_dot,)
+        result_dot = s_dot + x_dot
+        return (result_dot,)
+
 *Requires* a structured function. *Establishes* that what a statement computes is live behind it, or that it is a guard
 or an effect. This prunes the forward sweep to what the reverse sweep reads (adjoint liveness: Hascoet, Araya-Polo,
 2005).

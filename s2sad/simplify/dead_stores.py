@@ -1,9 +1,17 @@
 """dead_stores: a store that is overwritten before it is read goes, and a restore of what was never overwritten.
 
-    x_before = x[0]                 x_bar[0] ...
-    x[0] = f(x_before)
-    x[0] = x_before
-    x_bar[0] ...
+    def f(x: float64[:], y: float64[:]):
+        x[:] = np.sin(x)
+        y[:] = x * y
+
+in its adjoint:
+
+    def f_adjoint(...):             def f_adjoint(...):
+        ...                             ...
+        y_before = np.copy(y)           seed = np.copy(y_bar)
+        y[...] = y_before               ...
+        seed = np.copy(y_bar)
+        ...
 
 *Requires* a structured function. *Establishes* the same contents wherever they are read. Within one block: between the
 two statements none touches the array or a name of its subscripts.

@@ -1,8 +1,17 @@
 """forward_substitution: a name that is read once is replaced by the expression that it is bound to, and copies of names
 are propagated.
 
-    x_here = x[i]                   y[i] = a * x[i]
-    y[i] = a * x_here
+    def f(x: float64[:], y: float64[:]):
+        x[0] = x[0] * y[0]
+
+in its adjoint:
+
+    def f_adjoint(...):                 def f_adjoint(...):
+        x_here = x[0]                       seed = x_bar[0]
+        seed = x_bar[0]                     y_bar[0] += x[0] * seed
+        x_here_bar = y[0] * seed            x_bar[0] = y[0] * seed
+        y_bar[0] += x_here * seed
+        x_bar[0] = x_here_bar
 
 *Requires* a structured function. *Establishes* the same values: between the definition and the use nothing overwrites
 an operand, and nothing moves into a loop, where it would be computed more often.

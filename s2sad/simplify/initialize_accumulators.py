@@ -1,10 +1,18 @@
 """initialize_accumulators: an accumulator that is set to zero and then incremented is initialized with the increment.
 
-    y_bar = 0.0                     y_bar = a * x_bar
-    y_bar += a * x_bar
-    if taken: z = x[i]              if taken:
-    if taken: w = z * z                 z = x[i]
-                                        w = z * z
+    def f(x, y):
+        return x * y
+
+in its adjoint:
+
+    def f_adjoint(x, y, result_bar):    def f_adjoint(x, y, result_bar):
+        x_bar = 0.0                         result_bar_2 = result_bar
+        y_bar = 0.0                         x_bar = y * result_bar_2
+        result_bar_2 = 0.0                  y_bar = x * result_bar_2
+        result_bar_2 += result_bar          return x_bar, y_bar
+        x_bar += y * result_bar_2
+        y_bar += x * result_bar_2
+        return x_bar, y_bar
 
 *Requires* a structured function. *Establishes* the same values; adjacent branches on one flag, which such zeros
 separated, are one.

@@ -1,5 +1,23 @@
 """wide_accumulators: shadows of float32 that a loop increments repeatedly are accumulated in float64, and rounded once.
 
+    def f(x: float32[:], p: float32[:], y: float32[:]):
+        for i in range(x.size):
+            y[i] = p[0] * x[i]
+
+in its adjoint:
+
+    def f_adjoint(...):                 def f_adjoint(...):
+        ...                                 ...
+        for i in range(x.size):             p_bar_sum = 0.0
+            ...                             for i in range(x.size):
+            p_bar[0] += x[i] * seed             ...
+            x_bar[i] += p[0] * seed             p_bar_sum += x[i] * seed
+                                                x_bar[i] += p[0] * seed
+                                            if p_bar_sum != 0.0:
+                                                p_bar[0] += p_bar_sum
+
+Rows, numbers and reductions likewise:
+
     for i in range(n):                          b_bar_sum = np.zeros(b_bar.shape)
         for j in range(m):                      for i in range(n):
             b_bar[j] += x[i, j] * seed              for j in range(m):
@@ -200,7 +218,20 @@ def _has_few_iterations(loop: For) -> bool:
 
 def wide_numbers(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
     """The finished derivative with float64 scalars for the accumulators of loops in the reverse sweep that are not the
-    kernel's own numbers; all of them are real."""
+    kernel's own numbers; all of them are real.
+
+        def f(x: float32[:], a: float32, y: float32[:]):
+            for i in range(x.size):
+                y[i] = a * x[i]
+
+    in its adjoint:
+
+        def f_adjoint(...):                         def f_adjoint(...):
+            a_bar = 0.0                                 a_bar = np.float64(0.0)
+            for i in range(x.size - 1, -1, -1):         for i in range(x.size - 1, -1, -1):
+                ...                                         ...
+            return (a_bar,)                             return (a_bar,)
+    """
     own = {n for pair in context.kernel_names.items() for n in pair}
     start = next((k for k, s in enumerate(function.body) if isinstance(getattr(s, "value", None), Constant)
                   and s.value.value == REVERSE), len(function.body))
