@@ -281,7 +281,8 @@ class ProgramVersion:
         variant = self.variant(Request("primal", types, (), ()), engine)
         text = quiet(variant.generated.text)
         guards = tuple(variant.generated.facts.get("guards", ()))
-        module = compiled(text, variant.generated.entry, bounds=True, user_functions=bool(self.registered), guards=guards)
+        module = compiled(text, variant.generated.entry, bounds=True, user_functions=bool(self.registered),
+                          guards=guards)
         keep_loaded(module, self)
         function = getattr(module, variant.generated.entry)
         copies = dict(zip(self.parameters, self.copied(values, types)))
