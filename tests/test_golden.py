@@ -79,7 +79,7 @@ def given(case: str) -> Given:
     apart = flattened(ProgramVersion.of(program, kernel), arguments)
     if apart is not None:
         arguments = bind(program.kernels[program.entry], arguments)
-        program, kernel = apart.state.program, apart.calling(kernel, copy.deepcopy(arguments))
+        program, kernel = apart.state.program, apart.flat_function(kernel, copy.deepcopy(arguments))
         kinds = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_ONLY) for name in apart.paths]
         vars(kernel)["__signature__"] = inspect.Signature(kinds)
         arguments = tuple(apart.values(arguments))

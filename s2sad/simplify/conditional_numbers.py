@@ -11,7 +11,8 @@ in its tangent:
             ...                                                     ...
             y[i] = np.where(x[i] > 0.0, x[i], y_here)               y[i] = x[i] if x[i] > 0.0 else y_here
 
-Requires whole-array statements as loops, and types; one of arrays may be left in what is returned.
+*Requires* whole-array statements as loops, and types. *Establishes* that `np.where` is left of arrays alone, in what is
+returned.
 """
 from __future__ import annotations
 
