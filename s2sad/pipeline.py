@@ -1,20 +1,11 @@
 """The pipeline: a program and a request in, a generated module out. Read this first.
 
     read        a function becomes a tree with places and resolved names        (the caller has done it)
-<<<<<<< HEAD
     normalize   normal form, with the types of all names (`infer`)                   (KERNELS in `units`)
     analyze     activity, what can be infinite, what is recorded                     (DERIVATIVES in `units`)
     differentiate   adjoint or tangent                                               (DERIVATIVES in `units`)
     simplify    the same with less text
     optimize    for level "fast": faster loops
-=======
-    evaluate    structures, functions and constants are computed; arrays and numbers are left
-    normalize   STRUCTURE, CALLS, TYPES, ARRAYS, LOOPS, NUMBERS: normal form         (units/normal_forms.py)
-    infer       the types of names, before ARRAYS and in NUMBERS
-    analyze     activity, uses, dependence, what is recorded                         (units/unit_derivatives.py)
-    differentiate   adjoint or tangent
-    simplify    LOWERED, PASSES; for the level "fast" the passes of optimize
->>>>>>> 53de1e4 (Docstrings of the doors in the words of the vocabulary; modules that they name exist)
     emit        origin comments, the engine's dialect, the header, the text
 
 Each room opens with its passes in the order in which they run.
