@@ -214,7 +214,7 @@ def at(node: AST, origin: AST) -> AST:
                 blocks = field in _BLOCKS
                 stack += [n for n in value if type(n) in _below and not (
                     blocks and n.__dict__.get("lineno") is not None)]
-            elif type(value) in _below:
+            elif isinstance(value, AST) and type(value) in _below:
                 push(value)
     return node
 
@@ -266,7 +266,7 @@ def walk(node: AST | list[AST]) -> Iterator[AST]:
 # of those, the fields that hold statements
 _blocks_backwards = {
     kind: tuple(f for f in fields if f in ("body", "handlers", "orelse", "finalbody", "cases"))
-    for kind, fields in _backwards.items() if issubclass(kind, (stmt, gast.ExceptHandler, gast.match_case))}
+    for kind, fields in _backwards.items() if issubclass(kind, stmt) or kind.__name__ in ("ExceptHandler", "match_case")}
 
 
 def walk_statements(node: AST | list[AST]) -> Iterator[AST]:
@@ -288,7 +288,7 @@ def children(node: AST) -> list[AST]:
         value = held.get(field)
         if type(value) is list:
             found += [item for item in value if type(item) in _below]
-        elif type(value) in _below:
+        elif isinstance(value, AST) and type(value) in _below:
             found.append(value)
     return found
 
@@ -340,7 +340,7 @@ def indices(node: Subscript) -> list[AST]:
 _UNSAID = ("ctx", "type_comment", "annotation", "kind")
 
 
-def dump(node: AST | list[AST]) -> str:
+def dump(node: Any) -> str:
     """A text that is the same for equal trees, and only for them; places and contexts do not count."""
     kind = type(node)
     if kind is Name:

@@ -104,7 +104,7 @@ class _ArrayAnf:
         if isinstance(statement, Return) and statement.value is not None:
             value = self.moved(statement.value, before)
             return [*before, Return(value)]
-        if isinstance(statement, Expr) and user_call(called := statement.value):
+        if isinstance(statement, Expr) and (called := statement.value) is not None and user_call(called):
             value = self.moved(called, before)
             return [*before, Expr(value)]
         return [statement]

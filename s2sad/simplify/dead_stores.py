@@ -82,7 +82,7 @@ class _DeadStores:
             calls = calls_kernel(statement.value)
             return target if isinstance(target, Subscript) and not calls else None
         called = statement.value if isinstance(statement, Expr) else None
-        if user_call(called) and self.pure(called):
+        if called is not None and user_call(called) and self.pure(called):
             written = set(self.writes(called))
             return name(written.pop()) if len(written) == 1 else None
         return None

@@ -16,6 +16,8 @@ from s2sad.run import compiled as engine, eviction, store
 from s2sad.run.module_loader import load
 from tests.run.test_store import HALF, compiled_half, files
 
+pytestmark = pytest.mark.usefixtures("location")
+
 
 def test_machine_code_is_kept_and_damage_is_compiled_again(location):
     pytest.importorskip("numba")

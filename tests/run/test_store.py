@@ -12,22 +12,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from s2sad.run import compiled as engine, eviction, store
+from s2sad.run import compiled as engine, store
 from s2sad.run.module_loader import load
 from s2sad.run.permissions import exposure, is_private
 
 HALF = "def half(x):\n    return 0.5 * x\n"
 
 
-@pytest.fixture(autouse=True)
-def location(tmp_path, monkeypatch):
-    monkeypatch.setenv("S2SAD_CACHE_DIR", str(tmp_path / "cache"))
-    monkeypatch.setattr(store, "_ACCOUNT", eviction.Account())
-    for name in [n for n in sys.modules if n.startswith("s2sad_")]:
-        monkeypatch.delitem(sys.modules, name)
-    store._say.cache_clear()
-    store._temporary.cache_clear()
-    return tmp_path / "cache"
+pytestmark = pytest.mark.usefixtures("location")
 
 
 def files(location, kind):
