@@ -266,7 +266,8 @@ def walk(node: AST | list[AST]) -> Iterator[AST]:
 # of those, the fields that hold statements
 _blocks_backwards = {
     kind: tuple(f for f in fields if f in ("body", "handlers", "orelse", "finalbody", "cases"))
-    for kind, fields in _backwards.items() if issubclass(kind, stmt) or kind.__name__ in ("ExceptHandler", "match_case")}
+    for kind, fields in _backwards.items()
+    if issubclass(kind, stmt) or kind.__name__ in ("ExceptHandler", "match_case")}
 
 
 def walk_statements(node: AST | list[AST]) -> Iterator[AST]:
