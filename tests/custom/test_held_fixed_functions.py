@@ -73,7 +73,7 @@ def test_what_numba_cannot_compile_is_refused_at_the_call():
         s2sad.gradient(s2sad.differentiate(holds_unreadable, engine="numba"))(np.array([0.3, 0.9]))
     assert str(caught.value).partition("error")[2] == (
         f"[S407]: Numba cannot compile '{__name__}.unreadable'\n"
-        "  48 |         total += unreadable(u[i]) * u[i]\n"
+        "  39 |         total += unreadable(u[i]) * u[i]\n"
         "     |                  ^^^^^^^^^^^^^^^^\n"
         '  help: engine="numpy" calls it as it is')
 
