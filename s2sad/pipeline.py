@@ -30,7 +30,11 @@ from s2sad.infer.types import Type, of_value
 from s2sad.evaluate.argument_binding import result_structure
 from s2sad.normalize.calls.global_arrays import global_arrays, hidden_name
 from s2sad.evaluate.expressions.specialize_options import specialize_options
-from s2sad.program import EntrySummary, Generated, Parameter, Program, Request
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.evaluate.specialize import specialize
+from s2sad.live_objects.guards import recording
+from s2sad.read import of_captured
+from s2sad.program import DemandedFacts, EntrySummary, Generated, Parameter, Program, Request
 from s2sad.run.user_functions_in_numba import compilable
 from s2sad.naming import Names
 from s2sad.passes import Watch, run, unwatched
@@ -50,6 +54,10 @@ def summary(program: Program, types: tuple[Type, ...], forms: Forms | None = Non
     """What the program's entry writes and returns for arguments of these types."""
     units, unit = entry(program, types, "numpy", forms=forms)
     parameters = [hidden_name(p.id, units.program) for p in unit.function.args.args]
+    both = sorted({parameters[k] for k in unit.summary.written} & program.replaced)
+    if both:
+        raise S2sadError(Diagnostic("S201", f"'{both[0]}' is written in place, and replaced by another array in the "
+                                    "object that has it", help="do either of them"))
     returned = {k: hidden_name(name, units.program) for k, name in unit.summary.returned.items()}
     return EntrySummary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, returned,
                    any(u.guarded for u in units.made.values()), result_structure(program.entry, program),
@@ -187,12 +195,43 @@ def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch =
     """The units of a program and the one of its entry; arrays from outside have become parameters."""
     made = {} if forms is None else forms
     if (engine, types) not in made:
-        program = specialize_options(global_arrays(program))
-        units = Units(program, engine, watch=watch)
-        outside = tuple(of_value(a) for a in program.arrays.values())
-        made[engine, types] = units, units.unit(program.entry, types + outside)
+        if engine != "numpy" and program.function is not None:
+            entry(program, types, "numpy", forms=made)      # which says what the program is, for all engines
+        try:
+            if types in program.evaluated:
+                made[engine, types] = evaluated_form(program, types, engine, watch, program.evaluated[types])
+            else:
+                made[engine, types] = normal_form(program, types, engine, watch)
+        except S2sadError as refused:
+            made[engine, types] = evaluated_form(program, types, engine, watch, refused)
     units, unit = made[engine, types]
     return units.without_derivatives(), unit
+
+
+def normal_form(program: Program, types: tuple[Type, ...], engine: str, watch: Watch) -> tuple[Units, Unit]:
+    """The units of a program, and that of its entry for arguments of these types."""
+    program = specialize_options(global_arrays(program))
+    units = Units(program, engine, watch=watch)
+    return units, units.unit(program.entry, types + tuple(of_value(a) for a in program.arrays.values()))
+
+
+def evaluated_form(program: Program, types: tuple[Type, ...], engine: str, watch: Watch, refused: S2sadError
+                   ) -> tuple[Units, Unit]:
+    """The same of the residual program, where what is read is refused; raises what was refused if this is, too."""
+    if program.function is None or program.refused is not None:
+        raise refused
+    try:
+        with recording(program.guards):
+            residual = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, types)), {})
+            made = of_captured(residual, program.function)
+        arrays = list(made.arrays.values()) == list(program.arrays.values())
+        if not arrays or residual.result is not None or len(residual.paths) != len(types):
+            raise refused
+        found = normal_form(made, types, engine, watch)
+    except (S2sadError, DemandedFacts):
+        raise refused from None
+    program.evaluated[types] = refused
+    return found
 
 
 def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from s2sad.diagnostics import Source, Span
+from s2sad.diagnostics import S2sadError, Source, Span
 from s2sad.infer.types import Type
 from s2sad.live_objects.guards import Guards
 from s2sad.live_objects.registry import RegisteredDerivative
@@ -49,8 +49,9 @@ class Program:
     `const.`; `arrays` the arrays read likewise, which become hidden parameters of every kernel on the way; `records`
     the classes that kernels make structures with, by the name behind `record.`; `methods`
     the names of the kernels that are functions of classes; `guards` what was taken from outside to read it, `warned`
-    the warnings; `tables` is
-    what `once` remembers; `files` are the paths of the files that were read, where no live function was.
+    the warnings; `refused` says why only the evaluator can tell what the program is, once it is known what `function`
+    is given, `evaluated` so for some types of arguments; `tables` is what `once` remembers; `files` are the paths of
+    the files that were read, where no live function was.
     """
     entry: str
     kernels: dict[str, Kernel]
@@ -61,6 +62,10 @@ class Program:
     files: tuple[str, ...] = ()
     guards: Guards = field(default_factory=Guards, compare=False, repr=False)
     warned: tuple[str, ...] = ()
+    refused: S2sadError | None = field(default=None, compare=False, repr=False)
+    function: Any = field(default=None, compare=False, repr=False)
+    replaced: frozenset[str] = field(default=frozenset(), compare=False, repr=False)    # parameters that objects lose
+    evaluated: dict[tuple[Type, ...], S2sadError] = field(default_factory=dict, compare=False, repr=False)
     tables: dict[Any, tuple[int, Any]] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def once(self, make: Callable[[Program], T]) -> T:
@@ -93,6 +98,17 @@ class EntrySummary:
     guarded: bool = False
     structure: Structure = None
     contiguous: tuple[str, ...] = ()
+
+
+Fact = tuple[str, str]      # a path of an argument, and what of it: "value", "shape"
+
+
+class DemandedFacts(Exception):
+    """Facts about arguments without which a program cannot be evaluated; `error` is what is said without them."""
+
+    def __init__(self, facts: frozenset[Fact], error: S2sadError):
+        super().__init__(str(error))
+        self.facts, self.error = facts, error
 
 
 @dataclass(frozen=True)

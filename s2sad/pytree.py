@@ -293,6 +293,15 @@ def mapped(form: Form, value: Any, path: str, change: Callable[[str, Type, Any],
     return rebuilt(form, value, items)
 
 
+def structures(form: Form, value: Any, path: str) -> Iterator[tuple[str, Any]]:
+    """Every structure in a value that can be changed, with its path."""
+    if isinstance(form, PyTree):
+        if form.kind in ("list", "dict", "record"):
+            yield path, value
+        for key, item in zip(form.keys, form.items):
+            yield from structures(item, part_of(form.kind, value, key), step(form, path, key))
+
+
 def rebuilt(form: PyTree, like: Any, items: list[Any]) -> Any:
     """A structure of the same kind with other items; no code of its class runs."""
     if form.kind in SPARSE:

@@ -95,7 +95,9 @@ class VectorFunction:
         self.function = getattr(function, "py_func", function)
         bound = inspect.signature(self.function).bind(*arguments)
         bound.apply_defaults()
-        self.given: Values = dict(bound.arguments)
+        kinds = {n: p.kind for n, p in bound.signature.parameters.items()}
+        self.given: Values = {n: v for n, v in bound.arguments.items() if kinds[n] not in (
+            inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)}
         self.wrt, self.of = tuple(wrt), tuple(of)
         self.x = _vector(self.given, self.wrt)
         self.outputs = self.run(self.given)

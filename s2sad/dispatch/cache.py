@@ -146,7 +146,8 @@ class ProgramVersion:
         """The state for a program that was read."""
         kernel, given = compiler().entry_kernel(program), compiler().registered_rules(program)
         held = (*program.arrays.values(), *program.records.values())
-        address = None if given else artifacts.address(program.guards, function, held, kernel)
+        address = None if given or program.refused is not None else artifacts.address(
+            program.guards, function, held, kernel)
         made = cls(ReadRecord(kernel, compiler().asks(program), program.arrays, program.records, program.guards,
                               address,
                               program.warned), function)
@@ -174,6 +175,11 @@ class ProgramVersion:
             raise S2sadError(Diagnostic("S405", f"what '{self.kernel.name}' reads from outside was changed while its "
                                         "derivative was made", help="call it again"))
         return program
+
+    @property
+    def _address(self) -> str | None:
+        """Where derivatives are kept; nowhere if more than reading has taken stands behind them."""
+        return None if self.program.evaluated else self.reading.address
 
     def derive_as(self, other: ProgramVersion) -> None:
         """Derives what another reading has derived; raises S2sadError for what is refused."""
@@ -215,7 +221,7 @@ class ProgramVersion:
         if found is None:
             with Working(f"reading '{self.kernel.name}'"):
                 found = compiler().summary(self.program, types, self._forms)
-            artifacts.store_summary(self.reading.address, types, found)
+            artifacts.store_summary(self._address, types, found)
         if types not in self._summaries:
             self._summaries[types] = found
             for array in (n for n in found.returned.values() if n.startswith(HIDDEN)):
@@ -250,7 +256,7 @@ class ProgramVersion:
                 if generated is None:
                     with Working(f"deriving the {request.mode} of '{self.kernel.name}'"):
                         generated = compiler().derived(self.program, request, self._forms)
-                    artifacts.store_generated(self.reading.address, request, generated)
+                    artifacts.store_generated(self._address, request, generated)
                 self._variants[key] = Executable(generated, engine, self.summary(request.types), self.kernel.name,
                                                self.registered)
             return self._variants[key]

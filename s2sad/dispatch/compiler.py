@@ -5,19 +5,23 @@ disk what it calls goes without.
 """
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
-from types import FunctionType
+from types import FunctionType, MappingProxyType
 from typing import Any
 
 from s2sad import pipeline, read
-from s2sad.live_objects.guards import Guards, Path, recording, same
+from s2sad.evaluate.specialize import enabled, specialize, unread
+from s2sad.live_objects.guards import Guards, Path, reached, recording, same
+from s2sad.live_objects.unwrap import python_function
 from s2sad.infer.independents import independents, usable_as_floats
 from s2sad.infer.types import NONE, UNKNOWN, of_value
 from s2sad.evaluate.structures.call_values import Unread
-from s2sad.evaluate.structures.fields import Flat, asks, fields
+from s2sad.evaluate.structures.fields import Flat, fields
+from s2sad.evaluate.structures.fields import asks as structures_matter
 from s2sad.evaluate.structures.groups import StructureValue, nothing
-from s2sad.program import EntrySummary, Generated, Kernel, Program, Request
+from s2sad.program import EntrySummary, Fact, Generated, Kernel, Program, Request
+from s2sad.diagnostics import S2sadError
 from s2sad.read.capture import not_a_function
 from s2sad.run.user_functions_in_numba import checked_constants, compiled_in, registered_rules, uncompiled
 from s2sad.run.user_derivatives import checked_derivatives
@@ -29,8 +33,19 @@ __all__ = ["asks", "checked_constants", "checked_derivatives", "compiled_in", "d
 
 
 def program(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path] = ()) -> Program:
-    """The program of a live function; raises S2sadError."""
-    return read.load(function, methods, varying)
+    """The program of a live function; where reading refuses it, one that waits for what it is given."""
+    try:
+        found = read.load(function, methods, varying)
+        return replace(found, function=python_function(function)) if enabled() else found
+    except S2sadError as refused:
+        if not enabled():
+            raise
+        with recording(Guards(varying)) as guards:
+            plain = python_function(function)
+            if plain is None or refused.diagnostics[0].code.startswith("S1"):
+                raise
+            reached(None, "root", 0, plain)
+            return replace(unread(plain, refused), guards=guards)
 
 
 def entry_kernel(program: Program) -> Kernel:
@@ -51,22 +66,64 @@ def derived(program: Program, request: Request, forms: dict[Any, Any]) -> Genera
     return pipeline.derive(program, request, forms=forms)
 
 
-def flat_program(program: Program, function: FunctionType, forms: tuple[Form, ...], varying: Collection[Path]
-                ) -> tuple[Flat, list[Any], Guards]:
+def asks(program: Program) -> bool:
+    """Whether what a program is depends on what its arguments are made of."""
+    return program.refused is not None or structures_matter(program)
+
+
+def flat_program(program: Program, function: FunctionType, forms: tuple[Form, ...], varying: Collection[Path],
+                facts: Mapping[Fact, Any] = MappingProxyType({})) -> tuple[Flat, list[Any], Guards]:
     """The flat program, the functions of classes that it calls, which are read as they are met, and what was taken of
-    the arguments' classes."""
+    the arguments' classes; raises DemandedFacts where `facts` does not say enough of the arguments."""
+    if program.refused is not None:
+        return evaluated(program, forms, varying, facts, program.refused)
+    try:
+        return _fields(program, function, forms, varying)
+    except S2sadError as refused:
+        if not enabled():
+            raise
+        return evaluated(replace(program, function=function), forms, varying, facts, refused)
+
+
+def _fields(program: Program, function: FunctionType, forms: tuple[Form, ...], varying: Collection[Path]
+            ) -> tuple[Flat, list[Any], Guards]:
+    """The same without the evaluator; raises S2sadError."""
     methods: list[Any] = []
     while True:
         try:
             with recording(Guards()) as guards:
                 return fields(program, forms), methods, guards
-        except Unread as unread:
-            methods.append(unread.function)
+        except Unread as missing:
+            methods.append(missing.function)
             program = read.load(function, tuple(methods), varying)
 
 
-def result_form(group: StructureValue) -> PyTree:
+def evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Path], facts: Mapping[Fact, Any],
+              refused: S2sadError) -> tuple[Flat, list[Any], Guards]:
+    """The residual program of a function for arguments of these forms; raises S2sadError as reading has where the
+    evaluator stops at the same place."""
+    with recording(Guards(varying)) as guards:
+        reached(None, "root", 0, program.function)
+        try:
+            residual = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, forms)), facts)
+            made = read.of_captured(residual, program.function)
+        except S2sadError as error:
+            raise (refused if _lines(error) & _lines(refused) else error) from None
+    made = replace(made, guards=guards, replaced=residual.replaced)
+    flat = Flat(made, residual.paths, frozenset(), residual.result, residual.changed, residual.live)
+    return flat, [program.function], guards
+
+
+def _lines(error: S2sadError) -> set[tuple[str, int]]:
+    """The lines that an error is about."""
+    return {(d.span.source.home(d.span.line)[0].path, d.span.source.home(d.span.line)[1]) for d in error.diagnostics
+            if d.span is not None}
+
+
+def result_form(group: StructureValue | PyTree) -> PyTree:
     """What a structure that a kernel returns is made of."""
+    if isinstance(group, PyTree):
+        return group
     items = tuple(result_form(i) if isinstance(i, StructureValue) else NONE if nothing(i) else UNKNOWN
                   for i in group.items)
     return PyTree(group.form.kind, group.form.keys, items, group.form.made, group.form.fixed)

@@ -29,7 +29,7 @@ from s2sad.read.outside_values import UserFunctionValue
 from s2sad.read.file_module import FileModule
 from s2sad.live_objects.registry import GIVEN
 
-__all__ = ["functions", "load", "load_file", "python_function"]
+__all__ = ["functions", "load", "load_file", "of_captured", "python_function"]
 
 
 @deep_stack
@@ -52,6 +52,13 @@ def load(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path]
         linker = Linker()
         program = linker.program(_live(plain), tuple(map(_live, methods)))
         return replace(program, guards=guards, warned=tuple(map(str, linker.ignored)))
+
+
+def of_captured(handle: Any, function: Any) -> Program:
+    """The program of a residual function, which `handle.captured()` gives; raises S2sadError."""
+    linker = Linker()
+    program = linker.program(UserFunctionValue(name_of(function), ("residual", id(handle)), "", handle))
+    return replace(program, warned=tuple(map(str, linker.ignored)))
 
 
 def _live(function: Any) -> UserFunctionValue:

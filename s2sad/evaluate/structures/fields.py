@@ -41,7 +41,9 @@ class Flat:
     program: Program
     paths: dict[str, str]
     cells: frozenset[str]
-    result: StructureValue | None
+    result: StructureValue | PyTree | None
+    changed: frozenset[str] = frozenset()       # the paths of structures that are changed otherwise
+    live: frozenset[int] = frozenset()          # what is taken from outside, by id
 
 
 @dataclass

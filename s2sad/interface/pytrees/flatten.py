@@ -22,9 +22,10 @@ from s2sad.interface.pytrees.flat_selection import FlatSelection, Path
 from s2sad.infer.types import FLOAT, Type
 from s2sad.interface.value_calls import selection_of
 from s2sad.interface.selection import RETURN
+from s2sad.program import DemandedFacts, Fact
 from s2sad.pytree import (
     Form, PyTree, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, part_of, places_of, step, steps,
-    without_lengths,
+    structures, without_lengths,
 )
 from s2sad.dispatch.cache import ProgramVersion
 
@@ -41,13 +42,34 @@ def flattened(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
         return None
     args = bind(state.kernel, args)
     forms = tuple(without_lengths(form_of(v, n)) for n, v in zip(state.parameters, args))
-    key = ("flattened", forms)
-    found = state.entries.get(key)
-    if found is None or not found.current():
-        found = state.entries[key] = Flattened(state, forms)
+    while True:
+        facts = _facts(state, forms, args)
+        key = ("flattened", forms, facts)
+        found = state.entries.get(key)
+        if found is not None and found.current():
+            break
+        try:
+            found = state.entries[key] = Flattened(state, forms, facts)
+            break
+        except DemandedFacts as demanded:
+            known = state.entries.setdefault(("demanded", forms), {})
+            if demanded.facts <= known.keys():
+                raise demanded.error from None
+            known |= dict.fromkeys(sorted(demanded.facts))
     if not found.methods:
         found.state.arrays = state.arrays
     return found
+
+
+def _facts(state: ProgramVersion, forms: tuple[Form, ...], args: Sequence[Any]) -> tuple[tuple[Fact, Any], ...]:
+    """What must be known of the arguments before the run, as it is."""
+    demanded = state.entries.get(("demanded", forms))
+    if not demanded:
+        return ()
+    values: dict[str, Any] = {}
+    for name, form, value in zip(state.parameters, forms, args):
+        mapped(form, value, name, lambda path, _, leaf: values.update({path: leaf}))
+    return tuple((fact, values[fact[0]].shape if fact[1] == "shape" else values[fact[0]]) for fact in demanded)
 
 
 def flat_call(state: ProgramVersion, f: Any, args: Sequence[Any], keywords: Mapping[str, Any] | None = None
@@ -63,7 +85,10 @@ def flat_call(state: ProgramVersion, f: Any, args: Sequence[Any], keywords: Mapp
 class Flattened(FlatSelection):
     """The flat program for arguments of one make, and the way there and back."""
 
-    def __init__(self, state: ProgramVersion, forms: tuple[Form, ...]):
+    def __init__(self, state: ProgramVersion, forms: tuple[Form, ...], facts: tuple[tuple[Fact, Any], ...] = ()):
+        self.facts = dict(facts)
+        self.changed: frozenset[str] = frozenset()
+        self.live: frozenset[int] = frozenset()
         self.forms = dict(zip(state.parameters, forms))
         self.title, self.plain = state.kernel.name, state.kernel.independents
         self.methods: list[Any] = []
@@ -79,8 +104,9 @@ class Flattened(FlatSelection):
     def _take_apart(self, state: ProgramVersion, forms: tuple[Form, ...]) -> None:
         """Has it done by the compiler, and kept for other processes, where no function of a class is called."""
         flat, self.methods, self._classes = compiler().flat_program(
-            state.program, state.function, forms, state.guards.varying)
+            state.program, state.function, forms, state.guards.varying, self.facts)
         self.cells, self.paths = flat.cells, flat.paths
+        self.changed, self.live = flat.changed, flat.live
         self.result = None if flat.result is None else compiler().result_form(flat.result)
         program = flat.program
         kernel = program.kernels[program.entry]
@@ -96,7 +122,7 @@ class Flattened(FlatSelection):
 
     def prepared_for(self, state: ProgramVersion) -> Flattened:
         """The flat program of another reading of the function, with what was derived of this one."""
-        found = Flattened(state, tuple(self.forms.values()))
+        found = Flattened(state, tuple(self.forms.values()), tuple(self.facts.items()))
         found.state.derive_as(self.state)
         return found
 
@@ -111,6 +137,8 @@ class Flattened(FlatSelection):
         found: list[Any] = []
         if self.cells:
             self._apart(args)
+        if self.changed:
+            self._unshared(args)
 
         def add(path: str, kind: Type, leaf: Any) -> None:
             if is_held(kind):
@@ -128,6 +156,17 @@ class Flattened(FlatSelection):
             if name != first and {name, first} & self.cells:
                 raise S2sadError(Diagnostic("S404", f"'{self.paths[first]}' and '{self.paths[name]}' are one field of "
                                             "one object, and it is assigned", help="pass a copy of one of them"))
+
+    def _unshared(self, args: Sequence[Any]) -> None:
+        """Refuses an object that is given twice, or that the kernel reaches from outside, too, and changed."""
+        seen: dict[int, str] = {}
+        for (parameter, form), value in zip(self.forms.items(), args):
+            for path, inner in structures(form, value, parameter):
+                first = seen.setdefault(id(inner), path)
+                if {path, first} & self.changed and (path != first or id(inner) in self.live):
+                    raise S2sadError(Diagnostic("S404", f"'{first}' and '{path}' are one object, which is changed"
+                                                if path != first else f"'{path}' is changed, and is reached from "
+                                                "outside, too", help="pass a copy"))
 
     def cell_holders(self, args: Sequence[Any], every: bool = False) -> Iterator[Holder]:
         """The cells, or every leaf, each with the structure that holds it, its kind and the key there."""

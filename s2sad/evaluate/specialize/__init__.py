@@ -1,0 +1,25 @@
+"""specialize: what is known before the run is computed, by one evaluator with a transfer function for each construct.
+
+In comes the text of a function with what its arguments are made of; out goes a residual function over arrays and
+numbers, which is read as any other. `evaluator` has the state and the tables; `values` and `heap` what is known;
+`branches`, `residual_loops`, `written_out_loops` and `state_joins` control; `live_values` what comes from outside.
+"""
+from __future__ import annotations
+
+# the tables of transfer functions and operations are filled by these
+from s2sad.evaluate.specialize import (
+    assignment, attributes, branches, choices, class_lookup, comparisons, compound_statements,
+    construction, definitions, displays, frames, function_calls, guard_statements, live_values, loop_statements,
+    meanings, numeric_operators, residual_loops, spelling, subscripts, written_out_loops,
+)
+from s2sad.evaluate.specialize.entry import Residual, enabled, specialize, unread
+from s2sad.evaluate.specialize.functions import builtin_functions, library_calls, standard_library
+from s2sad.evaluate.specialize.sequences import container_methods, containers, cursors, gathering, iteration
+
+__all__ = [
+    "Residual", "assignment", "attributes", "branches", "builtin_functions", "choices", "class_lookup",
+    "comparisons", "compound_statements", "construction", "container_methods", "containers", "cursors",
+    "definitions", "displays", "enabled", "frames", "function_calls", "gathering", "guard_statements", "iteration",
+    "library_calls", "live_values", "loop_statements", "meanings", "numeric_operators", "residual_loops",
+    "specialize", "spelling", "standard_library", "subscripts", "unread", "written_out_loops",
+]

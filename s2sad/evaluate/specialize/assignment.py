@@ -1,0 +1,189 @@
+"""Assignments: to names, to items of structures and arrays, to attributes.
+"""
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.numeric_operators import OPERATORS
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation, statement
+from s2sad.evaluate.specialize.values import (
+    UNKNOWN, ClassValue, Data, ObjectValue, Reference, ScopeValue, SliceValue, TupleValue, Value, constant,
+)
+from s2sad.tree import AST
+
+
+def holder_of(ev: Evaluator, f: Frame, name: str) -> Reference:
+    """The frame in which a name is bound."""
+    if name in f.nonlocals:
+        outer = f.outer
+        while outer is not None:
+            if name in outer.local:
+                return outer.reference
+            outer = outer.outer
+    return f.reference
+
+
+@operation
+def bind(ev: Evaluator, f: Frame, name: str, value: Value, origin: AST) -> None:
+    """A name of the user's gets a value."""
+    if isinstance(value, Reference) and not ev.heap[value].label:
+        ev.heap.objects[value.number] = replace(ev.heap[value], label=name)
+    ev.assign_slot(holder_of(ev, f, name), name, value, name, origin)
+
+
+@operation
+def store(ev: Evaluator, target: AST, value: Value, f: Frame) -> None:
+    """The value to a target of any form."""
+    if isinstance(target, tree.Name):
+        bind(ev, f, target.id, value, target)
+    elif isinstance(target, (tree.Tuple, tree.List)):
+        _unpack(ev, target, value, f)
+    elif isinstance(target, tree.Starred):
+        raise ev.refusal(target, "a starred target outside of a tuple")
+    else:
+        base, key = place_of(ev, target, f)
+        assign_to(ev, base, key, value, target, f)
+
+
+def _unpack(ev: Evaluator, target: Any, value: Value, f: Frame) -> None:
+    targets = target.elts
+    star = next((k for k, t in enumerate(targets) if isinstance(t, tree.Starred)), None)
+    if isinstance(value, Data) and not value.is_known:
+        if star is not None:
+            raise ev.unknown(target, "how many values a starred target takes", value)
+        shape = isinstance(value.node, tree.Attribute) and value.node.attr == "shape"
+        value = value if shape else ev.named(value, "unpacked", target)
+        items = [ev.item_of(value, constant(k), target, f) for k in range(len(targets))]
+        items = [ev.atoms(i, t.id if isinstance(t, tree.Name) else "item", target) for i, t in zip(items, targets)]
+    else:
+        items = ev.items_of(value, target, f)
+    if star is not None and len(items) >= len(targets) - 1:
+        last = len(items) - (len(targets) - star - 1)
+        items = [*items[:star], ev.list_of(items[star:last], target), *items[last:]]
+        targets = [t.value if isinstance(t, tree.Starred) else t for t in targets]
+    if len(items) != len(targets):
+        raise ev.refusal(target, f"{len(items)} values for {len(targets)} targets")
+    for t, item in zip(targets, items):
+        store(ev, t, item, f)
+
+
+def place_of(ev: Evaluator, target: Any, f: Frame) -> tuple[Value, Any]:
+    """What a target is in, and its key there: an attribute's name, or an index."""
+    if isinstance(target, tree.Attribute):
+        return ev.atoms(ev.value(target.value, f), "base", target), target.attr
+    base, key = ev.values([target.value, target.slice], f)
+    return ev.atoms(base, "base", target), ev.atoms(key, "place", target)
+
+
+@operation
+def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f: Frame) -> None:
+    """The value becomes an item or an attribute."""
+    if isinstance(base, Data):
+        place = tree.attribute(base.node, key) if isinstance(key, str) else ev.subscripted(base, key, origin)
+        ev.emit(tree.assign(place, ev.spelled(value, origin)), origin, True)
+    elif isinstance(base, Reference) and isinstance(key, str):
+        ev.assign_attribute(base, key, value, origin, f)
+    elif isinstance(base, Reference) and ev.heap[base].kind == "record":
+        ev.call(ev.attribute_of(base, "__setitem__", origin, f), [key, value], {}, origin, f)
+    elif isinstance(base, Reference):
+        held = ev.change(base, origin)
+        place = ev.item_key(base, key, origin)
+        if held.kind not in ("list", "dict"):
+            raise ev.refusal(origin, f"an item of a {held.kind} is assigned")
+        label = f"{held.label}_{place}" if held.label else str(place)
+        ev.assign_slot(base, place, value, label, origin)
+    elif isinstance(base, TupleValue):
+        raise ev.refusal(origin, "an item of a tuple is assigned", help="make it a list")
+    elif isinstance(base, (ClassValue, ScopeValue, ObjectValue)):
+        raise ev.refusal(origin, "an attribute of a class or a module is assigned",
+                         help="keep it in an object that the kernel is given")
+    else:
+        raise ev.refusal(origin, "an assignment to this is not supported in a kernel")
+
+
+@statement("Assign")
+def assign(ev: Evaluator, s: Any, f: Frame) -> None:
+    value = ev.value(s.value, f)
+    first = s.targets[0]
+    if len(s.targets) > 1 or isinstance(first, (tree.Tuple, tree.List)):
+        value = _held_items(ev, value, s)
+    for target in s.targets:
+        store(ev, target, value, f)
+
+
+def _held_items(ev: Evaluator, value: Value, s: Any) -> Value:
+    """What several targets take: each item under a name before the first is bound."""
+    if not isinstance(value, TupleValue) or len(s.targets) > 1 or not isinstance(s.targets[0], (tree.Tuple, tree.List)):
+        return ev.atoms(value, s.targets[0].id if isinstance(s.targets[0], tree.Name) else "value", s)
+    bound = {n.id for t in s.targets for n in tree.walk(t) if isinstance(n, tree.Name)}
+    simple = all(isinstance(t, tree.Name) for t in s.targets[0].elts)
+    reads = [n.id for v in value.items if isinstance(v, Data) for n in tree.walk(v.node) if isinstance(n, tree.Name)]
+    if simple and not bound & {*reads} and len(value.items) == len(s.targets[0].elts) and not any(
+            isinstance(v, Data) and not v.is_atom and ev.effects < 0 for v in value.items):
+        names = [t.id for t in s.targets[0].elts]
+        return replace(value, items=tuple(v if isinstance(v, Data) and not v.is_atom and k == 0 else ev.atoms(v, n, s)
+                                          for k, (v, n) in enumerate(zip(value.items, names))))
+    wanted = [t.id if isinstance(t, tree.Name) else "item" for t in s.targets[0].elts]
+    wanted += ["item"] * (len(value.items) - len(wanted))
+    return replace(value, items=tuple(ev.atoms(v, w, s) for v, w in zip(value.items, wanted)))
+
+
+@statement("AnnAssign")
+def annotated_assign(ev: Evaluator, s: Any, f: Frame) -> None:
+    if s.value is not None:
+        store(ev, s.target, ev.value(s.value, f), f)
+
+
+@statement("AugAssign")
+def augmented_assign(ev: Evaluator, s: Any, f: Frame) -> None:
+    if isinstance(s.target, tree.Name):
+        read = tree.at(tree.name(s.target.id), s.target)
+        old, value = ev.values([read, s.value], f)
+        new = in_place(ev, old, value, s, f, s.target.id)
+        if new is not None:
+            bind(ev, f, s.target.id, new, s)
+        return
+    base, key = place_of(ev, s.target, f)
+    if isinstance(base, Data):
+        effects = ev.effects
+        (value,) = ev.values([s.value], f)
+        if ev.effects > effects and not isinstance(key, (str, SliceValue)):
+            raise ev.refusal(s, "what is added to an element changes something first",
+                             help="give it a name in a statement of its own before")
+        place = tree.attribute(base.node, key) if isinstance(key, str) else ev.subscripted(base, key, s)
+        ev.emit(tree.augment(place, s.op, ev.spelled(value, s)), s, True)
+        return
+    old = ev.attribute_of(base, key, s.target, f) if isinstance(key, str) else ev.item_of(base, key, s.target, f)
+    at, rebound, effects = len(ev.block), len(ev.rebound), ev.effects
+    value = ev.value(s.value, f)
+    if ev.effects > effects:
+        old = ev.held_at(old, at, {*ev.rebound[rebound:]}, s)
+    label = ev.heap[base].label if isinstance(base, Reference) else ""
+    wanted = str(key) if isinstance(key, str) else "item"
+    new = in_place(ev, old, value, s, f, f"{label}_{wanted}" if label else wanted)
+    if new is not None:
+        assign_to(ev, base, key, new, s, f)
+
+
+def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: str) -> Value | None:
+    """What `old op= value` leaves: an array keeps being the one that it is. None where the target is the same still."""
+    if isinstance(old, Reference):
+        held = ev.heap[old]
+        if held.kind == "list" and isinstance(s.op, tree.Add):
+            ev.container_method(old, "extend", [value], {}, s, f)
+            return None
+        if held.kind == "record":
+            method = ev.method_named(held.made, f"__i{OPERATORS[type(s.op)][1]}__", old, s, f)
+            return ev.binary(s.op, old, value, s, f) if method is None else ev.call(method, [value], {}, s, f)
+    if not isinstance(old, Data) or old.is_known and old.is_literal or not isinstance(value, (Data, TupleValue)):
+        return ev.binary(s.op, old, value, s, f)
+    if not ev.owns(old.name):
+        new = ev.fresh(wanted)
+        ev.emit(tree.assign(new, old.node), s)
+        old = replace(old, node=tree.at(tree.name(new), s), known=UNKNOWN)
+    ev.rebound.append(old.name)
+    ev.emit(tree.augment(old.name, s.op, ev.spelled(value, s)), s, True)
+    more = value.demands if isinstance(value, Data) else frozenset()
+    return replace(old, known=UNKNOWN, demands=old.demands | more, shape=old.shape or None)

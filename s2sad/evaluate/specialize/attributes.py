@@ -1,0 +1,214 @@
+"""Attributes: read and assigned, as Python finds them.
+"""
+from __future__ import annotations
+
+import dataclasses
+from enum import Enum
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.values import (
+    UNKNOWN, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference,
+    ScopeValue, SliceValue, SuperValue, TupleValue, Value, constant,
+)
+from s2sad.live_objects.guards import ABSENT, taken
+from s2sad.tree import AST
+
+
+@operation
+def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> Value:
+    """`base.name`."""
+    if isinstance(base, Data):
+        return _of_data(ev, base, name, node)
+    if isinstance(base, Reference):
+        held = ev.heap[base]
+        if held.kind == "record":
+            return _of_object(ev, base, held, name, node, f)
+        return MethodValue(base, name)
+    if isinstance(base, TupleValue):
+        return _of_tuple(ev, base, name, node, f)
+    if isinstance(base, ClassValue):
+        return _of_class(ev, base, name, node, f)
+    if isinstance(base, SuperValue):
+        return _of_super(ev, base, name, node, f)
+    if isinstance(base, ScopeValue):
+        meaning = base.scope.lookup(name)
+        if meaning is None:
+            raise ev.refusal(node, f"'{base.name}' has no '{name}'", code="S202")
+        return ev.meaning_value(name, meaning, node, f)
+    if isinstance(base, LibraryValue):
+        return _of_library(ev, base, name, node)
+    if isinstance(base, ObjectValue):
+        found = getattr(base.value, name, ABSENT)
+        if found is ABSENT:
+            raise ev.refusal(node, f"{base.value!r} has no '{name}'")
+        return ev.outside_value(name, found, node, f)
+    if isinstance(base, FunctionValue) and name in ("__name__", "__doc__"):
+        return constant(base.captured.name if name == "__name__" else "")
+    if isinstance(base, Iteration):
+        return MethodValue(base, name)
+    if isinstance(base, SliceValue) and name in ("start", "stop", "step"):
+        return base.parts[("start", "stop", "step").index(name)]
+    raise ev.refusal(node, f"an attribute of {ev.kind_of(base)}")
+
+
+def _of_data(ev: Evaluator, base: Data, name: str, node: AST) -> Value:
+    if isinstance(base.known, str):
+        return MethodValue(base, name)
+    made = tree.at(tree.attribute(ev.spelled(base, node), name), node)
+    if name in ("shape", "size", "ndim"):
+        shape = ev.shape_of(base)
+        size = 1
+        for n in shape.known if shape.is_known else ():
+            size *= n
+        known = {"shape": shape.known, "size": size, "ndim": len(shape.known)}[name] if shape.is_known else UNKNOWN
+        return Data(made, known, shape.demands)
+    if name == "T":
+        whole = base.shape
+        return Data(made, shape=None if whole is None else whole[::-1], origins=base.origins)
+    if name in ("real", "imag", "dtype", "flat", "itemsize", "nbytes", "value"):
+        return Data(made)
+    return MethodValue(base, name)
+
+
+def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AST, f: Frame) -> Value:
+    if name == "__class__" and held.made is not None:
+        return held.made
+    found = ev.class_item(held.made, name, node, f)
+    data = found is not None and isinstance(found[1], LibraryValue) and found[1].path == "builtins.property"
+    if not data and name in held.items:
+        return held.items[name]
+    if not data and held.live is not None:
+        own = taken(held.live, "own", name)
+        slots = [taken(c.live, "own", "__slots__") for c in ev.mro(held.made)]
+        if own is ABSENT and any(name in s for s in slots if s is not ABSENT):
+            own = taken(held.live, "attribute", name)
+        if own is not ABSENT:
+            owning, ev.owning = ev.owning, held.is_owned
+            value = ev.outside_value(f"{held.label}_{name}", own, node, f)
+            ev.owning = owning
+            ev.heap.put(base, name, value)
+            return value
+    if found is not None:
+        if isinstance(found[1], LibraryValue) and found[1].path == "functools.cached_property":
+            value = ev.call(found[1].first[0], [base], {}, node, f)
+            ev.assign_slot(base, name, value, f"{held.label}_{name}" if held.label else name, node)
+            return ev.heap[base].items[name]
+        return ev.bound(found[1], base, held.made, node, f)
+    if name == "__dict__":
+        raise ev.refusal(node, "the dictionary of an object's attributes", help="name the attributes")
+    fallback = ev.class_item(held.made, "__getattr__", node, f)
+    if fallback is not None:
+        return ev.call(ev.bound(fallback[1], base, held.made, node, f), [constant(name)], {}, node, f)
+    title = held.made.name if held.made is not None else "?"
+    raise ev.refusal(node, f"an object of class {title} has no attribute '{name}' here")
+
+
+@operation
+def has_attribute(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> bool:
+    """`hasattr(base, name)`."""
+    if isinstance(base, Reference) and ev.heap[base].kind == "record":
+        held = ev.heap[base]
+        own = held.live is not None and taken(held.live, "own", name) is not ABSENT
+        return own or name in held.items or ev.class_item(held.made, name, node, f) is not None
+    if isinstance(base, Data) and not base.is_known:
+        import numpy
+        return hasattr(numpy.ndarray, name)
+    if isinstance(base, ClassValue):
+        return ev.class_item(base, name, node, f) is not None
+    if isinstance(base, ScopeValue):
+        return base.scope.lookup(name) is not None
+    raise ev.refusal(node, "hasattr of this is not supported in a kernel")
+
+
+def _of_tuple(ev: Evaluator, base: TupleValue, name: str, node: AST, f: Frame) -> Value:
+    if base.made is not None:
+        fields = taken(base.made.live, "attribute", "_fields")
+        if name in fields:
+            return base.items[fields.index(name)]
+        found = ev.class_item(base.made, name, node, f)
+        if found is not None and not (isinstance(found[1], FunctionValue) and name.startswith("_")):
+            return ev.bound(found[1], base, base.made, node, f)
+    return MethodValue(base, name)
+
+
+@operation
+def tuple_method(ev: Evaluator, base: TupleValue, name: str, args: list[Value], keywords: dict[str, Value], node: AST,
+                 f: Frame) -> Value:
+    if name in ("index", "count"):
+        return ev.list_method(ev.list_of(base.items, node), name, args, node)  # pyright: ignore
+    fields = taken(base.made.live, "attribute", "_fields") if base.made is not None else ()
+    if name == "_replace":
+        return dataclasses.replace(base, items=tuple(keywords.get(k, v) for k, v in zip(fields, base.items)))
+    if name == "_asdict":
+        return ev.new_dict(dict(zip(fields, base.items)), node)
+    raise ev.refusal(node, f".{name} of a tuple is not supported in a kernel")
+
+
+def _of_class(ev: Evaluator, base: ClassValue, name: str, node: AST, f: Frame) -> Value:
+    if name == "__name__":
+        return constant(base.name)
+    if isinstance(base.live, type) and issubclass(base.live, Enum):
+        found = taken(base.live, "attribute", name)
+        if isinstance(found, base.live):
+            return ev.member(found)
+    found = ev.class_item(base, name, node, f)
+    if found is None:
+        raise ev.refusal(node, f"the class '{base.name}' has no attribute '{name}'")
+    return ev.bound(found[1], None, base, node, f)
+
+
+def _of_super(ev: Evaluator, base: SuperValue, name: str, node: AST, f: Frame) -> Value:
+    made = base.instance if isinstance(base.instance, ClassValue) else ev.class_of(base.instance)
+    classes = ev.mro(made) if made is not None else []
+    after = classes[classes.index(base.after) + 1:] if base.after in classes else []
+    instance = None if isinstance(base.instance, ClassValue) else base.instance
+    for c in after:
+        alone = dataclasses.replace(c)
+        found = _own_item(ev, alone, name, node, f)
+        if found is not None:
+            return ev.bound(found, instance, made, node, f)
+    if name in ("__init__", "__init_subclass__"):
+        return LibraryValue("builtins.object.__init__")
+    raise ev.refusal(node, f"super() has no '{name}'")
+
+
+def _own_item(ev: Evaluator, made: ClassValue, name: str, node: AST, f: Frame) -> Value | None:
+    found = ev.class_item(made, name, node, f)
+    return found[1] if found is not None and found[0] == made else None
+
+
+def _of_library(ev: Evaluator, base: LibraryValue, name: str, node: AST) -> Value:
+    if base.path.startswith("builtins.") and name == "__name__":
+        return constant(base.path.rpartition(".")[2])
+    return ev.library_member(base.path, name, node)
+
+
+# -- assignment ------------------------------------------------------------------------------------------------------
+@operation
+def assign_attribute(ev: Evaluator, base: Reference, name: str, value: Value, node: AST, f: Frame) -> None:
+    """`base.name = value`."""
+    held = ev.change(base, node)
+    if held.kind != "record":
+        raise ev.refusal(node, f"an attribute of a {held.kind} is assigned")
+    found = ev.class_item(held.made, name, node, f)
+    if found is not None and isinstance(found[1], LibraryValue) and found[1].path == "builtins.property":
+        setter = taken(found[0].live, "own", name).fset if found[0].live is not None else None
+        if setter is None:
+            raise ev.refusal(node, f"the property '{name}' is assigned, which has no setter")
+        ev.call(ev.live_function(setter, node, f, found[0]), [base, value], {}, node, f)
+        return
+    if ev.class_item(held.made, "__setattr__", node, f) is not None or _is_frozen(held.made):
+        if f.label not in ("__init__", "__post_init__"):
+            raise ev.refusal(node, f"an attribute of an object of class {held.made.name if held.made else '?'} is "
+                             "assigned, which is frozen")
+    label = f"{held.label}_{name}" if held.label else name
+    if isinstance(value, Reference) and not ev.heap[value].label:
+        ev.heap.objects[value.number] = dataclasses.replace(ev.heap[value], label=label)
+    ev.assign_slot(base, name, value, label, node)
+
+
+def _is_frozen(made: ClassValue | None) -> bool:
+    live = made.live if made is not None else None
+    return live is not None and getattr(getattr(live, "__dataclass_params__", None), "frozen", False)

@@ -1,0 +1,135 @@
+"""Where classes have their names: the order of classes, methods, properties.
+"""
+from __future__ import annotations
+
+import dataclasses
+import functools
+import types
+from typing import Any
+
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.values import (
+    ClassValue, Data, FunctionValue, LibraryValue, ObjectValue, Reference, TupleValue, Value,
+)
+from s2sad.live_objects.guards import ABSENT, taken
+from s2sad.tree import AST
+
+_OBJECT = ("__init__", "__new__", "__setattr__", "__getattribute__", "__eq__", "__ne__", "__hash__", "__repr__",
+           "__str__", "__init_subclass__", "__class_getitem__")
+
+
+@operation
+def class_of(ev: Evaluator, value: Value) -> ClassValue | None:
+    """The class of the user's that an object or a named tuple is of."""
+    if isinstance(value, Reference):
+        return ev.heap[value].made
+    return value.made if isinstance(value, TupleValue) else None
+
+
+@operation
+def mro(ev: Evaluator, made: ClassValue) -> list[ClassValue]:
+    """The classes in which a name is looked up, in order."""
+    if made.live is not None:
+        return [class_value(c) for c in taken(made.live, "mro") if c is not object]
+    rows = [mro(ev, b) for b in made.bases] + [list(made.bases)]
+    found = [made]
+    while rows := [r for r in rows if r]:
+        head = next((r[0] for r in rows if not any(r[0] in other[1:] for other in rows)), None)
+        if head is None:
+            break
+        found.append(head)
+        rows = [[c for c in r if c != head] for r in rows]
+    return found
+
+
+@operation
+def class_item(ev: Evaluator, made: ClassValue | None, name: str, node: AST, f: Frame
+               ) -> tuple[ClassValue, Value] | None:
+    """What a class has under a name, with the class that has it."""
+    for c in mro(ev, made) if made is not None else ():
+        if c.live is None:
+            items = ev.heap.objects[c.number].items
+            if name in items:
+                return c, items[name]
+            continue
+        found = taken(c.live, "own", name)
+        if isinstance(found, types.MemberDescriptorType):
+            continue        # a slot: what lies in the object
+        if found is not ABSENT and not (c.live.__module__ == "builtins" or name in _OBJECT and _is_generated(found)):
+            return c, _descriptor(ev, c, name, found, node, f) or ev.outside_value(f"{c.name}_{name}", found, node, f)
+    return None
+
+
+def _is_generated(found: Any) -> bool:
+    """Whether a function is one that dataclasses and named tuples make."""
+    code = getattr(found, "__code__", None)
+    return code is None or code.co_filename.startswith("<string>") or "dataclasses" in code.co_filename
+
+
+def _descriptor(ev: Evaluator, owner: ClassValue, name: str, found: Any, node: AST, f: Frame) -> Value | None:
+    """Functions of a class, and what property, staticmethod and classmethod make of them."""
+    kinds = {property: ("builtins.property", "fget"), staticmethod: ("builtins.staticmethod", "__func__"),
+             classmethod: ("builtins.classmethod", "__func__")}
+    for kind, (path, attribute) in kinds.items():
+        if isinstance(found, kind):
+            inner = ev.live_function(getattr(found, attribute), node, f, owner)
+            return LibraryValue(path, (inner,))
+    if type(found).__name__ == "cached_property":
+        return LibraryValue("functools.cached_property", (ev.live_function(found.func, node, f, owner),))
+    return ev.live_function(found, node, f, owner) if isinstance(found, types.FunctionType) else None
+
+
+@operation
+def method_named(ev: Evaluator, made: ClassValue | None, name: str, instance: Value, node: AST, f: Frame
+                 ) -> Value | None:
+    """A method of an object, bound to it; None where its class has none."""
+    found = class_item(ev, made, name, node, f)
+    return None if found is None else bound(ev, found[1], instance, made, node, f)
+
+
+@operation
+def bound(ev: Evaluator, value: Value, instance: Value | None, made: ClassValue | None, node: AST, f: Frame) -> Value:
+    """What a class's item is as an attribute of an object, or of the class where `instance` is None."""
+    if isinstance(value, FunctionValue) and instance is not None:
+        return dataclasses.replace(value, first=(instance, *value.first))
+    if isinstance(value, LibraryValue) and value.first and value.path in (
+            "builtins.property", "functools.cached_property", "builtins.staticmethod", "builtins.classmethod"):
+        if value.path == "builtins.staticmethod":
+            return value.first[0]
+        if value.path == "builtins.classmethod":
+            inner = value.first[0]
+            assert isinstance(inner, FunctionValue) and made is not None
+            return dataclasses.replace(inner, first=(made, *inner.first))
+        if instance is not None:
+            return ev.call(value.first[0], [instance], {}, node, f)
+    return value
+
+
+@operation
+def is_instance(ev: Evaluator, value: Value, made: Value, node: AST) -> bool | None:
+    """`isinstance(value, made)`; None where it is a matter of types of arrays and numbers."""
+    if isinstance(made, TupleValue):
+        found = [is_instance(ev, value, m, node) for m in made.items]
+        return True if True in found else None if None in found else False
+    own = class_of(ev, value)
+    if isinstance(made, ClassValue):
+        return own is not None and made in mro(ev, own) or (isinstance(value, ObjectValue) and made.live is not None
+                                                           and isinstance(value.value, made.live))
+    path = made.path if isinstance(made, LibraryValue) else ""
+    if isinstance(value, Data):
+        if not value.is_known:
+            return False if path in ("builtins.str", "builtins.list", "builtins.tuple", "builtins.dict") else None
+        import builtins
+        kind = getattr(builtins, path.removeprefix("builtins."), None)
+        return isinstance(value.known, kind) if isinstance(kind, type) else False
+    kinds = {"list": "builtins.list", "dict": "builtins.dict", "set": "builtins.set"}
+    if isinstance(value, Reference):
+        return kinds.get(ev.heap[value].kind) == path
+    if isinstance(value, TupleValue):
+        return path == "builtins.tuple"
+    return path == "builtins.object"
+
+
+@functools.cache
+def class_value(made: type) -> ClassValue:
+    return ClassValue(made.__name__, made)

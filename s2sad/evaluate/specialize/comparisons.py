@@ -1,0 +1,140 @@
+"""Comparisons, identity, membership.
+"""
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.numeric_operators import computed
+from s2sad.evaluate.specialize.choices import is_structural
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression, operation
+from s2sad.evaluate.specialize.values import (
+    UNKNOWN, Data, ObjectValue, Reference, TupleValue, Value, alike, constant, demands_of,
+)
+from s2sad.tree import AST
+
+_COMPARISONS: dict[str, tuple[Callable[[Any, Any], Any], str]] = {
+    "Eq": (operator.eq, "eq"), "NotEq": (operator.ne, "ne"), "Lt": (operator.lt, "lt"), "LtE": (operator.le, "le"),
+    "Gt": (operator.gt, "gt"), "GtE": (operator.ge, "ge")}
+
+
+@expression("Compare")
+def compare(ev: Evaluator, node: Any, f: Frame) -> Value:
+    values = ev.values([node.left, *node.comparators], f)
+    if len(values) > 2 and not all(isinstance(v, Data) for v in values):
+        raise ev.refusal(node, "a chain of comparisons of structures", help="compare two at a time, joined by and")
+    if len(values) > 2:
+        pairs = [compared(ev, op, a, b, node, f) for op, a, b in zip(node.ops, values, values[1:])]
+        if all(isinstance(p, Data) and p.is_known for p in pairs):
+            return constant(all(p.known for p in pairs))  # pyright: ignore
+        return Data(tree.at(tree.Compare(ev.spelled(values[0], node), node.ops, [
+            ev.spelled(v, node) for v in values[1:]]), node), demands=demands_of(*values))
+    return compared(ev, node.ops[0], values[0], values[1], node, f)
+
+
+@operation
+def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) -> Value:
+    kind = type(op).__name__
+    if kind in ("Is", "IsNot"):
+        return constant(_identical(ev, a, b, node) is (kind == "Is"))
+    if kind in ("In", "NotIn"):
+        return _contained(ev, a, b, kind == "In", node, f)
+    does, word = _COMPARISONS[kind]
+    if isinstance(a, Data) and isinstance(b, Data):
+        if a.is_known and b.is_known and (kind in ("Eq", "NotEq") or computed(does, a.known, b.known) is not UNKNOWN):
+            return constant(does(a.known, b.known))
+        if kind in ("Eq", "NotEq") and any(is_structural(v) for v in (a, b)) and any(not v.is_known for v in (a, b)):
+            other = a if not a.is_known else b
+            if other.demands:
+                raise ev.unknown(node, "what is compared with a text must be known before the run", other)
+            return constant(kind == "NotEq")        # a number or an array is no text
+        return Data(tree.at(tree.Compare(ev.spelled(a, node), [op], [ev.spelled(b, node)]), node),
+                    demands=demands_of(a, b))
+    reflected = {"lt": "gt", "gt": "lt", "le": "ge", "ge": "le"}.get(word, word)
+    found = _overloaded_comparison(ev, word, reflected, a, b, node, f)
+    if found is not None:
+        return found
+    if isinstance(a, TupleValue) and isinstance(b, TupleValue):
+        return _tuples(ev, op, a, b, node, f)
+    if kind in ("Eq", "NotEq"):
+        if isinstance(a, Data) and not a.is_known or isinstance(b, Data) and not b.is_known:
+            if isinstance(a, TupleValue) or isinstance(b, TupleValue):
+                return Data(tree.at(tree.Compare(ev.spelled(a, node), [op], [ev.spelled(b, node)]), node),
+                            demands=demands_of(a, b))
+        if isinstance(a, Reference) and isinstance(b, Reference) and ev.heap[a].kind in ("list", "dict", "set"):
+            raise ev.refusal(node, "two structures are compared", help="compare their items")
+        same = _identical(ev, a, b, node)
+        return constant(same is (kind == "Eq"))
+    raise ev.refusal(node, f"{ev.kind_of(a)} and {ev.kind_of(b)} are compared")
+
+
+def _overloaded_comparison(ev: Evaluator, word: str, reflected: str, a: Value, b: Value, node: AST, f: Frame
+                           ) -> Value | None:
+    for value, other, name in ((a, b, word), (b, a, reflected)):
+        made = ev.class_of(value)
+        method = None if made is None else ev.method_named(made, f"__{name}__", value, node, f)
+        if method is not None:
+            return ev.call(method, [other], {}, node, f)
+    return None
+
+
+def _tuples(ev: Evaluator, op: AST, a: TupleValue, b: TupleValue, node: AST, f: Frame) -> Value:
+    does = _COMPARISONS[type(op).__name__][0]
+    known = [[i.known if isinstance(i, Data) and i.is_known else UNKNOWN for i in t.items] for t in (a, b)]
+    if not any(k is UNKNOWN for t in known for k in t):
+        return constant(does(tuple(known[0]), tuple(known[1])))
+    if len(a.items) != len(b.items) and type(op).__name__ in ("Eq", "NotEq"):
+        return constant(type(op).__name__ == "NotEq")
+    return Data(tree.at(tree.Compare(ev.spelled(a, node), [op], [ev.spelled(b, node)]), node),
+                demands=demands_of(*a.items, *b.items))
+
+
+def _identical(ev: Evaluator, a: Value, b: Value, node: AST) -> bool:
+    """`a is b`."""
+    datas = [v for v in (a, b) if isinstance(v, Data)]
+    if len(datas) == 2 and not (datas[0].is_known and datas[1].is_known):
+        known = [v for v in datas if v.is_known]
+        if known and (known[0].known is None or isinstance(known[0].known, (str, bool))):
+            other = next(v for v in datas if not v.is_known)
+            if other.demands and isinstance(known[0].known, (str, bool)):
+                raise ev.unknown(node, "what an object is must be known before the run", other)
+            return False
+        if datas[0].name and datas[0].name == datas[1].name:
+            return True
+        raise ev.refusal(node, "whether two arrays are one and the same is asked", help="keep a "
+                         "flag")
+    if len(datas) == 2:
+        return datas[0].known is datas[1].known or (
+            type(datas[0].known) is type(datas[1].known) and datas[0].known == datas[1].known)
+    if isinstance(a, ObjectValue) and isinstance(b, ObjectValue):
+        return a.value is b.value
+    return len(datas) == 0 and alike(a, b)
+
+
+def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Frame) -> Value:
+    if isinstance(b, Reference) and ev.heap[b].kind in ("dict", "set"):
+        return constant((ev.key_of(a, node) in ev.heap[b].items) is wanted)
+    if isinstance(b, Reference) and ev.heap[b].kind == "record":
+        found = ev.truth(ev.call(ev.attribute_of(b, "__contains__", node, f), [a], {}, node, f), node, f)
+        if isinstance(found, Data):
+            return found if wanted else Data(tree.at(tree.UnaryOp(tree.Not(), found.node), node))
+        return constant(found is wanted)
+    if isinstance(b, Data) and isinstance(b.known, str):
+        return constant((ev.known(a, node, "a part of a text") in b.known) is wanted)
+    if isinstance(b, Data):
+        raise ev.refusal(node, "whether an array has an element is asked", help="write np.any(a == x)")
+    equal = tree.Eq() if wanted else tree.NotEq()
+    tests: list[AST] = []
+    for item in ev.items_of(b, node, f):
+        found = compared(ev, equal, a, item, node, f)
+        if isinstance(found, Data) and found.is_known:
+            if bool(found.known) is wanted:
+                return constant(wanted)
+            continue
+        tests.append(ev.spelled(found, node))
+    if not tests:
+        return constant(not wanted)
+    op = tree.Or() if wanted else tree.And()
+    return Data(tree.at(tests[0] if len(tests) == 1 else tree.BoolOp(op, tests), node), demands=demands_of(a))

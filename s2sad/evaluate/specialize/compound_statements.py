@@ -1,0 +1,77 @@
+"""with, try, match.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, statement
+from s2sad.evaluate.specialize.values import NONE, Data, Reference, TupleValue, Value, constant
+from s2sad.tree import AST
+
+
+@statement("With")
+def with_statement(ev: Evaluator, s: Any, f: Frame) -> None:
+    exits: list[Value] = []
+    for item in s.items:
+        manager = ev.value(item.context_expr, f)
+        if isinstance(manager, Reference) and ev.heap[manager].kind == "record":
+            entered = ev.call(ev.attribute_of(manager, "__enter__", s, f), [], {}, s, f)
+            exits.append(ev.attribute_of(manager, "__exit__", s, f))
+            if item.optional_vars is not None:
+                ev.store(item.optional_vars, entered, f)
+        elif not (isinstance(manager, Data) and isinstance(manager.node, tree.Call) and item.optional_vars is None):
+            raise ev.refusal(s, "this context manager is not supported in a kernel")
+    ev.statements(s.body, f)
+    for leave in reversed(exits):
+        ev.call(leave, [NONE, NONE, NONE], {}, s, f)
+
+
+@statement("Try")
+def try_statement(ev: Evaluator, s: Any, f: Frame) -> None:
+    raises = any(type(n).__name__ == "Raise" for n in tree.walk(s.body))
+    if s.handlers and (raises or not _harmless(s.body)):
+        raise ev.refusal(s, "try around what may raise is not supported in a kernel",
+                         help="test for the bad case with an if before it happens")
+    ev.statements([*s.body, *s.orelse, *s.finalbody], f)
+
+
+def _harmless(body: Sequence[AST]) -> bool:
+    """Whether statements have imports alone: what is imported is there."""
+    return all(type(n).__name__ in ("Import", "ImportFrom", "Pass") for n in body)
+
+
+@statement("Match")
+def match(ev: Evaluator, s: Any, f: Frame) -> None:
+    subject = ev.atoms(ev.value(s.subject, f), "subject", s)
+    for case in s.cases:
+        if _matches(ev, case.pattern, subject, f):
+            if case.guard is not None:
+                passes = ev.test_of(case.guard, f)
+                if isinstance(passes, Data):
+                    raise ev.unknown(case.guard, "the guard of a case must be known before the run", passes)
+                if not passes:
+                    continue
+            ev.statements(case.body, f)
+            return
+
+
+def _matches(ev: Evaluator, pattern: Any, subject: Value, f: Frame) -> bool:
+    kind = type(pattern).__name__
+    if kind in ("MatchValue", "MatchSingleton"):
+        value = ev.value(pattern.value, f) if kind == "MatchValue" else constant(pattern.value)
+        found = ev.compared(tree.Eq() if kind == "MatchValue" else tree.Is(), subject, value, pattern, f)
+        return bool(ev.known(found, pattern, "what is matched"))
+    if kind == "MatchAs":
+        if pattern.pattern is not None and not _matches(ev, pattern.pattern, subject, f):
+            return False
+        if pattern.name:
+            ev.bind(f, pattern.name, subject, pattern)
+        return True
+    if kind == "MatchOr":
+        return any(_matches(ev, p, subject, f) for p in pattern.patterns)
+    if kind == "MatchSequence" and isinstance(subject, TupleValue):
+        return len(pattern.patterns) == len(subject.items) and all(
+            _matches(ev, p, v, f) for p, v in zip(pattern.patterns, subject.items))
+    raise ev.refusal(pattern, "this pattern is not supported in a kernel")

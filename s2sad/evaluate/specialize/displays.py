@@ -1,0 +1,94 @@
+"""Constants, names, displays, texts.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unbound, expression
+from s2sad.evaluate.specialize.values import Data, Reference, TupleValue, Value, constant
+
+
+# -- plain ones ------------------------------------------------------------------------------------------------------
+@expression("Constant")
+def constant_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
+    return Data(tree.at(tree.const(node.value), node), node.value)
+
+
+@expression("Name")
+def name_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
+    frame: Frame | None = f
+    while frame is not None:
+        items = ev.heap[frame.reference].items
+        if node.id in items:
+            return items[node.id]
+        if node.id in frame.local and frame is f:
+            error = ev.refusal(node, f"'{node.id}' is read before it is bound", help="bind it on every way")
+            inside = any(not isinstance(loop, tuple) for loop in ev.loops[f.loops:])
+            raise Unbound(f.reference.number, node.id, error) if inside else error
+        frame = frame.outer
+    return ev.outside_name(node.id, node, f)
+
+
+@expression("Tuple")
+def tuple_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
+    return TupleValue(tuple(starred(ev, node.elts, f)))
+
+
+@expression("List")
+def list_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
+    return ev.list_of(starred(ev, node.elts, f), node)
+
+
+@expression("Set")
+def set_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
+    return ev.new_set(starred(ev, node.elts, f), node)
+
+
+def starred(ev: Evaluator, nodes: Sequence[Any], f: Frame) -> list[Value]:
+    """The values of a display, starred ones as their items."""
+    values = ev.values([n.value if isinstance(n, tree.Starred) else n for n in nodes], f)
+    return [i for n, v in zip(nodes, values) for i in (ev.items_of(v, n, f) if isinstance(n, tree.Starred) else [v])]
+
+
+@expression("Dict")
+def dict_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
+    nodes = [n for pair in zip(node.keys, node.values) for n in pair if n is not None]
+    values, found = iter(ev.values(nodes, f)), {}
+    for key in node.keys:
+        if key is None:
+            merged = next(values)
+            if not isinstance(merged, Reference) or ev.heap[merged].kind != "dict":
+                raise ev.unknown(node, "what ** unpacks must be a dict that is known", merged)
+            found |= ev.heap[merged].items
+        else:
+            k = ev.key_of(next(values), key)
+            found[k] = next(values)
+    return ev.new_dict(found, node)
+
+
+@expression("JoinedStr")
+def f_string(ev: Evaluator, node: Any, f: Frame) -> Value:
+    found = ""
+    for part in node.values:
+        if isinstance(part, tree.Constant):
+            found += str(part.value)
+            continue
+        value = ev.value(part.value, f)
+        known = ev.known(value, part.value, "what a text is made of")
+        shown = {114: repr, 115: str, 97: ascii}.get(part.conversion, lambda v: v)(known)
+        spec = ev.known(ev.value(part.format_spec, f), part, "a format") if part.format_spec is not None else ""
+        found += format(shown, spec)
+    return constant(found)
+
+
+@expression("NamedExpr")
+def walrus(ev: Evaluator, node: Any, f: Frame) -> Value:
+    ev.bind(f, node.target.id, ev.value(node.value, f), node)
+    return ev.value(tree.at(tree.name(node.target.id), node), f)
+
+
+@expression("Lambda")
+def lambda_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
+    return ev.defined(node, f)

@@ -1,0 +1,260 @@
+"""specialize: a program with structures becomes its residual program, over arrays and numbers.
+
+    class Grid: ...                              def loss(grid_u, grid_width, x):
+    def loss(grid, x):                    ->         grid_u[2:18] = x
+        grid.u[2:18] = x                             return np.sum(grid_u ** 2) * grid_width
+        return grid.norm(grid.u)
+
+Requires a function whose text can be had, and what its arguments are made of; gives one kernel, the functions that have
+derivatives of their own apart.
+"""
+from __future__ import annotations
+
+import inspect
+import os
+import types
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from s2sad import tree
+from s2sad.diagnostics import S2sadError
+from s2sad.evaluate.specialize.class_lookup import class_value
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Reached, Unevaluated, operation
+from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.meanings import ResidualScope
+from s2sad.evaluate.specialize.values import (
+    NONE, ClassValue, Conflict, Data, FunctionValue, Reference, TupleValue, Value, alike, constant,
+)
+from s2sad.evaluate.specialize.values import UNKNOWN as NOT_KNOWN
+from s2sad.infer.types import UNKNOWN
+from s2sad.infer.types import NONE as NONE_TYPE
+from s2sad.live_objects.unwrap import partial_application
+from s2sad.program import DemandedFacts, Fact, Kernel, Program
+from s2sad.pytree import Form, PyTree, is_held, step
+from s2sad.read.capture import capture
+from s2sad.read.outside_values import Captured
+from s2sad.tree import AST
+
+
+@dataclass(frozen=True)
+class Residual:
+    """A residual function, as reading takes it, and what its parameters are: `paths` by name what a user calls each;
+    `result` is the structure that is returned; `changed` are the paths of objects that are given and changed,
+    `replaced` the parameters in whose place these hold something else in the end, `live` the objects from outside."""
+    made: Captured
+    paths: dict[str, str]
+    result: PyTree | None
+    changed: frozenset[str]
+    replaced: frozenset[str]
+    live: frozenset[int]
+
+    def captured(self) -> Captured:
+        return self.made
+
+
+def enabled() -> bool:
+    """Whether what reading refuses is evaluated: not yet for everybody, where S2SAD_EVALUATE is 1."""
+    return os.environ.get("S2SAD_EVALUATE") == "1"
+
+
+def unread(function: types.FunctionType, refused: S2sadError) -> Program:
+    """The program of a function that waits for what it is given."""
+    captured = capture(function)
+    a = captured.tree.args
+    parameters = tuple(p.id for p in (*a.posonlyargs, *a.args, *a.kwonlyargs))
+    live = inspect.signature(partial_application(function)[0]).parameters
+    defaults = {n: live[n].default for n in parameters if live[n].default is not inspect.Parameter.empty}
+    said = {n: live[n].annotation for n in parameters if live[n].annotation is not inspect.Parameter.empty}
+    annotations = {n: a.__name__ if isinstance(a, type) else str(a) for n, a in said.items()}
+    kernel = Kernel(captured.name, tree.at(tree.function(captured.name, list(parameters), []), captured.tree),
+                    captured.source, parameters, defaults, annotations)
+    return Program(captured.name, {captured.name: kernel}, refused=refused, function=function)
+
+
+def specialize(function: types.FunctionType, forms: Mapping[str, Form], facts: Mapping[Fact, Any]) -> Residual:
+    """The residual function for arguments of these forms; raises S2sadError, DemandedFacts where facts would help."""
+    sites: frozenset[int] = frozenset()
+    reached: list[tuple[str, Any, bool]] = []
+    while True:
+        captured = capture(function)
+        ev = Evaluator(captured.source, dict(facts), sites)
+        try:
+            return _evaluated(ev, function, captured, forms, reached)
+        except Reached as found:
+            reached.append((found.name, found.value, found.is_owned))
+        except Unevaluated as reason:
+            site = None if reason.site is None else id(reason.site)
+            if reason.demands:
+                raise DemandedFacts(reason.demands, reason.error) from None
+            if site is None or site in sites:
+                raise reason.error from None
+            sites |= {site}
+
+
+def _evaluated(ev: Evaluator, function: types.FunctionType, captured: Captured, forms: Mapping[str, Form],
+               reached: Sequence[tuple[str, Any, bool]]) -> Residual:
+    definition = captured.tree
+    f = ev.frame_of(FunctionValue(captured, ("entry",), handle=function), definition, True)
+    f = replace(f, owner=_owner(function))
+    ev.entry = f
+    kernel, bound = partial_application(function)
+    for name, value, is_owned in reached:
+        ev.owning = is_owned
+        ev.outside_value(name, value, definition, f)
+    ev.owning = True
+    for name, value in bound.items():
+        ev.heap.put(f.reference, name, ev.outside_value(name, value, definition, f))
+    ev.owning = False
+    names: dict[str, str] = {}
+    for name in (p.id for p in (*definition.args.posonlyargs, *definition.args.args, *definition.args.kwonlyargs)):
+        form = forms[name]
+        ev.heap.put(f.reference, name, _argument(ev, form, name, name, definition, names))
+    for extra, value in ((definition.args.vararg, TupleValue(())), (definition.args.kwarg, None)):
+        if extra is not None:
+            ev.heap.put(f.reference, extra.id, value or ev.heap.new(Object("dict", {}, label=extra.id)))
+    if bound:
+        f = replace(f, first=next(iter(bound)))
+    ev.entry = f
+    try:
+        ev.statements(definition.body, f)
+    except Leave:
+        pass
+    body = ev.block or [tree.at(tree.Pass(), definition)]
+    result = _results(ev)
+    function_tree = tree.at(tree.function(definition.name, list(names), body), definition)
+    scope = ResidualScope(ev.outside, captured.scope)
+    made = Captured(captured.name, function_tree, ev.source, scope, _no_default)
+    changed, replaced = _changes(ev)
+    return Residual(made, names, result, changed, replaced, frozenset(ev.live))
+
+
+def _changes(ev: Evaluator) -> tuple[frozenset[str], frozenset[str]]:
+    """The arguments' objects that have other content in the end, and the parameters that are no longer in it."""
+    changed: set[str] = set()
+    replaced: set[str] = set()
+    for objects in (ev.heap.objects, *(objects for _, _, objects in ev.returned)):
+        for number, before in ev.given.items():
+            after = objects[number].items
+            keys = {k for k in {*before.items, *after} if not alike(before.items.get(k), after.get(k))}
+            changed |= {before.path} if keys or list(before.items) != list(after) else set()
+            replaced |= {n for k in keys if k in before.items for n in _names(ev, before.items[k])}
+    return frozenset(changed), frozenset(replaced)
+
+
+def _names(ev: Evaluator, value: Value) -> list[str]:
+    """The parameters of which a value was made when it was given."""
+    if isinstance(value, Data):
+        return [value.name] if value.name else []
+    inner = value.items if isinstance(value, TupleValue) else tuple(
+        ev.given[value.number].items.values()) if isinstance(value, Reference) and value.number in ev.given else ()
+    return [n for v in inner for n in _names(ev, v)]
+
+
+def _no_default(parameter: str, node: AST) -> Any:
+    raise KeyError(parameter)
+
+
+def _owner(function: types.FunctionType) -> ClassValue | None:
+    """The class that a method's function is of."""
+    kernel, bound = partial_application(function)
+    first = next(iter(bound.values()), None)
+    classes = type(first).__mro__ if first is not None else ()
+    return next((class_value(c) for c in classes if vars(c).get(kernel.__name__) is kernel), None)
+
+
+def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, names: dict[str, str]) -> Value:
+    """What an argument is: names for its leaves."""
+    if isinstance(form, PyTree):
+        items: dict[Hashable, Value] = {
+            key: _argument(ev, item, step(form, path, key), f"{wanted}_{key}", origin, names)
+            for key, item in zip(form.keys, form.items)}
+        if form.kind in ("tuple", "named"):
+            made = class_value(form.made) if form.kind == "named" and form.made is not None else None
+            return TupleValue(tuple(items.values()), made)
+        kind = form.kind if form.kind in ("list", "dict") else "record"
+        made = class_value(form.made) if kind == "record" and form.made is not None else None
+        reference = ev.heap.new(Object(kind, items, made, label=wanted, path=path))
+        ev.given[reference.number] = ev.heap[reference]
+        return reference
+    if form.kind == "none":
+        return NONE
+    if form.kind == "text":
+        names[ev.fresh(wanted)] = path
+        known = ev.facts.get((path, "value"))
+        return constant(known) if known is not None else Data(tree.const(None), demands=frozenset(((path, "value"),)))
+    if not is_held(form):
+        return Conflict(f"'{path}' is {form.dtype or form.kind}, of which a kernel can make no use")
+    name = ev.fresh(wanted)
+    names[name] = path
+    if path != name:
+        ev.leaves.add(name)
+    fact = (path, "value")
+    if form.is_number and form.dtype in ("int64", "bool"):
+        known = ev.facts.get(fact, NOT_KNOWN)
+        return Data(tree.at(tree.name(name), origin), known, frozenset() if fact in ev.facts else frozenset((fact,)),
+                    shape=())
+    if not form.is_array:
+        return Data(tree.at(tree.name(name), origin), shape=())
+    return Data(tree.at(tree.name(name), origin), origins=frozenset((path,)), shape=ev.facts.get((path, "shape")))
+
+
+# -- results ---------------------------------------------------------------------------------------------------------
+@operation
+def return_from_entry(ev: Evaluator, s: AST, value: Value, f: Frame) -> None:
+    """A return of the residual program."""
+    value = value if isinstance(value, Data) else ev.atoms(value, "result", s)
+    leaves = list(_leaves(ev, value, s))
+    if any(v.is_list for v in leaves):
+        raise ev.refusal(s, "a list is returned whose length is not known before the run",
+                         help="make it an array with np.array")
+    nodes = [ev.spelled(v, s) for v in leaves]
+    if isinstance(value, Data) and value.is_known and value.known is None:
+        node = None
+    elif isinstance(value, Data):
+        node = nodes[0]
+    else:
+        node = nodes[0] if len(nodes) == 1 and not isinstance(value, TupleValue) else tree.tuple_of(*nodes)
+    ev.emit(tree.Return(node), s)
+    ev.returned.append((s, value, ev.heap.fork()))
+
+
+def _leaves(ev: Evaluator, value: Value, node: AST) -> Any:
+    if isinstance(value, Data):
+        if not (value.is_known and value.known is None):
+            yield value
+    elif isinstance(value, TupleValue):
+        for v in value.items:
+            yield from _leaves(ev, v, node)
+    elif isinstance(value, Reference) and ev.heap[value].kind in ("list", "dict", "record"):
+        for v in ev.heap[value].items.values():
+            yield from _leaves(ev, v, node)
+    else:
+        raise ev.refusal(node, f"{ev.kind_of(value)} is returned", help="return arrays and numbers")
+
+
+def _results(ev: Evaluator) -> PyTree | None:
+    """What structure is returned: the same at each return; None for arrays, numbers and tuples of these."""
+    forms = [_form(objects, value) for _, value, objects in ev.returned]
+    if any(f != forms[0] for f in forms[1:]):
+        raise ev.refusal(ev.returned[-1][0], "returns that are structures of different makes",
+                         help="return the same structure on every path")
+    found = forms[0] if forms else None
+    plain = isinstance(found, PyTree) and found.kind == "tuple" and all(i is UNKNOWN for i in found.items)
+    return found if isinstance(found, PyTree) and not plain else None
+
+
+def _form(objects: Mapping[int, Object], value: Value) -> Any:
+    """What is returned, of what its items are."""
+    if isinstance(value, Data):
+        return NONE_TYPE if value.is_known and value.known is None else UNKNOWN
+    if isinstance(value, TupleValue):
+        items = tuple(_form(objects, v) for v in value.items)
+        made = value.made.live if value.made is not None else None
+        fields = made._fields if made is not None else tuple(range(len(items)))
+        return PyTree("named" if made is not None else "tuple", fields, items, made, True)
+    assert isinstance(value, Reference)
+    held = objects[value.number]
+    items = tuple(_form(objects, v) for v in held.items.values())
+    return PyTree(held.kind, tuple(held.items), items,  # pyright: ignore[reportArgumentType]
+                  held.made.live if held.made is not None else None)

@@ -1,0 +1,375 @@
+"""The evaluator: one program on its way to its residual program.
+
+What is known is computed; what is not is emitted, statement by statement, into `block`. The transfer function of each
+construct of Python stands in a table by the name of its node: `EXPRESSIONS`, `STATEMENTS`. Every slot of the heap holds
+names and constants: a residual name is bound anew only while one slot alone holds it.
+"""
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from s2sad import tree
+from s2sad.diagnostics import Diagnostic, S2sadError, Source
+from s2sad.diagnostics import Span as Place
+from s2sad.evaluate.specialize.heap import Heap, Object
+from s2sad.evaluate.specialize.values import (
+    ClassValue, Conflict, Data, FunctionValue, Iteration, MethodValue, Reference, SliceValue, TupleValue, Value,
+    constant, parts,
+)
+from s2sad.naming import Names
+from s2sad.program import Fact
+from s2sad.read.outside_values import Captured, Meaning
+from s2sad.read.outside_values import Library as LibraryMeaning
+from s2sad.tree import AST
+
+LARGEST = 20_000        # statements of a residual function
+
+
+class Unevaluated(Exception):
+    """Something must be known before the run that is not: rolled back and tried otherwise, else refused. `demands` are
+    the facts about arguments that would make it known, `site` the list that would have to be one at run time."""
+
+    def __init__(self, error: S2sadError, demands: frozenset[Fact] = frozenset(), site: Any = None):
+        super().__init__(str(error))
+        self.error, self.demands, self.site = error, demands, site
+
+
+class Unbound(Exception):
+    """A name is read in a loop before it is bound there: what an earlier round has bound, if any."""
+
+    def __init__(self, frame: int, name: str, error: S2sadError):
+        super().__init__(str(error))
+        self.frame, self.name, self.error = frame, name, error
+
+
+class Reached(Exception):
+    """An object from outside is met for the first time on one way, or in a loop: it must be there before."""
+
+    def __init__(self, name: str, value: Any, is_owned: bool):
+        super().__init__(name)
+        self.name, self.value, self.is_owned = name, value, is_owned
+
+
+class Leave(Exception):
+    """`break`, `continue`, `return` in code that is written out, or what nothing follows (`mark` is -1): `mark` is the
+    place on the stack of pending work that it goes to."""
+
+    def __init__(self, mark: int, value: Value | None = None):
+        super().__init__(mark)
+        self.mark, self.value = mark, value
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A call on its way: where its names are, what its function is, and where `return` goes."""
+    reference: Reference
+    captured: Captured
+    outer: Frame | None = None
+    owner: ClassValue | None = None
+    is_entry: bool = False
+    mark: int = -1
+    loops: int = 0              # how many loops are around the call
+    label: str = ""
+    local: frozenset[str] = frozenset()
+    nonlocals: frozenset[str] = frozenset()
+    first: str = ""             # the first parameter: what `super()` is for
+
+
+Pending = tuple[Callable[[], None], tuple[Any, ...]]        # work, and the loops around it
+Transfer = Callable[["Evaluator", Any, Frame], Any]
+EXPRESSIONS: dict[str, Callable[[Evaluator, Any, Frame], Value]] = {}
+STATEMENTS: dict[str, Callable[[Evaluator, Any, Frame], None]] = {}
+
+
+def expression(*kinds: str) -> Callable[[Any], Any]:
+    """Registers the transfer function of a kind of expression."""
+    def register(function: Any) -> Any:
+        for kind in kinds:
+            EXPRESSIONS[kind] = function
+        return function
+    return register
+
+
+def statement(*kinds: str) -> Callable[[Any], Any]:
+    """Registers the transfer function of a kind of statement."""
+    def register(function: Any) -> Any:
+        for kind in kinds:
+            STATEMENTS[kind] = function
+        return function
+    return register
+
+
+def operation(function: Any) -> Any:
+    """Makes a function one that others call through the evaluator."""
+    setattr(Evaluator, function.__name__, function)
+    return function
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    objects: dict[int, Object]
+    block: tuple[AST, ...]
+    names: Names
+    effects: int
+    rebound: int
+    emitted: int
+
+
+class Evaluator:
+    """The state of one evaluation; `facts` are what is known of arguments, `sites` the nodes whose lists are residual.
+
+    The operations that transfer functions share are methods, each defined where its subject is (`operation`).
+    """
+    assign_attribute: Callable[..., Any]
+    assign_to: Callable[..., Any]
+    attribute_of: Callable[..., Any]
+    binary: Callable[..., Any]
+    bind: Callable[..., Any]
+    bind_arguments: Callable[..., Any]
+    bound: Callable[..., Any]
+    branch: Callable[..., Any]
+    call: Callable[..., Any]
+    class_item: Callable[..., Any]
+    class_of: Callable[..., Any]
+    compared: Callable[..., Any]
+    constructed: Callable[..., Any]
+    container_method: Callable[..., Any]
+    container_operator: Callable[..., Any]
+    cursor_of: Callable[..., Any]
+    default_of: Callable[..., Any]
+    defined: Callable[..., Any]
+    dict_items: Callable[..., Any]
+    frame_of: Callable[..., Any]
+    generate: Callable[..., Any]
+    has_attribute: Callable[..., Any]
+    inner_frame: Callable[..., Any]
+    is_instance: Callable[..., Any]
+    item_key: Callable[..., Any]
+    item_of: Callable[..., Any]
+    sequence_items: Callable[..., Any]
+    items_of: Callable[..., Any]
+    key_of: Callable[..., Any]
+    kind_of: Callable[..., Any]
+    known_place: Callable[..., Any]
+    length: Callable[..., Any]
+    library_call: Callable[..., Any]
+    library_member: Callable[..., Any]
+    list_method: Callable[..., Any]
+    list_of: Callable[..., Any]
+    live_function: Callable[..., Any]
+    meaning_value: Callable[..., Any]
+    member: Callable[..., Any]
+    method_named: Callable[..., Any]
+    mro: Callable[..., Any]
+    new_dict: Callable[..., Any]
+    new_set: Callable[..., Any]
+    outside_name: Callable[..., Any]
+    outside_value: Callable[..., Any]
+    picked: Callable[..., Any]
+    residual_call: Callable[..., Any]
+    residual_function: Callable[..., Any]
+    residual_loop: Callable[..., Any]
+    residual_object: Callable[..., Any]
+    return_from_entry: Callable[..., Any]
+    shape_of: Callable[..., Any]
+    sorted_items: Callable[..., Any]
+    spelled: Callable[..., Any]
+    statements: Callable[..., Any]
+    stays_one: Callable[..., Any]
+    store: Callable[..., Any]
+    subscripted: Callable[..., Any]
+    test_of: Callable[..., Any]
+    truth: Callable[..., Any]
+    tuple_method: Callable[..., Any]
+    unrolled: Callable[..., Any]
+
+    def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int]):
+        self.source, self.facts, self.sites = source, facts, sites
+        self.heap, self.names = Heap(), Names()
+        self.block: list[AST] = []
+        self.effects = 0
+        self.rebound: list[str] = []
+        self.pending: list[Pending | None] = []     # work that follows, outermost first; None is a mark
+        self.outside: dict[str, Meaning] = {}                   # what residual names of things outside mean
+        self.frames: dict[int, Frame] = {}
+        self.loaded: dict[int, Captured] = {}                   # functions by id
+        self.leaves: set[str] = set()                           # parameters that arguments' objects hold
+        self.given: dict[int, Object] = {}                      # arguments' objects as they are given
+        self.entry: Frame | None = None
+        self.outset: dict[int, Object] = {}                     # objects from outside as they are before the run
+        self.live: dict[int, Reference] = {}                    # objects of modules, by id
+        self.held: list[Any] = []
+        self.loops: list[Any] = []                              # residual loops around
+        self.returned: list[tuple[AST, Value, dict[int, Object]]] = []
+        self.depth = self.emitted = self.guarded = 0        # `guarded`: residual branches and loops around
+        self.owning = False                                 # what is taken from outside now belongs to a bound object
+        self.called = self.label = ""                       # the function that is called; what a new object is for
+
+    # -- errors ------------------------------------------------------------------------------------------------------
+    def refusal(self, node: AST, message: str, help: str = "", code: str = "S201") -> S2sadError:
+        place = Place.of(self.source, node) if getattr(node, "lineno", None) else None
+        return S2sadError(Diagnostic(code, message, place, help=help))
+
+    def unknown(self, node: AST, message: str, value: Value | None = None, help: str = "", site: Any = None
+                ) -> Unevaluated:
+        """What must be known and is not."""
+        demands = value.demands if isinstance(value, Data) else frozenset()
+        return Unevaluated(self.refusal(node, message, help), demands, site)
+
+    def change(self, reference: Reference, node: AST) -> Object:
+        """The object, which is about to be changed."""
+        held = self.heap[reference]
+        if not held.is_owned:
+            raise self.refusal(node, f"'{held.label}' is from outside, and is changed", help="pass it as an argument")
+        return held
+
+    # -- the residual program ----------------------------------------------------------------------------------------
+    def emit(self, node: AST, origin: AST, effect: bool = False) -> None:
+        self.block.append(tree.at(node, origin))
+        self.effects += effect
+        self.emitted += 1
+        if self.emitted > LARGEST:
+            raise self.refusal(origin, f"more than {LARGEST} statements are left when what is known is evaluated",
+                               help="let loops run over arrays, or make fewer objects")
+
+    def library(self, path: str) -> str:
+        """The residual name of something of a library."""
+        self.outside.setdefault(path, LibraryMeaning(path))
+        return path
+
+    def fresh(self, wanted: str) -> str:
+        wanted = re.sub(r"\W+", "_", wanted).strip("_") or "value"
+        if wanted[0].isdigit() or keyword.iskeyword(wanted):
+            wanted = f"value_{wanted}"
+        return self.names.numbered(wanted)
+
+    def named(self, value: Data, wanted: str, origin: AST) -> Data:
+        """The value under a name, or as it is if it is a name or a constant."""
+        if value.is_atom:
+            return value
+        if value.is_known and _is_spelled(value.known) and not value.name:
+            return constant(value.known)
+        new = self.fresh(wanted)
+        self.emit(tree.assign(new, value.node), origin)
+        return replace(value, node=tree.at(tree.name(new), origin))
+
+    def atoms(self, value: Value, wanted: str, origin: AST) -> Value:
+        """A value as the heap holds it: expressions under names."""
+        if isinstance(value, Data):
+            return self.named(value, wanted, origin)
+        if isinstance(value, TupleValue):
+            return replace(value, items=tuple(self.atoms(v, f"{wanted}_{k}", origin) for k, v in enumerate(
+                value.items)))
+        if isinstance(value, (SliceValue, Iteration)):
+            return replace(value, parts=tuple(self.atoms(v, wanted, origin) for v in value.parts))  # pyright: ignore
+        if isinstance(value, MethodValue):
+            return replace(value, base=self.atoms(value.base, wanted, origin))
+        return value
+
+    def assign_slot(self, holder: Reference, key: Hashable, value: Value, wanted: str, origin: AST) -> None:
+        """A slot of the heap gets a value; an expression is bound to the name that it alone holds, or a new one."""
+        if isinstance(value, Data) and not value.is_atom and not (value.is_known and _is_spelled(value.known)):
+            old = self.heap[holder].items.get(key)
+            own = old.name if isinstance(old, Data) and self.owns(old.name) else ""
+            if own:
+                self.rebound.append(own)
+                self.effects += 1
+            else:
+                own = self.fresh(wanted)
+            self.emit(tree.assign(own, value.node), origin)
+            value = replace(value, node=tree.at(tree.name(own), origin))
+        self.heap.put(holder, key, self.atoms(value, wanted, origin))
+
+    def owns(self, name: str) -> bool:
+        """Whether a residual name may be bound anew: the program's own, held by one slot."""
+        return bool(name) and "." not in name and name not in self.leaves and self.heap.uses(name) == 1
+
+    def later(self, work: Callable[[], None]) -> None:
+        """Work that follows what is evaluated now."""
+        self.pending.append((work, tuple(self.loops)))
+
+    # -- evaluation --------------------------------------------------------------------------------------------------
+    def value(self, node: AST, f: Frame) -> Value:
+        transfer = EXPRESSIONS.get(type(node).__name__)
+        if transfer is None:
+            raise self.refusal(node, f"{_spelled_kind(node)} is not supported in a kernel")
+        found = transfer(self, node, f)
+        if isinstance(found, Conflict):
+            raise self.refusal(node, found.what)
+        return found
+
+    def values(self, nodes: Sequence[AST], f: Frame) -> list[Value]:
+        """Operands from left to right; one that a later one's effects may change is held before them."""
+        found: list[Value] = []
+        marks: list[tuple[int, int, int]] = []
+        for node in nodes:
+            found.append(self.value(node, f))
+            marks.append((len(self.block), self.effects, len(self.rebound)))
+        for k in reversed(range(len(found))):
+            at, effects, rebound = marks[k]
+            if self.effects > effects:
+                found[k] = self.held_at(found[k], at, {*self.rebound[rebound:]}, nodes[k])
+        return found
+
+    def held_at(self, value: Value, at: int, rebound: set[str], origin: AST) -> Value:
+        """A value as it was at an earlier place of the block."""
+        block, self.block = self.block, []
+        try:
+            kept = self._held(value, rebound, origin)
+            block[at:at] = self.block
+        finally:
+            self.block = block
+        return kept
+
+    def _held(self, value: Value, rebound: set[str], origin: AST) -> Value:
+        if isinstance(value, Data):
+            if value.name in rebound or not value.is_atom:
+                new = self.fresh("held")
+                self.emit(tree.assign(new, value.node), origin)
+                return replace(value, node=tree.at(tree.name(new), origin))
+            return value
+        if isinstance(value, TupleValue):
+            return replace(value, items=tuple(self._held(v, rebound, origin) for v in value.items))
+        if isinstance(value, (SliceValue, Iteration)):
+            return replace(value, parts=tuple(self._held(v, rebound, origin) for v in value.parts))  # pyright: ignore
+        if isinstance(value, MethodValue):
+            return replace(value, base=self._held(value.base, rebound, origin))
+        return value
+
+    def known(self, value: Value, node: AST, what: str) -> Any:
+        """The constant that a value is; raises Unevaluated."""
+        if isinstance(value, Data) and value.is_known:
+            return value.known
+        if isinstance(value, TupleValue):
+            return tuple(self.known(v, node, what) for v in value.items)
+        raise self.unknown(node, f"{what} must be known before the run", value)
+
+    # -- going back --------------------------------------------------------------------------------------------------
+    def snapshot(self) -> Snapshot:
+        return Snapshot(self.heap.fork(), tuple(self.block), self.names.copy(), self.effects, len(self.rebound),
+                        self.emitted)
+
+    def restore(self, before: Snapshot) -> None:
+        self.heap.objects = {**self.outset, **before.objects}
+        self.block[:] = before.block
+        self.names = before.names.copy()
+        self.effects, self.emitted = before.effects, before.emitted
+        del self.rebound[before.rebound:]
+
+    def contained(self, value: Value) -> bool:
+        """Whether a value has references in it."""
+        return isinstance(value, (Reference, FunctionValue)) or any(map(self.contained, parts(value)))
+
+
+def _is_spelled(known: Any) -> bool:
+    """Whether a constant has a spelling of its own."""
+    return known is None or known is ... or isinstance(known, (bool, int, str)) or (
+        isinstance(known, float) and known == known and abs(known) != float("inf"))
+
+
+def _spelled_kind(node: AST) -> str:
+    return re.sub(r"(?<!^)(?=[A-Z])", " ", type(node).__name__).lower()

@@ -1,0 +1,132 @@
+"""Calls: a function of the user's is evaluated in a frame of its own, where it is called.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, expression, operation
+from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
+from s2sad.evaluate.specialize.values import (
+    NONE, ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, SuperValue, Value,
+)
+from s2sad.live_objects.registry import GIVEN
+from s2sad.tree import AST
+
+DEEPEST = 60        # calls within calls: beyond, recursion does not end for what is known
+
+
+@expression("Call")
+def call_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
+    if isinstance(node.func, tree.Name) and node.func.id == "super" and not node.args:
+        return _super(ev, node, f)
+    nodes = [node.func, *(a.value if isinstance(a, tree.Starred) else a for a in node.args),
+             *(k.value for k in node.keywords)]
+    function, *values = ev.values(nodes, f)
+    args = [i for n, v in zip(node.args, values) for i in (
+        ev.items_of(v, n, f) if isinstance(n, tree.Starred) else [v])]
+    keywords: dict[str, Value] = {}
+    for k, v in zip(node.keywords, values[len(node.args):]):
+        keywords |= {k.arg: v} if k.arg else {str(key): i for key, i in ev.dict_items(v, node, f).items()}
+    return call(ev, function, args, keywords, node, f)
+
+
+def _super(ev: Evaluator, node: AST, f: Frame) -> Value:
+    frame: Frame | None = f
+    while frame is not None and frame.owner is None:
+        frame = frame.outer
+    if frame is None or frame.owner is None or not frame.first:
+        raise ev.refusal(node, "super() outside of a method")
+    return SuperValue(frame.owner, ev.heap[frame.reference].items[frame.first])
+
+
+@operation
+def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mapping[str, Value], node: AST, f: Frame
+         ) -> Value:
+    """What a call gives."""
+    if isinstance(function, FunctionValue):
+        return _function(ev, function, args, keywords, node, f)
+    if isinstance(function, LibraryValue):
+        return ev.library_call(function.path, [*function.first, *args], {**dict(function.keywords), **keywords}, node,
+                            f)
+    if isinstance(function, ClassValue):
+        return ev.constructed(function, args, keywords, node, f)
+    if isinstance(function, MethodValue):
+        if isinstance(function.base, Data) and not isinstance(function.base.known, str):
+            made = residual_call(ev, tree.attribute(spelled_base(ev, function.base, node), function.name), args,
+                                 keywords, node)
+            return replace(made, shape=of_method(function.base, function.name, args),
+                           origins=origins(function.base, *args),
+                           is_list=function.base.is_list and function.name == "copy")
+        return ev.container_method(function.base, function.name, list(args), dict(keywords), node, f)
+    if isinstance(function, Reference) and ev.heap[function].kind == "record":
+        return call(ev, ev.attribute_of(function, "__call__", node, f), args, keywords, node, f)
+    if isinstance(function, Data) and not function.is_known:
+        return residual_call(ev, function.node, args, keywords, node)
+    raise ev.refusal(node, f"{ev.kind_of(function)} is called")
+
+
+def spelled_base(ev: Evaluator, value: Data, node: AST) -> AST:
+    return ev.spelled(value, node)
+
+
+@operation
+def residual_call(ev: Evaluator, function: AST, args: Sequence[Value], keywords: Mapping[str, Value], node: AST
+                  ) -> Data:
+    """A call that the residual program makes."""
+    made = tree.Call(function, [ev.spelled(a, node) for a in args],
+                     [tree.keyword(k, ev.spelled(v, node)) for k, v in keywords.items()])
+    return Data(tree.at(made, node))
+
+
+def _function(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value], node: AST,
+              f: Frame) -> Value:
+    if function.captured is None or is_given(function):
+        return residual_call(ev, tree.at(tree.name(ev.residual_function(function, node)), node),
+                             [*function.first, *args], {**dict(function.keywords), **keywords}, node)
+    return inlined(ev, function, [*function.first, *args], {**dict(function.keywords), **keywords}, node, f)
+
+
+def is_given(function: FunctionValue) -> bool:
+    """Whether a function has a derivative of the user's own."""
+    return function.handle is not None and GIVEN.own(function.handle) is not None
+
+
+def inlined(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value], node: AST,
+            f: Frame) -> Value:
+    """The body where the call is, in a frame of its own."""
+    if ev.depth > DEEPEST:
+        raise ev.refusal(node, f"'{function.captured.name}' calls itself more than {DEEPEST} deep",
+                         help="recursion must end for what is known before the run", code="S204")
+    definition = function.captured.tree
+    if type(definition).__name__ not in ("FunctionDef", "Lambda"):
+        raise ev.refusal(node, f"'{function.captured.name}' is a coroutine")
+    frame = ev.frame_of(function, definition)
+    ev.bind_arguments(function, definition, args, keywords, node, frame)
+    depth, pending = ev.depth, len(ev.pending)
+    ev.depth += 1
+    ev.pending.append(None)
+    try:
+        if type(definition).__name__ == "Lambda":
+            return ev.value(definition.body, frame)
+        refuse_generator(ev, definition)
+        ev.statements(definition.body, frame)
+        return NONE
+    except Leave as leave:
+        if leave.mark != frame.mark:
+            raise
+        return NONE if leave.value is None else leave.value
+    finally:
+        ev.depth = depth
+        del ev.pending[pending:]
+        del ev.loops[frame.loops:]
+        if frame.reference.number not in ev.frames:
+            ev.heap.objects.pop(frame.reference.number, None)
+
+
+def refuse_generator(ev: Evaluator, definition: AST) -> None:
+    for n in tree.walk(definition.body):
+        if type(n).__name__ in ("Yield", "YieldFrom"):
+            raise ev.refusal(n, "yield is not supported in a kernel", help="append to a list, and return it")

@@ -1,0 +1,1 @@
+"""Functions of libraries over what is known."""

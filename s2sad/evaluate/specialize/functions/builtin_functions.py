@@ -1,0 +1,234 @@
+"""Python's own functions over what is known.
+"""
+from __future__ import annotations
+
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.branches import NOWHERE
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, operation
+from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
+from s2sad.evaluate.specialize.values import (
+    FACTORY, NONE, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference,
+    SliceValue, SuperValue, TupleValue, Value, constant,
+)
+from s2sad.tree import AST
+
+
+# -- Python's own ----------------------------------------------------------------------------------------------------
+@function("builtins.len")
+def _len(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    return ev.length(args[0], node, f)
+
+
+@function("builtins.range")
+def _range(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    return Iteration("range", tuple(args))
+
+
+@function("builtins.zip")
+def _zip(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return Iteration("zip", tuple(args))
+
+
+@function("builtins.enumerate")
+def _enumerate(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return Iteration("enumerate", (args[0], *args[1:], *options.values()))
+
+
+@function("builtins.reversed")
+def _reversed(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    return Iteration("reversed", (args[0],))
+
+
+@function("builtins.map")
+def _map(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    return Iteration("map", (args[0], *(a for a in args[1:])))
+
+
+@function("builtins.filter")
+def _filter(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    return Iteration("filter", tuple(args))
+
+
+@function("builtins.iter")
+def _iter(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    raise ev.refusal(node, "iter is not supported in a kernel", help="loop over it")
+
+
+@function("builtins.slice")
+def _slice(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    parts = [NONE, *args] if len(args) == 1 else args
+    return SliceValue(tuple([*parts, NONE][:3]))
+
+
+@function("builtins.list")
+def _list(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value | None:
+    if args and isinstance(args[0], Data) and not isinstance(args[0].known, (str, tuple)):
+        return None
+    return ev.list_of(ev.items_of(args[0], node, f) if args else [], node)
+
+
+@function("builtins.tuple")
+def _tuple(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value | None:
+    if args and isinstance(args[0], Data) and not isinstance(args[0].known, (str, tuple)):
+        return None
+    return TupleValue(tuple(ev.items_of(args[0], node, f)) if args else ())
+
+
+@function("builtins.dict", "collections.OrderedDict")
+def _dict(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return ev.new_dict({**(ev.dict_items(args[0], node, f) if args else {}), **options}, node)
+
+
+@function("collections.defaultdict")
+def _defaultdict(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    made = ev.new_dict({**(ev.dict_items(args[1], node, f) if args[1:] else {}), **options}, node)
+    ev.heap.put(made, FACTORY, args[0])
+    return made
+
+
+@function("builtins.set", "builtins.frozenset")
+def _set(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    return ev.new_set(ev.items_of(args[0], node, f) if args else [], node)
+
+
+@operation
+def sorted_items(ev: Evaluator, items: list[Value], options: Options, node: AST, f: Frame) -> list[Value]:
+    """Items in the order of keys that are known."""
+    key = options.get("key")
+    plain = key is None or isinstance(key, Data) and key.known is None
+    keys = [ev.known(i if plain else ev.call(key, [i], {}, node, f), node, "what a list is sorted by") for i in items]
+    back = bool(ev.known(options["reverse"], node, "reverse=")) if "reverse" in options else False
+    order = sorted(range(len(items)), key=keys.__getitem__, reverse=back)
+    return [items[k] for k in order]
+
+
+@function("builtins.sorted")
+def _sorted(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return ev.list_of(sorted_items(ev, ev.items_of(args[0], node, f), options, node, f), node)
+
+
+@function("builtins.isinstance")
+def _isinstance(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value | None:
+    found = ev.is_instance(args[0], args[1], node)
+    return None if found is None else constant(found)
+
+
+@function("builtins.issubclass")
+def _issubclass(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value | None:
+    if not all(isinstance(a, ClassValue) for a in args):
+        raise ev.refusal(node, "issubclass of this is not supported in a kernel")
+    return constant(args[1] in ev.mro(args[0]))  # pyright: ignore
+
+
+@function("builtins.type")
+def _type(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    made = ev.class_of(args[0])
+    if made is None:
+        raise ev.refusal(node, "type of an array or a number is not supported in a kernel", help="write isinstance")
+    return made
+
+
+@function("builtins.callable")
+def _callable(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    value = args[0]
+    if isinstance(value, Reference):
+        return constant(ev.has_attribute(value, "__call__", node, f) if ev.heap[value].kind == "record" else False)
+    return constant(isinstance(value, (FunctionValue, LibraryValue, ClassValue, MethodValue)))
+
+
+@function("builtins.getattr")
+def _getattr(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    name = ev.known(args[1], node, "the name of an attribute")
+    if args[2:] and not ev.has_attribute(args[0], name, node, f):
+        return args[2]
+    return ev.attribute_of(args[0], name, node, f)
+
+
+@function("builtins.hasattr")
+def _hasattr(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    return constant(ev.has_attribute(args[0], ev.known(args[1], node, "the name of an attribute"), node, f))
+
+
+@function("builtins.setattr")
+def _setattr(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    ev.assign_to(args[0], str(ev.known(args[1], node, "the name of an attribute")), args[2], node, f)
+    return NONE
+
+
+@function("builtins.super")
+def _super(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    if len(args) != 2 or not isinstance(args[0], ClassValue):
+        raise ev.refusal(node, "super is given a class and an object")
+    return SuperValue(args[0], args[1])
+
+
+@function("builtins.object.__init__")
+def _object_init(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    return NONE
+
+
+@function("builtins.id")
+def _id(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    if isinstance(args[0], (Reference, FunctionValue, ObjectValue)):
+        return ObjectValue(args[0], args[0])
+    raise ev.refusal(node, "id of an array or a number is not supported in a kernel")
+
+
+@function("builtins.print", "logging.debug", "logging.info", "logging.warning", "logging.error", "logging.critical")
+def _print(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return NONE         # no derivative prints
+
+
+@function("sys.exit", "builtins.exit", "builtins.quit", "os._exit")
+def _exit(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    if not ev.guarded:
+        raise ev.refusal(node, "the kernel ends here whenever it runs")
+    text = [tree.const(args[0].known)] if args and isinstance(args[0], Data) and isinstance(args[0].known, str) else []
+    ev.emit(tree.Raise(tree.call(ev.library("builtins.RuntimeError"), *text), None), node, True)
+    raise Leave(NOWHERE)
+
+
+@function("builtins.sum")
+def _sum(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
+    if isinstance(args[0], Data) or isinstance(args[0], Iteration) and args[0].kind == "range":
+        return None
+    start = [*args[1:], *options.values()]
+    total = start[0] if start else constant(0)
+    for item in ev.items_of(args[0], node, f):
+        zero = isinstance(total, Data) and total.is_literal and type(total.known) is int and total.known == 0
+        total = item if zero and isinstance(item, Data) else ev.binary(tree.Add(), total, item, node, f)
+    return total
+
+
+@function("builtins.any", "builtins.all")
+def _any(ev: Evaluator, args: Args, _: Options, node: Any, f: Frame) -> Value | None:
+    if isinstance(args[0], Data):
+        return None
+    stops = ev.called == "any"
+    tests: list[AST] = []
+    for item in ev.items_of(args[0], node, f):
+        test = ev.truth(item, node, f)
+        if isinstance(test, Data):
+            tests.append(ev.spelled(test, node))
+        elif test is stops:
+            return constant(stops)
+    if not tests:
+        return constant(not stops)
+    op = tree.Or() if stops else tree.And()
+    return Data(tree.at(tests[0] if len(tests) == 1 else tree.BoolOp(op, tests), node))
+
+
+@function("builtins.min", "builtins.max")
+def _extreme(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
+    name = ev.called
+    if "key" in options:
+        items = ev.items_of(args[0], node, f) if len(args) == 1 else args
+        order = sorted_items(ev, items, {"key": options["key"]}, node, f)
+        keys = [ev.known(ev.call(options["key"], [i], {}, node, f), node, "what is compared") for i in order]
+        return order[0] if name == "min" else order[keys.index(keys[-1])]
+    if len(args) == 1 and not isinstance(args[0], Data):
+        items = ev.items_of(args[0], node, f)
+        return items[0] if len(items) == 1 else ev.library_call(f"builtins.{name}", items, options, node, f)
+    return None

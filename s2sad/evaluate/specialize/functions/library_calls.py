@@ -1,0 +1,94 @@
+"""Calls of functions of libraries: done here over what is known, else left to the residual program.
+"""
+from __future__ import annotations
+
+import builtins
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.sequences.known_shapes import of_call, origins
+from s2sad.evaluate.specialize.values import Data, Iteration, Reference, TupleValue, Value, constant
+from s2sad.tree import AST
+
+Args = list[Value]
+Options = dict[str, Value]
+Known = Callable[[Evaluator, Args, Options, AST, Frame], "Value | None"]
+FUNCTIONS: dict[str, Known] = {}
+
+
+def function(*paths: str) -> Callable[[Known], Known]:
+    """Registers what is done where the arguments are known; None leaves the call to the residual program."""
+    def register(made: Known) -> Known:
+        FUNCTIONS.update(dict.fromkeys(paths, made))
+        return made
+    return register
+
+
+@operation
+def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapping[str, Value], node: AST, f: Frame
+                 ) -> Value:
+    """A call of a library's function."""
+    known = FUNCTIONS.get(path)
+    if known is not None:
+        ev.called = path.rpartition(".")[2]
+        found = known(ev, list(args), dict(keywords), node, f)
+        if found is not None:
+            return found
+    if path.startswith(("builtins.", "math.")):
+        constants = _constant(ev, path, args, keywords)
+        if constants is not None:
+            return constants
+    args = [_as_array(ev, path, a, node, f) for a in args]
+    made = ev.residual_call(tree.at(tree.name(ev.library(path)), node), args, keywords, node)
+    return replace(made, shape=of_call(path, args, keywords), origins=origins(*args),
+                   is_list=path in ("builtins.list", "builtins.sorted"))
+
+
+_PURE = ("abs", "min", "max", "round", "float", "int", "bool", "pow", "divmod", "complex", "str", "repr", "chr", "ord",
+         "format", "ascii", "bin", "hex", "oct", "hash")
+
+
+def _constant(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> Value | None:
+    """A function of Python's of what is known; None where something is not, or where it would raise."""
+    room, _, name = path.rpartition(".")
+    made = getattr(math if room == "math" else builtins, name, None)
+    if room == "builtins" and name not in _PURE or made is None:
+        return None
+    values = [_known_value(ev, a) for a in (*args, *keywords.values())]
+    if not values or any(v is _NOT for v in values):
+        return None
+    if room == "math" and not all(isinstance(v, int) for v in values):
+        return None         # of floats: the run's own
+    try:
+        found = made(*values[:len(args)], **dict(zip(keywords, values[len(args):])))
+    except (ArithmeticError, ValueError, TypeError):
+        return None
+    if isinstance(found, tuple):
+        return TupleValue(tuple(map(constant, found)))
+    return constant(found) if isinstance(found, (bool, int, float, str)) else None
+
+
+_NOT: Any = object()
+
+
+def _known_value(ev: Evaluator, value: Value) -> Any:
+    if isinstance(value, Data):
+        return value.known if value.is_known else _NOT
+    items = value.items if isinstance(value, TupleValue) else list(
+        ev.heap[value].items.values()) if isinstance(value, Reference) and ev.heap[value].kind == "list" else None
+    found = [_known_value(ev, v) for v in items] if items is not None else [_NOT]
+    return _NOT if any(v is _NOT for v in found) else tuple(found)
+
+
+def _as_array(ev: Evaluator, path: str, value: Value, node: AST, f: Frame) -> Value:
+    """What is gone through by a function of arrays, written out."""
+    lazy = isinstance(value, Iteration) and value.kind in (
+        "generator", "map", "filter", "keys", "values", "items", "zip",
+                                                           "enumerate")
+    if lazy and not (path.startswith("builtins.") and ev.stays_one(value)):
+        return ev.list_of(ev.items_of(value, node, f), node)
+    return value

@@ -1,0 +1,107 @@
+"""functools, itertools, operator, copy over what is known.
+"""
+from __future__ import annotations
+
+import functools
+import itertools
+from dataclasses import replace
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.numeric_operators import OPERATORS
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame
+from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Options, function
+from s2sad.evaluate.specialize.values import Data, FunctionValue, LibraryValue, Reference, TupleValue, Value
+from s2sad.tree import AST
+
+
+@function("functools.reduce")
+def _reduce(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    items = ev.items_of(args[1], node, f)
+    total = args[2] if args[2:] else items.pop(0)
+    for item in items:
+        total = ev.atoms(ev.call(args[0], [total, item], {}, node, f), "total", node)
+    return total
+
+
+@function("functools.partial")
+def _partial(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    inner, *first = [ev.atoms(a, "given", node) for a in args]
+    held = {k: ev.atoms(v, k, node) for k, v in options.items()}
+    if isinstance(inner, (FunctionValue, LibraryValue)):
+        return replace(inner, first=(*inner.first, *first), keywords=tuple({**dict(inner.keywords), **held}.items()))
+    raise ev.refusal(node, f"a partial of {ev.kind_of(inner)}")
+
+
+@function("functools.wraps")
+def _wraps(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    return LibraryValue("s2sad.identity")
+
+
+@function("s2sad.identity", "functools.lru_cache", "functools.cache", "builtins.staticmethod", "typing.cast",
+          "typing.final", "abc.abstractmethod", "numba.jit", "numba.njit")
+def _identity(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    functions = [a for a in args if isinstance(a, (FunctionValue, Data, Reference))]
+    return functions[-1] if functions else LibraryValue("s2sad.identity")
+
+
+@function("itertools.chain")
+def _chain(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    return TupleValue(tuple(i for a in args for i in ev.items_of(a, node, f)))
+
+
+@function("itertools.product", "itertools.combinations", "itertools.permutations", "itertools.accumulate",
+          "itertools.combinations_with_replacement", "itertools.pairwise", "itertools.repeat", "itertools.islice")
+def _itertools(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame) -> Value | None:
+    name = ev.called
+    made = getattr(itertools, name)
+    if name == "product":
+        sequences = [list(enumerate(ev.items_of(a, node, f))) for a in args]
+        times = {k: ev.known(v, node, "repeat=") for k, v in options.items()}
+        return TupleValue(tuple(TupleValue(tuple(v for _, v in row)) for row in made(*sequences, **times)))
+    if name in ("combinations", "permutations", "combinations_with_replacement", "pairwise"):
+        items = list(enumerate(ev.items_of(args[0], node, f)))
+        rows = made(items, *(ev.known(a, node, "how many are taken") for a in args[1:]))
+        return TupleValue(tuple(TupleValue(tuple(v for _, v in row)) for row in rows))
+    if name in ("repeat", "islice"):
+        numbers = [ev.known(a, node, "how many are taken") for a in args[1:]]
+        items = [args[0]] if name == "repeat" else ev.items_of(args[0], node, f)
+        if not numbers:
+            raise ev.refusal(node, "itertools.repeat without an end")
+        return TupleValue(tuple(items * numbers[0] if name == "repeat" else itertools.islice(items, *numbers)))
+    return None
+
+
+def _operators() -> None:
+    for kind, (_, word) in OPERATORS.items():
+        FUNCTIONS[f"operator.{word}"] = functools.partial(_by_operator, kind)
+
+
+def _by_operator(kind: type, ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    return ev.binary(kind(), args[0], args[1], node, f)
+
+
+_operators()
+
+
+@function("copy.copy", "copy.deepcopy")
+def _copy(ev: Evaluator, args: Args, _: Options, node: Any, f: Frame) -> Value:
+    return copied(ev, args[0], ev.called == "deepcopy", node, {})
+
+
+def copied(ev: Evaluator, value: Value, deep: bool, node: AST, made: dict[Reference, Reference]) -> Value:
+    """A copy, with its own arrays where it is deep."""
+    if isinstance(value, Reference):
+        if value in made:
+            return made[value]
+        held = ev.heap[value]
+        new = made[value] = ev.heap.new(replace(held, items={}, path="", live=None))
+        for k, v in held.items.items():
+            inner = copied(ev, v, deep, node, made) if deep else v
+            ev.assign_slot(new, k, inner, str(k), node)
+        return new
+    if isinstance(value, TupleValue):
+        return replace(value, items=tuple(copied(ev, v, deep, node, made) for v in value.items)) if deep else value
+    if isinstance(value, Data) and not value.is_known:
+        return Data(tree.at(tree.call(ev.library("numpy.copy"), ev.spelled(value, node)), node))
+    return value

@@ -1,0 +1,77 @@
+"""The heap: what is mutable while a program is evaluated, under numbers. Persistent: a branch forks it by a copy.
+"""
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from s2sad.evaluate.specialize.values import ClassValue, Reference, Value, count, parts
+
+
+@dataclass(frozen=True)
+class Object:
+    """A list, a dict, a set, an object of a class ("record"), a namespace of a class or a frame of a call.
+
+    `items` go by position, key or attribute; `label` begins the names of what it holds; `site` is the node that made
+    it; `path` is what a user calls it, of an argument's object; `live` is the object from outside that it is, which may
+    be changed if it is reached from the object whose method is evaluated (`is_owned`).
+    """
+    kind: str
+    items: Mapping[Hashable, Value] = field(default_factory=dict)
+    made: ClassValue | None = None
+    label: str = ""
+    site: Any = None
+    path: str = ""
+    live: Any = None
+    is_owned: bool = True
+
+
+class Heap:
+    """Objects by number; numbers are never given twice, also across forks."""
+
+    def __init__(self) -> None:
+        self.objects: dict[int, Object] = {}
+        self._count = 0
+
+    def fork(self) -> dict[int, Object]:
+        return dict(self.objects)
+
+    def new(self, made: Object) -> Reference:
+        self._count += 1
+        self.objects[self._count] = made
+        return Reference(self._count)
+
+    def __getitem__(self, reference: Reference) -> Object:
+        return self.objects[reference.number]
+
+    def put(self, reference: Reference, key: Hashable, value: Value) -> None:
+        held = self.objects[reference.number]
+        self.objects[reference.number] = replace(held, items={**held.items, key: value})
+
+    def set_items(self, reference: Reference, items: Mapping[Hashable, Value]) -> None:
+        self.objects[reference.number] = replace(self.objects[reference.number], items=dict(items))
+
+    def values(self) -> Iterator[Value]:
+        for held in self.objects.values():
+            yield from held.items.values()
+
+    def uses(self, name: str) -> int:
+        """How many slots hold a residual name."""
+        return uses(self.objects, name)
+
+    def holders(self, reference: Reference, objects: Mapping[int, Object] | None = None) -> int:
+        """How many slots hold a reference."""
+        held = self.objects if objects is None else objects
+        return sum(_count_reference(v, reference) for o in held.values() for v in o.items.values())
+
+
+def uses(objects: Mapping[int, Object], name: str) -> int:
+    """How many slots of a heap hold a residual name."""
+    return sum(count(v, name) for o in objects.values() for v in o.items.values())
+
+
+def _count_reference(value: Value, reference: Reference) -> int:
+    if isinstance(value, Reference):
+        return value == reference
+    return sum(_count_reference(v, reference) for v in parts(value))

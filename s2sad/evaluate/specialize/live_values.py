@@ -1,0 +1,237 @@
+"""What names from outside mean: live values, taken through the guards.
+"""
+from __future__ import annotations
+
+import collections
+import functools
+import types
+from collections.abc import Mapping
+from dataclasses import replace
+from enum import Enum
+from typing import Any
+
+import numpy
+
+from s2sad import tree
+from s2sad.evaluate.specialize.class_lookup import class_value
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Reached, operation
+from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.values import (
+    ClassValue, FunctionValue, LibraryValue, ObjectValue, TupleValue, Value, constant,
+)
+from s2sad.live_objects.guards import ABSENT, VaryingNumber, taken
+from s2sad.live_objects.unwrap import named_function
+from s2sad.read.capture import capture
+from s2sad.read.live_module import LiveScope, live_meaning
+from s2sad.read.outside_values import Captured, Library, Matrix, Namespace, kind_of, library_path
+from s2sad.tree import AST
+
+_STANDARD = ("functools", "itertools", "operator", "collections", "copy", "sys", "os", "logging", "typing", "abc",
+             "enum", "dataclasses", "contextlib")
+
+
+@operation
+def outside_name(ev: Evaluator, name: str, node: AST, f: Frame) -> Value:
+    """What a name means that no frame has."""
+    scope = f.captured.scope
+    if isinstance(scope, LiveScope):
+        try:
+            value = scope.value(name)
+        except KeyError:
+            raise ev.refusal(node, f"'{name}' is not defined", code="S202") from None
+        return outside_value(ev, name, value, node, f)
+    meaning = scope.lookup(name)
+    if meaning is None:
+        raise ev.refusal(node, f"'{name}' is not defined", code="S202")
+    return ev.meaning_value(name, meaning, node, f)
+
+
+@operation
+def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> Value:
+    """A live value."""
+    if isinstance(value, VaryingNumber) or value is None or isinstance(value, (bool, int, float, complex, str)) and (
+            not isinstance(value, Enum)):
+        return _plain(ev, name, value, node, f)
+    if value is ... or value is NotImplemented:
+        return constant(value) if value is ... else LibraryValue("builtins.NotImplemented")
+    if isinstance(value, Enum):
+        return member(ev, value)
+    standard = _standard(value)
+    if standard:
+        return LibraryValue(standard)
+    if isinstance(value, types.MethodType):
+        return _method(ev, value, name, node, f)
+    if type(value) is functools.partial:
+        return _partial(ev, value, name, node, f)
+    if isinstance(value, (list, tuple, dict, set, frozenset)):
+        plain = (list, tuple, dict, set, frozenset, collections.OrderedDict, collections.defaultdict)
+        if type(value) not in plain and not hasattr(type(value), "_fields"):
+            raise ev.refusal(node, f"'{name}' is {kind_of(value)}", help="make it a plain dict, list or tuple")
+        return _container(ev, name, value, node, f)
+    if isinstance(value, (numpy.ndarray, numpy.generic)) or isinstance(value, types.ModuleType):
+        return ev.meaning_value(name, live_meaning(name, value), node, f)
+    path = library_path(name, value)
+    if path is not None:
+        return LibraryValue(path)
+    if isinstance(value, type):
+        return _class(ev, value, name, node, f)
+    function = named_function(value)
+    if function is not None:
+        return live_function(ev, value, node, f)
+    meaning = live_meaning(name, value)
+    if isinstance(meaning, Namespace) and type(value).__module__ not in ("builtins",):
+        return _object(ev, name, value)
+    if hasattr(value, "__slots__") and not isinstance(meaning, (Library, Matrix)):
+        return _object(ev, name, value)
+    return ev.meaning_value(name, meaning, node, f)
+
+
+def _standard(value: Any) -> str:
+    """The path of a function of Python's library that is known here."""
+    home = getattr(value, "__module__", None)
+    name = getattr(value, "__qualname__", getattr(value, "__name__", ""))
+    if isinstance(home, str) and callable(value) and not isinstance(value, types.MethodType):
+        root = {"_functools": "functools", "_operator": "operator", "_collections": "collections"}.get(home, home)
+        if root.partition(".")[0] in _STANDARD:
+            return f"{root}.{name}"
+        if home == "builtins" and (isinstance(value, type) or isinstance(value, types.BuiltinFunctionType)) and (
+                getattr(__import__("builtins"), name, None) is value):
+            return f"builtins.{name}"
+    return ""
+
+
+def _plain(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> Value:
+    if value is None or isinstance(value, (bool, str)):
+        return constant(str.__str__(value) if isinstance(value, str) else value)
+    return ev.meaning_value(name, live_meaning(name, value), node, f)
+
+
+def _method(ev: Evaluator, value: types.MethodType, name: str, node: AST, f: Frame) -> Value:
+    """A bound method: the function of its class, given its object."""
+    instance = outside_value(ev, getattr(value.__self__, "__name__", name), value.__self__, node, f)
+    owner = next((class_value(c) for c in type(value.__self__).__mro__
+                  if vars(c).get(value.__func__.__name__) is value.__func__), None)
+    function = live_function(ev, value.__func__, node, f, owner)
+    return replace(function, first=(instance,)) if isinstance(function, FunctionValue) else function
+
+
+def _partial(ev: Evaluator, value: functools.partial, name: str, node: AST, f: Frame) -> Value:
+    inner = outside_value(ev, name, value.func, node, f)
+    if not isinstance(inner, (FunctionValue, LibraryValue)):
+        raise ev.refusal(node, f"'{name}' is a partial of what is no function")
+    first = tuple(outside_value(ev, f"{name}_{k}", a, node, f) for k, a in enumerate(value.args))
+    given = {k: outside_value(ev, f"{name}_{k}", taken(value.keywords, "item", k), node, f) for k in value.keywords}
+    return replace(inner, first=(*inner.first, *first), keywords=tuple({**dict(inner.keywords), **given}.items()))
+
+
+def _container(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> Value:
+    """A list, tuple, dict or set of a module or an object."""
+    if isinstance(value, tuple):
+        fields = getattr(type(value), "_fields", None)
+        made = class_value(type(value)) if fields is not None else None
+        return TupleValue(tuple(outside_value(ev, f"{name}_{fields[k] if fields else k}", v, node, f)
+                                for k, v in enumerate(value)), made)
+    if id(value) in ev.live:
+        return ev.live[id(value)]
+    if ev.guarded:
+        raise Reached(name, value, ev.owning)
+    kind = "list" if isinstance(value, list) else "dict" if isinstance(value, dict) else "set"
+    if isinstance(value, set):
+        raise ev.refusal(node, f"'{name}' is a set from outside, which may change", help="make it a frozenset")
+    reference = ev.live[id(value)] = ev.heap.new(Object(kind, {}, label=name, live=value, is_owned=ev.owning))
+    ev.held.append(value)
+    if kind == "dict":
+        items: Mapping[Any, Value] = {_key(ev, k): outside_value(ev, f"{name}_{k}", taken(value, "item", k), node, f)
+                                      for k in taken(value, "keys")}
+    elif kind == "list":
+        taken(value, "items")
+        items = {k: outside_value(ev, f"{name}_{k}", v, node, f) for k, v in enumerate(value)}
+    else:
+        items = {_key(ev, v): outside_value(ev, name, v, node, f) for v in value}
+    ev.heap.set_items(reference, items)
+    ev.outset[reference.number] = ev.heap[reference]
+    return reference
+
+
+def _key(ev: Evaluator, key: Any) -> Any:
+    if isinstance(key, Enum):
+        return member(ev, key)
+    if isinstance(key, (types.FunctionType, type)):
+        return ObjectValue(key, ("object", id(key)))
+    return key
+
+
+def _object(ev: Evaluator, name: str, value: Any) -> Value:
+    """An object of a class of the user's: its attributes are taken when they are asked for."""
+    if id(value) not in ev.live:
+        if ev.guarded:
+            raise Reached(name, value, ev.owning)
+        ev.held.append(value)
+        made = class_value(taken(value, "class"))
+        ev.live[id(value)] = ev.heap.new(Object("record", {}, made, label=name, live=value, is_owned=ev.owning))
+        ev.outset[ev.live[id(value)].number] = ev.heap[ev.live[id(value)]]
+    return ev.live[id(value)]
+
+
+@operation
+def member(ev: Evaluator, value: Enum) -> Value:
+    """A member of an enumeration, of which there is one."""
+    if isinstance(value, (int, str)):
+        return constant(value.value)
+    ev.held.append(value)
+    return ObjectValue(value, ("member", id(value)))
+
+
+def _class(ev: Evaluator, value: type, name: str, node: AST, f: Frame) -> Value:
+    if value.__module__ in ("builtins", "numpy", "math"):
+        return LibraryValue(f"{value.__module__}.{value.__name__}")
+    return class_value(value)
+
+
+@operation
+def live_function(ev: Evaluator, value: Any, node: AST, f: Frame, owner: ClassValue | None = None) -> Value:
+    """A live function of the user's, with its text; of what has a derivative of its own only its name."""
+    if isinstance(value, types.MethodType):
+        return _method(ev, value, value.__name__, node, f)
+    meaning = live_meaning(getattr(value, "__name__", "function"), value)
+    if isinstance(meaning, Library):
+        return LibraryValue(meaning.path)
+    function = named_function(value)
+    if function is None:
+        raise ev.refusal(node, f"'{getattr(value, '__name__', value)}' is not a function that can be read")
+    return FunctionValue(load(ev, function), ("live", id(function)), None, owner, handle=function)
+
+
+def load(ev: Evaluator, function: types.FunctionType) -> Captured:
+    """The definition of a live function, whose places are in the source of the whole."""
+    if id(function) not in ev.loaded:
+        captured = capture(function)
+        ev.source, added = ev.source.holding(captured.source)
+        if added:
+            definition = tree.copy(captured.tree)
+            for n in tree.walk(definition):
+                for place in ("lineno", "end_lineno"):
+                    if getattr(n, place, None) is not None:
+                        setattr(n, place, getattr(n, place) + added)
+            captured = replace(captured, tree=definition)
+        ev.held.append(function)
+        ev.loaded[id(function)] = captured
+    return ev.loaded[id(function)]
+
+
+@operation
+def default_of(ev: Evaluator, function: FunctionValue, name: str, node: AST, f: Frame) -> Value | None:
+    """The default of a live function's parameter."""
+    handle = function.handle
+    if handle is None:
+        return None
+    code = taken(handle, "code")
+    positional = code.co_varnames[:code.co_argcount]
+    defaults = taken(handle, "attribute", "__defaults__") or ()
+    given = dict(zip(reversed(positional), reversed(defaults)))
+    value = given[name] if name in given else taken(handle, "keyword", name)
+    if value is ABSENT:
+        return None
+    if isinstance(value, (list, dict, set)):
+        return outside_value(ev, name, value, node, f)
+    return outside_value(ev, name, value, node, f)

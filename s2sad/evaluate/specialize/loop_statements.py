@@ -1,0 +1,150 @@
+"""for, while, break, continue, return: a loop stays one if nothing in it must be known, else it is written out.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.branches import NOWHERE
+from s2sad.evaluate.specialize.sequences.cursors import Known
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, statement
+from s2sad.evaluate.specialize.residual_loops import ResidualLoop
+from s2sad.evaluate.specialize.values import NONE, Data, TupleValue, Value
+from s2sad.evaluate.specialize.written_out_loops import WhileCursor
+from s2sad.tree import AST
+
+
+@statement("While")
+def while_statement(ev: Evaluator, s: Any, f: Frame) -> None:
+    def stays() -> None:
+        def once() -> Callable[[list[AST]], AST]:
+            test = ev.test_of(s.test, f)
+            if isinstance(test, bool) and not test:
+                raise ev.unknown(s.test, "a loop ends here")
+            plain = not ev.block
+            node = test.node if isinstance(test, Data) else tree.const(True)
+            loop = ev.loops[-1]
+            if not plain and isinstance(test, Data):        # the test has statements of its own
+                jump = tree.at(tree.Break(), s)
+                ev.emit(tree.If(tree.UnaryOp(tree.Not(), node), [jump], []), s)
+                loop.exits.append((jump, ev.block[-1].body, ev.heap.fork()))
+                node = tree.const(True)
+            loop.make = lambda body: tree.While(node, body, [])
+            ev.statements(s.body, f)
+            return loop.make
+        ev.residual_loop(s, once)
+        if s.orelse:
+            raise ev.refusal(s, "else of a loop that stays one is not supported in a kernel",
+                             help="keep a flag, and test it behind the loop")
+    known = test_known(ev, s, f)
+    if known is False:
+        ev.statements(s.orelse, f)
+        return
+    rolled(ev, s, stays, (lambda: ev.unrolled(s, WhileCursor(ev, s, f), f, lambda _: None)) if known else None)
+
+
+def test_known(ev: Evaluator, s: Any, f: Frame) -> bool | None:
+    """The test of a loop before its first round, None where it is not known."""
+    before = ev.snapshot()
+    test = ev.test_of(s.test, f)
+    ev.restore(before)
+    return None if isinstance(test, Data) else test
+
+
+def rolled(ev: Evaluator, s: Any, stays: Callable[[], Any], unroll: Callable[[], Any] | None) -> None:
+    """A loop as it stands; where something in it must be known, it is taken back and written out."""
+    before = ev.snapshot()
+    pending, loops, guarded = list(ev.pending), list(ev.loops), ev.guarded
+    outer = ev.block
+    try:
+        stays()
+        return
+    except Unevaluated as reason:
+        ev.pending[:], ev.loops[:] = pending, loops
+        ev.block, ev.guarded = outer, guarded
+        ev.restore(before)
+        why = reason
+    if unroll is None:
+        raise why
+    try:
+        unroll()
+    except Unevaluated as other:
+        raise (why if why.site is not None or why.demands and not other.demands else other) from None
+
+
+@statement("For")
+def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
+    through = ev.atoms(ev.value(s.iter, f), "iterated", s.iter)
+    slot = f".{id(s)}"
+    ev.heap.put(f.reference, slot, through)      # its names are in use
+
+    def unroll() -> None:
+        cursor = ev.cursor_of(through, s.iter, f)
+        if isinstance(cursor, Known):       # the names of what is to come are in use
+            ev.heap.put(f.reference, slot, TupleValue(cursor.items))
+        ev.unrolled(s, cursor, f, lambda item: ev.store(s.target, item, f))
+
+    if ev.stays_one(through):
+        rolled(ev, s, lambda: for_stays(ev, s, through, f), unroll)
+    else:
+        unroll()
+    items = dict(ev.heap[f.reference].items)
+    items.pop(slot, None)
+    ev.heap.set_items(f.reference, items)
+
+
+def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> None:
+    """A loop over numbers and arrays that stays one."""
+    if s.orelse:
+        raise ev.unknown(s, "else of a loop that stays one is not supported in a kernel")
+    names = [n.id for n in tree.walk(s.target) if isinstance(n, tree.Name)]
+    if not all(isinstance(n, (tree.Name, tree.Tuple, tree.List)) for n in tree.walk(s.target)):
+        raise ev.unknown(s.target, "a loop over items of a structure")
+    own: dict[str, str] = {}
+    node = ev.spelled(through, s.iter)
+
+    def once() -> Callable[[list[AST]], AST]:
+        for n in names:
+            own.setdefault(n, ev.fresh(n if f.is_entry else f"{n}"))
+            ev.heap.put(f.reference, n, Data(tree.at(tree.name(own[n]), s.target)))
+        target = tree.rename(s.target, own)
+        loop = ev.loops[-1]
+        loop.make = lambda body: tree.For(tree._target(target), tree.copy(node), body, [], None)
+        ev.statements(s.body, f)
+        return loop.make
+    held = ev.heap[f.reference].items
+    ev.heap.set_items(f.reference, {k: v for k, v in held.items() if k not in names})
+    ev.residual_loop(s, once)
+
+
+@statement("Break")
+def break_statement(ev: Evaluator, s: Any, f: Frame) -> None:
+    _jump(ev, s, 0)
+
+
+@statement("Continue")
+def continue_statement(ev: Evaluator, s: Any, f: Frame) -> None:
+    _jump(ev, s, 1)
+
+
+def _jump(ev: Evaluator, s: AST, which: int) -> None:
+    loop = ev.loops[-1]
+    if isinstance(loop, ResidualLoop):
+        jump = tree.at(tree.Continue() if which else tree.Break(), s)
+        ev.emit(jump, s)
+        loop.exits.append((jump, ev.block, ev.heap.fork()))
+        raise Leave(NOWHERE)
+    raise Leave(loop[which])
+
+
+@statement("Return")
+def return_statement(ev: Evaluator, s: Any, f: Frame) -> None:
+    value = NONE if s.value is None else ev.value(s.value, f)
+    if not f.is_entry:
+        if any(isinstance(loop, ResidualLoop) and k >= f.loops for k, loop in enumerate(ev.loops)):
+            raise ev.refusal(s, "a return inside a loop, in a function that is written out where it is called",
+                             help="keep the result under a name, leave the loop with break, and return behind it")
+        raise Leave(f.mark, ev.atoms(value, "result", s))
+    ev.return_from_entry(s, value, f)
+    raise Leave(NOWHERE)

@@ -1,0 +1,102 @@
+"""Operators of one and two operands, those of classes among them.
+"""
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression, operation
+from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins
+from s2sad.evaluate.specialize.values import (
+    UNKNOWN, Data, LibraryValue, Reference, TupleValue, Value, constant, demands_of,
+)
+from s2sad.tree import AST
+
+OPERATORS: dict[type, tuple[Callable[[Any, Any], Any], str]] = {
+    tree.Add: (operator.add, "add"), tree.Sub: (operator.sub, "sub"), tree.Mult: (operator.mul, "mul"),
+    tree.Div: (operator.truediv, "truediv"), tree.FloorDiv: (operator.floordiv, "floordiv"),
+    tree.Mod: (operator.mod, "mod"), tree.Pow: (operator.pow, "pow"), tree.MatMult: (operator.matmul, "matmul"),
+    tree.BitAnd: (operator.and_, "and"), tree.BitOr: (operator.or_, "or"), tree.BitXor: (operator.xor, "xor"),
+    tree.LShift: (operator.lshift, "lshift"), tree.RShift: (operator.rshift, "rshift")}
+_UNARY = {"USub": (operator.neg, "neg"), "UAdd": (operator.pos, "pos"), "Invert": (operator.invert, "invert")}
+_TEXT_OR_NUMBER = (bool, int, float, complex, str, tuple)
+
+
+@expression("UnaryOp")
+def unary(ev: Evaluator, node: Any, f: Frame) -> Value:
+    value = ev.value(node.operand, f)
+    if isinstance(node.op, tree.Not):
+        test = ev.truth(value, node, f)
+        return Data(tree.at(tree.UnaryOp(node.op, test.node), node), demands=test.demands) if isinstance(
+            test, Data) else constant(not test)
+    does, word = _UNARY[type(node.op).__name__]
+    if isinstance(value, Reference):
+        return ev.call(ev.attribute_of(value, f"__{word}__", node, f), [], {}, node, f)
+    if isinstance(value, Data) and value.is_known and isinstance(value.known, (int, float, complex)):
+        known = does(value.known)
+        if value.is_literal:
+            return Data(tree.at(tree.const(known), node), known)
+        return Data(tree.at(tree.UnaryOp(node.op, value.node), node), known)
+    return Data(tree.at(tree.UnaryOp(node.op, ev.spelled(value, node)), node), demands=demands_of(value),
+                shape=broadcast(value), origins=origins(value))
+
+
+@expression("BinOp")
+def binary_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
+    left, right = ev.values([node.left, node.right], f)
+    return binary(ev, node.op, left, right, node, f)
+
+
+@operation
+def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Frame) -> Value:
+    """`left op right` of any values."""
+    for value in (left, right):
+        if isinstance(value, Reference) and ev.heap[value].kind == "record" or (
+                isinstance(value, TupleValue) and value.made is not None):
+            found = _overloaded(ev, OPERATORS[type(op)][1], left, right, node, f)
+            if found is not None:
+                return found
+    found = ev.container_operator(op, left, right, node, f)
+    if found is not None:
+        return found
+    demands = demands_of(left, right)
+    if isinstance(left, Data) and isinstance(right, Data) and left.is_known and right.is_known:
+        known = computed(OPERATORS[type(op)][0], left.known, right.known)
+        if known is not UNKNOWN:
+            if left.is_literal and right.is_literal or isinstance(known, (str, tuple)):
+                return Data(tree.at(tree.const(known), node), known)
+            return Data(tree.at(tree.BinOp(left.node, op, right.node), node), known, demands)
+    found_shape = None if isinstance(op, tree.MatMult) else broadcast(left, right)
+    return Data(tree.at(tree.BinOp(ev.spelled(left, node), op, ev.spelled(right, node)), node), demands=demands,
+                shape=found_shape, origins=origins(left, right),
+                is_list=any(isinstance(v, Data) and v.is_list for v in (left, right)))
+
+
+def computed(does: Callable[..., Any], *known: Any) -> Any:
+    """A constant of constants; UNKNOWN where Python would raise, or where the result is none to write down."""
+    if not all(isinstance(k, _TEXT_OR_NUMBER) for k in known):
+        return UNKNOWN
+    try:
+        found = does(*known)
+    except (ArithmeticError, TypeError, ValueError):
+        return UNKNOWN
+    if isinstance(found, float) and not abs(found) < float("inf") or isinstance(found, int) and abs(found) >= 2 ** 62:
+        return UNKNOWN
+    return found if isinstance(found, _TEXT_OR_NUMBER) else UNKNOWN
+
+
+def _overloaded(ev: Evaluator, word: str, left: Value, right: Value, node: AST, f: Frame, reflected: str = "r"
+                ) -> Value | None:
+    """An operator of a class of the user's: the left one's, or the right one's for exchanged operands."""
+    for value, other, name in ((left, right, f"__{word}__"), (right, left, f"__{reflected}{word}__")):
+        made = ev.class_of(value)
+        if made is None:
+            continue
+        method = ev.method_named(made, name, value, node, f)
+        if method is not None:
+            found = ev.call(method, [other], {}, node, f)
+            if not (isinstance(found, LibraryValue) and found.path == "builtins.NotImplemented"):
+                return found
+    return None

@@ -1,0 +1,231 @@
+"""Loops that stay: slots that rounds change have one residual name in all of them.
+
+The body is evaluated until what holds at its start holds at its end.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.branches import NOWHERE, Objects
+from s2sad.evaluate.specialize.evaluator import Evaluator, Leave, Unbound, operation
+from s2sad.evaluate.specialize.heap import Object, uses
+from s2sad.evaluate.specialize.state_joins import parallel
+from s2sad.evaluate.specialize.values import (
+    NONE, UNKNOWN, Conflict, Data, Reference, TupleValue, Value, alike, count, renamed,
+)
+from s2sad.tree import AST
+
+# -- loops that stay -------------------------------------------------------------------------------------------------
+Homes = dict[tuple[int, Any], Any]
+
+
+@dataclass
+class ResidualLoop:
+    """A loop of the residual program: the slots that its rounds change have one name each in all of them."""
+    start: Objects
+    homes: Homes = field(default_factory=dict)
+    exits: list[tuple[AST, list[AST], Objects]] = field(default_factory=list)   # a jump, its block, its heap
+
+
+@operation
+def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[AST]], AST]]) -> None:
+    """Evaluates the body until what holds at its start holds at its end; `once` gives what makes the loop of a body."""
+    loop = ResidualLoop(ev.heap.fork())
+    outer, before = ev.block, ev.snapshot()
+    while True:
+        prelude: list[AST] = []
+        ev.heap.objects, ev.block = dict(loop.start), []
+        _at_home(ev, loop, prelude, origin)
+        head = dict(ev.heap.objects)
+        loop.exits.clear()
+        ev.loops.append(loop)
+        ev.pending.append(None)
+        falls = True
+        ev.guarded += 1
+        try:
+            make = once()
+        except Unbound as missing:
+            if (missing.frame, missing.name) in loop.homes:
+                raise missing.error from None
+            loop.homes[missing.frame, missing.name] = ev.fresh(missing.name)
+            ev.block = outer
+            ev.restore(before)
+            ev.names.taken |= {n for home in loop.homes.values() for n in _names(home)}
+            continue
+        except Leave as leave:
+            if leave.mark != NOWHERE:
+                raise ev.refusal(origin, "a loop is left for a place outside of it that is written out",
+                                 help="return once, behind the loop") from None
+            falls, make = False, getattr(loop, "make", None)
+        finally:
+            ev.guarded -= 1
+            ev.loops.pop()
+            del ev.pending[-1]
+        body = ev.block
+        ends = [*([ev.heap.objects] if falls else []), *(objects for _, _, objects in loop.exits)]
+        if not _settle(ev, loop, head, ends, origin):
+            break
+        ev.block = outer
+        ev.restore(before)
+        ev.names.taken |= {n for home in loop.homes.values() for n in _names(home)}
+    ev.block = outer
+    kept: dict[str, str] = {}
+    if falls:
+        body += _moves(ev, loop, ev.heap.objects, origin, kept)
+    for jump, block, objects in loop.exits:
+        at = next(k for k, n in enumerate(block) if n is jump)
+        block[at:at] = _moves(ev, loop, objects, origin, kept)
+    ev.block += prelude
+    assert make is not None
+    ev.emit(make(body or [tree.at(tree.Pass(), origin)]), origin, True)
+    after = {**head, **{n: o for n, o in (ev.heap.objects if falls else {}).items() if n not in head}}
+    for (n, key), home in loop.homes.items():
+        old = loop.start[n].items.get(key, NONE)
+        after[n] = _with(after[n], key, _placed(ev, loop.start, old, home, origin, after))
+    ev.heap.objects = after
+    _bound_inside(ev, ends)
+
+
+def _names(home: Any) -> list[str]:
+    return [home] if isinstance(home, str) else [n for h in home.values() for n in _names(h)]
+
+
+def _with(held: Object, key: Any, value: Value) -> Object:
+    return replace(held, items={**held.items, key: value})
+
+
+def _bound_inside(ev: Evaluator, ends: Sequence[Objects]) -> None:
+    """Names that are bound in every round are there behind the loop, too, as what the last round has left."""
+    for n, held in list(ev.heap.objects.items()):
+        if held.kind != "frame":
+            continue
+        found = [end[n].items for end in ends if n in end]
+        more = {k: v for items in found for k, v in items.items() if k not in held.items and isinstance(v, Data)
+                and all(k in i and alike(_plain(i[k]), _plain(v)) for i in found)}
+        for key, value in more.items():
+            ev.heap.put(Reference(n), key, _plain(value))
+
+
+def _plain(value: Value) -> Value:
+    return replace(value, known=UNKNOWN) if isinstance(value, Data) and value.name else value
+
+
+def _at_home(ev: Evaluator, loop: ResidualLoop, prelude: list[AST], origin: AST) -> None:
+    """What has a home holds it when a round begins."""
+    moves: list[tuple[str, AST]] = []
+    for (n, key), home in loop.homes.items():
+        old = loop.start[n].items.get(key)
+        if old is None:         # bound in the loop, and read in a later round
+            ev.heap.put(Reference(n), key, Data(tree.at(tree.name(home), origin)))
+            continue
+        if isinstance(old, Data) and old.may_be_unbound and old.name != home:
+            raise ev.refusal(origin, f"'{key}' is bound on some ways only before this loop", help="bind it on all")
+        moves += _moved(loop.start, old, home)
+        ev.heap.put(Reference(n), key, _placed(ev, loop.start, old, home, origin, ev.heap.objects))
+    prelude += parallel(moves, origin)
+
+
+def _moves(ev: Evaluator, loop: ResidualLoop, objects: Objects, origin: AST, kept: dict[str, str]) -> list[AST]:
+    """What slots with homes hold at the end of a round goes there; what else holds what was there keeps it under a name
+    of its own (`kept`)."""
+    found = [m for (n, key), home in loop.homes.items() if n in objects
+             for m in _moved(objects, objects[n].items[key], home)]
+    moved = {t for t, v in found if not (isinstance(v, tree.Name) and v.id == t)}
+    saved = []
+    for n, held in list(objects.items()):
+        changed = {}
+        for key, value in held.items.items():
+            for t in moved if (n, key) not in loop.homes else ():
+                if count(value, t):
+                    new = kept.setdefault(t, ev.fresh(t)) if t not in kept else kept[t]
+                    saved.append((new, tree.at(tree.name(t), origin)))
+                    changed[key] = renamed(changed.get(key, value), t, new)
+        if changed:
+            objects[n] = replace(held, items={**held.items, **changed})
+    return [*parallel(list(dict(saved).items()), origin), *parallel(found, origin)]
+
+
+def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Objects], origin: AST) -> bool:
+    """Gives homes to slots that a round changes; whether there are new ones."""
+    found = False
+    for end in ends:
+        for n, held in head.items():
+            if end[n] is held:
+                continue
+            if held.kind in ("list", "set", "dict") and list(end[n].items) != list(held.items) or (
+                    held.kind == "record" and held.items.keys() != end[n].items.keys()):
+                raise ev.unknown(origin, f"'{held.label or 'a ' + held.kind}' is another structure after each round",
+                                 help="make it before the loop, and assign its items", site=held.site)
+            for key, old in held.items.items():
+                new = end[n].items[key]
+                if alike(old, new) or isinstance(old, Conflict):
+                    continue
+                first = loop.start[n].items.get(key, old)
+                if (n, key) in loop.homes:
+                    if _shape(ev, head, old) != _shape(ev, end, new):
+                        raise ev.unknown(origin, f"'{key}' is another structure in each round")
+                    continue
+                if _shape(ev, loop.start, first) != _shape(ev, end, new):
+                    raise ev.unknown(origin, f"'{key}' is another structure in each round")
+                label = held.label
+                wanted = str(key) if held.kind == "frame" else f"{label}_{key}" if label else str(key)
+                loop.homes[n, key] = _home(ev, loop.start, first, wanted)
+                found = True
+    return found
+
+
+def _parts(objects: Objects, value: Value) -> list[tuple[Any, Value]] | None:
+    if isinstance(value, TupleValue):
+        return list(enumerate(value.items))
+    return list(objects[value.number].items.items()) if isinstance(value, Reference) else None
+
+
+def _shape(ev: Evaluator, objects: Objects, value: Value) -> Any:
+    """What must be the same in all rounds: all but the names and numbers in it."""
+    if isinstance(value, Data):
+        special = value.is_known and (value.known is None or isinstance(value.known, str))
+        return ("data", value.known if special else "")
+    if isinstance(value, Reference):
+        held = objects[value.number]
+        if held.kind in ("frame", "class") or held.path or held.live is not None or ev.heap.holders(
+                value, objects) > 1:
+            return value            # others hold it: it stays the one that it is
+        return (held.kind, held.made, tuple((k, _shape(ev, objects, v)) for k, v in held.items.items()))
+    if isinstance(value, TupleValue):
+        return ("tuple", value.made, tuple(_shape(ev, objects, v) for v in value.items))
+    return value
+
+
+def _home(ev: Evaluator, objects: Objects, value: Value, wanted: str) -> Any:
+    """Names for the leaves of a value, its own where nothing else has it."""
+    inner = _parts(objects, value)
+    if inner is not None:
+        return {k: _home(ev, objects, v, f"{wanted}_{k}") for k, v in inner}
+    own = value.name if isinstance(value, Data) else ""
+    if own and own not in ev.leaves and "." not in own and uses(objects, own) == 1:
+        return own
+    return ev.fresh(wanted)
+
+
+def _placed(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST, into: Objects) -> Value:
+    """The value with its leaves at home."""
+    if isinstance(home, str):
+        node = tree.at(tree.name(home), origin)
+        return Data(node, demands=value.demands, is_list=value.is_list) if isinstance(value, Data) else Data(node)
+    inner = _parts(objects, value) or []
+    items = {k: _placed(ev, objects, v, home[k], origin, into) for k, v in inner}
+    if isinstance(value, TupleValue):
+        return replace(value, items=tuple(items.values()))
+    assert isinstance(value, Reference)
+    made = ev.heap.new(replace(objects[value.number], items=items))
+    into[made.number] = ev.heap.objects.pop(made.number) if into is not ev.heap.objects else ev.heap[made]
+    return made
+
+
+def _moved(objects: Objects, value: Value, home: Any) -> list[tuple[str, AST]]:
+    if isinstance(home, str):
+        return [(home, tree.copy(value.node))] if isinstance(value, Data) else []
+    return [m for k, v in _parts(objects, value) or [] for m in _moved(objects, v, home[k])]

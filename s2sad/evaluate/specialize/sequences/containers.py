@@ -1,0 +1,135 @@
+"""Lists, dicts, sets, tuples and texts: their items, operators and methods, as Python has them.
+"""
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from enum import Enum
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.values import (
+    FACTORY, ClassValue, Data, FunctionValue, Iteration, ObjectValue, Reference, SliceValue, TupleValue, Value,
+    constant,
+)
+from s2sad.tree import AST
+
+
+@operation
+def key_of(ev: Evaluator, value: Value, node: AST) -> Hashable:
+    """A key of a dict, or an item of a set: what is known, or an object that is compared by identity."""
+    if isinstance(value, (Reference, FunctionValue, ObjectValue, ClassValue)):
+        return value
+    if isinstance(value, TupleValue):
+        return tuple(key_of(ev, v, node) for v in value.items)
+    return ev.known(value, node, "a key")
+
+
+@operation
+def new_dict(ev: Evaluator, items: Mapping[Hashable, Value], origin: AST) -> Reference:
+    held = {k: ev.atoms(v, k if isinstance(k, str) else "item", origin) for k, v in items.items()}
+    return ev.heap.new(Object("dict", held, site=origin))
+
+
+@operation
+def new_set(ev: Evaluator, items: Sequence[Value], origin: AST) -> Reference:
+    return ev.heap.new(Object("set", {key_of(ev, v, origin): v for v in items}, site=origin))
+
+
+@operation
+def picked(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Value:
+    """An item, or a part, of a sequence or a dict."""
+    if isinstance(base, Iteration) and base.kind in ("range", "keys", "values", "items"):
+        base = TupleValue(tuple(ev.items_of(base, node, f)))
+    if not isinstance(base, (Reference, TupleValue)):
+        if isinstance(base, ClassValue):
+            return _of_class(ev, base, place, node, f)
+        raise ev.refusal(node, f"an item of {ev.kind_of(base)}")
+    held = ev.heap[base] if isinstance(base, Reference) else None
+    if held is not None and held.kind == "dict":
+        return _value(ev, base, held, place, node, f)
+    items = list(held.items.values()) if held is not None else list(base.items)  # pyright: ignore
+    if isinstance(place, SliceValue):
+        part = items[slice(*(ev.known(p, node, "an end of a slice of a list") for p in place.parts))]
+        return ev.list_of(part, node) if held is not None else TupleValue(tuple(part))
+    if not isinstance(place, Data) or not place.is_known:
+        return _by_variable(ev, items, place, node, held)
+    if not -len(items) <= place.known < len(items):
+        raise ev.refusal(node, f"there is no item {place.known} of {len(items)}")
+    return items[place.known]
+
+
+def _value(ev: Evaluator, base: Value, held: Object, place: Value, node: AST, f: Frame) -> Value:
+    key = key_of(ev, place, node)
+    if key in held.items:
+        return held.items[key]
+    factory = held.items.get(FACTORY)
+    if factory is not None and isinstance(base, Reference):
+        made = ev.call(factory, [], {}, node, f)
+        ev.assign_slot(base, key, made, str(key), node)
+        return ev.heap[base].items[key]
+    raise ev.refusal(node, f"the dict has no key {key!r}", help=f"its keys: {list(held.items)}")
+
+
+def _of_class(ev: Evaluator, base: ClassValue, place: Value, node: AST, f: Frame) -> Value:
+    """`Edge["PERIODIC"]` of an enumeration; `list[int]` is the class."""
+    if isinstance(base.live, type) and issubclass(base.live, Enum):
+        return ev.attribute_of(base, ev.known(place, node, "a member's name"), node, f)
+    return base
+
+
+def _by_variable(ev: Evaluator, items: list[Value], place: Value, node: AST, held: Object | None) -> Value:
+    """An item that a variable picks: of a table of numbers, an array's; else it must be known."""
+    if items and all(isinstance(i, Data) and i.is_literal and type(i.known) in (int, float) for i in items) and (
+            isinstance(place, Data)):
+        numbers = [i.known for i in items if isinstance(i, Data)]
+        if any(type(n) is float for n in numbers):
+            items = [constant(float(n)) for n in numbers]
+        table = tree.call("numpy.array", tree.List([ev.spelled(i, node) for i in items], tree.Load()))
+        table.func.id = ev.library("numpy.array")
+        named = ev.named(Data(tree.at(table, node)), "table", node)
+        return Data(ev.subscripted(named, place, node))
+    label = f" of '{held.label}'" if held is not None and held.label else ""
+    raise ev.unknown(node, f"which item{label} is meant must be known before the run", place,
+                     help="loop over a range that is known, or keep the items in one array",
+                     site=held.site if held is not None and held.kind == "list" else None)
+
+
+# -- operators -------------------------------------------------------------------------------------------------------
+@operation
+def container_operator(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Frame) -> Value | None:
+    """`+`, `*`, `|`, `%` of sequences, dicts, sets and texts; None where neither operand is one."""
+    kinds = [_kind(ev, v) for v in (left, right)]
+    if isinstance(op, tree.Add) and kinds == ["tuple", "tuple"]:
+        return TupleValue((*left.items, *right.items))  # pyright: ignore
+    if isinstance(op, tree.Add) and kinds == ["list", "list"]:
+        return ev.list_of([*sequence_items(ev, left), *sequence_items(ev, right)], node)
+    if isinstance(op, tree.Mult) and any(k in ("list", "tuple") for k in kinds):
+        sequence, times = (left, right) if kinds[0] in ("list", "tuple") else (right, left)
+        if isinstance(times, Data) and (not times.is_known or type(times.known) is int):
+            n = ev.known(times, node, "how often a list is repeated")
+            items = [ev.atoms(i, "item", node) for i in sequence_items(ev, sequence)]
+            return ev.list_of(items * n, node) if isinstance(sequence, Reference) else TupleValue(tuple(items * n))
+    if isinstance(op, tree.BitOr) and kinds == ["dict", "dict"]:
+        return new_dict(ev, {**ev.heap[left].items, **ev.heap[right].items}, node)  # pyright: ignore
+    if "set" in kinds and kinds[0] == kinds[1]:
+        a, b = (ev.heap[v].items for v in (left, right))  # pyright: ignore
+        made = {tree.BitOr: {**a, **b}, tree.BitAnd: {k: v for k, v in a.items() if k in b},
+                tree.Sub: {k: v for k, v in a.items() if k not in b},
+                tree.BitXor: {k: v for k, v in {**a, **b}.items() if (k in a) is not (k in b)}}.get(type(op))
+        return None if made is None else ev.heap.new(Object("set", made, site=node))
+    if isinstance(op, tree.Mod) and isinstance(left, Data) and isinstance(left.known, str):
+        return constant(left.known % ev.known(right, node, "what a text is made of"))
+    return None
+
+
+def _kind(ev: Evaluator, value: Value) -> str:
+    if isinstance(value, Reference):
+        return ev.heap[value].kind
+    return "tuple" if isinstance(value, TupleValue) else ""
+
+
+@operation
+def sequence_items(ev: Evaluator, value: Any) -> list[Value]:
+    return list(ev.heap[value].items.values()) if isinstance(value, Reference) else list(value.items)

@@ -1,0 +1,137 @@
+"""Where a loop is: going on gives another cursor, so that ways that part go on apart.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.values import FACTORY, Iteration, Reference, TupleValue, Value, constant, value_of_key
+from s2sad.tree import AST
+
+
+@dataclass(frozen=True)
+class Known:
+    """Items that are known beforehand."""
+    items: tuple[Value, ...]
+    k: int = 0
+
+    def next(self) -> tuple[Value, Known] | None:
+        return (self.items[self.k], Known(self.items, self.k + 1)) if self.k < len(self.items) else None
+
+
+@dataclass(frozen=True)
+class OfList:
+    """The items of a list that are there when their round comes."""
+    ev: Evaluator
+    base: Reference
+    k: int = 0
+
+    def next(self) -> tuple[Value, OfList] | None:
+        items = self.ev.heap[self.base].items
+        return (items[self.k], OfList(self.ev, self.base, self.k + 1)) if self.k < len(items) else None
+
+
+@dataclass(frozen=True)
+class Backwards:
+    """The items of a list from the last one on."""
+    ev: Evaluator
+    base: Reference
+    k: int
+
+    def next(self) -> tuple[Value, Backwards] | None:
+        items = self.ev.heap[self.base].items
+        return (items[self.k], Backwards(self.ev, self.base, self.k - 1)) if 0 <= self.k < len(items) else None
+
+
+@dataclass(frozen=True)
+class OfDict:
+    """The keys, values or items of a dict: values as they are when their round comes."""
+    ev: Evaluator
+    base: Reference
+    kind: str
+    keys: tuple[Any, ...]
+    k: int = 0
+
+    def next(self) -> tuple[Value, OfDict] | None:
+        if self.k == len(self.keys):
+            return None
+        held, key = self.ev.heap[self.base], self.keys[self.k]
+        if tuple(_keys(self.ev, self.base)) != self.keys:
+            raise self.ev.refusal(held.site, f"'{held.label or 'a dict'}' gets or loses keys while a loop goes through "
+                                  "it", help="loop over list(...) of it")
+        name, value = value_of_key(key), held.items[key]
+        item = name if self.kind == "keys" else value if self.kind == "values" else TupleValue((name, value))
+        return item, OfDict(self.ev, self.base, self.kind, self.keys, self.k + 1)
+
+
+def _keys(ev: Evaluator, base: Reference) -> list[Any]:
+    return [k for k in ev.heap[base].items if k is not FACTORY]
+
+
+@dataclass(frozen=True)
+class Together:
+    """Several at once: zip, enumerate, map."""
+    cursors: tuple[Any, ...]
+    made: Callable[[tuple[Value, ...]], Value]
+
+    def next(self) -> tuple[Value, Together] | None:
+        items, cursors = [], []
+        for cursor in self.cursors:
+            found = cursor.next()
+            if found is None:
+                return None
+            items.append(found[0])
+            cursors.append(found[1])
+        return self.made(tuple(items)), Together(tuple(cursors), self.made)
+
+
+@operation
+def cursor_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> Any:
+    """The start of a loop through a value; raises Unevaluated where the rounds are not known."""
+    if isinstance(value, TupleValue):
+        return Known(value.items)
+    if isinstance(value, Reference) and ev.heap[value].kind == "list":
+        return OfList(ev, value)
+    if isinstance(value, Reference) and ev.heap[value].kind == "dict":
+        return OfDict(ev, value, "keys", tuple(_keys(ev, value)))
+    if isinstance(value, Iteration) and value.kind in ("keys", "values", "items"):
+        base = value.parts[0]
+        assert isinstance(base, Reference)
+        return OfDict(ev, base, value.kind, tuple(_keys(ev, base)))
+    if isinstance(value, Iteration) and value.kind == "reversed" and isinstance(value.parts[0], Reference) and (
+            ev.heap[value.parts[0]].kind == "list"):
+        return Backwards(ev, value.parts[0], len(ev.heap[value.parts[0]].items) - 1)
+    if isinstance(value, Iteration):
+        inner = _CURSORS.get(value.kind)
+        if inner is not None:
+            return inner(ev, value, node, f)
+    return Known(tuple(ev.items_of(value, node, f)))
+
+
+def _together(made: Callable[[Evaluator, tuple[Value, ...]], Value]) -> Callable[..., Any]:
+    return lambda ev, value, node, f: Together(tuple(cursor_of(ev, p, node, f) for p in value.parts),
+                                               lambda items: made(ev, items))
+
+
+def _enumerated(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Any:
+    first = ev.known(value.parts[1], node, "the start of enumerate") if value.parts[1:] else 0
+
+    @dataclass(frozen=True)
+    class Count:
+        k: int
+
+        def next(self) -> tuple[Value, Count]:
+            return constant(self.k), Count(self.k + 1)
+    return Together((Count(first), cursor_of(ev, value.parts[0], node, f)), TupleValue)
+
+
+def _mapped(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Any:
+    function, *through = value.parts
+    return Together(tuple(cursor_of(ev, p, node, f) for p in through),
+                    lambda items: ev.call(function, list(items), {}, node, f))
+
+
+_CURSORS: dict[str, Callable[..., Any]] = {
+    "zip": _together(lambda ev, items: TupleValue(items)), "enumerate": _enumerated, "map": _mapped}

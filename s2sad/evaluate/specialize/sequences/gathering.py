@@ -1,0 +1,123 @@
+"""Comprehensions and generators.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unevaluated, expression, operation
+from s2sad.evaluate.specialize.values import Data, Iteration, TupleValue, Value
+from s2sad.tree import AST
+
+
+@operation
+def generate(ev: Evaluator, generators: Sequence[Any], f: Frame, add: Callable[[Frame], Any]) -> None:
+    """Every round of a comprehension whose items are known."""
+    if not generators:
+        add(f)
+        return
+    one, *rest = generators
+    through = ev.atoms(ev.value(one.iter, f), "iterated", one.iter)
+    inner = ev.inner_frame(f, one)
+    ev.heap.put(inner.reference, ".iterated", through)
+    cursor = ev.cursor_of(through, one.iter, f)
+    while (step := cursor.next()) is not None:
+        item, cursor = step
+        ev.store(one.target, item, inner)
+        tests = [ev.test_of(t, inner) for t in one.ifs]
+        for t, node in zip(tests, one.ifs):
+            if isinstance(t, Data):
+                raise ev.unknown(node, "which items a comprehension keeps must be known before the run", t)
+        if all(tests):
+            generate(ev, rest, inner, add)
+    if inner.reference.number not in ev.frames:
+        ev.heap.objects.pop(inner.reference.number, None)
+
+
+class Gathered:
+    """What a comprehension has made so far: held in the heap, so that its names are in use."""
+
+    def __init__(self, ev: Evaluator, f: Frame, node: AST):
+        self.ev, self.holder, self.slot, self.node = ev, f.reference, f".gathered{id(node)}", node
+        self.items: tuple[Value, ...] = ()
+
+    def add(self, value: Value, wanted: str = "item") -> None:
+        self.items = (*self.items, self.ev.atoms(value, wanted, self.node))
+        self.ev.heap.put(self.holder, self.slot, TupleValue(self.items))
+
+    def done(self) -> tuple[Value, ...]:
+        """All of it, as it is in the heap."""
+        items = dict(self.ev.heap[self.holder].items)
+        found = items.pop(self.slot, TupleValue(()))
+        self.ev.heap.set_items(self.holder, items)
+        assert isinstance(found, TupleValue)
+        return found.items
+
+
+@expression("ListComp")
+def list_comprehension(ev: Evaluator, node: Any, f: Frame) -> Value:
+    before = ev.snapshot()
+    found = Gathered(ev, f, node)
+    try:
+        if id(node) in ev.sites:
+            raise ev.unknown(node, "a list of the residual program")
+        generate(ev, node.generators, f, lambda g: found.add(ev.value(node.elt, g)))
+        return ev.list_of(found.done(), node)
+    except Unevaluated as reason:
+        ev.restore(before)
+        made = _residual(ev, node, f)
+        if made is None:
+            raise reason from None
+        return made
+
+
+def _residual(ev: Evaluator, node: Any, f: Frame) -> Value | None:
+    """The comprehension as it stands, over numbers and arrays; None where it is about structures."""
+    before = ev.snapshot()
+    frame, generators = f, []
+    try:
+        for one in node.generators:
+            through = ev.value(one.iter, frame)
+            if not ev.stays_one(through) or len(ev.block) != len(before.block):
+                raise ev.unknown(node, "a comprehension of structures")
+            names = {n.id: ev.fresh(n.id) for n in tree.walk(one.target) if isinstance(n, tree.Name)}
+            iterated = ev.spelled(through, one.iter)
+            frame = ev.inner_frame(frame, one)
+            for n, m in names.items():
+                ev.heap.put(frame.reference, n, Data(tree.at(tree.name(m), one.target)))
+            target = tree._target(tree.rename(one.target, names))
+            tests = [ev.spelled(ev.value(t, frame), t) for t in one.ifs]
+            generators.append(type(one)(target, iterated, tests, 0))
+        element = ev.spelled(ev.value(node.elt, frame), node.elt)
+        if len(ev.block) != len(before.block):
+            raise ev.unknown(node, "a comprehension whose items are computed by statements")
+    except Unevaluated:
+        ev.restore(before)
+        return None
+    return Data(tree.at(type(node)(element, generators), node), is_list=True)
+
+
+@expression("GeneratorExp")
+def generator(ev: Evaluator, node: Any, f: Frame) -> Value:
+    return Iteration("generator", (), (node, f))
+
+
+@expression("DictComp")
+def dict_comprehension(ev: Evaluator, node: Any, f: Frame) -> Value:
+    gathered = Gathered(ev, f, node)
+    keys: list[Any] = []
+
+    def add(g: Frame) -> None:
+        key, value = ev.values([node.key, node.value], g)
+        keys.append(ev.key_of(key, node))
+        gathered.add(value, str(keys[-1]))
+    generate(ev, node.generators, f, add)
+    return ev.new_dict(dict(zip(keys, gathered.done())), node)
+
+
+@expression("SetComp")
+def set_comprehension(ev: Evaluator, node: Any, f: Frame) -> Value:
+    found: list[Value] = []
+    generate(ev, node.generators, f, lambda g: found.append(ev.value(node.elt, g)))
+    return ev.new_set(found, node)

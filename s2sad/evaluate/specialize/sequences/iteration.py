@@ -1,0 +1,155 @@
+"""What loops go through: items as a loop comes to them, in the order and at the time that Python reads them.
+"""
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from enum import Enum
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.sequences.gathering import Gathered
+from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.values import (
+    FACTORY, UNKNOWN, ClassValue, Data, Iteration, Reference, TupleValue, Value, constant, value_of_key,
+)
+from s2sad.tree import AST
+
+
+@operation
+def list_of(ev: Evaluator, items: Sequence[Value], origin: AST) -> Value:
+    """A new list; of a site whose lists are residual, one of the residual program."""
+    if id(origin) in ev.sites:
+        if any(isinstance(i, Data) and isinstance(i.known, bool) for i in items):
+            raise ev.refusal(origin, "a list of bools, of which a variable picks", help="make it an array")
+        made = tree.at(tree.List([ev.spelled(i, origin) for i in items], tree.Load()), origin)
+        return ev.named(Data(made, is_list=True), "items", origin)
+    held: dict[Hashable, Value] = {k: ev.atoms(v, "item", origin) for k, v in enumerate(items)}
+    return ev.heap.new(Object("list", held, site=origin))
+
+
+@operation
+def items_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
+    """All items that a value gives when it is gone through; raises Unevaluated."""
+    if isinstance(value, TupleValue):
+        return list(value.items)
+    if isinstance(value, Reference):
+        held = ev.heap[value]
+        if held.kind == "list":
+            return list(held.items.values())
+        if held.kind == "dict":
+            return _views(ev, value, "keys")
+        if held.kind == "set":
+            return list(held.items.values())
+        return _of_object(ev, value, node, f)
+    if isinstance(value, Data) and isinstance(value.known, str):
+        return [constant(c) for c in value.known]
+    if isinstance(value, ClassValue):
+        return _members(ev, value, node)
+    if not isinstance(value, Iteration):
+        return _of_data(ev, value, node)
+    if value.kind == "range":
+        return [constant(k) for k in range(*(ev.known(p, node, "the range of a loop") for p in value.parts))]
+    if value.kind in ("keys", "values", "items"):
+        return _views(ev, value.parts[0], value.kind)
+    if value.kind == "reversed":
+        return items_of(ev, value.parts[0], node, f)[::-1]
+    if value.kind == "generator":
+        comprehension, frame = value.more
+        gathered = Gathered(ev, f, node)
+        ev.generate(comprehension.generators, frame, lambda g: gathered.add(ev.value(comprehension.elt, g)))
+        return list(gathered.done())
+    if value.kind == "filter":
+        return _filtered(ev, value, node, f)
+    gathered, cursor = Gathered(ev, f, node), ev.cursor_of(value, node, f)
+    while (step := cursor.next()) is not None:
+        gathered.add(step[0])
+        cursor = step[1]
+    return list(gathered.done())
+
+
+def _views(ev: Evaluator, base: Any, kind: str) -> list[Value]:
+    items = {k: v for k, v in ev.heap[base].items.items() if k is not FACTORY}
+    if kind == "keys":
+        return [value_of_key(k) for k in items]
+    return list(items.values()) if kind == "values" else [TupleValue((value_of_key(k), v)) for k, v in items.items()]
+
+
+def _members(ev: Evaluator, value: ClassValue, node: AST) -> list[Value]:
+    """The members of an enumeration."""
+
+    if isinstance(value.live, type) and issubclass(value.live, Enum):
+        return [ev.member(m) for m in value.live]
+    raise ev.refusal(node, f"the class '{value.name}' is gone through")
+
+
+def _of_data(ev: Evaluator, value: Value, node: AST) -> list[Value]:
+    """The elements of an array, where their number is known."""
+    if isinstance(value, Data) and isinstance(value.known, tuple):
+        return [Data(tree.at(tree.index(ev.spelled(value, node), tree.const(k)), node), known)
+                for k, known in enumerate(value.known)]
+    shape = shape_of(ev, value)
+    if isinstance(value, Data) and shape.is_known and shape.known:
+        return [Data(tree.at(tree.index(ev.spelled(value, node), tree.const(k)), node))
+                for k in range(shape.known[0])]
+    raise ev.unknown(node, "how many items there are must be known before the run", shape)
+
+
+@operation
+def shape_of(ev: Evaluator, value: Value) -> Data:
+    """What is known of an array's shape, as the constant that it is or with what would make it known."""
+    if not isinstance(value, Data):
+        return Data(tree.const(None))
+    found = value.shape
+    if found is not None and None not in found:
+        return Data(tree.const(None), found)
+    demands = {(path, "shape") for path in value.origins}
+    return Data(tree.const(None), demands=frozenset(demands - ev.facts.keys()))
+
+
+def _filtered(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> list[Value]:
+    found = []
+    for item in items_of(ev, value.parts[1], node, f):
+        plain = isinstance(value.parts[0], Data) and value.parts[0].known is None
+        kept = ev.truth(item if plain else ev.call(value.parts[0], [item], {}, node, f), node, f)
+        if isinstance(kept, Data):
+            raise ev.unknown(node, "which items pass a filter must be known before the run", kept)
+        if kept:
+            found.append(item)
+    return found
+
+
+def _of_object(ev: Evaluator, value: Reference, node: AST, f: Frame) -> list[Value]:
+    """An object of a class with `__iter__`."""
+    made = ev.heap[value].made
+    own = ev.method_named(made, "__iter__", value, node, f)
+    if own is None:
+        title = made.name if made else "?"
+        raise ev.refusal(node, f"an object of class {title} is gone through, which has no __iter__",
+                         help="loop over what it holds")
+    return items_of(ev, ev.call(own, [], {}, node, f), node, f)
+
+
+@operation
+def stays_one(ev: Evaluator, value: Value) -> bool:
+    """Whether a loop goes through numbers and arrays alone, so that it may stay a loop."""
+    if isinstance(value, Iteration):
+        if value.kind == "range":
+            return True
+        inner = value.parts[:1] if value.kind == "enumerate" else value.parts
+        return value.kind in ("zip", "enumerate", "reversed") and all(stays_one(ev, p) for p in inner)
+    return isinstance(value, Data) and not isinstance(value.known, str)
+
+
+@operation
+def length(ev: Evaluator, value: Value, node: AST, f: Frame) -> Value:
+    """`len(value)`."""
+    if isinstance(value, Data):
+        if isinstance(value.known, (str, tuple)):
+            return constant(len(value.known))
+        shape = shape_of(ev, value)
+        return Data(tree.at(tree.call("len", ev.spelled(value, node)), node),
+                    shape.known[0] if shape.is_known and shape.known else UNKNOWN, shape.demands)
+    if isinstance(value, Reference) and ev.heap[value].kind == "record":
+        return ev.call(ev.attribute_of(value, "__len__", node, f), [], {}, node, f)
+    return constant(len(items_of(ev, value, node, f)))

@@ -1,0 +1,110 @@
+"""Lengths of axes: what allocations, arithmetic and slices say of the shapes of arrays before the run.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from s2sad.evaluate.specialize.values import Data, SliceValue, TupleValue, Value
+from s2sad.read.outside_values import library_value
+
+Shape = tuple["int | None", ...]
+_LIKE = ("zeros_like", "ones_like", "empty_like", "full_like", "copy", "asarray", "ascontiguousarray", "cumsum", "flip",
+         "roll", "clip", "sort", "astype", "conj", "round", "abs", "absolute", "nan_to_num", "square")
+_FILLED = ("zeros", "ones", "empty", "full")
+
+
+def shape(value: Value) -> Shape | None:
+    """The shape of a value, as far as it is known; () of a number."""
+    if not isinstance(value, Data):
+        return None
+    return () if value.is_known and isinstance(value.known, (bool, int, float, complex)) else value.shape
+
+
+def origins(*values: Value) -> frozenset[str]:
+    """The arguments whose shapes say what the shape of something computed of the values is."""
+    found: frozenset[str] = frozenset()
+    for v in values:
+        if isinstance(v, Data):
+            found |= v.origins
+        elif isinstance(v, TupleValue):
+            found |= origins(*v.items)
+    return found
+
+
+def broadcast(*values: Value) -> Shape | None:
+    """The shape of what is computed element by element."""
+    shapes = [shape(v) for v in values]
+    if any(s is None for s in shapes):
+        return None
+    known = [s for s in shapes if s is not None]
+    rank = max(map(len, known), default=0)
+    rows = [(1,) * (rank - len(s)) + s for s in known]
+    return tuple(_axis(axis) for axis in zip(*rows))
+
+
+def _axis(lengths: Sequence[int | None]) -> int | None:
+    more = {n for n in lengths if n is not None and n != 1}
+    if len(more) == 1:
+        return next(iter(more))
+    return None if more or None in lengths else 1
+
+
+def of_call(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> Shape | None:
+    """The shape of what a function of NumPy's gives."""
+    name = path.rpartition(".")[2]
+    if name in _FILLED and args:
+        return _lengths(args[0])
+    if name in _LIKE and args and "axis" not in keywords and "shape" not in keywords:
+        return shape(args[0])
+    if name == "arange" and not keywords and all(isinstance(a, Data) and type(a.known) is int for a in args):
+        return (len(range(*(a.known for a in args))),)  # pyright: ignore
+    if name == "linspace" and len(args) == 3 and isinstance(args[2], Data) and type(args[2].known) is int:
+        return (args[2].known,)
+    value = library_value(path)
+    if getattr(value, "nin", 0) and getattr(value, "nout", 0) == 1 and getattr(value, "signature", None) is None:
+        return None if keywords else broadcast(*args)
+    return broadcast(*args) if name == "where" and len(args) == 3 else None
+
+
+def _lengths(value: Value) -> Shape | None:
+    """A shape that is given to an allocation."""
+    if isinstance(value, Data) and type(value.known) is int:
+        return (value.known,)
+    if isinstance(value, Data) and isinstance(value.known, tuple):
+        return value.known
+    if isinstance(value, TupleValue):
+        return tuple(i.known if isinstance(i, Data) and type(i.known) is int else None for i in value.items)
+    return None
+
+
+def of_part(base: Data, place: Value) -> Shape | None:
+    """The shape of `base[place]`, of slices and numbers."""
+    whole = shape(base)
+    places = place.items if isinstance(place, TupleValue) else (place,)
+    if whole is None or len(places) > len(whole):
+        return None
+    found: list[int | None] = []
+    for n, p in zip(whole, places):
+        if isinstance(p, SliceValue):
+            found.append(_length(n, p))
+        elif not (isinstance(p, Data) and (type(p.known) is int or p.shape == ())):
+            return None
+    return (*found, *whole[len(places):])
+
+
+def _length(n: int | None, part: SliceValue) -> int | None:
+    ends: list[Any] = [p.known if isinstance(p, Data) and p.is_known else ... for p in part.parts]
+    if n is None or any(e is ... or e is not None and type(e) is not int for e in ends) or ends[2] == 0:
+        return None
+    return len(range(*slice(*ends).indices(n)))
+
+
+def of_method(base: Data, name: str, args: Sequence[Value]) -> Shape | None:
+    """The shape of what a method of an array gives."""
+    if name in ("copy", "astype", "conj", "clip", "round"):
+        return shape(base)
+    if name == "reshape" and args:
+        found = _lengths(args[0] if len(args) == 1 else TupleValue(tuple(args)))
+        return found if found is not None and all(n is not None and n >= 0 for n in found) else None
+    return None

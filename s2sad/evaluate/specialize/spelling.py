@@ -1,0 +1,65 @@
+"""Values as expressions of the residual program, and in words.
+"""
+from __future__ import annotations
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.values import (
+    ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference, ScopeValue,
+    SliceValue, TupleValue, Value,
+)
+from s2sad.tree import AST
+
+
+# -- residual expressions --------------------------------------------------------------------------------------------
+@operation
+def spelled(ev: Evaluator, value: Value, origin: AST) -> AST:
+    """A value as an expression of the residual program."""
+    if isinstance(value, Data):
+        return tree.copy(value.node) if value.is_atom else value.node
+    if isinstance(value, TupleValue):
+        return tree.at(tree.tuple_of(*(spelled(ev, v, origin) for v in value.items)), origin)
+    if isinstance(value, Reference) and ev.heap[value].kind == "list":
+        items = [spelled(ev, v, origin) for v in ev.heap[value].items.values()]
+        return tree.at(tree.List(items, tree.Load()), origin)
+    if isinstance(value, LibraryValue) and not value.first and not value.keywords:
+        return tree.at(tree.name(ev.library(value.path)), origin)
+    if isinstance(value, SliceValue):
+        return tree.at(tree.call("slice", *(spelled(ev, v, origin) for v in value.parts)), origin)
+    if isinstance(value, Iteration) and value.kind in ("range", "zip", "enumerate", "reversed"):
+        return tree.at(tree.call(value.kind, *(spelled(ev, v, origin) for v in value.parts)), origin)
+    if isinstance(value, FunctionValue):
+        return tree.at(tree.name(ev.residual_function(value, origin)), origin)
+    if isinstance(value, ObjectValue):
+        return tree.at(tree.name(ev.residual_object(value, origin)), origin)
+    raise ev.unknown(origin, f"{kind_of(ev, value)} is used as a whole by what is computed at run time",
+                     help="give the arrays and numbers that it holds")
+
+
+@operation
+def kind_of(ev: Evaluator, value: Value) -> str:
+    """What a value is, in words."""
+    if isinstance(value, Reference):
+        held = ev.heap[value]
+        words = {"list": "a list", "dict": "a dict", "set": "a set", "frame": "a frame", "class": "a class"}
+        return words.get(held.kind) or f"an object of class {held.made.name if held.made else '?'}"
+    words = {FunctionValue: "a function", LibraryValue: "a function of a library", ClassValue: "a class",
+             MethodValue: "a method", SliceValue: "a slice", TupleValue: "a tuple", ScopeValue: "a module",
+             Iteration: "an iterator", ObjectValue: "an object"}
+    return words.get(type(value), "a value")
+
+
+@operation
+def subscripted(ev: Evaluator, base: Data, place: Value, origin: AST) -> AST:
+    """`base[place]` of the residual program."""
+    return tree.at(tree.Subscript(spelled(ev, base, origin), _subscript(ev, place, origin), tree.Load()), origin)
+
+
+def _subscript(ev: Evaluator, place: Value, origin: AST) -> AST:
+    if isinstance(place, SliceValue):
+        ends = [None if isinstance(p, Data) and p.is_known and p.known is None else spelled(ev, p, origin)
+                for p in place.parts]
+        return tree.at(tree.Slice(*ends), origin)
+    if isinstance(place, TupleValue):
+        return tree.at(tree.tuple_of(*(_subscript(ev, p, origin) for p in place.items)), origin)
+    return spelled(ev, place, origin)

@@ -1,0 +1,156 @@
+"""Joins: where several ways meet, and what a loop changes.
+
+    if c: s = a            if c: s = a              where slots hold different names, both ways bind one
+    else: t.u = b          else: t_u = b
+
+Unshared structures of one shape are joined leaf by leaf; whatever else differs is a `Conflict`, refused where it is
+read.
+"""
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator
+from s2sad.evaluate.specialize.heap import Object, uses
+from s2sad.evaluate.specialize.values import UNKNOWN, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike
+from s2sad.tree import AST
+
+Objects = dict[int, Object]
+
+
+@dataclass
+class Way:
+    """The end of one way: its heap and the statements on it."""
+    objects: Objects
+    block: list[AST]
+    value: Value | None = None      # what it returns
+
+
+class Join:
+    """Several ways become one; `block` of each gets the moves to common names."""
+
+    def __init__(self, ev: Evaluator, ways: Sequence[Way], origin: AST):
+        self.ev, self.ways, self.origin = ev, ways, origin
+        self.made: dict[tuple[Reference, ...], Reference] = {}
+        self.found: Objects = {}
+
+    def objects(self) -> Objects:
+        """The common heap; names that differ are bound on all ways."""
+        first = self.ways[0].objects
+        numbers = dict.fromkeys(n for w in self.ways for n in w.objects)
+        for n in numbers:
+            held = [w.objects[n] for w in self.ways if n in w.objects]
+            if len(held) < len(self.ways) or all(h is held[0] for h in held[1:]):
+                self.found[n] = held[0]
+                continue
+            self.found[n] = self._object(held)
+        del first
+        return self.found
+
+    def _object(self, held: Sequence[Object]) -> Object:
+        one = held[0]
+        if one.kind in ("list", "set") and any(len(h.items) != len(one.items) for h in held):
+            raise self.ev.unknown(self.origin, f"'{one.label or 'a list'}' has another length on each way",
+                                  help="append to it on both, or on none", site=one.site)
+        keys = dict.fromkeys(k for h in held for k in h.items)
+        return replace(one, items={k: self._slot(one, k, [h.items.get(k) for h in held]) for k in keys})
+
+    def _slot(self, held: Object, key: Hashable, values: list[Value | None]) -> Value:
+        wanted = key if held.kind == "frame" else f"{held.label}_{key}" if held.label else str(key)
+        there = [v for v in values if v is not None]
+        if len(there) < len(values):
+            if held.kind in ("dict", "record"):
+                return Conflict(f"'{wanted}' is set on one way only")
+            return self._bound_on_some(values, str(wanted))
+        return self.meet(there, str(wanted))
+
+    def _bound_on_some(self, values: list[Value | None], wanted: str) -> Value:
+        """A name that is bound on some ways only: a variable of its own, bound there."""
+        if any(v is not None and (not isinstance(v, Data) or v.is_known and not isinstance(v.known, (int, float)))
+               for v in values):
+            return Conflict(f"'{wanted}' is bound on one way only")
+        there = [(w, v) for w, v in zip(self.ways, values) if isinstance(v, Data)]
+        one = there[0][1]
+        if one.name and all(v.name == one.name and uses(w.objects, v.name) == 1 for w, v in there):
+            return replace(one, known=UNKNOWN, may_be_unbound=True)
+        if any(v.may_be_unbound for _, v in there):
+            return Conflict(f"'{wanted}' is bound on some ways only")
+        new = self.ev.fresh(wanted)
+        for way, v in there:
+            way.block.append(tree.at(tree.assign(new, tree.copy(v.node)), self.origin))
+        return Data(tree.at(tree.name(new), self.origin), may_be_unbound=True)
+
+    def meet(self, values: Sequence[Value], wanted: str) -> Value:
+        """One value for those of all ways."""
+        one = values[0]
+        if all(alike(one, v) for v in values[1:]):
+            return one
+        if all(isinstance(v, Data) for v in values):
+            return self._data(values, wanted)  # pyright: ignore[reportArgumentType]
+        if all(isinstance(v, TupleValue) for v in values):
+            tuples: Any = values
+            if len({(len(t.items), t.made) for t in tuples}) == 1:
+                return replace(tuples[0], items=tuple(
+                    self.meet([t.items[k] for t in tuples], f"{wanted}_{k}") for k in range(len(tuples[0].items))))
+        if all(isinstance(v, SliceValue) for v in values):
+            slices: Any = values
+            return SliceValue(tuple(self.meet([s.parts[k] for s in slices], wanted) for k in range(3)))
+        if all(isinstance(v, Reference) for v in values):
+            return self._reference(values, wanted)  # pyright: ignore[reportArgumentType]
+        return Conflict(f"'{wanted}' is one thing on one way and another on another")
+
+    def _data(self, values: Sequence[Data], wanted: str) -> Value:
+        if any(v.is_known and (v.known is None or isinstance(v.known, str)) and v.is_literal for v in values):
+            return Conflict(f"'{wanted}' is {_said(values)} on different ways, which must be known before the run")
+        demands = frozenset().union(*(v.demands for v in values))
+        shapes = {v.shape for v in values}
+        kept = shapes.pop() if len(shapes) == 1 else None
+        origins = frozenset().union(*(v.origins for v in values))
+        maybe = any(v.may_be_unbound for v in values)
+        if len({v.name for v in values}) == 1 and values[0].name:
+            return Data(values[0].node, demands=demands, shape=kept, origins=origins, may_be_unbound=maybe,
+                        is_list=any(v.is_list for v in values))
+        if maybe:
+            return Conflict(f"'{wanted}' is bound on some ways only")
+        new = self.ev.fresh(wanted)
+        for way, v in zip(self.ways, values):
+            way.block.append(tree.at(tree.assign(new, v.node), self.origin))
+        return Data(tree.at(tree.name(new), self.origin), demands=demands, shape=kept, origins=origins,
+                    is_list=any(v.is_list for v in values))
+
+    def _reference(self, values: Sequence[Reference], wanted: str) -> Value:
+        key = tuple(values)
+        if key in self.made:
+            return self.made[key]
+        held = [w.objects.get(v.number) for w, v in zip(self.ways, values)]
+        objects = [h for h in held if h is not None]
+        alone = all(self.ev.heap.holders(v, w.objects) == 1 for w, v in zip(self.ways, values))
+        one = objects[0]
+        alike_made = len(objects) == len(values) and all(
+            (h.kind, h.made, tuple(h.items)) == (one.kind, one.made, tuple(one.items)) for h in objects)
+        if not alone or not alike_made or one.kind in ("frame", "class") or any(h.path or h.live for h in objects):
+            return Conflict(f"'{wanted}' is one structure on one way and another on another")
+        made = self.made[key] = self.ev.heap.new(replace(one, items={}, label=wanted))
+        del self.ev.heap.objects[made.number]
+        items = {k: self.meet([h.items[k] for h in objects], f"{wanted}_{k}") for k in one.items}
+        self.found[made.number] = replace(one, items=items, label=wanted)
+        return made
+
+
+def _said(values: Sequence[Data]) -> str:
+    return " and ".join(dict.fromkeys(repr(v.known) if v.is_known else "a number or an array" for v in values))
+
+
+def parallel(moves: Sequence[tuple[str, AST]], origin: AST) -> list[AST]:
+    """Assignments that happen at once, one after the other where none reads what another has bound."""
+    moves = [(t, v) for t, v in moves if not (isinstance(v, tree.Name) and v.id == t)]
+    if not moves:
+        return []
+    read = [{n.id for n in tree.walk(v) if isinstance(n, tree.Name)} for _, v in moves]
+    if any(t in r for k, (t, _) in enumerate(moves) for r in read[k + 1:]):
+        targets = tree.tuple_of(*(tree.name(t) for t, _ in moves))
+        return [tree.at(tree.assign(targets, tree.tuple_of(*(v for _, v in moves))), origin)]
+    return [tree.at(tree.assign(t, v), origin) for t, v in moves]

@@ -1,0 +1,69 @@
+"""Items, slices, attributes as expressions.
+"""
+from __future__ import annotations
+
+from typing import Any
+
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression, operation
+from s2sad.evaluate.specialize.sequences.known_shapes import of_part, origins
+from s2sad.evaluate.specialize.values import NONE, Data, Reference, SliceValue, Value, constant
+from s2sad.tree import AST
+
+
+# -- items -----------------------------------------------------------------------------------------------------------
+@expression("Slice")
+def slice_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
+    nodes = [p for p in (node.lower, node.upper, node.step) if p is not None]
+    values = iter(ev.values(nodes, f))
+    return SliceValue(tuple(NONE if p is None else next(values) for p in (node.lower, node.upper, node.step)))
+
+
+@expression("Subscript")
+def subscript(ev: Evaluator, node: Any, f: Frame) -> Value:
+    base, place = ev.values([node.value, node.slice], f)
+    return item_of(ev, base, place, node, f)
+
+
+@operation
+def item_of(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Value:
+    """`base[place]`."""
+    if isinstance(base, Data):
+        if isinstance(base.known, str):
+            return constant(base.known[known_place(ev, place, node)])
+        found = ev.subscripted(base, place, node)
+        if isinstance(base.known, tuple):
+            return Data(found, base.known[known_place(ev, place, node)])
+        return Data(found, demands=base.demands, shape=of_part(base, place), origins=origins(base, place),
+                    is_list=base.is_list and isinstance(place, SliceValue))
+    if isinstance(base, Reference) and ev.heap[base].kind == "record":
+        return ev.call(ev.attribute_of(base, "__getitem__", node, f), [place], {}, node, f)
+    return ev.picked(base, place, node, f)
+
+
+@operation
+def known_place(ev: Evaluator, place: Value, node: AST) -> Any:
+    """A place in a text, or in a tuple that is known."""
+    if isinstance(place, SliceValue):
+        return slice(*(ev.known(p, node, "an end of a slice") for p in place.parts))
+    return ev.known(place, node, "a place in a text or a tuple")
+
+
+@operation
+def item_key(ev: Evaluator, base: Reference, place: Value, node: AST) -> Any:
+    """The key of an item of a list or a dict that is there."""
+    held = ev.heap[base]
+    if held.kind == "dict":
+        return ev.key_of(place, node)
+    if not isinstance(place, Data) or not place.is_known:
+        raise ev.unknown(node, f"which item of '{held.label or 'a list'}' is assigned must be known before the run",
+                         place, site=held.site)
+    k = place.known + len(held.items) if place.known < 0 else place.known
+    if not 0 <= k < len(held.items):
+        raise ev.refusal(node, f"there is no item {place.known} of {len(held.items)}")
+    return k
+
+
+# -- attributes ------------------------------------------------------------------------------------------------------
+@expression("Attribute")
+def attribute(ev: Evaluator, node: Any, f: Frame) -> Value:
+    return ev.attribute_of(ev.value(node.value, f), node.attr, node, f)

@@ -1,0 +1,62 @@
+"""Loops that are written out, round by round.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from s2sad.evaluate.specialize.branches import NOWHERE
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, operation
+from s2sad.evaluate.specialize.values import NONE, Data, Value
+
+
+# -- loops that are written out --------------------------------------------------------------------------------------
+@operation
+def unrolled(ev: Evaluator, s: Any, cursor: Any, f: Frame, bind: Callable[[Value], None]) -> None:
+    """The rounds of a loop one after the other; `cursor` gives the items as a loop comes to them."""
+    ev.pending.append(None)
+    after = len(ev.pending) - 1         # `break` goes here
+    depth = len(ev.loops)
+    ev.loops.append((after, NOWHERE))
+
+    def rounds(cursor: Any) -> None:
+        while True:
+            found = cursor.next()
+            if found is None:
+                ev.statements(s.orelse, f)
+                return
+            item, cursor = found
+            ev.loops[-1] = (after, NOWHERE)
+            ev.later(lambda cursor=cursor: rounds(cursor))
+            ev.pending.append(None)
+            mark = len(ev.pending) - 1
+            ev.loops[-1] = (after, mark)
+            bind(item)
+            try:
+                ev.statements(s.body, f)
+            except Leave as leave:
+                if leave.mark != mark:
+                    raise
+            finally:
+                del ev.pending[mark - 1:]
+    try:
+        rounds(cursor)
+    except Leave as leave:
+        if leave.mark != after:
+            raise
+    finally:
+        del ev.loops[depth:]
+        del ev.pending[after:]
+
+
+class WhileCursor:
+    """The rounds of a `while` whose test is known."""
+
+    def __init__(self, ev: Evaluator, s: Any, f: Frame):
+        self.ev, self.s, self.f = ev, s, f
+
+    def next(self) -> tuple[Value, WhileCursor] | None:
+        test = self.ev.test_of(self.s.test, self.f)
+        if isinstance(test, Data):
+            raise self.ev.unknown(self.s.test, "the test of a loop that must be written out is not known", test)
+        return (NONE, self) if test else None

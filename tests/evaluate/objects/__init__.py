@@ -1,0 +1,1 @@
+"""Objects, lists, dicts and functions as values, which the evaluator computes before the run."""

@@ -1,0 +1,112 @@
+"""Objects that a kernel is given, or whose method it is: a gradient leaves them as they were."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from s2sad import S2sadError, differentiate, gradient, jvp, value_and_gradient, vjp
+from tests.evaluate.objects.solvers import Grid, Solver, given_object, subclass
+from tests.engines import running, said
+
+X = np.array([0.3, 0.7, 1.1, 1.9])
+
+
+@pytest.fixture(autouse=True)
+def evaluated(monkeypatch):
+    monkeypatch.setenv("S2SAD_EVALUATE", "1")
+
+
+class Model:
+    """Counts its calls, keeps its time and a history, and writes a work array."""
+
+    def __init__(self, n):
+        self.work, self.calls, self.t, self.history = np.zeros(n), 0, 0.0, []
+
+    def loss(self, x):
+        self.calls += 1
+        self.t += 0.5
+        self.work[:] = x * self.t
+        self.history.append(self.t)
+        return np.sum(self.work ** 2) * self.calls
+
+
+class State:
+    def __init__(self, u, t=0.0):
+        self.u, self.t = u, t
+
+
+def rebinds(state, x):
+    state.u = state.u * x
+    state.t = state.t + x[0]
+    return np.sum(state.u) * state.t
+
+
+def writes_and_rebinds(state, x):
+    state.u[0] = x[1]
+    state.u = state.u * 2.0
+    return np.sum(state.u)
+
+
+def grown(us, vs, x):
+    us.append(x)
+    return np.sum(vs[-1] * x)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_a_method_that_assigns(engine):
+    model = Model(4)
+    with running(engine) as run_under:
+        found = gradient(differentiate(model.loss, engine=run_under))
+        np.testing.assert_allclose(found(X), 2.0 * X * 0.25, rtol=1e-14)
+        assert (model.calls, model.t, model.history) == (0, 0.0, []) and not model.work.any()
+        model.loss(X)
+        np.testing.assert_allclose(found(X), 2.0 * X * 2.0, rtol=1e-14)
+        assert (model.calls, model.t, model.history) == (1, 0.5, [0.5])
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_an_object_that_is_given(engine):
+    x = 1.0 + 0.3 * np.random.default_rng(5).random(16)
+    direction = np.random.default_rng(6).standard_normal(16)
+
+    def along(h):
+        return given_object(Solver(Grid(16)), x + h * direction)
+    solver = Solver(Grid(16))
+    with running(engine) as run_under:
+        found = gradient(differentiate(given_object, engine=run_under), wrt="x")(solver, x)
+    assert (solver.t, solver.steps) == (0.0, 0)
+    np.testing.assert_allclose(found @ direction, (along(1e-5) - along(-1e-5)) / 2e-5, rtol=1e-7)
+
+
+def test_a_subclass_with_kinks_near():
+    """Tangent and adjoint agree, and the value is the kernel's; the limiter's kinks leave differences no room."""
+    x = 1.0 + 0.3 * np.random.default_rng(5).random(16)
+    direction, f = np.random.default_rng(6).standard_normal(16), differentiate(subclass, engine="numpy")
+    value, slope = value_and_gradient(f)(x)
+    np.testing.assert_allclose(value, subclass(x), rtol=1e-13)
+    np.testing.assert_allclose(slope @ direction, jvp(f, (x,), {"x": direction})["return"], rtol=1e-10)
+
+
+def test_attributes_that_are_replaced():
+    state, f = State(X.copy()), differentiate(rebinds)
+    np.testing.assert_allclose(gradient(f, wrt="x")(state, X), X * 0.3 + np.array([np.sum(X * X), 0, 0, 0]), rtol=1e-14)
+    np.testing.assert_array_equal(state.u, X)
+    with pytest.raises(S2sadError) as caught:
+        vjp(f, (state, X), {"state.u": np.ones(4)})
+    assert said(caught.value).startswith("'state.u' is no output of 'rebinds', which does not write it")
+    assert f(state, X) == np.sum(X * X) * 0.3 and state.t == 0.3
+
+
+def test_what_is_written_and_replaced():
+    with pytest.raises(S2sadError) as caught:
+        gradient(differentiate(writes_and_rebinds), wrt="x")(State(X.copy()), X)
+    assert said(caught.value) == ("'state.u' is written in place, and replaced by another array in the object that has "
+                                  "it: do either of them")
+
+
+def test_an_object_that_is_given_twice():
+    us = [X.copy()]
+    with pytest.raises(S2sadError) as caught:
+        gradient(differentiate(grown), wrt="x")(us, us, X)
+    assert said(caught.value) == "'us' and 'vs' are one object, which is changed: pass a copy"
+    np.testing.assert_array_equal(gradient(differentiate(grown), wrt="x")([X], [X.copy()], X), X)

@@ -1,0 +1,21 @@
+"""The evaluator: kernels with objects, lists, dicts and functions as values have right values and derivatives."""
+from __future__ import annotations
+
+import pytest
+
+from tests.derivatives import check_derivatives
+from tests.evaluate.objects import control, identity, plain_python, solvers
+
+CASES = [(f"{module.__name__.rpartition('.')[2]}.{case.kernel.__name__}", case)
+         for module in (identity, control, plain_python, solvers) for case in module.cases()]
+
+
+@pytest.fixture(autouse=True)
+def evaluated(monkeypatch):
+    monkeypatch.setenv("S2SAD_EVALUATE", "1")
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("case", [pytest.param(case, id=name) for name, case in CASES])
+def test_derivatives(case, engine):
+    check_derivatives(case.kernel, case.arguments, (case.wrt,), case.of, engine, **case.options)
