@@ -11,7 +11,7 @@ from types import FunctionType, MappingProxyType
 from typing import Any
 
 from s2sad import pipeline, read
-from s2sad.evaluate.specialize import enabled, specialize, unread
+from s2sad.evaluate.specialize import specialize, unread
 from s2sad.live_objects.guards import Guards, Path, reached, recording, same
 from s2sad.live_objects.unwrap import python_function
 from s2sad.infer.independents import independents, usable_as_floats
@@ -26,7 +26,7 @@ from s2sad.read.capture import not_a_function
 from s2sad.run.user_functions_in_numba import checked_constants, compiled_in, registered_rules, uncompiled
 from s2sad.run.user_derivatives import checked_derivatives
 from s2sad.pytree import Form, PyTree
-from s2sad.tree import equal
+from s2sad.tree import Call, FunctionDef, call_name, equal, walk
 
 __all__ = ["asks", "checked_constants", "checked_derivatives", "compiled_in", "derived", "entry_kernel", "flat_program",
            "not_a_function", "program", "registered_rules", "result_form", "same_program", "summary", "uncompiled"]
@@ -36,10 +36,8 @@ def program(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Pa
     """The program of a live function; where reading refuses it, one that waits for what it is given."""
     try:
         found = read.load(function, methods, varying)
-        return replace(found, function=python_function(function)) if enabled() else found
+        return replace(found, function=python_function(function))
     except S2sadError as refused:
-        if not enabled():
-            raise
         with recording(Guards(varying)) as guards:
             plain = python_function(function)
             if plain is None or refused.diagnostics[0].code.startswith("S1"):
@@ -80,9 +78,13 @@ def flat_program(program: Program, function: FunctionType, forms: tuple[Form, ..
     try:
         return _fields(program, function, forms, varying)
     except S2sadError as refused:
-        if not enabled():
-            raise
+        if any(_calls_sparse(k.tree) for k in program.kernels.values()):
+            raise       # the evaluator knows no sparse matrices
         return evaluated(replace(program, function=function), forms, varying, facts, refused)
+
+
+def _calls_sparse(kernel: FunctionDef) -> bool:
+    return any(isinstance(n, Call) and (call_name(n) or "").startswith("scipy.sparse.") for n in walk(kernel))
 
 
 def _fields(program: Program, function: FunctionType, forms: tuple[Form, ...], varying: Collection[Path]

@@ -97,12 +97,11 @@ def _attribute(node: AST, report: Report) -> list[AST] | None:
     if isinstance(node.ctx, tree.Store) and _may_be_a_field(node):
         return None
     if isinstance(node.ctx, tree.Store):
-        target = f"{node.value.id}.{node.attr}" if isinstance(node.value, tree.Name) else f".{node.attr}"
         if node.attr == "shape":
             help = "bind the new shape to a new name: y = x.reshape(...)"
         else:
             help = "return the value, or write it to an element of an array argument"
-        report.error("S201", f"an assignment to the attribute {target} {_NOT}", node, help=help)
+        report.error("S201", f"an assignment to the attribute .{node.attr} {_NOT}", node, help=help)
         return []
     if _is_string(node.value):
         report.error("S201", f"a method of a string {_NOT}", node, help=_STRINGS)

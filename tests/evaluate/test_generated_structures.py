@@ -21,11 +21,6 @@ X = np.array([0.3, 0.7, 1.1, 1.9])
 PROGRAMS = int(generator(0).integers(10 ** 6)) % 10 ** 6, 100      # the first seed, and how many
 
 
-@pytest.fixture(autouse=True)
-def evaluated(monkeypatch):
-    monkeypatch.setenv("S2SAD_EVALUATE", "1")
-
-
 def loaded(seed, folder):
     """The function of a program, None where Python does not run it to a number."""
     path = folder / f"program_{seed}.py"

@@ -11,11 +11,6 @@ from tests.engines import running, said
 X = np.array([0.3, 0.7, 1.1, 1.9])
 
 
-@pytest.fixture(autouse=True)
-def evaluated(monkeypatch):
-    monkeypatch.setenv("S2SAD_EVALUATE", "1")
-
-
 class Model:
     """Counts its calls, keeps its time and a history, and writes a work array."""
 

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -295,25 +295,78 @@ def no_method(v, dt):
     return (v + v) * dt
 
 
+class Both:        # noqa: PLW1641
+    def __init__(self, h):
+        self.h = h
+
+    def __eq__(self, o):
+        return NotImplemented
+
+    def __ne__(self, o):
+        return self.h > 0.0
+
+
+def not_equal(g, dt):
+    other = Both(dt)
+    return dt ** 2 if g != other else dt + (g == other)
+
+
+class Inner:
+    def __init__(self, h):
+        self.h = h
+
+    def __add__(self, o):
+        return 2.0 * self.h + o.h
+
+    def __radd__(self, o):
+        return 3.0 * self.h + o.h
+
+
+class Outer(Inner):
+    def __radd__(self, o):
+        return 5.0 * self.h + o.h
+
+
+def right_first(g, dt):
+    """A class that is derived from the other operand's is asked first."""
+    return (Inner(dt) + g) * dt + (g + Inner(dt))
+
+
+@dataclass
+class Same:
+    a: float
+    b: float = field(compare=False)
+
+
+def as_fields(g, dt):
+    p, q = Same(dt, 1.0), Same(dt, 2.0)
+    return dt ** 3 if p == q and g == g and not p != q else dt
+
+
 REFUSED = [
     (number_on_the_left, V, "an operator with 'v' on its right, and on its left what may be a number or an array of "
      "NumPy's, which would not ask its class"),
-    (unpacked, Gone(0.3, 0.4), "the items of 'g', whose class defines '__iter__'"),
-    (looped, Gone(0.3, 0.4), "the items of 'g', whose class defines '__iter__'"),
     (as_an_array, Gone(0.3, 0.4), "the items of 'g', whose class defines '__iter__'"),
-    (truth, V, "the truth of 'v', which its class defines"),
     (greatest, V, "max() of 'v', whose class defines '__gt__'"),
     (as_a_bool, V, "bool() of 'v', whose class defines '__len__'"),
-    (turned, V, "the items of 'v', whose class defines '__len__'"),
     (chained, V, "a chain of comparisons with 'v', whose class defines them"),
-    (in_an_arm, V, "'__mul__' returns a structure inside an expression"),
-    (unequal, Equal(0.5), "'!=' of 'g', whose class defines '=='"),
     (unpacked_fields, grid(), "the items of 'g', whose class defines '__len__'"),
     (unpacked_fields, Plain(0.5), "'g' is an object of class Plain, which is used as a whole here"),
     (length_of_fields, Plain(0.5), "len() of 'g', which is an object of class Plain"),
-    (no_method, Given(0.3, 0.4), "an operator of 'v', whose class has '__add__', which is no method written in "
-     "Python"),
+    (no_method, Given(0.3, 0.4), "no derivative rule for math.hypot with 1 arguments"),
 ]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize(("kernel", "given"), [
+    (unpacked, Gone(0.3, 0.4)), (looped, Gone(0.3, 0.4)), (truth, V), (turned, V), (in_an_arm, V),
+    (unequal, Equal(0.5)), (unequal, Equal(-0.5)), (not_equal, Both(0.5)), (right_first, Outer(0.5)),
+    (as_fields, Same(0.5, 1.0))], ids=lambda p: getattr(p, "__name__", ""))
+def test_what_a_class_says_of_itself(kernel, given, engine):
+    with running(engine) as name:
+        value, gradient = s2sad.value_and_gradient(s2sad.differentiate(kernel, engine=name), wrt="dt")(given, 0.5)
+    assert value == pytest.approx(kernel(given, 0.5), rel=1e-14)
+    assert gradient == pytest.approx((kernel(given, 0.5 + 1e-5) - kernel(given, 0.5 - 1e-5)) / 2e-5, rel=1e-8)
 
 
 @pytest.mark.parametrize(("kernel", "given", "message"), REFUSED, ids=[k.__name__ for k, _, _ in REFUSED])

@@ -10,11 +10,6 @@ CASES = [(f"{module.__name__.rpartition('.')[2]}.{case.kernel.__name__}", case)
          for module in (identity, control, plain_python, solvers) for case in module.cases()]
 
 
-@pytest.fixture(autouse=True)
-def evaluated(monkeypatch):
-    monkeypatch.setenv("S2SAD_EVALUATE", "1")
-
-
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
 @pytest.mark.parametrize("case", [pytest.param(case, id=name) for name, case in CASES])
 def test_derivatives(case, engine):

@@ -41,7 +41,7 @@ REFUSED = [
      "a complex value becomes float64, where its imaginary part is lost", "write z.real"),
     ("z.real[:] = x", "z.real[:] = x", "S201", "a store into .real of an array",
      "store both parts: z[...] = a + 1j * b"),
-    ("z.imag = x", "z.imag", "S201", "an assignment to the attribute z.imag is not supported in a kernel",
+    ("z.imag = x", "z.imag", "S201", "an assignment to the attribute .imag is not supported in a kernel",
      "store both parts: z[...] = a + 1j * b"),
     ("return np.sum(np.zeros(3, dtype=np.complex64) * x).real", "np.zeros(3, dtype=np.complex64)", "S201",
      "a value of complex64", "use complex128, and no float32 beside it"),

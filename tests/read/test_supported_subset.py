@@ -72,7 +72,7 @@ REFUSED = [
      "bind the others one by one, and take the rest by a slice: rest = x[1:]"),
     ("other(*x)", "*x", "S201", f"a starred expression {NO}", "write the elements out, one by one"),
     ("other(**x)", "x", "S201", f"** in a call {NO}", "write the keyword arguments out"),
-    ("x.shape = (2, 3)", "x.shape", "S201", f"an assignment to the attribute x.shape {NO}",
+    ("x.shape = (2, 3)", "x.shape", "S201", f"an assignment to the attribute .shape {NO}",
      "bind the new shape to a new name: y = x.reshape(...)"),
     ("y = COMPLEX", "COMPLEX", "S201", "'COMPLEX' cannot be used in a kernel: it is a complex number that is not "
      "finite, or of 64 bits", "make it in the kernel"),

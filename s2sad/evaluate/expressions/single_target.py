@@ -22,7 +22,7 @@ from s2sad.evaluate.loops.negative_indices import places_counted
 from s2sad.evaluate.expressions.hoist import bound_call, hoist, hoist_all, impure, operands, replace_operands, stored
 from s2sad.evaluate.mutating_calls import UNSUPPORTED, stored_by_call, stored_out
 from s2sad.evaluate.scope import KernelScope
-from s2sad.evaluate.expressions.unpack import unpack
+from s2sad.evaluate.expressions.unpack import unassignable, unpack
 from s2sad.rules.composed import WRITING
 from s2sad.tree import (
     SAID, AST, And, AnnAssign, Assert, Assign, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr, For,
@@ -68,7 +68,7 @@ def _augmented(node: AugAssign, scope: KernelScope) -> list[AST]:
         before, value = hoist(value, scope)
         return [*before, AugAssign(target, node.op, value)]
     if not isinstance(target, Subscript):
-        scope.refuse(target, "this cannot be assigned to", help="assign to a name or to an element of an array")
+        unassignable(target, scope)
         return []
     return _augmented_element(node, scope)
 

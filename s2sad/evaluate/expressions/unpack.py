@@ -59,8 +59,19 @@ def _assigned(target: AST, value: AST, scope: KernelScope) -> list[AST]:
         return into(target, value, scope)
     if isinstance(target, Subscript):
         return _stored(target, value, scope)
-    scope.refuse(target, "this cannot be assigned to", help="assign to a name or to an element of an array")
+    unassignable(target, scope)
     return []
+
+
+def unassignable(target: AST, scope: KernelScope) -> None:
+    """Refuses a target that is neither a name nor an element."""
+    if not isinstance(target, Attribute):
+        scope.refuse(target, "this cannot be assigned to", help="assign to a name or to an element of an array")
+        return
+    help = ("bind the new shape to a new name: y = x.reshape(...)" if target.attr == "shape" else
+            "store both parts: z[...] = a + 1j * b" if target.attr in ("real", "imag") else
+            "return the value, or write it to an element of an array argument")
+    scope.refuse(target, f"an assignment to the attribute .{target.attr} is not supported in a kernel", help=help)
 
 
 def _stored(target: Subscript, value: AST, scope: KernelScope) -> list[AST]:

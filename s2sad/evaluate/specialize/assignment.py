@@ -179,6 +179,9 @@ def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: 
             return ev.binary(s.op, old, value, s, f) if method is None else ev.call(method, [value], {}, s, f)
     if not isinstance(old, Data) or old.is_known and old.is_literal or not isinstance(value, (Data, TupleValue)):
         return ev.binary(s.op, old, value, s, f)
+    if old.name and old.shape:      # an array under a name of its own
+        ev.emit(tree.augment(tree.copy(old.node), s.op, ev.spelled(value, s)), s, True)
+        return None
     if not ev.owns(old.name):
         new = ev.fresh(wanted)
         ev.emit(tree.assign(new, old.node), s)

@@ -54,6 +54,8 @@ def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> 
 
 
 def _of_data(ev: Evaluator, base: Data, name: str, node: AST) -> Value:
+    if base.is_known and base.known is None:
+        raise ev.refusal(node, "this is None here", code="S203", help="test it before: if ... is not None: ...")
     if isinstance(base.known, str):
         return MethodValue(base, name)
     made = tree.at(tree.attribute(ev.spelled(base, node), name), node)
@@ -75,6 +77,9 @@ def _of_data(ev: Evaluator, base: Data, name: str, node: AST) -> Value:
 def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AST, f: Frame) -> Value:
     if name == "__class__" and held.made is not None:
         return held.made
+    if ev.class_item(held.made, "__getattribute__", node, f) is not None:
+        raise ev.refusal(node, "an attribute is read, and the class says how: '__getattribute__'",
+                         help="write what it does")
     found = ev.class_item(held.made, name, node, f)
     data = found is not None and isinstance(found[1], LibraryValue) and found[1].path == "builtins.property"
     if not data and name in held.items:
@@ -199,10 +204,14 @@ def assign_attribute(ev: Evaluator, base: Reference, name: str, value: Value, no
             raise ev.refusal(node, f"the property '{name}' is assigned, which has no setter")
         ev.call(ev.live_function(setter, node, f, found[0]), [base, value], {}, node, f)
         return
-    if ev.class_item(held.made, "__setattr__", node, f) is not None or _is_frozen(held.made):
-        if f.label not in ("__init__", "__post_init__"):
-            raise ev.refusal(node, f"an attribute of an object of class {held.made.name if held.made else '?'} is "
-                             "assigned, which is frozen")
+    if found is not None and isinstance(found[1], ObjectValue) and hasattr(type(found[1].value), "__set__"):
+        raise ev.refusal(node, "a descriptor is assigned", help="write it as a property with a setter")
+    if ev.class_item(held.made, "__setattr__", node, f) is not None:
+        raise ev.refusal(node, "an attribute is assigned, and the class says how: '__setattr__'",
+                         help="write what it does")
+    if _is_frozen(held.made):
+        raise ev.refusal(node, f"an attribute of an object of class {held.made.name if held.made else '?'} is "
+                         "assigned, which is frozen")
     label = f"{held.label}_{name}" if held.label else name
     if isinstance(value, Reference) and not ev.heap[value].label:
         ev.heap.objects[value.number] = dataclasses.replace(ev.heap[value], label=label)

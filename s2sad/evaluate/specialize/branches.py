@@ -12,7 +12,7 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import STATEMENTS, Evaluator, Frame, Leave, operation, statement
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.state_joins import Join, Way
-from s2sad.evaluate.specialize.values import NONE, Data, Reference, TupleValue, Value
+from s2sad.evaluate.specialize.values import FACTORY, NONE, Data, Reference, TupleValue, Value
 from s2sad.tree import AST
 
 NOWHERE = -1        # the mark of what nothing follows
@@ -42,16 +42,14 @@ def truth(ev: Evaluator, value: Value, node: AST, f: Frame) -> bool | Data:
     """True or False, or the test that the residual program makes."""
     if isinstance(value, Data):
         return bool(value.known) if value.is_known else value
+    for name in ("__bool__", "__len__"):
+        method = ev.special_method(value, name, node, f)
+        if method is not None:
+            return truth(ev, ev.call(method, [], {}, node, f), node, f)
     if isinstance(value, TupleValue):
         return bool(value.items)
-    if isinstance(value, Reference):
-        held = ev.heap[value]
-        if held.kind != "record":
-            return bool(held.items)
-        for name in ("__bool__", "__len__"):
-            method = ev.method_named(held.made, name, value, node, f)
-            if method is not None:
-                return truth(ev, ev.call(method, [], {}, node, f), node, f)
+    if isinstance(value, Reference) and ev.heap[value].kind != "record":
+        return any(k is not FACTORY for k in ev.heap[value].items)
     return True
 
 

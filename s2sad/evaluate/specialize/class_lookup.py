@@ -88,6 +88,21 @@ def method_named(ev: Evaluator, made: ClassValue | None, name: str, instance: Va
 
 
 @operation
+def special_method(ev: Evaluator, value: Value, name: str, node: AST, f: Frame) -> Value | None:
+    """A method that the user's class of an object or a named tuple has under a name of Python's; None without one."""
+    made = class_of(ev, value)
+    return None if made is None else method_named(ev, made, name, value, node, f)
+
+
+@operation
+def is_sequence(ev: Evaluator, made: ClassValue | None, node: AST, f: Frame) -> bool:
+    """Whether NumPy would take an object for the array of its items."""
+    if made is None or made.live is not None and issubclass(made.live, tuple):
+        return made is not None
+    return all(class_item(ev, made, name, node, f) is not None for name in ("__len__", "__getitem__"))
+
+
+@operation
 def bound(ev: Evaluator, value: Value, instance: Value | None, made: ClassValue | None, node: AST, f: Frame) -> Value:
     """What a class's item is as an attribute of an object, or of the class where `instance` is None."""
     if isinstance(value, FunctionValue) and instance is not None:
@@ -102,6 +117,8 @@ def bound(ev: Evaluator, value: Value, instance: Value | None, made: ClassValue 
             return dataclasses.replace(inner, first=(made, *inner.first))
         if instance is not None:
             return ev.call(value.first[0], [instance], {}, node, f)
+    if isinstance(value, ObjectValue) and hasattr(type(value.value), "__get__"):
+        raise ev.refusal(node, "a descriptor is read", help="write it as a property")
     return value
 
 

@@ -52,8 +52,7 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
             return constant(kind == "NotEq")        # a number or an array is no text
         return Data(tree.at(tree.Compare(ev.spelled(a, node), [op], [ev.spelled(b, node)]), node),
                     demands=demands_of(a, b))
-    reflected = {"lt": "gt", "gt": "lt", "le": "ge", "ge": "le"}.get(word, word)
-    found = _overloaded_comparison(ev, word, reflected, a, b, node, f)
+    found = _overloaded_comparison(ev, word, a, b, node, f)
     if found is not None:
         return found
     if isinstance(a, TupleValue) and isinstance(b, TupleValue):
@@ -70,13 +69,24 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
     raise ev.refusal(node, f"{ev.kind_of(a)} and {ev.kind_of(b)} are compared")
 
 
-def _overloaded_comparison(ev: Evaluator, word: str, reflected: str, a: Value, b: Value, node: AST, f: Frame
-                           ) -> Value | None:
-    for value, other, name in ((a, b, word), (b, a, reflected)):
-        made = ev.class_of(value)
-        method = None if made is None else ev.method_named(made, f"__{name}__", value, node, f)
-        if method is not None:
-            return ev.call(method, [other], {}, node, f)
+def _overloaded_comparison(ev: Evaluator, word: str, a: Value, b: Value, node: AST, f: Frame) -> Value | None:
+    """A comparison that a class of the user's defines; `!=` is the inverse of `==` where only that is defined."""
+    reflected = {"lt": "gt", "gt": "lt", "le": "ge", "ge": "le"}.get(word, word)
+    for value, other, name in ev.in_order(a, b, f"__{word}__", f"__{reflected}__"):
+        found = ev.answered(ev.special_method(value, name, node, f), other, node, f)
+        if found is None and word == "ne":
+            equal = ev.answered(ev.special_method(value, "__eq__", node, f), other, node, f)
+            test = None if equal is None else ev.truth(equal, node, f)
+            if test is not None:
+                return Data(tree.at(tree.UnaryOp(tree.Not(), test.node), node)) if isinstance(
+                    test, Data) else constant(not test)
+        if found is None and word in ("eq", "ne") and ev.compares_fields(value):
+            if ev.class_of(a) != ev.class_of(b):
+                continue
+            pairs = [TupleValue(ev.compared_fields(v, node, f)) for v in (a, b)]
+            return _tuples(ev, tree.Eq() if word == "eq" else tree.NotEq(), pairs[0], pairs[1], node, f)
+        if found is not None:
+            return found
     return None
 
 
@@ -114,6 +124,9 @@ def _identical(ev: Evaluator, a: Value, b: Value, node: AST) -> bool:
 
 
 def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Frame) -> Value:
+    own = ev.special_method(b, "__contains__", node, f) if isinstance(b, TupleValue) else None
+    if own is not None:
+        raise ev.refusal(node, "'in' of a named tuple, whose class defines '__contains__'", help="call its method")
     if isinstance(b, Reference) and ev.heap[b].kind in ("dict", "set"):
         return constant((ev.key_of(a, node) in ev.heap[b].items) is wanted)
     if isinstance(b, Reference) and ev.heap[b].kind == "record":
@@ -127,7 +140,7 @@ def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Fr
         raise ev.refusal(node, "whether an array has an element is asked", help="write np.any(a == x)")
     equal = tree.Eq() if wanted else tree.NotEq()
     tests: list[AST] = []
-    for item in ev.items_of(b, node, f):
+    for item in b.items if isinstance(b, TupleValue) else ev.items_of(b, node, f):
         found = compared(ev, equal, a, item, node, f)
         if isinstance(found, Data) and found.is_known:
             if bool(found.known) is wanted:

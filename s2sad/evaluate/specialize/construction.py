@@ -64,6 +64,22 @@ def _named_tuple(ev: Evaluator, made: ClassValue, args: Sequence[Value], keyword
     return TupleValue(tuple(items), made)
 
 
+@operation
+def compares_fields(ev: Evaluator, value: Value) -> bool:
+    """Whether an object is of a dataclass whose `==` compares fields."""
+    made = ev.class_of(value)
+    live = made.live if made is not None and isinstance(value, Reference) else None
+    return bool(getattr(getattr(live, "__dataclass_params__", None), "eq", False))
+
+
+@operation
+def compared_fields(ev: Evaluator, value: Value, node: AST, f: Frame) -> tuple[Value, ...]:
+    """What `==` of a dataclass compares."""
+    made = ev.class_of(value)
+    assert made is not None
+    return tuple(ev.attribute_of(value, d.name, node, f) for d in dataclasses.fields(made.live) if d.compare)
+
+
 def _is_dataclass(ev: Evaluator, made: ClassValue) -> bool:
     return made.live is not None and dataclasses.is_dataclass(made.live)
 

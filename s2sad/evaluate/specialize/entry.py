@@ -11,7 +11,6 @@ derivatives of their own apart.
 from __future__ import annotations
 
 import inspect
-import os
 import types
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -51,11 +50,6 @@ class Residual:
 
     def captured(self) -> Captured:
         return self.made
-
-
-def enabled() -> bool:
-    """Whether what reading refuses is evaluated: not yet for everybody, where S2SAD_EVALUATE is 1."""
-    return os.environ.get("S2SAD_EVALUATE") == "1"
 
 
 def unread(function: types.FunctionType, refused: S2sadError) -> Program:
@@ -196,7 +190,8 @@ def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, na
                     shape=())
     if not form.is_array:
         return Data(tree.at(tree.name(name), origin), shape=())
-    return Data(tree.at(tree.name(name), origin), origins=frozenset((path,)), shape=ev.facts.get((path, "shape")))
+    return Data(tree.at(tree.name(name), origin), origins=frozenset((path,)), shape=ev.facts.get(
+        (path, "shape"), (None,) * form.rank))
 
 
 # -- results ---------------------------------------------------------------------------------------------------------

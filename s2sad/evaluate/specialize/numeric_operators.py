@@ -61,6 +61,11 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
     found = ev.container_operator(op, left, right, node, f)
     if found is not None:
         return found
+    for value, operand in ((left, "left"), (right, "right")):
+        if isinstance(value, Data) and value.is_known and value.known is None:
+            at: AST = getattr(node, operand, node)
+            raise ev.refusal(at, "this is None here", code="S203", help="test it before: "
+                             "if ... is not None: ...")
     demands = demands_of(left, right)
     if isinstance(left, Data) and isinstance(right, Data) and left.is_known and right.is_known:
         known = computed(OPERATORS[type(op)][0], left.known, right.known)
@@ -90,13 +95,35 @@ def computed(does: Callable[..., Any], *known: Any) -> Any:
 def _overloaded(ev: Evaluator, word: str, left: Value, right: Value, node: AST, f: Frame, reflected: str = "r"
                 ) -> Value | None:
     """An operator of a class of the user's: the left one's, or the right one's for exchanged operands."""
-    for value, other, name in ((left, right, f"__{word}__"), (right, left, f"__{reflected}{word}__")):
-        made = ev.class_of(value)
-        if made is None:
-            continue
-        method = ev.method_named(made, name, value, node, f)
-        if method is not None:
-            found = ev.call(method, [other], {}, node, f)
-            if not (isinstance(found, LibraryValue) and found.path == "builtins.NotImplemented"):
-                return found
+    for value, other, name in in_order(ev, left, right, f"__{word}__", f"__{reflected}{word}__"):
+        method = ev.special_method(value, name, node, f)
+        if method is not None and value is right and not _gives_way(ev, left, right, node, f):
+            raise ev.refusal(node, "an operator with an object on its right, and on its left what may be a number or "
+                             "an array of NumPy's, which would not ask its class", help="put the object on the left")
+        found = answered(ev, method, other, node, f)
+        if found is not None:
+            return found
     return None
+
+
+@operation
+def in_order(ev: Evaluator, left: Value, right: Value, word: str, reflected: str) -> list[tuple[Value, Value, str]]:
+    """The operands in the order in which Python asks their classes: a class that is derived from the other's first."""
+    ways = [(left, right, word), (right, left, reflected)]
+    classes = [ev.class_of(v) for v in (left, right)]
+    derived = None not in classes and classes[0] != classes[1] and classes[0] in ev.mro(classes[1])
+    return ways[::-1] if derived else ways
+
+
+@operation
+def answered(ev: Evaluator, method: Value | None, other: Value, node: AST, f: Frame) -> Value | None:
+    """What an operator's method gives; None where there is none, or it is NotImplemented."""
+    found = None if method is None else ev.call(method, [other], {}, node, f)
+    return None if isinstance(found, LibraryValue) and found.path == "builtins.NotImplemented" else found
+
+
+def _gives_way(ev: Evaluator, left: Value, right: Value, node: AST, f: Frame) -> bool:
+    """Whether what is on the left has the class on the right asked: a number does, be it Python's or NumPy's."""
+    if not isinstance(left, Data) or left.is_known:
+        return True
+    return left.shape == () and not ev.is_sequence(ev.class_of(right), node, f)

@@ -17,6 +17,10 @@ def spelled(ev: Evaluator, value: Value, origin: AST) -> AST:
     """A value as an expression of the residual program."""
     if isinstance(value, Data):
         return tree.copy(value.node) if value.is_atom else value.node
+    if isinstance(value, TupleValue) and any(
+            ev.class_item(value.made, name, origin, ev.entry) for name in ("__iter__", "__len__", "__getitem__")):
+        raise ev.refusal(origin, f"a {value.made.name if value.made else 'tuple'} is used as a whole, whose class says "
+                         "what its items are", help="name its fields")
     if isinstance(value, TupleValue):
         return tree.at(tree.tuple_of(*(spelled(ev, v, origin) for v in value.items)), origin)
     if isinstance(value, Reference) and ev.heap[value].kind == "list":

@@ -28,6 +28,8 @@ def subscript(ev: Evaluator, node: Any, f: Frame) -> Value:
 def item_of(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Value:
     """`base[place]`."""
     if isinstance(base, Data):
+        if base.is_known and base.known is None:
+            raise ev.refusal(node, "this is None here", code="S203", help="test it before: if ... is not None: ...")
         if isinstance(base.known, str):
             return constant(base.known[known_place(ev, place, node)])
         found = ev.subscripted(base, place, node)
@@ -37,6 +39,9 @@ def item_of(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Va
                     is_list=base.is_list and isinstance(place, SliceValue))
     if isinstance(base, Reference) and ev.heap[base].kind == "record":
         return ev.call(ev.attribute_of(base, "__getitem__", node, f), [place], {}, node, f)
+    own = ev.special_method(base, "__getitem__", node, f)
+    if own is not None:
+        return ev.call(own, [place], {}, node, f)
     return ev.picked(base, place, node, f)
 
 

@@ -33,8 +33,7 @@ class Assignments(Operators):
             self.refuse(node, "the places of the entries of a sparse matrix are written", "build another matrix")
         if not isinstance(base, StructureValue):
             if isinstance(node, Attribute):
-                said = f"{node.value.id}.{node.attr}" if isinstance(node.value, Name) else f".{node.attr}"
-                self.refuse(node, f"an assignment to the attribute {said} {NO}",
+                self.refuse(node, f"an assignment to the attribute .{node.attr} {NO}",
                             BOTH_PARTS if node.attr in ("real", "imag") else _KEPT_LOCALLY)
                 return at(Name("_", Store(), None, None), node)
             return None

@@ -34,11 +34,12 @@ class Carrier:
 
 class FlatSelection:
     """The inputs and outputs of one function for arguments of one make; `names` are its flat names by path, `cells`
-    those of arrays of one element."""
+    those of arrays of one element, `changed` the paths of objects that hold something else in the end."""
     forms: dict[str, Form]
     names: dict[str, str]
     paths: dict[str, str]
     cells: frozenset[str]
+    changed: frozenset[str]
     plain: tuple[str, ...]          # the parameters that the kernel's text takes for floats
     state: ProgramVersion
     title: str
@@ -103,6 +104,9 @@ class FlatSelection:
         name, form, spelling = path
         if isinstance(form, Type):
             return [self.names.get(spelling, spelling)]
+        if any(p == spelling or p.startswith((f"{spelling}.", f"{spelling}[")) for p in self.changed):
+            raise _refused(f"'{self.title}' leaves something else in '{name}' than was there, which is no output",
+                           "return it, or write it into an array in place")
         found = [n for n in self.floats(form, spelling) if n in self._summary.written]
         if not found:
             raise _refused(f"'{name}' is no output of '{self.title}', which writes no float in it")

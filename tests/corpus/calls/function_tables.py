@@ -142,44 +142,12 @@ def cases():
     for kernel in [from_the_module, written_out, named, handed, in_a_function, in_tests, asked_in_tests, in_a_branch]:
         for kind in ("tanh", "cubed"):
             yield Case(kernel, (X, kind), ("x",))
+    for kernel in (maybe, read_before, used_as_a_value):
+        yield Case(kernel, (X, "sin"), "x")
     # what is to be written
-    for kernel, refused in (
-            (maybe,
-             "S201 at `ACT[kind](x)`: a call of what an expression gives is not supported in a kernel: call a "
-             "function of the module by its name\nS201 at `ACT`: 'ACT' cannot be used in a kernel: it is a dict: "
-             "bind the function to a name of its own, which is only called: f = ACT[key], where the key is a "
-             "parameter, or a name that is bound once"),
-            (read_before,
-             "S201 at `f(x[k])`: a call through the variable 'f' is not supported in a kernel: call a function of "
-             "the module by its name\nS201 at `ACT`: 'ACT' cannot be used in a kernel: it is a dict: bind the "
-             "function to a name of its own, which is only called: f = ACT[key], where the key is a parameter, or "
-             "a name that is bound once"),
-            (used_as_a_value,
-             "S201 at `ACT`: 'ACT' cannot be used in a kernel: it is a dict: bind the function to a name of its "
-             "own, which is only called: f = ACT[key], where the key is a parameter, or a name that is bound "
-             "once\nS201 at `other(x[0])`: a call through the variable 'other' is not supported in a kernel: call a "
-             "function of the module by its name")):
-        yield Case(kernel, (X, "sin"), refused=refused)
     # a name that means something else elsewhere
-    yield Case(bound_anew, (X, "sin"), refused=(
-        "S201 at `def g(v):`: a nested function is not supported in a kernel: define it once, outside of loops and "
-        "branches, and call it or give it to a call; or write it at module level\nS201 at `np.tanh`: the function "
-        "'np.tanh' as a value is not supported in a kernel: call it where it is needed\nS201 at `def g(v):`: a "
-        "nested function is not supported in a kernel: define it once, outside of loops and branches, and call it "
-        "or give it to a call; or write it at module level\nS201 at `act(x)`: a call through the variable 'act' is "
-        "not supported in a kernel: call a function of the module by its name\nS201 at `g(x[0])`: a call through "
-        "the variable 'g' is not supported in a kernel: call a function of the module by its name"))
+    yield Case(bound_anew, (X, "sin"), "x")
     # a parameter of its name is its own
     yield Case(parameter_of_its_name, (X, "sin"), ("x",))
-    for kernel, refused in (
-            (mixed,
-             "S201 at `MIXED[kind](x)`: a call of what an expression gives is not supported in a kernel: call a "
-             "function of the module by its name\nS201 at `MIXED`: 'MIXED' cannot be used in a kernel: it is a "
-             "dict: name the number or array that is in it, or pass it as an argument"),
-            (anew,
-             "S201 at `ACT[kind](x)`: a call of what an expression gives is not supported in a kernel: call a "
-             "function of the module by its name\nS201 at `ACT`: 'ACT' cannot be used in a kernel: it is a dict: "
-             "bind the function to a name of its own, which is only called: f = ACT[key], where the key is a "
-             "parameter, or a name that is bound once\nS201 at `ACT[kind](x)`: a call of what an expression gives "
-             "is not supported in a kernel: call a function of the module by its name")):
-        yield Case(kernel, (X, "sin"), refused=refused)
+    for kernel in (mixed, anew):
+        yield Case(kernel, (X, "sin"), "x")

@@ -56,6 +56,7 @@ def remainders(x, k, n):
 def cases():
     yield Case(whole_numbers, (np.array([0.6, 0.1, 0.9]), 3), ("x",))
     yield Case(remainders, (np.array([0.6, 0.3, 0.9]), np.array([-7, 2, 1]), -7), ("x",))
+    yield Case(listed_bools, (np.array([0.6, 0.1]), 3), ("x",), ("x",))
     for kernel, refused in (
             (negative,
              "S201 at `-k[0]`: the negative of uint8, which wraps around: convert first: k.astype(np.int64), or "
@@ -63,9 +64,6 @@ def cases():
             (swapped_bools,
              "S201 at `b + b`: the sum of two bools, which is a bool for NumPy's and a number for Python's: write "
              "int(a) + int(b), or a or b"),
-            (listed_bools,
-             "S201 at `~[True, False][i]`: the inverse of a bool, which is a bool for NumPy's and a number for "
-             "Python's: write not a"),
             (word,
              "S201 at `WORD`: 'WORD' cannot be used in a kernel: it is an uint8: pass it as an argument, or make it "
              "a number or a NumPy array"),

@@ -218,36 +218,9 @@ def cases():
         kernel(changed)
         of = ("return",) if np.array_equal(changed, given[0]) else ("x", "return")
         yield Case(kernel, given, ("x",), of)
+    for kernel in (
+            one_array_in_a_list_twice, an_array_with_a_name, an_array_named_behind, one_row_twice,
+            one_row_in_a_short_list, a_row_under_a_name, a_row_put_into_a_new_list, rows_of_a_round,
+            one_row_put_twice, a_row_written_behind):
+        yield Case(kernel, (np.array([2.0, 3.0, 4.0]),), "x")
     # one list or array under two names is refused
-    for kernel, refused in (
-            (one_array_in_a_list_twice,
-             "S201 at `us[0][1] = 5.0`: the list 'us' holds views of an array, or one array several times, and "
-             "what it holds is written: append a copy: .append(x.copy())"),
-            (an_array_with_a_name,
-             "S201 at `a = us[0] = x * x`: a list holds an array that is written, not a copy of it: append a copy: "
-             ".append(x.copy())"),
-            (an_array_named_behind,
-             "S201 at `us[0][1] = 5.0`: the list 'us' holds views of an array, or one array several times, and "
-             "what it holds is written: append a copy: .append(x.copy())"),
-            (one_row_twice,
-             "S201 at `t[1] = t[0] = [x[1], x[2] * x[2]]`: a list holds another list that is written, not a copy "
-             "of it: append a copy: .append(list(w))"),
-            (one_row_in_a_short_list,
-             "S201 at `rows[0] = rows[1] = [x[2], x[0] * x[0]]`: a list holds another list that is written, not a "
-             "copy of it: append a copy: .append(list(w))"),
-            (a_row_under_a_name,
-             "S201 at `rows[0] = r`: a list holds another list that is written, not a copy of it: append a copy: "
-             ".append(list(w))"),
-            (a_row_put_into_a_new_list,
-             "S201 at `[r, [x[1], x[2]]]`: a tuple or a list holds a list that is written, not a copy of it: put "
-             "the items into it: [us[0], us[1]]"),
-            (rows_of_a_round,
-             "S201 at `[r, [x[1], x[2]]]`: a tuple or a list holds a list that is written, not a copy of it: put "
-             "the items into it: [us[0], us[1]]"),
-            (one_row_put_twice,
-             "S201 at `[r, r]`: a tuple or a list holds a list that is written, not a copy of it: put the items "
-             "into it: [us[0], us[1]]"),
-            (a_row_written_behind,
-             "S201 at `[r, [x[1], x[2]]]`: a tuple or a list holds a list that is written, not a copy of it: put "
-             "the items into it: [us[0], us[1]]")):
-        yield Case(kernel, (np.array([2.0, 3.0, 4.0]),), "x", refused=refused)

@@ -38,5 +38,5 @@ def cases():
     for kernel in (of_modules, of_an_outer_function):
         yield Case(kernel, (X,), ("x",))
     yield Case(missing, (X,), refused=(
-            "S201 at `no_such_module.f`: 'no_such_module' cannot be used in a kernel: it is imported, which fails: "
-            "No module named 'no_such_module': correct the import"))
+            "S201 at `import no_such_module`: 'no_such_module' is imported, which fails: No module named "
+            "'no_such_module': correct the import"))

@@ -125,18 +125,9 @@ def cases():
     # derivatives
     for kernel, arguments, wrt in CASES:
         yield Case(kernel, arguments, wrt)
+    for kernel in (by_a_step, picked, in_a_loop):
+        yield Case(kernel, (X, 2), "x")
     # ranges that stay
-    for kernel, refused in (
-            (by_a_step,
-             "S201 at `range(5)[::d]`: a part of a range that depends on its length, or an item of a range, is "
-             "not supported in a kernel: write its bounds: range(a, b, step)"),
-            (picked,
-             "S201 at `r[d]`: a part of a range that depends on its length, or an item of a range, is not "
-             "supported in a kernel: write its bounds: range(a, b, step)"),
-            (in_a_loop,
-             "S201 at `range(k)`: a name for a range is not supported in a kernel where the range may change: "
-             "write the range where the loop is: for i in range(...)")):
-        yield Case(kernel, (X, 2), "x", refused=refused)
     # a guard of a slice names its statement
     yield Case(out_of_its_array, (X,), refused=(
         "S501 at `return np.sum(x[-9:2]) * x[0]`: a slice reaches out of its array, where NumPy takes less: "

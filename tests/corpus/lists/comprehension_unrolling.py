@@ -91,11 +91,6 @@ def cases():
     yield Case(unpacked, (X[:1], Y[:1]), ("x", "y"))
     yield Case(weighted, (X[:0], Y[:0]), ("x", "y"))
     yield Case(stacked, (X.astype("float32"), Y.astype("float32")), ("x", "y"))
+    yield Case(left_over, (X, Y), "x", of=("y", "return"))
     # what is left over may write; too few values
-    for kernel, refused in (
-            (left_over,
-             "S201 at `[v * w for v, w in zip((x[0], x[1]), (x[2], y[0], doubled(y)))]`: how long 'made' becomes is "
-             "not known where it is made: allocate an array before and fill it in a for loop"),
-            (mixed,
-             "S203 at `p, q, r`: 3 targets for 2 values")):
-        yield Case(kernel, (X, Y), "x", refused=refused)
+    yield Case(mixed, (X, Y), "x", refused="S203 at `p, q, r`: 3 targets for 2 values")

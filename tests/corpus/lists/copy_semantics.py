@@ -121,30 +121,10 @@ def cases():
     yield Case(new_in_every_turn, (a, x), ("a", "x"))
     # rows of an array in a list are views
     yield Case(row_given_to_a_helper, (a, np.ones(3)), ("a",), ("return", "a"))
+    for kernel in (
+            written_after_it_was_appended, written_under_another_name, written_after_a_branch,
+            appended_again_and_again, one_array_always, row_of_the_list_written):
+        yield Case(kernel, (np.ones((3, 3)), np.ones(3)), "x")
+    for kernel in (shown_by_a_function, rows_written_in_a_loop):
+        yield Case(kernel, (np.ones((3, 3)), np.ones(3)), "x", of=("x", "return"))
     # what would show
-    for kernel, refused in (
-            (written_after_it_was_appended,
-             "S201 at `rows.append(w)`: a list holds an array that is written, not a copy of it: append a copy: "
-             ".append(x.copy())"),
-            (written_under_another_name,
-             "S201 at `rows.append(w)`: a list holds an array that is written, not a copy of it: append a copy: "
-             ".append(x.copy())"),
-            (written_after_a_branch,
-             "S201 at `rows.append(w)`: a list holds an array that is written, not a copy of it: append a copy: "
-             ".append(x.copy())"),
-            (appended_again_and_again,
-             "S201 at `rows.append(w)`: a list holds an array that is written, not a copy of it: append a copy: "
-             ".append(x.copy())"),
-            (one_array_always,
-             "S201 at `rows.append(w)`: a list holds an array that is written, not a copy of it: append a copy: "
-             ".append(x.copy())"),
-            (shown_by_a_function,
-             "S201 at `rows.append(np.asarray(x))`: a list holds an array that is written, not a copy of it: append "
-             "a copy: .append(x.copy())"),
-            (row_of_the_list_written,
-             "S201 at `rows[k][0] = 5.0 * x[1]`: the list 'rows' holds views of an array, or one array several "
-             "times, and what it holds is written: append a copy: .append(x.copy())"),
-            (rows_written_in_a_loop,
-             "S201 at `w[0] = 2.0 * x[1]`: the list 'rows' holds views of an array, or one array several times, and "
-             "what it holds is written: append a copy: .append(x.copy())")):
-        yield Case(kernel, (np.ones((3, 3)), np.ones(3)), "x", refused=refused)

@@ -243,6 +243,7 @@ def cases():
         yield Case(kernel, (X.copy(), 4), (wrt,), of)
     # one element in each
     yield Case(put_anew_of_one, (X[:1], 3), ("x",))
+    yield Case(not_known_to_differ, (X, 4), "x")
     # refused
     for kernel, refused in (
             (under_its_own_name,
@@ -261,8 +262,8 @@ def cases():
              "S201 at `m[t % 2][0] += w[t % 2][1] ** 2`: the list 'm' holds views of an array, or one array "
              "several times, and what it holds is written: append a copy: .append(x.copy())"),
             (in_a_list_twice,
-             "S201 at `[m, m]`: a tuple or a list holds a list that is written, not a copy of it: put the items "
-             "into it: [us[0], us[1]]"),
+             "S201 at `w[t % 2][0]`: a part of what an expression gives is not supported here: give it a name in a "
+             "statement of its own, or make it an array: np.array([...])"),
             (kept_and_put_anew,
              "S201 at `m[t % 2] = 0.5 * m[(t + 1) % 2] + x ** 2`: an element of the list 'm' becomes another "
              "array, and what it was is read later: name a copy of what it was: x = xs[k].copy()"),
@@ -292,10 +293,7 @@ def cases():
              "dtypes: give them names of their own, or make an array of each that is like the others"),
             (singles,
              "S201 at `m = [x.copy(), np.zeros(6, dtype=np.float32)]`: the list 'm' holds arrays of several "
-             "dtypes: give them names of their own, or make an array of each that is like the others"),
-            (not_known_to_differ,
-             "S404 at `moved(m[(t + 2) % 3], m[(t - 1) % 3])`: two arguments that may share elements of 'm', one "
-             "of which is written: copy one of them first")):
+             "dtypes: give them names of their own, or make an array of each that is like the others")):
         yield Case(kernel, (X, 4), of=None, refused=refused)
     # sizes
     yield Case(of_two_sizes, (X, 4), "x", refused=(

@@ -176,31 +176,20 @@ def cases():
     # sizes of one and none
     for x in (np.zeros(0), np.array([1.5])):
         yield Case(none_or_one, (x,), ("x",))
+    yield Case(table_stored_into, (np.array([0.7, 1.3, 0.4]),), "x")
+    yield Case(rows_stored_into, (np.array([0.7, 1.3, 0.4]),), "x")
+    yield Case(mixed_table_added_to, (np.array([0.7, 1.3, 0.4]),), "x")
+    yield Case(unknown_length, (np.array([0.7, 1.3, 0.4]),), "x")
+    yield Case(removed, (np.array([0.7, 1.3, 0.4]),), "x")
+    yield Case(not_copied, (np.array([[1.5, 0.3], [0.7, 2.0]]),), "x")
     for kernel, refused in (
-            (table_stored_into,
-             "S201 at `table[i][j] = x[i] * x[j]`: a float is put among the integers of a list that is an element of "
-             "a list: start with floats: 0.0, not 0"),
-            (rows_stored_into,
-             "S201 at `row[k] = x[k]`: an element of a list is written: make it an array: np.zeros(n), or "
-             "np.array([...])"),
-            (mixed_table_added_to,
-             "S201 at `table = [[0.0, 0], [0, 0]]`: the list 'table' holds arrays of several dtypes: give them names "
-             "of their own, or make an array of each that is like the others"),
             (repeated,
              "S201 at `out`: the list 'out' is used as a list: make it an array with np.array"),
             (joined,
              "S201 at `out`: the list 'out' is used as a list: make it an array with np.array"),
-            (unknown_length,
-             "S201 at `out = []`: how long 'out' becomes is not known where it is made: allocate an array before and "
-             "fill it in a for loop"),
             (rebound_length,
              "S201 at `out = []`: how long 'out' becomes is not known where it is made: allocate an array before and "
              "fill it in a for loop"),
-            (not_copied,
-             "S201 at `rows.append(row)`: a list holds an array that is written, not a copy of it: append a copy: "
-             ".append(x.copy())"),
-            (removed,
-             "S201 at `out.pop`: the method 'pop' of a list: a list may grow by append and be read"),
             (part_from_the_end,
              "S201 at `out[k:]`: a part of a list: allocate an array before and fill it in a for loop")):
         yield Case(kernel, (np.ones(3), 2)[:kernel.__code__.co_argcount], "x", refused=refused)

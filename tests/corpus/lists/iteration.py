@@ -164,21 +164,10 @@ def cases():
     for kernel in (descended, of_one_element):
         for x in (X[:1].copy(), X[:0].copy(), X.astype("float32"), 0.7):
             yield Case(kernel, (x, 3), ("x",))
+    for kernel in (bound_anew_on_the_way, under_two_names, appended_and_bound_anew):
+        yield Case(kernel, (X,), "x")
     # refused
-    for kernel, refused in (
-            (bound_anew_on_the_way,
-             "S201 at `[v * w for v in ws]`: 'ws' is a list that a comprehension binds anew: pick its elements "
-             "by written numbers, or in loops through it, and give it no second name; or allocate an array "
-             "before and fill it in a for loop"),
-            (under_two_names,
-             "S201 at `[2.0 * w for w in ws]`: 'ws' is a list that a comprehension binds anew: pick its elements "
-             "by written numbers, or in loops through it, and give it no second name; or allocate an array "
-             "before and fill it in a for loop"),
-            (picked_by_a_variable,
-             "S201 at `[w * w for w in ws]`: 'ws' is a list that a comprehension binds anew: pick its elements "
-             "by written numbers, or in loops through it, and give it no second name; or allocate an array "
-             "before and fill it in a for loop"),
-            (appended_and_bound_anew,
-             "S201 at `ws.append(x)`: append to 'ws', which is not bound once, to a list: bind it once, as [] or "
-             "as a list of what it starts with")):
-        yield Case(kernel, (X,), of=None, refused=refused)
+    yield Case(picked_by_a_variable, (X,), of=None, refused=(
+        "S201 at `[w * w for w in ws]`: 'ws' is a list that a comprehension binds anew: pick its elements "
+        "by written numbers, or in loops through it, and give it no second name; or allocate an array "
+        "before and fill it in a for loop"))

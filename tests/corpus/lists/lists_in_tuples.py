@@ -90,21 +90,11 @@ def as_good_as_a_copy(x):
 
 
 def cases():
-    for kernel, part in (
-            (by_name, "(us, 2.0)"),
-            (through_another, "[us, us]"),
-            (one_level_down, "(us, 1.0)"),
-            (in_a_loop, "(us, 2.0)"),
-            (bound_on_one_way, "(us, 2.0)"),
-            (unpacked, "(us, x)"),
-            (appended, "(us, 2.0)"),
-            (comprehended, "(us, k)")):
-        yield Case(kernel, (X,), refused=f"S201 at `{part}`: "
-                   "a tuple or a list holds a list that is written, not a copy of it: put the items into it: "
-                   "[us[0], us[1]]")
+    for kernel in (by_name, through_another, one_level_down, in_a_loop, unpacked, appended, comprehended):
+        yield Case(kernel, (X,), "x")
+    yield Case(bound_on_one_way, (X,), refused=(
+        "S201 at `us`: 'us' is one structure on one way and another on another"))
     # the message
-    yield Case(by_name, (X,), refused=(
-        "S201 at `(us, 2.0)`: a tuple or a list holds a list that is written, not a copy of it: put the items into "
-        "it: [us[0], us[1]]"))
+    yield Case(by_name, (X,), "x")
     for kernel in [as_good_as_a_copy]:
         yield Case(kernel, (X,), ("x",))

@@ -129,24 +129,9 @@ def cases():
     # gradients
     for kernel in KERNELS:
         yield Case(kernel, (X,), ("x",))
+    for kernel in (longer, ordered, compared_with_another, copied, added_in_a_function):
+        yield Case(kernel, (X,), "x")
     # refused
-    for kernel, refused in (
-            (longer,
-             "S201 at `r += rows[1]`: += on a list that is an element of a list: make an array of it where it is "
-             "put into the list: np.array(...)"),
-            (ordered,
-             "S201 at `t > best`: comparing a tuple that is an element of a list: make an array of it where it "
-             "is put into the list: np.array(...)"),
-            (compared_with_another,
-             "S201 at `ts[0] == rows[0]`: comparing a tuple that is an element of a list: make an array of it "
-             "where it is put into the list: np.array(...)"),
-            (repeated,
-             "S201 at `ts[0] * len(x)`: repeating no written number of times a tuple that is an element of a "
-             "list: make an array of it where it is put into the list: np.array(...)"),
-            (copied,
-             "S201 at `r + r`: adding a list or a tuple, or an array, that is an element of a list: make an "
-             "array of it where it is put into the list: np.array(...)"),
-            (added_in_a_function,
-             "S201 at `outer(ts[0], ts[1])`: 'outer' adds, repeats or compares what is a list or a tuple that is "
-             "an element of a list here: make an array of it where it is put into the list: np.array(...)")):
-        yield Case(kernel, (X,), of=None, refused=refused)
+    yield Case(repeated, (X,), of=None, refused=(
+        "S201 at `ts[0] * len(x)`: repeating no written number of times a tuple that is an element of a "
+        "list: make an array of it where it is put into the list: np.array(...)"))

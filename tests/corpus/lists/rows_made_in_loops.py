@@ -278,6 +278,7 @@ def cases():
     for kernel, arguments in CASES:
         first = kernel.__code__.co_varnames[0]
         yield Case(kernel, arguments, (first,))
+    yield Case(of_two_sizes, arguments, "x")
     # what is not new and what has other sizes is refused
     for kernel, refused in (
             (parts_written,
@@ -303,10 +304,7 @@ def cases():
              "known where the list is made: allocate an array before and fill it in a for loop"),
             (masked,
              "S201 at `out = []`: the sizes of the rows of 'out' are not known where the list is made: allocate "
-             "an array before and fill it in a for loop"),
-            (of_two_sizes,
-             "S201 at `out.append(x[:1] * 1.0)`: an array of another size than the others is put into a list: "
-             "give arrays of different sizes different names")):
+             "an array before and fill it in a for loop")):
         arguments = (given(4), 3)[:kernel.__code__.co_argcount]
         yield Case(kernel, arguments, "x", refused=refused)
     # arrays of other sizes in a list are refused when they are there

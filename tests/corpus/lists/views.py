@@ -136,24 +136,8 @@ def cases():
     # gradients
     for kernel, arguments in KERNELS:
         yield Case(kernel, arguments, ("a", "u")[:len(arguments)])
+    for kernel in (of_one_array, of_columns, twice_the_same_rows):
+        yield Case(kernel, (A,), "a", of=("a", "return"))
+    for kernel in (one_array_several_times, two_lists, of_two_names):
+        yield Case(kernel, (A,), "a")
     # refused
-    for kernel, refused in (
-            (of_one_array,
-             "S201 at `rows[0][0, 0] = 5.0`: the list 'rows' holds views of an array, or one array several "
-             "times, and what it holds is written: append a copy: .append(x.copy())"),
-            (one_array_several_times,
-             "S201 at `rows[0][0, 0] = 7.0`: the list 'rows' holds views of an array, or one array several "
-             "times, and what it holds is written: append a copy: .append(x.copy())"),
-            (of_columns,
-             "S201 at `scale(c, 2.0)`: the list 'columns' holds views of an array, or one array several times, "
-             "and what it holds is written: append a copy: .append(x.copy())"),
-            (twice_the_same_rows,
-             "S201 at `rows[0][0] = 2.0`: the list 'rows' holds views of an array, or one array several times, "
-             "and what it holds is written: append a copy: .append(x.copy())"),
-            (two_lists,
-             "S201 at `rows[2][0] = 3.0`: the list 'rows' holds views of an array, or one array several times, "
-             "and what it holds is written: append a copy: .append(x.copy())"),
-            (of_two_names,
-             "S201 at `rows[0][0] = 2.0`: the list 'rows' holds views of an array, or one array several times, "
-             "and what it holds is written: append a copy: .append(x.copy())")):
-        yield Case(kernel, (A,), of=None, refused=refused)

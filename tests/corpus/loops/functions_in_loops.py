@@ -72,22 +72,6 @@ def grown_in_a_loop(x):
 def cases():
     for kernel in [functions_in_turn, dicts]:
         yield Case(kernel, (X.copy(), 3), ("x",))
-    for kernel, refused in (
-            (changed_meanwhile,
-             "S201 at `np.sin`: the function 'np.sin' as a value is not supported in a kernel: call it where it is "
-             "needed\nS201 at `np.cos`: the function 'np.cos' as a value is not supported in a kernel: call it "
-             "where it is needed\nS201 at `f(x[0])`: a call through the variable 'f' is not supported in a kernel: "
-             "call a function of the module by its name"),
-            (read_behind,
-             "S201 at `np.sin`: the function 'np.sin' as a value is not supported in a kernel: call it where it is "
-             "needed\nS201 at `np.cos`: the function 'np.cos' as a value is not supported in a kernel: call it "
-             "where it is needed\nS201 at `f(x[0])`: a call through the variable 'f' is not supported in a kernel: "
-             "call a function of the module by its name\nS201 at `f(x[1])`: a call through the variable 'f' is not "
-             "supported in a kernel: call a function of the module by its name"),
-            (grown,
-             "S201 at `{k: 2.0 * p[k] for k in p}`: a dict comprehension is not supported in a kernel: allocate an "
-             "array before and fill it in a for loop"),
-            (grown_in_a_loop,
-             "S201 at `{k: 2.0 * p[k] for k in p}`: a dict comprehension is not supported in a kernel: allocate an "
-             "array before and fill it in a for loop")):
-        yield Case(kernel, (X,), refused=refused)
+    yield Case(changed_meanwhile, (X,), "x", of=("x", "return"))
+    for kernel in (read_behind, grown, grown_in_a_loop):
+        yield Case(kernel, (X,), "x")

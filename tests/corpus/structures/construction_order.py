@@ -155,20 +155,6 @@ def cases():
     # values are computed in the order of the text
     for kernel in EVERY:
         yield Case(kernel, [np.array([2.0, 3.0, 4.0])], ("x",), ("x", "return"))
+    for kernel in (in_a_sum, in_a_test, in_a_tuple, beside_others):
+        yield Case(kernel, (np.array([2.0, 3.0, 4.0]),), "x", of=("x", "return"))
     # what cannot be put in order is refused
-    for kernel, refused in (
-            (in_a_sum,
-             "S201 at `Point(y=up(x), x=x[0])`: a structure is made by name, in another order than that of its "
-             "fields, of what a call may change: bind it to a name in a statement of its own before"),
-            (in_a_test,
-             "S201 at `Point(y=up(x), x=x[0])`: a structure is made by name, in another order than that of its "
-             "fields, of what a call may change: bind it to a name in a statement of its own before"),
-            (in_a_tuple,
-             "S201 at `Point(y=up(x), x=x[0])`: a structure is made by name, in another order than that of its "
-             "fields, of what a call may change: bind it to a name in a statement of its own before\nS201 at "
-             "`Point(y=up(x), x=x[0])`: a structure is made by name, in another order than that of its fields, "
-             "of what a call may change: bind it to a name in a statement of its own before"),
-            (beside_others,
-             "S201 at `Point(y=up(x), x=x[0])`: a structure is made by name, in another order than that of its "
-             "fields, of what a call may change: bind it to a name in a statement of its own before")):
-        yield Case(kernel, (np.array([2.0, 3.0, 4.0]),), "x", refused=refused)

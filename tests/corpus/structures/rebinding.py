@@ -152,14 +152,6 @@ def cases():
     for kernel in KERNELS:
         yield Case(kernel, (X,), ("x",))
     # what is refused
-    yield Case(assigned, (X,), refused=(
-        "S203 at `s`: 's' is one thing on one way to here and another on another, one of them a structure or "
-        "None: give the two different names\nS201 at `t.b`: an assignment to the attribute t.b is not "
-        "supported in a kernel: return the value, or write it to an element of an array argument\nS203 at "
-        "`s`: 's' is one thing on one way to here and another on another, one of them a structure or None: "
-        "give the two different names\nS203 at `s`: 's' is one thing on one way to here and another on "
-        "another, one of them a structure or None: give the two different names\nS203 at `s`: 's' is one "
-        "thing on one way to here and another on another, one of them a structure or None: give the two "
-        "different names"))
+    yield Case(assigned, (X,), "x")
     # without a loop
     yield Case(assigned_before, (X,), ("x",))

@@ -5,6 +5,8 @@ import numpy as np
 
 from tests.corpus import Case
 
+X = np.array([[0.9, 0.31, 1.4], [0.55, 1.13, 0.7], [0.2, 0.4, 1.7], [0.8, 1.2, 0.6]])
+
 
 def addto(u, v):
     u += 0.5 * v
@@ -99,16 +101,9 @@ def perhaps_one_row(x):
 def cases():
     # rows apart
     for kernel in (pairs, backwards, branches):
-        x = np.array([[0.9, 0.31, 1.4], [0.55, 1.13, 0.7], [0.2, 0.4, 1.7], [0.8, 1.2, 0.6]])
-        yield Case(kernel, (x,), ("x",), ("x",))
-    # rows that may be one are refused
-    for kernel, part in (
-            (of_an_earlier_trip, "addto(x[i], x[j])"),
-            (of_the_trip_before, "addto(x[i], x[k])"),
-            (bound_in_the_wrong_order, "addto(x[j], x[m])"),
-            (by_floats, "addto(x[i], x[j])"),
-            (counted_from_the_end, "addto(x[i], x[j])"),
-            (perhaps_one_row, "addto(x[i], x[(i + 1) % x.shape[0]])")):
-        yield Case(kernel, (np.ones((3, 3)),), of=None, refused=(
-            f"S404 at `{part}`: "
-            "two arguments that may share elements of 'x', one of which is written: copy one of them first"))
+        yield Case(kernel, (X,), ("x",), ("x",))
+    # rows that may be one, and are
+    for kernel in (
+            of_an_earlier_trip, of_the_trip_before, bound_in_the_wrong_order, counted_from_the_end,
+            perhaps_one_row, by_floats):
+        yield Case(kernel, (X,), "x", of=("x",))

@@ -87,14 +87,12 @@ def cases():
     for kernel in (operand_written, power_written, transposed, of_a_stack, others, in_a_loop):
         for x in (X, X[:1]):
             yield Case(kernel, (x,), ("x",))
+    yield Case(listed, (X,), "x")
     for kernel, given, refused in (
             (power_changed, (X,),
              "S201 at `q *= x`: an array is written that NumPy shares with another one, which is a view of it by a "
              "function: write into the array itself, or take a copy: np.copy(...)"),
             (operand_changed, (X, 2),
              "S201 at `m[0] = 0.0`: an array is written that NumPy shares with another one, which is a view of it by "
-             "a function: write into the array itself, or take a copy: np.copy(...)"),
-            (listed, (X,),
-             "S201 at `powers.append(np.linalg.matrix_power(m, k))`: a list holds an array that is written, not a "
-             "copy of it: append a copy: .append(x.copy())")):
+             "a function: write into the array itself, or take a copy: np.copy(...)")):
         yield Case(kernel, given, "x", refused=refused)

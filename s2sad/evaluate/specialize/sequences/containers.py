@@ -19,6 +19,9 @@ from s2sad.tree import AST
 @operation
 def key_of(ev: Evaluator, value: Value, node: AST) -> Hashable:
     """A key of a dict, or an item of a set: what is known, or an object that is compared by identity."""
+    if isinstance(value, Reference) and (ev.compares_fields(value) or ev.class_item(
+            ev.class_of(value), "__eq__", node, ev.entry) is not None):
+        raise ev.refusal(node, "a key of a class that says what equal is", help="use a text or a number")
     if isinstance(value, (Reference, FunctionValue, ObjectValue, ClassValue)):
         return value
     if isinstance(value, TupleValue):

@@ -90,8 +90,6 @@ class Together:
 @operation
 def cursor_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> Any:
     """The start of a loop through a value; raises Unevaluated where the rounds are not known."""
-    if isinstance(value, TupleValue):
-        return Known(value.items)
     if isinstance(value, Reference) and ev.heap[value].kind == "list":
         return OfList(ev, value)
     if isinstance(value, Reference) and ev.heap[value].kind == "dict":

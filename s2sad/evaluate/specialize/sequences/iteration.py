@@ -32,7 +32,8 @@ def list_of(ev: Evaluator, items: Sequence[Value], origin: AST) -> Value:
 def items_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
     """All items that a value gives when it is gone through; raises Unevaluated."""
     if isinstance(value, TupleValue):
-        return list(value.items)
+        own = ev.special_method(value, "__iter__", node, f)
+        return list(value.items) if own is None else items_of(ev, ev.call(own, [], {}, node, f), node, f)
     if isinstance(value, Reference):
         held = ev.heap[value]
         if held.kind == "list":
@@ -53,7 +54,7 @@ def items_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
     if value.kind in ("keys", "values", "items"):
         return _views(ev, value.parts[0], value.kind)
     if value.kind == "reversed":
-        return items_of(ev, value.parts[0], node, f)[::-1]
+        return _backwards(ev, value.parts[0], node, f)
     if value.kind == "generator":
         comprehension, frame = value.more
         gathered = Gathered(ev, f, node)
@@ -66,6 +67,17 @@ def items_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
         gathered.add(step[0])
         cursor = step[1]
     return list(gathered.done())
+
+
+def _backwards(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
+    """The items from the last one on, as a class of the user's says what they are."""
+    own = ev.special_method(value, "__reversed__", node, f)
+    if own is not None:
+        return items_of(ev, ev.call(own, [], {}, node, f), node, f)
+    if isinstance(value, TupleValue) or isinstance(value, Reference) and ev.heap[value].kind == "record":
+        size = ev.known(length(ev, value, node, f), node, "how many items there are")
+        return [ev.item_of(value, constant(k), node, f) for k in reversed(range(size))]
+    return items_of(ev, value, node, f)[::-1]
 
 
 def _views(ev: Evaluator, base: Any, kind: str) -> list[Value]:
@@ -150,6 +162,11 @@ def length(ev: Evaluator, value: Value, node: AST, f: Frame) -> Value:
         shape = shape_of(ev, value)
         return Data(tree.at(tree.call("len", ev.spelled(value, node)), node),
                     shape.known[0] if shape.is_known and shape.known else UNKNOWN, shape.demands)
+    own = ev.special_method(value, "__len__", node, f)
+    if own is not None:
+        return ev.call(own, [], {}, node, f)
     if isinstance(value, Reference) and ev.heap[value].kind == "record":
-        return ev.call(ev.attribute_of(value, "__len__", node, f), [], {}, node, f)
+        raise ev.refusal(node, f"len() of {ev.kind_of(value)}, whose class has no __len__")
+    if isinstance(value, TupleValue):
+        return constant(len(value.items))
     return constant(len(items_of(ev, value, node, f)))
