@@ -21,7 +21,7 @@ from s2sad.evaluate.structures.fields import Flat, fields
 from s2sad.evaluate.structures.fields import asks as structures_matter
 from s2sad.evaluate.structures.groups import StructureValue, nothing
 from s2sad.program import EntrySummary, Fact, Generated, Kernel, Program, Request
-from s2sad.diagnostics import S2sadError
+from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.read.capture import not_a_function
 from s2sad.run.user_functions_in_numba import checked_constants, compiled_in, registered_rules, uncompiled
 from s2sad.run.user_derivatives import checked_derivatives
@@ -102,24 +102,27 @@ def _fields(program: Program, function: FunctionType, forms: tuple[Form, ...], v
 
 def evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Path], facts: Mapping[Fact, Any],
               refused: S2sadError) -> tuple[Flat, list[Any], Guards]:
-    """The residual program of a function for arguments of these forms; raises S2sadError as reading has where the
-    evaluator stops at the same place."""
+    """The residual program of a function for arguments of these forms; raises S2sadError: what reading has said of the
+    line at which the evaluator stops."""
     with recording(Guards(varying)) as guards:
         reached(None, "root", 0, program.function)
         try:
             residual = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, forms)), facts)
             made = read.of_captured(residual, program.function)
         except S2sadError as error:
-            raise (refused if _lines(error) & _lines(refused) else error) from None
+            there = [d for d in refused.diagnostics if _line(d) in set(map(_line, error.diagnostics)) - {None}]
+            raise (S2sadError(*there) if there else error) from None
     made = replace(made, guards=guards, replaced=residual.replaced)
     flat = Flat(made, residual.paths, frozenset(), residual.result, residual.changed, residual.live)
     return flat, [program.function], guards
 
 
-def _lines(error: S2sadError) -> set[tuple[str, int]]:
-    """The lines that an error is about."""
-    return {(d.span.source.home(d.span.line)[0].path, d.span.source.home(d.span.line)[1]) for d in error.diagnostics
-            if d.span is not None}
+def _line(found: Diagnostic) -> tuple[str, int] | None:
+    """The user's line that a diagnostic is about."""
+    if found.span is None:
+        return None
+    source, line = found.span.source.home(found.span.line)
+    return source.path, line
 
 
 def result_form(group: StructureValue | PyTree) -> PyTree:

@@ -328,5 +328,4 @@ def through_a_constructor(x):
 
 
 def test_a_dataclass_with_a_constructor_of_its_own_is_no_mere_record():
-    with pytest.raises(s2sad.S2sadError, match="Doubled"):
-        s2sad.gradient(s2sad.differentiate(through_a_constructor, engine="numpy"))(1.0)
+    assert s2sad.gradient(s2sad.differentiate(through_a_constructor, engine="numpy"))(1.0) == 2.0

@@ -161,6 +161,8 @@ def deriving(collector: Collector, inner: Callable[..., Any]) -> Callable[..., A
         if origin:
             collector.add(origin, request.types, (request.mode, request.wrt, request.of, request.with_primal),
                           program)
+        elif not program.files and program.function is None:    # what the evaluator leaves is no function's own
+            pass
         else:
             collector.missed[f"no origin {program.entry}"] = f"{program.entry}: not read by itself"
         if collector.is_asked_only:
@@ -172,7 +174,7 @@ def deriving(collector: Collector, inner: Callable[..., Any]) -> Callable[..., A
 def collecting(collector: Collector) -> ExitStack:
     """From now on, until it is closed, all that is asked is collected."""
     kept = collector.registered.recording()
-    for module, name, wrapper in ((read, "load", reading), (read, "load_file", reading_file),
+    for module, name, wrapper in ((compiler, "program", reading), (read, "load_file", reading_file),
                                   (compiler, "fields", taking_apart), (spelled_types, "fields", taking_apart),
                                   (pipeline, "summary", summarizing), (pipeline, "derive", deriving)):
         inner = getattr(module, name)

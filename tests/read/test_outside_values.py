@@ -57,10 +57,6 @@ def with_erfcx(x, d):
     return erfcx(x[0]) * d
 
 
-def with_deepcopy(x, d):
-    return np.sum(copy.deepcopy(x)) * d
-
-
 def with_lu(x, d):
     return np.sum(lu(np.outer(x, x), permute_l=True)[0]) * d
 
@@ -87,7 +83,6 @@ UNREAD = "'{}' is not a function that s2sad can read"
 
 @pytest.mark.parametrize(("kernel", "message", "help"), [
     (with_erfcx, UNREAD.format("erfcx"), 's2sad.rule("scipy.special.erfcx(x)", x=...)'),
-    (with_deepcopy, UNREAD.format("copy.deepcopy"), 's2sad.rule("copy.deepcopy(x)", x=...)'),
     (with_lu, 'no derivative rule for scipy.linalg.lu', 'write factors = lu_factor(a) and lu_solve(factors, b)'),
     (with_a_cache, "'cached' cannot be used in a kernel: it is a function behind a cache, whose results are one object "
      "for all calls", "inner = cached.__wrapped__"),
@@ -115,3 +110,20 @@ def test_lists_beside_arrays_and_a_function_that_is_a_default(engine):
     check_derivatives(numbers_spelled_out, (X[:3], np.array([1, 2, 3])), ("q",), ("return",), engine=engine)
     with running(engine) as name:
         assert check(activated, X, engine=name)
+
+
+class Held:
+    def __init__(self, u):
+        self.u, self.parts = u, [u, u * 2.0]
+
+
+def of_deep_copies(x):
+    held = Held(x * x)
+    other = copy.deepcopy(held)
+    other.u[0] = 3.0 * x[1]
+    return np.sum(held.u * other.parts[0]) + np.sum(other.parts[1] * copy.deepcopy(x))
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_deep_copies_are_copies(engine):
+    check_derivatives(of_deep_copies, (np.array([0.4, 1.3, 0.7]),), ("x",), ("return",), engine)

@@ -82,6 +82,7 @@ def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f
     """The value becomes an item or an attribute."""
     if isinstance(base, Data):
         place = tree.attribute(base.node, key) if isinstance(key, str) else ev.subscripted(base, key, origin)
+        ev.refuse_no_number(value, origin)
         ev.emit(tree.assign(place, ev.spelled(value, origin)), origin, True)
     elif isinstance(base, Reference) and isinstance(key, str):
         ev.assign_attribute(base, key, value, origin, f)
@@ -89,6 +90,9 @@ def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f
         ev.call(ev.attribute_of(base, "__setitem__", origin, f), [key, value], {}, origin, f)
     elif isinstance(base, Reference):
         held = ev.change(base, origin)
+        if isinstance(key, SliceValue) and held.kind == "list":
+            _assign_part(ev, base, key, value, origin, f)
+            return
         place = ev.item_key(base, key, origin)
         if held.kind not in ("list", "dict"):
             raise ev.refusal(origin, f"an item of a {held.kind} is assigned")
@@ -101,6 +105,16 @@ def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f
                          help="keep it in an object that the kernel is given")
     else:
         raise ev.refusal(origin, "an assignment to this is not supported in a kernel")
+
+
+def _assign_part(ev: Evaluator, base: Reference, part: SliceValue, value: Value, origin: AST, f: Frame) -> None:
+    """`base[a:b] = value` of a list."""
+    items = ev.sequence_items(base)
+    try:
+        items[ev.known_place(part, origin)] = ev.items_of(value, origin, f)
+    except ValueError as error:
+        raise ev.refusal(origin, str(error)) from None
+    ev.replace_items(base, items, origin)
 
 
 @statement("Assign")
@@ -153,6 +167,7 @@ def augmented_assign(ev: Evaluator, s: Any, f: Frame) -> None:
             raise ev.refusal(s, "what is added to an element changes something first",
                              help="give it a name in a statement of its own before")
         place = tree.attribute(base.node, key) if isinstance(key, str) else ev.subscripted(base, key, s)
+        ev.refuse_no_number(value, s)
         ev.emit(tree.augment(place, s.op, ev.spelled(value, s)), s, True)
         return
     old = ev.attribute_of(base, key, s.target, f) if isinstance(key, str) else ev.item_of(base, key, s.target, f)
@@ -179,6 +194,7 @@ def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: 
             return ev.binary(s.op, old, value, s, f) if method is None else ev.call(method, [value], {}, s, f)
     if not isinstance(old, Data) or old.is_known and old.is_literal or not isinstance(value, (Data, TupleValue)):
         return ev.binary(s.op, old, value, s, f)
+    ev.refuse_no_number(value, s)
     if old.name and old.shape:      # an array under a name of its own
         ev.emit(tree.augment(tree.copy(old.node), s.op, ev.spelled(value, s)), s, True)
         return None

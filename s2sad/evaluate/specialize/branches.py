@@ -42,6 +42,8 @@ def truth(ev: Evaluator, value: Value, node: AST, f: Frame) -> bool | Data:
     """True or False, or the test that the residual program makes."""
     if isinstance(value, Data):
         return bool(value.known) if value.is_known else value
+    if isinstance(value, Data) and value.name in ev.texts:
+        raise ev.unknown(node, "a text must be known before the run", value)
     for name in ("__bool__", "__len__"):
         method = ev.special_method(value, name, node, f)
         if method is not None:

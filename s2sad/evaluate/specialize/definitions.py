@@ -10,7 +10,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation, sta
 from s2sad.evaluate.specialize.frames import local_names
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import ClassValue, FunctionValue, LibraryValue, Reference, Value
-from s2sad.read.outside_values import Captured
+from s2sad.read.outside_values import Captured, Namespace, Unusable
 from s2sad.tree import AST
 
 
@@ -79,6 +79,11 @@ def import_statement(ev: Evaluator, s: Any, f: Frame) -> None:
         else:
             name = n.asname or n.name
             meaning = f.captured.scope.imported(s.module or "", s.level or 0, n.name)
+            if isinstance(meaning, (Namespace, Unusable)) and not meaning.what.startswith("imported"):
+                module = f.captured.scope.imported(s.module or "", s.level or 0, None)
+                whole = ev.meaning_value(s.module or ".", module, s, f)
+                ev.heap.put(f.reference, name, ev.attribute_of(whole, n.name, s, f))
+                continue
         ev.heap.put(f.reference, name, ev.meaning_value(name, meaning, s, f))
 
 
@@ -95,8 +100,10 @@ def delete(ev: Evaluator, s: Any, f: Frame) -> None:
                 raise ev.refusal(s, "del of this is not supported in a kernel")
             held = ev.change(base, target)
             if held.kind == "dict":
-                items = dict(held.items)
-                items.pop(ev.key_of(place, target))
+                items, key = dict(held.items), ev.key_of(place, target)
+                if key not in items:
+                    raise ev.refusal(s, f"the dict has no key {key!r}")
+                del items[key]
                 ev.heap.set_items(base, items)
             else:
                 listed = list(held.items.values())

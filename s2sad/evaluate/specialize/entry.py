@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from s2sad import tree
+from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.class_lookup import class_value
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Reached, Unevaluated, operation
@@ -28,6 +29,7 @@ from s2sad.evaluate.specialize.values import (
 from s2sad.evaluate.specialize.values import UNKNOWN as NOT_KNOWN
 from s2sad.infer.types import UNKNOWN
 from s2sad.infer.types import NONE as NONE_TYPE
+from s2sad.live_objects.registry import GIVEN
 from s2sad.live_objects.unwrap import partial_application
 from s2sad.program import DemandedFacts, Fact, Kernel, Program
 from s2sad.pytree import Form, PyTree, is_held, step
@@ -66,6 +68,7 @@ def unread(function: types.FunctionType, refused: S2sadError) -> Program:
     return Program(captured.name, {captured.name: kernel}, refused=refused, function=function)
 
 
+@deep_stack
 def specialize(function: types.FunctionType, forms: Mapping[str, Form], facts: Mapping[Fact, Any]) -> Residual:
     """The residual function for arguments of these forms; raises S2sadError, DemandedFacts where facts would help."""
     sites: frozenset[int] = frozenset()
@@ -89,6 +92,8 @@ def specialize(function: types.FunctionType, forms: Mapping[str, Form], facts: M
 def _evaluated(ev: Evaluator, function: types.FunctionType, captured: Captured, forms: Mapping[str, Form],
                reached: Sequence[tuple[str, Any, bool]]) -> Residual:
     definition = captured.tree
+    if GIVEN.own(function) is not None:
+        raise ev.refusal(definition, f"'{captured.name}' has a derivative of its own")
     f = ev.frame_of(FunctionValue(captured, ("entry",), handle=function), definition, True)
     f = replace(f, owner=_owner(function))
     ev.entry = f
@@ -174,9 +179,13 @@ def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, na
     if form.kind == "none":
         return NONE
     if form.kind == "text":
-        names[ev.fresh(wanted)] = path
+        name = ev.fresh(wanted)
+        names[name] = path
         known = ev.facts.get((path, "value"))
-        return constant(known) if known is not None else Data(tree.const(None), demands=frozenset(((path, "value"),)))
+        if known is not None:
+            return constant(known)
+        ev.texts.add(name)
+        return Data(tree.at(tree.name(name), origin), demands=frozenset(((path, "value"),)))
     if not is_held(form):
         return Conflict(f"'{path}' is {form.dtype or form.kind}, of which a kernel can make no use")
     name = ev.fresh(wanted)

@@ -174,6 +174,8 @@ class Evaluator:
     outside_name: Callable[..., Any]
     outside_value: Callable[..., Any]
     picked: Callable[..., Any]
+    refuse_no_number: Callable[..., Any]
+    replace_items: Callable[..., Any]
     residual_call: Callable[..., Any]
     residual_function: Callable[..., Any]
     residual_loop: Callable[..., Any]
@@ -204,6 +206,7 @@ class Evaluator:
         self.frames: dict[int, Frame] = {}
         self.loaded: dict[int, Captured] = {}                   # functions by id
         self.leaves: set[str] = set()                           # parameters that arguments' objects hold
+        self.texts: set[str] = set()                            # parameters that are texts, not known yet
         self.given: dict[int, Object] = {}                      # arguments' objects as they are given
         self.entry: Frame | None = None
         self.outset: dict[int, Object] = {}                     # objects from outside as they are before the run

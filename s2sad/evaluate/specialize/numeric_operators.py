@@ -39,6 +39,7 @@ def unary(ev: Evaluator, node: Any, f: Frame) -> Value:
         if value.is_literal:
             return Data(tree.at(tree.const(known), node), known)
         return Data(tree.at(tree.UnaryOp(node.op, value.node), node), known)
+    refuse_no_number(ev, value, node)
     return Data(tree.at(tree.UnaryOp(node.op, ev.spelled(value, node)), node), demands=demands_of(value),
                 shape=broadcast(value), origins=origins(value))
 
@@ -61,11 +62,6 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
     found = ev.container_operator(op, left, right, node, f)
     if found is not None:
         return found
-    for value, operand in ((left, "left"), (right, "right")):
-        if isinstance(value, Data) and value.is_known and value.known is None:
-            at: AST = getattr(node, operand, node)
-            raise ev.refusal(at, "this is None here", code="S203", help="test it before: "
-                             "if ... is not None: ...")
     demands = demands_of(left, right)
     if isinstance(left, Data) and isinstance(right, Data) and left.is_known and right.is_known:
         known = computed(OPERATORS[type(op)][0], left.known, right.known)
@@ -73,15 +69,26 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
             if left.is_literal and right.is_literal or isinstance(known, (str, tuple)):
                 return Data(tree.at(tree.const(known), node), known)
             return Data(tree.at(tree.BinOp(left.node, op, right.node), node), known, demands)
+    for value, operand in ((left, "left"), (right, "right")):
+        refuse_no_number(ev, value, getattr(node, operand, node))
     found_shape = None if isinstance(op, tree.MatMult) else broadcast(left, right)
     return Data(tree.at(tree.BinOp(ev.spelled(left, node), op, ev.spelled(right, node)), node), demands=demands,
                 shape=found_shape, origins=origins(left, right),
                 is_list=any(isinstance(v, Data) and v.is_list for v in (left, right)))
 
 
+@operation
+def refuse_no_number(ev: Evaluator, value: Value, node: AST) -> None:
+    """Refuses None and texts where numbers and arrays are computed with."""
+    if isinstance(value, Data) and value.is_known and value.known is None:
+        raise ev.refusal(node, "this is None here", code="S203", help="test it before: if ... is not None: ...")
+    if isinstance(value, Data) and value.is_known and isinstance(value.known, str):
+        raise ev.refusal(node, "this is a text here, and it is computed with", code="S203")
+
+
 def computed(does: Callable[..., Any], *known: Any) -> Any:
     """A constant of constants; UNKNOWN where Python would raise, or where the result is none to write down."""
-    if not all(isinstance(k, _TEXT_OR_NUMBER) for k in known):
+    if not all(isinstance(k, _TEXT_OR_NUMBER) for k in known) or _may_be_huge(does, *known):
         return UNKNOWN
     try:
         found = does(*known)
@@ -90,6 +97,14 @@ def computed(does: Callable[..., Any], *known: Any) -> Any:
     if isinstance(found, float) and not abs(found) < float("inf") or isinstance(found, int) and abs(found) >= 2 ** 62:
         return UNKNOWN
     return found if isinstance(found, _TEXT_OR_NUMBER) else UNKNOWN
+
+
+def _may_be_huge(does: Callable[..., Any], left: Any = 0, right: Any = 0, *_: Any) -> bool:
+    """Whether computing a result may take more than a number of 64 bits does."""
+    if does in (operator.pow, operator.lshift):
+        return isinstance(left, int) and isinstance(right, int) and abs(right) * max(abs(left).bit_length(), 1) > 128
+    return does is operator.mul and any(isinstance(k, (str, tuple)) for k in (left, right)) and any(
+        type(k) is int and k > 10_000 for k in (left, right))
 
 
 def _overloaded(ev: Evaluator, word: str, left: Value, right: Value, node: AST, f: Frame, reflected: str = "r"

@@ -15,6 +15,8 @@ from s2sad.tree import AST
 @operation
 def spelled(ev: Evaluator, value: Value, origin: AST) -> AST:
     """A value as an expression of the residual program."""
+    if isinstance(value, Data) and value.name in ev.texts:
+        raise ev.unknown(origin, "a text must be known before the run", value)
     if isinstance(value, Data):
         return tree.copy(value.node) if value.is_atom else value.node
     if isinstance(value, TupleValue) and any(

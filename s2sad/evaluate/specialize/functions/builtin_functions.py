@@ -100,10 +100,24 @@ def sorted_items(ev: Evaluator, items: list[Value], options: Options, node: AST,
     """Items in the order of keys that are known."""
     key = options.get("key")
     plain = key is None or isinstance(key, Data) and key.known is None
-    keys = [ev.known(i if plain else ev.call(key, [i], {}, node, f), node, "what a list is sorted by") for i in items]
+    keys = [_sort_key(ev, i if plain else ev.call(key, [i], {}, node, f), node) for i in items]
+    if len({str(k) for k in keys}) < len(keys) and any(type(k) is tuple and k[-1:] == (...,) for k in keys):
+        raise ev.refusal(node, "a list is sorted by what is not known before the run")
     back = bool(ev.known(options["reverse"], node, "reverse=")) if "reverse" in options else False
     order = sorted(range(len(items)), key=keys.__getitem__, reverse=back)
     return [items[k] for k in order]
+
+
+def _sort_key(ev: Evaluator, value: Value, node: AST) -> Any:
+    """What a list is sorted by; of a tuple the items before the first that is not known, which is `...`."""
+    if not isinstance(value, TupleValue):
+        return ev.known(value, node, "what a list is sorted by")
+    known: list[Any] = []
+    for item in value.items:
+        if not (isinstance(item, Data) and item.is_known):
+            return (*known, ...)
+        known.append(item.known)
+    return tuple(known)
 
 
 @function("builtins.sorted")

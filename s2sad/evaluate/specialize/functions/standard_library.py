@@ -89,19 +89,31 @@ def _copy(ev: Evaluator, args: Args, _: Options, node: Any, f: Frame) -> Value:
     return copied(ev, args[0], ev.called == "deepcopy", node, {})
 
 
-def copied(ev: Evaluator, value: Value, deep: bool, node: AST, made: dict[Reference, Reference]) -> Value:
-    """A copy, with its own arrays where it is deep."""
+def copied(ev: Evaluator, value: Value, deep: bool, node: AST, made: dict[Reference | str, Value]) -> Value:
+    """A copy, with its own arrays where it is deep; what is one object, or one array, is one in the copy, too."""
     if isinstance(value, Reference):
         if value in made:
             return made[value]
         held = ev.heap[value]
-        new = made[value] = ev.heap.new(replace(held, items={}, path="", live=None))
+        own = [n for n in ("__copy__", "__deepcopy__", "__reduce__", "__getstate__", "__setstate__")
+               if ev.class_item(held.made, n, node, ev.entry) is not None]
+        if held.live is not None or own:
+            raise ev.refusal(node, f"a copy of {ev.kind_of(value)} from outside, or with {', '.join(own) or 'a class'}",
+                             help="make another object of what it holds")
+        new = ev.heap.new(replace(held, items={}, path=""))
+        made[value] = new
         for k, v in held.items.items():
             inner = copied(ev, v, deep, node, made) if deep else v
             ev.assign_slot(new, k, inner, str(k), node)
         return new
     if isinstance(value, TupleValue):
         return replace(value, items=tuple(copied(ev, v, deep, node, made) for v in value.items)) if deep else value
-    if isinstance(value, Data) and not value.is_known:
-        return Data(tree.at(tree.call(ev.library("numpy.copy"), ev.spelled(value, node)), node))
+    if isinstance(value, Data) and not value.is_known and value.shape != ():
+        if value.name in made:
+            return made[value.name]
+        new = ev.named(Data(tree.at(tree.call(ev.library("numpy.copy"), ev.spelled(value, node)), node),
+                            shape=value.shape), "copy", node)
+        if value.name:
+            made[value.name] = new
+        return new
     return value

@@ -48,20 +48,22 @@ def container_method(ev: Evaluator, base: Value, name: str, args: list[Value], k
 _READING = ("copy", "count", "index", "get", "items", "keys", "values", "union", "intersection", "difference")
 
 
-def _set(ev: Evaluator, base: Reference, items: Sequence[Value], node: AST) -> None:
+@operation
+def replace_items(ev: Evaluator, base: Reference, items: Sequence[Value], node: AST) -> None:
+    """A list holds other items."""
     label = ev.heap[base].label or "item"
     ev.heap.set_items(base, {k: ev.atoms(v, f"{label}_{k}", node) for k, v in enumerate(items)})
 
 
 @method(LIST, "append")
 def _append(ev: Evaluator, base: Reference, args: list[Value], _: Any, node: AST, f: Frame) -> Value:
-    _set(ev, base, [*ev.sequence_items(base), args[0]], node)
+    replace_items(ev, base, [*ev.sequence_items(base), args[0]], node)
     return NONE
 
 
 @method(LIST, "extend")
 def _extend(ev: Evaluator, base: Reference, args: list[Value], _: Any, node: AST, f: Frame) -> Value:
-    _set(ev, base, [*ev.sequence_items(base), *ev.items_of(args[0], node, f)], node)
+    replace_items(ev, base, [*ev.sequence_items(base), *ev.items_of(args[0], node, f)], node)
     return NONE
 
 
@@ -81,6 +83,8 @@ def list_method(ev: Evaluator, base: Reference, name: str, args: list[Value], no
     elif name in ("remove", "index", "count"):
         keys: list[Any] = [i.known if isinstance(i, Data) and i.is_known else i for i in items]
         wanted = args[0].known if isinstance(args[0], Data) and args[0].is_known else args[0]
+        if any(ev.compares_fields(v) or ev.special_method(v, "__eq__", node, ev.entry) for v in (args[0], *items)):
+            raise ev.refusal(node, f".{name} compares objects, whose class says what equal is", help="write a loop")
         if isinstance(wanted, Data) or any(isinstance(k, Data) for k in keys):
             raise ev.unknown(node, f".{name} compares items that are not known", args[0])
         if name == "count":
@@ -93,13 +97,13 @@ def list_method(ev: Evaluator, base: Reference, name: str, args: list[Value], no
         found = items.pop(place) and None
     else:
         found = getattr(items, name)()
-    _set(ev, base, items, node)
+    replace_items(ev, base, items, node)
     return NONE if found is None else found
 
 
 @method(LIST, "sort")
 def _sort(ev: Evaluator, base: Reference, args: list[Value], keywords: dict[str, Value], node: AST, f: Frame) -> Value:
-    _set(ev, base, ev.sorted_items(ev.sequence_items(base), keywords, node, f), node)
+    replace_items(ev, base, ev.sorted_items(ev.sequence_items(base), keywords, node, f), node)
     return NONE
 
 
