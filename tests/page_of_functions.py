@@ -5,6 +5,7 @@ from __future__ import annotations
 PAGE = {
     "arrays of numbers": """
         np.empty(4); z[:] = x; z
+        np.ndarray(4); z[:] = x; z
         np.zeros(4) + x
         np.ones((4, 4)) * x
         np.full(4, x[0])
@@ -74,6 +75,9 @@ PAGE = {
     "shape": """
         np.reshape(m, (2, 8)) * m.reshape(2, -1)
         np.ravel(m) * m.ravel() * m.flatten()
+        np.reshape(m, (2, 8), order="F") * m.reshape(2, -1, order="C")
+        np.ravel(m, order="F") * m.ravel("F") * m.flatten("F")
+        np.atleast_3d(x) * y
         np.transpose(m) * m.T * m.transpose()
         np.transpose(s, (1, 0, 2)) * np.swapaxes(s, 0, 1)
         np.moveaxis(s, 0, 2)
@@ -89,6 +93,7 @@ PAGE = {
         np.flip(m, axis=1) * m
         np.fliplr(m) * np.flipud(m) * m
         np.rot90(m) * m
+        np.rot90(s, axes=(1, 2)) * s
         np.tile(x, 3)
         np.tile(m, (2, 1))
         np.repeat(x, 2)
@@ -153,6 +158,7 @@ PAGE = {
         np.trace(m) * x
         np.median(x) * np.median(m, axis=0)
         np.percentile(x, 30.0) * np.percentile(m, 30.0, axis=0)
+        np.quantile(x, [0.3, 0.6])
         np.quantile(x, 0.3) * np.quantile(m, 0.3, axis=0)
         x * np.any(x > 0.5) * np.all(x > 0.1) * np.count_nonzero(x > 0.5)
         x * np.any(m > 0.5, axis=0) * np.all(m > 0.1, axis=0)

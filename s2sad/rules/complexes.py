@@ -18,8 +18,9 @@ COMPLEX_TRANSFORMS = frozenset(f"numpy.fft.{f}" for f in ("fft", "ifft", "irfft"
 PIECES = frozenset({
     "numpy.diff", "numpy.concatenate", "numpy.stack", "numpy.hstack", "numpy.vstack", "numpy.expand_dims",
     "numpy.swapaxes", "numpy.diag", "numpy.diagonal", "numpy.trace", "numpy.astype", "numpy.vdot", "numpy.inner",
-    "numpy.cumsum", "numpy.fft.fft2", "numpy.fft.ifft2", "numpy.fft.fftn", "numpy.fft.ifftn", "numpy.fft.irfft2",
-    "numpy.fft.irfftn", "numpy.fft.fftshift", "numpy.fft.ifftshift"})
+    "numpy.cumsum", "numpy.repeat", "numpy.tile", "numpy.squeeze", "numpy.atleast_1d", "numpy.atleast_2d",
+    "numpy.atleast_3d", "numpy.rot90", "numpy.fft.fft2", "numpy.fft.ifft2", "numpy.fft.fftn", "numpy.fft.ifftn",
+    "numpy.fft.irfft2", "numpy.fft.irfftn", "numpy.fft.fftshift", "numpy.fft.ifftshift"})
 
 # what makes arrays, copies them or asks for their shape
 OTHER = frozenset({

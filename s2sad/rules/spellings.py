@@ -105,4 +105,5 @@ same("numpy.linalg.matrix_norm(x, keepdims=False, ord='fro')",
 same("numpy.ediff1d(a)", "numpy.diff(numpy.ravel(a))")
 same("numpy.fliplr(m)", "numpy.flip(m, axis=1)")
 same("numpy.flipud(m)", "numpy.flip(m, axis=0)")
+same("numpy.ndarray(shape, dtype=numpy.float64)", "numpy.empty(shape, dtype=dtype)")
 same("numpy.flatten(a)", "numpy.copy(numpy.ravel(a))")  # the method

@@ -129,7 +129,11 @@ def _middle(args: list[Type], options: Arguments) -> Type:
 
 
 def _quantile(args: list[Type], options: Arguments) -> Type:
-    return _middle(args, options) if args[1].is_number else UNKNOWN
+    q, one = args[1], _middle(args, options)
+    if q.is_number:
+        return one
+    several = q.kind == "tuple" and bool(q.items) and all(i.is_number for i in q.items) or q.is_array and q.rank == 1
+    return array(one.dtype, one.rank + 1) if several and one.dtype == "float64" else UNKNOWN
 
 
 def _insertion_indices(args: list[Type], options: Arguments) -> Type:

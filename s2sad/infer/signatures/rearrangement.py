@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from s2sad.infer.signatures.laws import of_rank, whole_number
+from s2sad.infer.signatures.laws import axes_of, of_rank, whole_number
 from s2sad.infer.signatures.options import Arguments, astype_dtype, is_none, one_axis, text_of, widths_of
 from s2sad.infer.promotion import ORDER, RANKS, common, is_expandable, promote
 from s2sad.infer.types import UNKNOWN, Type, array
@@ -14,7 +14,7 @@ from s2sad.tree import Constant, List, Tuple
 
 def _diff(args: list[Type], options: Arguments) -> Type:
     times = whole_number(options["n"])
-    fits = is_expandable(args) and args[0].dtype != "bool" and times is not None and 1 <= times <= 4
+    fits = is_expandable(args) and args[0].dtype != "bool" and times is not None and 1 <= times <= 16
     return args[0] if fits and one_axis(options["axis"], args[0].rank) is not None else UNKNOWN
 
 
@@ -90,8 +90,8 @@ def _expanded(args: list[Type], options: Arguments) -> Type:
 def _squeezed(args: list[Type], options: Arguments) -> Type:
     if not is_expandable(args):
         return UNKNOWN
-    gone = len(args[0].ones) if is_none(options["axis"]) else one_axis(options["axis"], args[0].rank) is not None
-    return of_rank(args[0], args[0].rank - gone) if gone else UNKNOWN
+    gone = args[0].ones if is_none(options["axis"]) else axes_of(options["axis"], args[0].rank) or ()
+    return of_rank(args[0], args[0].rank - len(gone)) if gone else UNKNOWN
 
 
 def _swapped(args: list[Type], options: Arguments) -> Type:
@@ -109,7 +109,7 @@ def _tiled(args: list[Type], options: Arguments) -> Type:
 def _repeated(args: list[Type], options: Arguments) -> Type:
     if args[1].rank or args[1].kind == "tuple":
         return repeated(args, options)
-    if not is_expandable(args) or not args[1].is_integer:
+    if not (is_expandable(args) or args[0].is_number and args[0].dtype in ORDER) or not args[1].is_integer:
         return UNKNOWN
     if is_none(options["axis"]):
         return array(args[0].dtype, 1)
@@ -129,7 +129,9 @@ def _diag(args: list[Type], options: Arguments) -> Type:
 
 
 def _diagonal(args: list[Type], options: Arguments) -> Type:
-    return array(args[0].dtype, 1) if is_expandable(args) and args[0].rank == 2 else UNKNOWN
+    axes = [one_axis(options[a], 2) for a in ("axis1", "axis2")]
+    fits = is_expandable(args) and args[0].rank == 2 and sorted(a for a in axes if a is not None) == [0, 1]
+    return array(args[0].dtype, 1) if fits else UNKNOWN
 
 
 def _triangle(args: list[Type], options: Arguments) -> Type:
@@ -182,7 +184,9 @@ def _deep(args: list[Type], options: Arguments) -> Type:
 
 
 def _turned(args: list[Type], options: Arguments) -> Type:
-    return args[0] if is_expandable(args) and args[0].rank == 2 and whole_number(options["k"]) is not None else UNKNOWN
+    axes = axes_of(options["axes"], args[0].rank) if is_expandable(args) and args[0].rank > 1 else None
+    fits = axes is not None and len(axes) == 2 and whole_number(options["k"]) is not None
+    return args[0].plain if fits else UNKNOWN
 
 
 def _section(args: list[Type], options: Arguments) -> Type:
@@ -218,7 +222,8 @@ SHAPES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.pad": _padded, "numpy.diag": _diag, "numpy.diagonal": _diagonal, "numpy.tril": _triangle,
     "numpy.triu": _triangle, "numpy.trace": _trace, "numpy.eye": _eye, "numpy.identity": _eye,
     "numpy.linspace": _linspace, "numpy.arange": _arange,
-    "numpy.astype": _cast, "numpy.atleast_1d": _at_least(1), "numpy.atleast_2d": _at_least(2), "numpy.dstack": _deep,
+    "numpy.astype": _cast, "numpy.atleast_1d": _at_least(1), "numpy.atleast_2d": _at_least(2),
+    "numpy.atleast_3d": _at_least(3), "numpy.dstack": _deep,
     "numpy.rot90": _turned, "numpy.diagflat": _diagflat, "numpy.split": _section, "numpy.array_split": _section,
     "numpy.hsplit": _section, "numpy.vsplit": _stacked_sections, "numpy.tri": _eye,
     "scipy.sparse.entries": _scaled, "scipy.sparse.along": _along,

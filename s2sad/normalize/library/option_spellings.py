@@ -8,20 +8,25 @@
     x.item(1, 2)                            x[1, 2]
     np.add.at(x, [0, 0, 1], v)              np.add.at(x, np.array([0, 0, 1]), v)
     np.linalg.matrix_power(a, 1)            np.asarray(a)           which is a itself
+    np.reshape(a, (2, -1), order="F")       np.transpose(np.reshape(np.transpose(a), (-1, 2)))
+    np.linalg.eigvalsh(a, UPLO="U")         np.linalg.eigvalsh(np.transpose(a))
 
 Requires that methods are functions; `canonical_calls` applies it to each call.
 """
 from __future__ import annotations
 
+from s2sad.infer.signatures.laws import whole_number
 from s2sad.rules.composed import WRITING
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Tuple, at, call, call_name, const, index, keyword, tuple_of,
+    AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Slice, Tuple, at, call, call_name, const, index, keyword,
+    negate, tuple_of,
 )
 
 _NEUTRAL_ELEMENT = {"numpy.sum": 0, "numpy.prod": 1}
 _ACCUMULATING = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
 _ORDER_POSITION = {"numpy.copy": 1, "numpy.full": 3, "numpy.full_like": 3, **{f"numpy.{f}": 2 for f in (
     "zeros", "ones", "empty", "zeros_like", "ones_like", "empty_like", "asarray")}}     # its position
+_LAID_OUT = {"numpy.ravel": 1, "numpy.flatten": 1, "numpy.reshape": 2}     # functions with an order of elements
 _FLOATS = ("builtins.float", "numpy.float64", "numpy.double")
 
 
@@ -43,6 +48,10 @@ def option_spellings(node: Call) -> AST | None:
         return _without(node, ("subok",), node.args[0])
     if called in _NEUTRAL_ELEMENT:
         return _masked_reduction(node, called, options)
+    if called in _LAID_OUT:
+        return _in_order(node, called, options)
+    if called in ("numpy.linalg.eigvalsh", "numpy.linalg.eigh"):
+        return _triangle_read(node, called, options)
     if called == "numpy.linalg.matrix_power" and not options and [getattr(n, "value", 0) for n in node.args[1:]] == [1]:
         return call("numpy.asarray", node.args[0])
     if called in WRITING and len(node.args) > 1:
@@ -86,6 +95,42 @@ def _masked_reduction(node: Call, called: str, options: dict[str, AST]) -> AST |
     if initial is None:
         return made
     return BinOp(made, Add() if called == "numpy.sum" else Mult(), initial)
+
+
+def _in_order(node: Call, called: str, options: dict[str, AST]) -> AST | None:
+    """A function of the elements in an order, column by column as one of the transpose."""
+    operands = _LAID_OUT[called]
+    given = [*node.args[operands:], *(v for k, v in options.items() if k == "order")]
+    order = given[0].value if len(given) == 1 and isinstance(given[0], Constant) else None
+    if order not in ("C", "F") or options.keys() - {"order"} or len(node.args) < operands:
+        return None
+    if order == "C":
+        return Call(node.func, node.args[:operands], [])
+    turned = call("numpy.transpose", node.args[0])
+    if operands == 1:
+        return call(called, turned)
+    shape = node.args[1]
+    if whole_number(shape) is not None:
+        return call(called, turned, shape)
+    if isinstance(shape, (Tuple, List)):
+        backwards: AST = tuple_of(*reversed(shape.elts))
+    elif isinstance(shape, Attribute) and shape.attr == "shape":       # of an array
+        backwards = index(shape, Slice(None, None, negate(const(1))))
+    else:
+        return None
+    return call("numpy.transpose", call(called, turned, backwards))
+
+
+def _triangle_read(node: Call, called: str, options: dict[str, AST]) -> AST | None:
+    """Of a symmetric matrix the lower triangle, or the upper one as that of the transpose. Eigenvectors of the
+    transpose may have other signs."""
+    given = [*node.args[1:], *(v for k, v in options.items() if k == "UPLO")]
+    triangle = given[0].value if len(given) == 1 and isinstance(given[0], Constant) else None
+    if options.keys() - {"UPLO"} or triangle not in ("L", "l", "U", "u"):
+        return None
+    if triangle in ("L", "l"):
+        return call(called, node.args[0])
+    return call(called, call("numpy.transpose", node.args[0])) if called == "numpy.linalg.eigvalsh" else None
 
 
 def _without(node: Call, gone: tuple[str, ...], operand: AST) -> Call:

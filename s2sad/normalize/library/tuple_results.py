@@ -70,6 +70,8 @@ def item_functions(node: AST) -> dict[str, str]:
         return _ITEMS[called] if written[1] else _REDUCED
     if called == "numpy.linalg.qr" and written in (("mode", "reduced"), ("mode", "complete")):
         return _ITEMS[called] if written[1] == "reduced" else _COMPLETE
+    if called == "numpy.linalg.eigh" and written is not None and written[0] == "UPLO" and written[1] in ("L", "l"):
+        return _ITEMS[called]       # the triangle that is read
     left = [k for k in node.keywords if k.arg != _IGNORED_IF_NONE.get(called) or not is_none(k.value)]
     extra = node.args[_OPERAND_COUNT.get(called, 1):]
     plain = not left and all(called in _IGNORED_IF_NONE and is_none(a) for a in extra) and len(extra) <= 1
@@ -91,7 +93,7 @@ def _option(node: AST) -> tuple[str, object] | None:
         return None
     if node.keywords:
         return str(node.keywords[0].arg), getattr(node.keywords[0].value, "value", None)
-    first = "full_matrices" if call_name(node) == "numpy.linalg.svd" else "mode"
+    first = {"numpy.linalg.svd": "full_matrices", "numpy.linalg.eigh": "UPLO"}.get(call_name(node) or "", "mode")
     return first, getattr(node.args[1], "value", None)
 
 

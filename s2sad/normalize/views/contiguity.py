@@ -30,7 +30,8 @@ _LIKE = {f"numpy.{f}" for f in ("zeros_like", "empty_like", "ones_like", "full_l
 _SAME_MEMORY = {f"numpy.{f}" for f in ("asarray", "ascontiguousarray", "reshape", "ravel")}
 _PERMUTING = {f"numpy.{f}" for f in (
     "transpose", "flip", "fliplr", "flipud", "rot90", "squeeze", "swapaxes", "moveaxis", "expand_dims", "atleast_1d",
-    "atleast_2d", "broadcast_to", "diagonal", "diag", "split", "array_split", "hsplit", "vsplit", "real", "imag")}
+    "atleast_2d", "atleast_3d", "broadcast_to", "diagonal", "diag", "split", "array_split", "hsplit", "vsplit", "real",
+    "imag")}
 
 
 class Contiguity:

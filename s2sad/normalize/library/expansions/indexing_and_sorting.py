@@ -195,12 +195,12 @@ def _median(args: CallArguments) -> str:
     return lines(f"sorted_x = numpy.sort(x, axis={axis})", *_nan_or(args, axis, f"0.5 * ({low} + {high})"))
 
 
-def _nan_or(args: CallArguments, axis: int, text: str) -> list[str]:
+def _nan_or(args: CallArguments, axis: int, text: str, target: str = "result") -> list[str]:
     """A value between sorted elements, nan where one is: nans come last."""
     last = part("sorted_x", axis, f"{size('x', axis)} - 1")
     if args.rank("x") == 1:
-        return [f"if {last} != {last}:", f"    result = {last}", "else:", f"    result = {text}"]
-    return [f"middle = {text}", f"result = numpy.where({last} != {last}, {last}, middle)"]
+        return [f"if {last} != {last}:", f"    {target} = {last}", "else:", f"    {target} = {text}"]
+    return [f"middle = {text}", f"{target} = numpy.where({last} != {last}, {last}, middle)"]
 
 
 def _quantile(args: CallArguments, scale: str) -> str:
@@ -211,9 +211,18 @@ def _quantile(args: CallArguments, scale: str) -> str:
         return lines("flat = numpy.ravel(x)", f"result = numpy.{name}(flat, q)")
     axis = args.axis(rank) if args.has("axis") else 0
     low, high = part("sorted_x", axis, "below"), part("sorted_x", axis, "above")
-    return lines(f"sorted_x = numpy.sort(x, axis={axis})", f"last = {size('x', axis)} - 1",
-                 f"level = q / {scale} * last", "below = int(level)", "above = min(below + 1, last)",
-                 "between = level - below", *_nan_or(args, axis, f"{low} + between * ({high} - {low})"))
+    args.as_array("q")
+    several = bool(args.rank("q"))
+    found = [f"level = {'q[place]' if several else 'q'} / {scale} * last",
+             guard("0.0 <= level <= last", f"np.{name}: q is not in its range, or there are no elements"),
+             "below = int(level)", "above = min(below + 1, last)", "between = level - below",
+             *_nan_or(args, axis, f"{low} + between * ({high} - {low})", "result[place]" if several else "result")]
+    start = [f"sorted_x = numpy.sort(x, axis={axis})", f"last = {size('x', axis)} - 1"]
+    if not several:
+        return lines(*start, *found)
+    whole = [size("q", 0), *(size("x", k) for k in range(rank) if k != axis)]
+    return lines(*start, f"result = {empty(whole, args.type('x').dtype)}", f"for place in range({whole[0]}):",
+                 *(f"    {line}" for line in found))
 
 
 def _searchsorted(args: CallArguments) -> str:

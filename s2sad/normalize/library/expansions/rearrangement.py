@@ -3,12 +3,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from s2sad.infer.signatures.laws import whole_number
 from s2sad.infer.signatures.options import astype_dtype, widths_of
 from s2sad.normalize.library.expansions.templates import (
     SECTIONS, CallArguments, dtype_option, empty, guard, lines, part, size, sizes, zeros,
 )
 from s2sad.normalize.library.expansions.selections import repeat_each
-from s2sad.tree import List, Tuple
+from s2sad.tree import List, Tuple, call
 
 
 def _diff(args: CallArguments) -> str:
@@ -29,9 +30,9 @@ def _squeeze(args: CallArguments) -> str:
         more = [guard(f"{size('x', k)} != 1", "np.squeeze without an axis leaves out every axis of length 1: name it")
                 for k in range(rank) if k not in gone]
         return lines(*more, f"result = x[{', '.join('0' if k in gone else ':' for k in range(rank))}]")
-    axis = args.axis(args.rank("x"))
-    fits = guard(f"{size('x', axis)} == 1", "np.squeeze along an axis of another length than 1")
-    return lines(fits, f"result = {part('x', axis, '0')}")
+    gone = args.axes(args.rank("x"))
+    fits = [guard(f"{size('x', k)} == 1", "np.squeeze along an axis of another length than 1") for k in gone]
+    return lines(*fits, f"result = x[{', '.join('0' if k in gone else ':' for k in range(args.rank('x')))}]")
 
 
 def _atleast(args: CallArguments, rank: int) -> str:
@@ -41,10 +42,18 @@ def _atleast(args: CallArguments, rank: int) -> str:
     return f"result = x[{'None, ' * (rank - args.rank('x'))}...]" if args.rank("x") < rank else "result = x[...]"
 
 
+def _atleast_3d(args: CallArguments) -> str:
+    """The axis of a row is the second of three, those of a matrix are the first two."""
+    rank = args.rank("x")
+    return f"result = x[{'None, :, None' if rank == 1 else ':, :, None'}]" if 0 < rank < 3 else _atleast(args, 3)
+
+
 def _rot90(args: CallArguments) -> str:
     turns = (args.number("k") or 0) % 4
-    return ["result = numpy.copy(x)", "result = numpy.flip(numpy.transpose(x), axis=0)", "result = numpy.flip(x)",
-            "result = numpy.flip(numpy.transpose(x), axis=1)"][turns]
+    a, b = ((whole_number(axis) or 0) % args.rank("x") for axis in args.items("axes"))      # in this order
+    turned = f"numpy.moveaxis(x, ({a}, {b}), ({b}, {a}))" if args.rank("x") > 2 else "numpy.transpose(x)"
+    return ["result = numpy.copy(x)", f"result = numpy.flip({turned}, axis={a})",
+            f"result = numpy.flip(x, axis=({a}, {b}))", f"result = numpy.flip({turned}, axis={b})"][turns]
 
 
 def _astype(args: CallArguments) -> str:
@@ -98,6 +107,8 @@ def _repeat(args: CallArguments) -> str:
     if args.rank("repeats") or isinstance(args.arguments["repeats"], (List, Tuple)):
         return repeat_each(args)
     rank = args.rank("x")
+    if not rank:
+        return lines(f"result = {empty(['repeats'], args.type('x').dtype)}", "result[...] = x")
     if rank > 1 and not args.has("axis"):
         return lines("flat = numpy.ravel(x)", "result = numpy.repeat(flat, repeats)")
     axis = args.axis(rank)
@@ -177,6 +188,9 @@ def _diag(args: CallArguments, offset: str = "k") -> str:
 
 
 def _diagonal(args: CallArguments) -> str:
+    """Of a matrix, whose axes may be exchanged."""
+    if args.axis(2, "axis1"):
+        args.arguments |= {"x": call("numpy.transpose", args.arguments["x"])}
     return _diag(args, "offset")
 
 
@@ -248,6 +262,7 @@ EXPANSIONS: dict[str, Callable[[CallArguments], str]] = {
     "numpy.triu": lambda args: _triangle(args, "bound:", ""), "numpy.eye": _eye, "numpy.identity": _identity,
     "numpy.linspace": _linspace, "numpy.arange": _arange, "numpy.tri": _tri,
     "numpy.atleast_1d": lambda args: _atleast(args, 1), "numpy.atleast_2d": lambda args: _atleast(args, 2),
+    "numpy.atleast_3d": _atleast_3d,
     "numpy.rot90": _rot90, "numpy.astype": _astype, "numpy.diagflat": _diag, "numpy.split": _split,
     "numpy.array_split": lambda args: _split(args, even=False), "numpy.vsplit": lambda args: _split(args, 0),
     "numpy.hsplit": lambda args: _split(args, min(args.rank("x") - 1, 1)),

@@ -1,0 +1,129 @@
+"""Elements in the order of columns, axes that are added, exchanged or left out, several quantiles at once."""
+from __future__ import annotations
+
+import numpy as np
+
+from tests.corpus import Case
+from tests.seeds import generator
+
+
+def columns_first(m, t):
+    a = np.reshape(m, (2, 6), order="F")
+    b = m.flatten("F") * np.ravel(m, order="F") + m.ravel(order="C")
+    c = t.reshape(9, -1, order="F")[1:]
+    d = np.reshape(m, -1, "F")[1:] * b[1:] + np.reshape(m, m.T.shape, order="F").flatten(order="F")[:-1]
+    return np.sum(a ** 2 * np.arange(12.0).reshape(2, 6)) + np.sum(b * np.arange(12.0)) + np.sum(c ** 2) + np.sum(
+        d ** 2)
+
+
+def columns_of_nothing(m, t):
+    e = m[:0]
+    return np.sum(e.reshape(0, 3, order="F")) + np.sum(e.flatten("F")) + np.sum(m[:1, :1].ravel("F") ** 2)
+
+
+def columns_backwards(m, t):
+    """Of parts with negative steps, which are copied."""
+    s = m[::-1, ::2]
+    v = s.flatten("F")
+    v[0] = 3.0 * v[1]
+    w = s.T.reshape((3, 2), order="F")
+    return np.sum(v ** 2 * np.arange(6.0)) + np.sum(w ** 3 * np.arange(6.0).reshape(3, 2))
+
+
+def written_behind(m, t):
+    r = np.rot90(m)
+    m[0, 0] = 2.0
+    return np.sum(r)
+
+
+def flat_columns_written(m, t):
+    v = m.ravel("F")
+    v[0] = 2.0
+    return np.sum(m)
+
+
+def turned(m, t):
+    a = np.rot90(t, axes=(1, 2)) * np.rot90(t, 3, (2, 1)) + np.rot90(t, 2, (-1, 1))
+    b = np.rot90(t, -1, axes=(0, 2))[0] ** 2
+    return np.sum(a ** 2 * np.arange(18.0).reshape(2, 3, 3)) + np.sum(b * np.arange(6.0).reshape(3, 2)) + np.sum(
+        np.rot90(m, 1, (1, 0)) ** 2 * np.arange(12.0).reshape(4, 3)) + np.sum(np.rot90(t, 1, (2, 1))[0, 1] ** 3)
+
+
+def diagonals(m, t):
+    a, b = np.diagonal(m, 1, 1, 0), m.diagonal(axis1=-1, axis2=-2)
+    return np.sum(a ** 2 * np.arange(a.size)) + np.sum(b ** 3 * np.arange(b.size)) + np.sum(m.diagonal(1, 0, 1) ** 2)
+
+
+def three_axes(m, t):
+    v = m[0]
+    a, b = np.atleast_3d(v), np.atleast_3d(m)
+    a[0, 1, 0] = 3.0 * a[0, 0, 0] ** 2
+    m[1, 0] = 2.0 * m[1, 1]
+    return np.sum(a ** 2 * np.arange(4.0)[:, None]) + np.sum(b[:, :, 0] * m) + np.sum(np.atleast_3d(t) ** 2) + np.sum(
+        np.atleast_3d(m[0, 0]) ** 2) + np.sum(np.atleast_3d(m[:0]))
+
+
+def left_out(m, t):
+    a, b = t[:1, :, :1].squeeze(axis=(0, 2)), np.squeeze(t[None, None], (0, 1))
+    a[0] = 3.0 * t[1, 1, 1]
+    return np.sum(a ** 2) + np.sum(b ** 3 * np.arange(18.0).reshape(2, 3, 3)) + np.sum(np.diff(m, 6)) + np.sum(
+        np.diff(m.ravel(), n=7) ** 2)
+
+
+def made(m, t):
+    b, k = np.ndarray((3, 2)), np.ndarray(4, dtype=int)
+    b[...] = m[:, 1:3] * m[:, :2]
+    k[:] = 2
+    c = np.ndarray(m.shape[:1], float)
+    c[:] = m[k[0]][:3]
+    return np.sum(b ** 2) + np.sum(c ** 3) + np.sum(np.repeat(m[0, 0], 3) ** 2 * np.arange(3.0)) + np.sum(
+        np.repeat(m[1, 1] > 0.0, 4) * m) + np.sum(np.repeat(m[0, 1], 0))
+
+
+def several_quantiles(m, t):
+    low, high = np.quantile(m[0], [0.25, 0.8])
+    a = np.percentile(t, (10, 50.0, 100), axis=1)
+    b = np.quantile(m, np.linspace(0.0, 1.0, 4))
+    return low * high ** 2 + np.sum(a ** 2 * np.arange(18.0).reshape(3, 2, 3)) + np.sum(
+        b ** 2 * np.arange(4.0)) + np.sum(
+        np.quantile(m[:1, 0], [0.3, 0.9]) ** 2) + np.sum(np.quantile(m[::-1, ::-2], [0.0, 0.3], axis=-1) ** 3)
+
+
+def at_levels(x, q):
+    return np.sum(np.quantile(x, q) ** 2)
+
+
+def repeated(z):
+    return np.sum((np.repeat(z, 2, axis=1) ** 2).real[0]) + np.sum((np.repeat(z, [1, 0, 2, 3]) ** 3).imag) + np.sum(
+        np.repeat(z[0, 0], 3).real ** 2) + np.sum((np.tile(z[0], (2, 1)) ** 2).imag) + np.sum(
+        (np.rot90(z) * np.atleast_3d(z)[:, :, 0]).real) + np.sum((z[:1].squeeze() ** 2).imag)
+
+
+def triangles_read(m, t):
+    """Of what is not symmetric one triangle is read."""
+    a = m[:, :3] + np.diag(np.array([1.0, 2.0, 4.0]))
+    w, v = np.linalg.eigh(a, UPLO="L")
+    low, _ = np.linalg.eigh(a, "L")
+    return np.sum(w ** 2 * v[0] ** 2) + low[0] ** 2 + np.sum(np.linalg.eigvalsh(a, UPLO="U") ** 2 * np.arange(3.0)) + (
+        np.linalg.eigvalsh(a, "L")[1] ** 3)
+
+
+CASES = (columns_first, columns_of_nothing, columns_backwards, turned, diagonals, three_axes, left_out, made,
+         several_quantiles, triangles_read)
+_SHARED = ("an array is written that NumPy shares with another one, which is a view of it by a function: write into "
+           "the array itself, or take a copy: np.copy(...)")
+
+
+def cases():
+    rng = generator(17)
+    m, t = rng.random((3, 4)), rng.random((2, 3, 3))
+    for kernel in CASES:
+        yield Case(kernel, (m, t), ("m", "t"))
+    for kernel in (columns_first, turned, three_axes):
+        yield Case(kernel, (m.astype("float32"), t.astype("float32")), ("m", "t"))
+    yield Case(at_levels, (m[0], np.array([0.2, 0.75])), ("x", "q"))
+    yield Case(at_levels, (m[0, :1], np.zeros(0)), ("x", "q"))
+    z = rng.random((2, 2)) + 1j * rng.random((2, 2))
+    yield Case(repeated, (z,), ("z",))
+    yield Case(written_behind, (m, t), refused=f"S201 at `m[0, 0] = 2.0`: {_SHARED}")
+    yield Case(flat_columns_written, (m, t), refused=f"S201 at `v[0] = 2.0`: {_SHARED}")
