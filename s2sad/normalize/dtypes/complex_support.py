@@ -108,9 +108,9 @@ def _wrong(node: AST, is_complex, typing: Typing) -> tuple[str, str, str] | None
     if isinstance(node, UnaryOp) and is_complex(node.operand) and not isinstance(node.op, (USub, UAdd)):
         return "S201", "an operator that is not defined for complex values", _PARTS
     if isinstance(node, AugAssign):
-        return _operator(node.op, targets(node)[0], node.value, is_complex, typing)
+        return _operator(node.op, targets(node)[0], node.value, is_complex)
     if isinstance(node, BinOp):
-        return _operator(node.op, node.left, node.right, is_complex, typing)
+        return _operator(node.op, node.left, node.right, is_complex)
     if isinstance(node, Subscript) and any(map(is_complex, (s for s in indices(node) if not isinstance(s, Slice)))):
         return "S201", "a complex value as a subscript", "subscripts are integers"
     if isinstance(node, Call) and any(map(is_complex, (*node.args, *(k.value for k in node.keywords)))):
@@ -118,20 +118,20 @@ def _wrong(node: AST, is_complex, typing: Typing) -> tuple[str, str, str] | None
     return None
 
 
-def _operator(op: AST, left: AST, right: AST, is_complex, typing: Typing) -> tuple[str, str, str] | None:
+def _operator(op: AST, left: AST, right: AST, is_complex) -> tuple[str, str, str] | None:
     if not (is_complex(left) or is_complex(right)) or isinstance(op, (Add, Sub, Mult, Div)):
         return None
     if not isinstance(op, Pow):
         return "S201", "an operator that is not defined for complex values", _PARTS
-    return None if _is_power(left, right, is_complex, typing) else (
-        "S301", "no derivative rule for a power of complex values whose exponent is no integer",
-        "write np.exp(b * np.log(a))")
+    return None if _is_power(left, is_complex) else (
+        "S301", "no derivative rule for a complex power of a number that may be negative",
+        "write (a + 0j) ** b")
 
 
-def _is_power(base: AST, exponent: AST, is_complex, typing: Typing) -> bool:
-    """Whether it is a complex number to an integer or to a real number that is written out."""
-    written = exponent.operand if isinstance(exponent, UnaryOp) else exponent
-    return not is_complex(exponent) and (isinstance(written, Constant) or typing.of(exponent).is_integer)
+def _is_power(base: AST, is_complex) -> bool:
+    """Whether the base is complex, or a number above 0: the logarithm of another real base may be complex."""
+    positive = isinstance(base, Constant) and isinstance(base.value, (int, float)) and base.value > 0
+    return positive or is_complex(base) or getattr(base, "id", "") in ("math.e", "numpy.e")
 
 
 def _call(node: Call, is_complex, typing: Typing) -> tuple[str, str, str] | None:
@@ -140,7 +140,7 @@ def _call(node: Call, is_complex, typing: Typing) -> tuple[str, str, str] | None
         return None
     rule, made = rules.find(name), typing.of(node)
     if name in _POWERS and len(node.args) == 2:
-        return _operator(Pow(), node.args[0], node.args[1], is_complex, typing)
+        return _operator(Pow(), node.args[0], node.args[1], is_complex)
     known = rule is not None and rule.plane is not None and not name.startswith("math.")
     if name == "numpy.where" and node.args and is_complex(node.args[0]):
         known = False

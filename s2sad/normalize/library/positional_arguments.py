@@ -14,9 +14,9 @@ from s2sad.evaluate.effects import fresh_value
 from s2sad.evaluate.scope import KernelScope
 from s2sad.read.outside_values import library_value
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Call, Constant, FloorDiv, For, FunctionDef, GeneratorExp, Load, Mod, Name, Slice,
-    Subscript, Tuple, assign, at, call, call_name, const, copy, dump, index, indices, keyword, names, rebuild, tuple_of,
-    user_call, walk,
+    AST, Assign, Attribute, AugAssign, BinOp, Call, Constant, FloorDiv, For, FunctionDef, GeneratorExp, Load, Mod, Name,
+    Slice, Subscript, Tuple, assign, at, call, call_name, const, copy, dump, index, indices, keyword, names, rebuild,
+    tuple_of, user_call, walk,
 )
 
 # functions whose own signature is not there, or says less than how they are called
@@ -51,6 +51,8 @@ _OPERANDS = {"sort": 2, "unique": 1, "isin": 2, "setdiff1d": 2, "histogram": 2}
 def _positional(node: AST) -> AST | None:
     if isinstance(node, Assign) and (stored := _flat_store(node)) is not None:
         return rebuild(stored, _positional)
+    if isinstance(node, AugAssign) and (changed := _flat_change(node)) is not None:
+        return _positional(changed)
     if isinstance(node, Subscript) and isinstance(node.ctx, Load) and _is_flat(node.value):
         taken = at(index(call("numpy.ravel", node.value.value), *indices(node)), node)
         return rebuild(at(call("numpy.copy", taken), node) if isinstance(node.slice, Slice) else taken, _positional)
@@ -142,6 +144,16 @@ def _flat_store(node: Assign) -> AST | None:
     array = target.value.value
     stored = call("numpy.put", copy(array), target.slice, node.value)
     return at(Assign([index(array, const(...))], at(stored, node), None), node)
+
+
+def _flat_change(node: AugAssign) -> AST | None:
+    """`x.flat[k] *= v` as a store: what is read is a number."""
+    target = node.target
+    if not isinstance(target, Subscript) or not _is_flat(target.value) or isinstance(target.slice, Slice) or any(
+            isinstance(n, Call) for n in walk(target.slice)):
+        return None
+    read = at(index(copy(target.value), copy(target.slice)), target)
+    return at(Assign([target], at(BinOp(read, node.op, node.value), node), None), node)
 
 
 def _raveled_loop(node: For) -> For:
