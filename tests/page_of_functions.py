@@ -190,6 +190,8 @@ PAGE = {
         np.bincount(p, weights=x)
         np.bincount(p, weights=x, minlength=6)
         np.histogram(y, bins=3, range=(0.0, 1.5), weights=x)[0]
+        np.histogram(y, 3, density=True)[0]
+        np.histogram(y, 3)[1]
         np.histogram(y, bins=g, weights=x)[0]
         m[np.ix_(p, p)]
     """,

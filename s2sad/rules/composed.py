@@ -65,7 +65,7 @@ for _text in (
         "numpy.digitize(x, bins, right=False)", "numpy.isin(a, values, invert=False)",
         "numpy.setdiff1d(a, values)", "numpy.argwhere(x)", "numpy.lexsort(keys)",
         "numpy.unique(x, return_index=False, return_inverse=False, return_counts=False, part=None)",
-        "numpy.histogram(x, bins, range=None, weights=None, part=None)",
+        "numpy.histogram(x, bins=10, range=None, density=False, weights=None, part=None)",
         "numpy.put(x, places, values)", "numpy.putmask(x, mask, values)",
         # statistics, polynomials
         "numpy.nanmax(x, axis=None, keepdims=False)", "numpy.nanmin(x, axis=None, keepdims=False)",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.infer.signatures.laws import whole_number
+from s2sad.infer.signatures.laws import is_true, whole_number
 from s2sad.infer.signatures.options import Arguments, is_none, one_axis
 from s2sad.infer.promotion import ORDER, common, is_expandable
 from s2sad.infer.types import INT, UNKNOWN, Type, array
@@ -115,19 +115,23 @@ def _unique(args: list[Type], options: Arguments) -> Type:
 
 
 def _histogram(args: list[Type], options: Arguments) -> Type:
-    x, bins, ends, weights = (*args[:2], options["range"], args[3])
+    x, bins, ends, weights = args[0], args[1], options["range"], args[4]
     display = isinstance(ends, (List, Tuple)) and len(ends.elts) == 2
     edges = bins.is_array and bins.rank == 1 and bins.is_float and is_none(ends)
-    known = edges or _whole(bins) and not _rank(bins) and display
+    bounded = display or is_none(ends) and x.dtype in ("float64", "int64")
+    known = edges or _whole(bins) and not _rank(bins) and bounded
+    dense = is_true(options["density"])
     weighted = weights.is_array and weights.rank == 1 and weights.is_float
     part = whole_number(options["part"])
+    if not (dense or is_none(options["density"]) or _flags(options, "density")):
+        return UNKNOWN
     plain = display and all(isinstance(getattr(e, "operand", e), Constant) for e in ends.elts)
     if x.dtype == "float32" and not edges and not plain:
         return UNKNOWN      # the edges' dtype is that of the ends, too
     if not known or not x.is_array or x.rank != 1 or not (weighted or weights.kind == "none") or part not in (0, 1):
         return UNKNOWN
     if not part:
-        return array(weights.dtype if weighted else "int64", 1)
+        return array("float64" if dense else weights.dtype if weighted else "int64", 1)
     return array(bins.dtype if edges else "float32" if x.dtype == "float32" else "float64", 1)
 
 

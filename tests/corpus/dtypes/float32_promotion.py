@@ -27,4 +27,4 @@ def cases():
     # edges in a precision that is not known
     yield Case(edges_from_an_end, (A, P), of=None, refused=(
             "S301 at `np.histogram(a, bins=2, range=(p[0], 3))`: no derivative rule for numpy.histogram: give "
-            "range=(low, high), or an array of edges, and no density="))
+            "numbers with one axis, and a number of bins or an array of edges"))

@@ -155,8 +155,8 @@ def several(x):
     return np.sum(np.insert(x, [0, 1], 0.0))
 
 
-def bins_of_data(x):
-    return np.sum(np.histogram(x, bins=3, weights=x)[0] ** 2)
+def bins_by_rule(x):
+    return np.sum(np.histogram(x, bins="auto", weights=x)[0] ** 2)
 
 
 def parted(x):
@@ -176,8 +176,8 @@ REFUSED = [
      "leave out the elements at an integer, a list or an array of integers, or a mask"),
     (several, "no derivative rule for numpy.insert",
      "insert at one place, into floats: a number, or along an axis a row"),
-    (bins_of_data, "no derivative rule for numpy.histogram",
-     "give range=(low, high), or an array of edges, and no density="),
+    (bins_by_rule, "no derivative rule for numpy.histogram",
+     "give numbers with one axis, and a number of bins or an array of edges"),
     (unsorted, "no derivative rule for numpy.setdiff1d with assume_unique=",
      "give two arrays of integers, without assume_unique="),
     (parted, "no derivative rule for numpy.partition", "write np.sort(x), whose order is determined"),
@@ -228,9 +228,9 @@ def cases():
             (several,
              "S301 at `np.insert(x, [0, 1], 0.0)`: no derivative rule for numpy.insert: insert at one place, into "
              "floats: a number, or along an axis a row"),
-            (bins_of_data,
-             "S301 at `np.histogram(x, bins=3, weights=x)`: no derivative rule for numpy.histogram: give "
-             "range=(low, high), or an array of edges, and no density="),
+            (bins_by_rule,
+             "S301 at `np.histogram(x, bins=\"auto\", weights=x)`: no derivative rule for numpy.histogram: give "
+             "numbers with one axis, and a number of bins or an array of edges"),
             (unsorted,
              "S301 at `np.setdiff1d(np.arange(4), np.array([1]), True)`: no derivative rule for numpy.setdiff1d "
              "with assume_unique=: give two arrays of integers, without assume_unique="),

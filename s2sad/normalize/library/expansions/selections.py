@@ -175,21 +175,35 @@ def _histogram(args: CallArguments) -> str:
     if args.rank("bins"):
         edges = ["edges = numpy.copy(bins)", guard("edges[0] <= edges[edges.shape[0] - 1]",
                                                    "np.histogram with edges that decrease")]
+    elif not args.has("range"):
+        edges = _found_edges()
     else:
         low, high = (args.let("end", node) for node in args.items("range"))
         edges = [guard(f"{low} < {high}", "np.histogram with a range whose ends are equal or exchanged"),
                  f"edges = {_as_float32(args, 'x', f'numpy.linspace({low}, {high}, num=bins + 1)')}"]
     if args.number("part") == 1:
         return lines(*edges, "result = edges")
-    weighted = args.has("weights")
+    weighted, dense = args.has("weights"), args.flag("density")
+    share = ["total = numpy.sum(sums)", "result = sums / (edges[1:] - edges[:-1]) / total"] if dense else [
+        f"result = {_as_float32(args, 'weights', 'sums') if weighted else 'sums'}"]
     fits = guard(f"{size('weights', 0)} == {size('x', 0)}", WEIGHTS) if weighted else ""
     return lines(fits, *edges, "last = edges.shape[0] - 1", "found = runtime.sought(edges, x, True)",
-                 f"sums = {zeros(['last'], 'float64' if weighted else 'int64')}",
+                 f"sums = {zeros(['last'], 'float64' if weighted or dense else 'int64')}",
                  f"for place in range({size('x', 0)}):", "    bin = found[place]",
                  "    if x[place] == edges[last]:", "        bin = last",
                  "    if bin >= 1 and bin <= last:",
-                 f"        sums[bin - 1] += {'weights[place]' if weighted else '1'}",
-                 f"result = {_as_float32(args, 'weights', 'sums') if weighted else 'sums'}")
+                 f"        sums[bin - 1] += {'weights[place]' if weighted else '1'}", *share)
+
+
+def _found_edges() -> list[str]:
+    """From the least to the greatest number, which are moved apart where they are one."""
+    return [guard("bins > 0", "np.histogram without bins"), "least = 0.0", "most = 1.0",
+            f"if {size('x', 0)} > 0:", "    least = 1.0 * numpy.min(x)",
+            "    most = 1.0 * numpy.max(x)",
+            guard("-numpy.inf < least and least <= most and most < numpy.inf",
+                  "np.histogram of numbers that are not finite"),
+            "if least == most:", "    least = least - 0.5", "    most = most + 0.5",
+            "edges = numpy.linspace(least, most, num=bins + 1)"]
 
 
 def _as_float32(args: CallArguments, operand: str, value: str) -> str:
