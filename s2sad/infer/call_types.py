@@ -3,12 +3,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 from s2sad import rules
 from s2sad.infer.signatures.laws import LAWS
 from s2sad.infer.scalar_reductions_types import reduced_number
 from s2sad.infer.signatures.dispatch_by_name import expansion_type
 from s2sad.infer.promotion import CASTS, array_of_items, dtype_of, promote
+from s2sad.infer.unit_axes import unit_axes
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, UNKNOWN, Type, array
 from s2sad.rules.composed import LAW as COMPOSED
 from s2sad.rules.rule import template
@@ -93,7 +95,8 @@ class TypesOfCalls(ABC):
         if rule.name.startswith("runtime."):    # a rule's own text names no options
             types = types[:len(rule.operands)]
         if rule.name == "numpy.squeeze":
-            types = list(map(self.argument, node.args))     # which axes have length 1
+            types = [replace(t, ones=unit_axes(a, self.of, self.argument)) if t.is_array else t
+                     for t, a in zip(types, node.args)]
         if any(t.kind == "unknown" for t in types) or len(types) != len(rule.operands):
             return UNKNOWN
         arguments = rule.arguments(node)

@@ -23,7 +23,8 @@ composed("numpy.nanprod(x, axis=None, keepdims=False)",
          "numpy.prod(numpy.where(numpy.isnan(x), 1.0, x), axis=axis, keepdims=keepdims)")
 
 
-# of what NumPy gives as a tuple, `part` is the number of the item (normalize/library/tuple_results)
+# of what NumPy gives as a tuple, `part` is the number of the item (normalize/library/tuple_results); `whole` says that
+# no axis but those that are named has length 1
 WRITING = frozenset({"numpy.fill_diagonal", *(f"numpy.{f}.at" for f in (
     "add", "subtract", "multiply", "divide", "maximum", "minimum"))}) | {"numpy.put", "numpy.putmask"}
 
@@ -32,7 +33,7 @@ for _text in (
         "numpy.diff(x, n=1, axis=-1)",
         "numpy.concatenate(x, axis=0)", "numpy.stack(x, axis=0)", "numpy.hstack(x)", "numpy.vstack(x)", "numpy.r_(x)",
         "numpy.column_stack(x)", "numpy.append(x, values)",
-        "numpy.expand_dims(x, axis)", "numpy.squeeze(x, axis=None)", "numpy.swapaxes(x, axis1, axis2)",
+        "numpy.expand_dims(x, axis)", "numpy.squeeze(x, axis=None, whole=False)", "numpy.swapaxes(x, axis1, axis2)",
         "numpy.tile(x, reps)", "numpy.repeat(x, repeats, axis=None)",
         "numpy.pad(x, pad_width, mode='constant', constant_values=0.0)",
         "numpy.diag(x, k=0)", "numpy.diagonal(x, offset=0, axis1=0, axis2=1)", "numpy.tril(x, k=0)",

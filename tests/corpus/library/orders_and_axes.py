@@ -70,6 +70,27 @@ def left_out(m, t):
         np.diff(m.ravel(), n=7) ** 2)
 
 
+def known_axes(m, t):
+    """Axes of length 1 by the form of what is squeezed."""
+    v, s = m[0], 0.0
+    for axis in range(1):
+        s += np.sum(np.sum(m, axis=axis, keepdims=True).squeeze() ** 2 * np.arange(4.0))
+    s += np.sum(np.squeeze(np.max(t, axis=(0, -1), keepdims=True)) ** 2 * np.arange(3.0))
+    s += np.sum((m @ v[:, None]).squeeze() ** 2 * np.arange(3.0)) + np.sum((v[None] @ m.T).squeeze() ** 3)
+    s += np.sum(np.squeeze(np.expand_dims(m, 0)) ** 2 * m) + np.sum(np.atleast_2d(v).squeeze() ** 2 * np.arange(4.0))
+    a = m.reshape(1, 12).squeeze()
+    a[0] = v[2] * a[1]
+    return s + np.sum(m ** 2 * np.arange(12.0).reshape(3, 4))
+
+
+def unknown_axes(m, t):
+    return np.sum(m.squeeze() ** 2)
+
+
+def more_axes(m, t):
+    return np.sum(np.sum(m[:, :t.shape[0] - 1], axis=0, keepdims=True).squeeze() ** 2)
+
+
 def made(m, t):
     b, k = np.ndarray((3, 2)), np.ndarray(4, dtype=int)
     b[...] = m[:, 1:3] * m[:, :2]
@@ -108,8 +129,8 @@ def triangles_read(m, t):
         np.linalg.eigvalsh(a, "L")[1] ** 3)
 
 
-CASES = (columns_first, columns_of_nothing, columns_backwards, turned, diagonals, three_axes, left_out, made,
-         several_quantiles, triangles_read)
+CASES = (columns_first, columns_of_nothing, columns_backwards, turned, diagonals, three_axes, left_out, known_axes,
+         made,         several_quantiles, triangles_read)
 _SHARED = ("an array is written that NumPy shares with another one, which is a view of it by a function: write into "
            "the array itself, or take a copy: np.copy(...)")
 
@@ -125,5 +146,10 @@ def cases():
     yield Case(at_levels, (m[0, :1], np.zeros(0)), ("x", "q"))
     z = rng.random((2, 2)) + 1j * rng.random((2, 2))
     yield Case(repeated, (z,), ("z",))
+    yield Case(unknown_axes, (m, t), refused="S301 at `m.squeeze()`: no derivative rule for numpy.squeeze: name the "
+               "axis: np.squeeze(x, axis=0), or write x[0]")
+    yield Case(more_axes, (m, t), refused=(
+        "S501 at `np.sum(m[:, :t.shape[0] - 1], axis=0, keepdims=True).squeeze()`: np.squeeze without an axis leaves "
+        "out every axis of length 1: sum_value.shape[1] is 1: name it"))
     yield Case(written_behind, (m, t), refused=f"S201 at `m[0, 0] = 2.0`: {_SHARED}")
     yield Case(flat_columns_written, (m, t), refused=f"S201 at `v[0] = 2.0`: {_SHARED}")

@@ -25,14 +25,11 @@ def _expand_dims(args: CallArguments) -> str:
 
 
 def _squeeze(args: CallArguments) -> str:
-    if not args.has("axis"):
-        rank, gone = args.rank("x"), args.typing.argument(args.arguments["x"]).ones
-        more = [guard(f"{size('x', k)} != 1", "np.squeeze without an axis leaves out every axis of length 1: name it")
-                for k in range(rank) if k not in gone]
-        return lines(*more, f"result = x[{', '.join('0' if k in gone else ':' for k in range(rank))}]")
-    gone = args.axes(args.rank("x"))
+    rank, gone = args.rank("x"), args.axes(args.rank("x"))
+    more = [guard(f"{size('x', k)} != 1", "np.squeeze without an axis leaves out every axis of length 1: name it")
+            for k in range(rank) if k not in gone and args.flag("whole")]
     fits = [guard(f"{size('x', k)} == 1", "np.squeeze along an axis of another length than 1") for k in gone]
-    return lines(*fits, f"result = x[{', '.join('0' if k in gone else ':' for k in range(args.rank('x')))}]")
+    return lines(*more, *fits, f"result = x[{', '.join('0' if k in gone else ':' for k in range(rank))}]")
 
 
 def _atleast(args: CallArguments, rank: int) -> str:
