@@ -159,6 +159,7 @@ PAGE = {
         np.median(x) * np.median(m, axis=0)
         np.percentile(x, 30.0) * np.percentile(m, 30.0, axis=0)
         np.quantile(x, [0.3, 0.6])
+        m - np.median(m, axis=1, keepdims=True) * np.percentile(m, 30, axis=0, keepdims=True)
         np.quantile(x, 0.3) * np.quantile(m, 0.3, axis=0)
         x * np.any(x > 0.5) * np.all(x > 0.1) * np.count_nonzero(x > 0.5)
         x * np.any(m > 0.5, axis=0) * np.all(m > 0.1, axis=0)

@@ -59,7 +59,7 @@ for _text in (
         "numpy.unravel_index(place, shape, part=None)", "numpy.triu_indices(n, k=0, m=None, part=None)",
         "numpy.tril_indices(n, k=0, m=None, part=None)", "numpy.diag_indices(n, part=None)",
         "numpy.bincount(x, weights=None, minlength=0)", "numpy.median(x, axis=None, keepdims=False)",
-        "numpy.percentile(x, q, axis=None)", "numpy.quantile(x, q, axis=None)",
+        "numpy.percentile(x, q, axis=None, keepdims=False)", "numpy.quantile(x, q, axis=None, keepdims=False)",
         # selections, bins
         "numpy.delete(x, places, axis=None)", "numpy.insert(x, place, values, axis=None)",
         "numpy.compress(condition, x, axis=None)", "numpy.extract(condition, x)", "numpy.choose(a, choices)",

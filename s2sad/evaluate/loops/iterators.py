@@ -74,13 +74,21 @@ def _start(node: Call) -> AST:
     return given[0] if given else const(0)
 
 
+def _counts_from(node: Call, scope: KernelScope) -> AST:
+    """Where an enumeration begins, which Python wants to be an integer."""
+    start = _start(node)
+    if isinstance(start, Constant) and not isinstance(start.value, int):
+        scope.refuse(start, "an enumeration from what is no integer")
+    return start
+
+
 def _column(node: AST, hold: Hold, scope: KernelScope) -> tuple[AST, Callable[[AST], AST]] | None:
     """Length and item of one sequence, counted from 0."""
     called = call_name(node)
     if called == "builtins.range" and node.args:
         return _counted(node, hold)
     if called == "builtins.enumerate" and node.args:
-        inner, start = _column(node.args[0], hold, scope), hold(_start(node), "start")
+        inner, start = _column(node.args[0], hold, scope), hold(_counts_from(node, scope), "start")
         if inner is None:
             return None
         length, item = inner

@@ -8,7 +8,7 @@ from s2sad.infer.signatures.laws import is_true, of_rank, whole_number
 from s2sad.infer.signatures.options import Arguments, is_none, one_axis
 from s2sad.infer.promotion import ORDER
 from s2sad.infer.types import INT, UNKNOWN, Type, array
-from s2sad.tree import List, Tuple
+from s2sad.tree import Constant, List, Tuple
 
 
 
@@ -121,8 +121,11 @@ def _counted(args: list[Type], options: Arguments) -> Type:
 
 def _middle(args: list[Type], options: Arguments) -> Type:
     x = args[0]
-    if not x.is_array or not x.is_float or is_true(options.get("keepdims")):
+    kept = options["keepdims"]
+    if not x.is_array or not x.is_float or not (isinstance(kept, Constant) and isinstance(kept.value, bool)):
         return UNKNOWN
+    if is_true(kept):
+        return UNKNOWN if is_none(options["axis"]) or one_axis(options["axis"], x.rank) is None else x.plain
     if is_none(options["axis"]):
         return of_rank(x, 0)
     return of_rank(x, x.rank - 1) if one_axis(options["axis"], x.rank) is not None else UNKNOWN

@@ -121,7 +121,15 @@ def out_of_its_array(x):
     return np.sum(x[-9:2]) * x[0]
 
 
+def counted_from_a_float(x, d):
+    s = 0.0
+    for k, v in enumerate(x, 1.5):
+        s += k * v
+    return s
+
+
 def cases():
+    yield Case(counted_from_a_float, (X, 2), "x", refused="S201 at `1.5`: an enumeration from what is no integer")
     # derivatives
     for kernel, arguments, wrt in CASES:
         yield Case(kernel, arguments, wrt)

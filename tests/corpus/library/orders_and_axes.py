@@ -114,6 +114,16 @@ def at_levels(x, q):
     return np.sum(np.quantile(x, q) ** 2)
 
 
+def axes_kept(m, t):
+    """The middle along an axis that stays with length 1."""
+    a = m - np.median(m, axis=1, keepdims=True)
+    b = np.percentile(t, 30, axis=1, keepdims=True) * np.quantile(t, 0.3, axis=-1, keepdims=True)
+    c = np.quantile(t[::-1], 0.6, axis=0, keepdims=True)
+    d = np.median(m[0, ::-2], axis=0, keepdims=True) * m[0] + np.median(m[1:2], axis=0, keepdims=True)[0]
+    return np.sum(a ** 2 * np.arange(4.0)) + np.sum(b ** 2) + np.sum(c ** 2 * t[0, 0]) + np.sum(d ** 2) + np.sum(
+        np.median(t, axis=1, keepdims=True).squeeze() ** 2)
+
+
 def repeated(z):
     return np.sum((np.repeat(z, 2, axis=1) ** 2).real[0]) + np.sum((np.repeat(z, [1, 0, 2, 3]) ** 3).imag) + np.sum(
         np.repeat(z[0, 0], 3).real ** 2) + np.sum((np.tile(z[0], (2, 1)) ** 2).imag) + np.sum(
@@ -130,7 +140,7 @@ def triangles_read(m, t):
 
 
 CASES = (columns_first, columns_of_nothing, columns_backwards, turned, diagonals, three_axes, left_out, known_axes,
-         made,         several_quantiles, triangles_read)
+         made,         several_quantiles, axes_kept, triangles_read)
 _SHARED = ("an array is written that NumPy shares with another one, which is a view of it by a function: write into "
            "the array itself, or take a copy: np.copy(...)")
 
@@ -140,7 +150,7 @@ def cases():
     m, t = rng.random((3, 4)), rng.random((2, 3, 3))
     for kernel in CASES:
         yield Case(kernel, (m, t), ("m", "t"))
-    for kernel in (columns_first, turned, three_axes):
+    for kernel in (columns_first, turned, three_axes, axes_kept):
         yield Case(kernel, (m.astype("float32"), t.astype("float32")), ("m", "t"))
     yield Case(at_levels, (m[0], np.array([0.2, 0.75])), ("x", "q"))
     yield Case(at_levels, (m[0, :1], np.zeros(0)), ("x", "q"))

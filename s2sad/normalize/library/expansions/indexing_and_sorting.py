@@ -191,14 +191,19 @@ def _median(args: CallArguments) -> str:
         return lines("flat = numpy.ravel(x)", "result = numpy.median(flat)")
     axis = args.axis(rank) if args.has("axis") else 0
     n = size("x", axis)
-    low, high = part("sorted_x", axis, f"({n} - 1) // 2"), part("sorted_x", axis, f"{n} // 2")
+    low, high = _sorted_part(args, axis, f"({n} - 1) // 2"), _sorted_part(args, axis, f"{n} // 2")
     return lines(f"sorted_x = numpy.sort(x, axis={axis})", *_nan_or(args, axis, f"0.5 * ({low} + {high})"))
+
+
+def _sorted_part(args: CallArguments, axis: int, place: str) -> str:
+    """The elements at a place, along an axis that may be kept."""
+    return part("sorted_x", axis, f"{place}, None" if args.flag("keepdims") else place)
 
 
 def _nan_or(args: CallArguments, axis: int, text: str, target: str = "result") -> list[str]:
     """A value between sorted elements, nan where one is: nans come last."""
-    last = part("sorted_x", axis, f"{size('x', axis)} - 1")
-    if args.rank("x") == 1:
+    last = _sorted_part(args, axis, f"{size('x', axis)} - 1")
+    if args.rank("x") == 1 and not args.flag("keepdims"):
         return [f"if {last} != {last}:", f"    {target} = {last}", "else:", f"    {target} = {text}"]
     return [f"middle = {text}", f"{target} = numpy.where({last} != {last}, {last}, middle)"]
 
@@ -210,7 +215,7 @@ def _quantile(args: CallArguments, scale: str) -> str:
     if rank > 1 and not args.has("axis"):
         return lines("flat = numpy.ravel(x)", f"result = numpy.{name}(flat, q)")
     axis = args.axis(rank) if args.has("axis") else 0
-    low, high = part("sorted_x", axis, "below"), part("sorted_x", axis, "above")
+    low, high = _sorted_part(args, axis, "below"), _sorted_part(args, axis, "above")
     args.as_array("q")
     several = bool(args.rank("q"))
     found = [f"level = {'q[place]' if several else 'q'} / {scale} * last",
@@ -220,7 +225,8 @@ def _quantile(args: CallArguments, scale: str) -> str:
     start = [f"sorted_x = numpy.sort(x, axis={axis})", f"last = {size('x', axis)} - 1"]
     if not several:
         return lines(*start, *found)
-    whole = [size("q", 0), *(size("x", k) for k in range(rank) if k != axis)]
+    own = ["1" if k == axis else size("x", k) for k in range(rank) if k != axis or args.flag("keepdims")]
+    whole = [size("q", 0), *own]
     return lines(*start, f"result = {empty(whole, args.type('x').dtype)}", f"for place in range({whole[0]}):",
                  *(f"    {line}" for line in found))
 
