@@ -1,6 +1,10 @@
 """Objects that a kernel is given, or whose method it is: a gradient leaves them as they were."""
 from __future__ import annotations
 
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -90,6 +94,41 @@ def test_attributes_that_are_replaced():
         vjp(f, (state, X), {"state.u": np.ones(4)})
     assert said(caught.value).startswith("'state.u' is no output of 'rebinds', which does not write it")
     assert f(state, X) == np.sum(X * X) * 0.3 and state.t == 0.3
+
+
+class Kind(Enum):
+    DOUBLE = 2
+
+
+@dataclass
+class Parts:
+    """Functions, classes and members of enumerations as attributes of an object that is given."""
+    f: Any
+    kind: Kind | None
+    made: Any
+    w: float
+
+
+def halved(v):
+    return 0.5 * v
+
+
+def of_parts(parts, x):
+    scale = 2.0 if parts.kind is Kind.DOUBLE else 1.0
+    return np.sum(parts.f(x)) * scale + parts.made(x[0], Kind.DOUBLE, None, parts.w).f * parts.w
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_functions_that_objects_hold(engine):
+    with running(engine) as run_under:
+        found = gradient(differentiate(of_parts, engine=run_under), wrt="x")
+        first = np.array([3.0, 0, 0, 0])
+        np.testing.assert_allclose(found(Parts(np.sin, Kind.DOUBLE, Parts, 3.0), X), 2.0 * np.cos(X) + first)
+        np.testing.assert_allclose(found(Parts(halved, Kind.DOUBLE, Parts, 3.0), X), np.ones(4) + first)
+        np.testing.assert_allclose(found(Parts(halved, None, Parts, 3.0), X), 0.5 * np.ones(4) + first)
+        with pytest.raises(S2sadError) as caught:
+            found(Parts(object(), Kind.DOUBLE, Parts, 3.0), X)
+    assert said(caught.value).startswith("'parts.f' is an object")
 
 
 def test_what_is_written_and_replaced():

@@ -182,6 +182,16 @@ def augmented_assign(ev: Evaluator, s: Any, f: Frame) -> None:
         assign_to(ev, base, key, new, s, f)
 
 
+def _extended(ev: Evaluator, old: Data, value: Value, s: Any, f: Frame) -> None:
+    """`old += value` of a residual list, which stays the one that it is."""
+    if not isinstance(s.op, tree.Add) or isinstance(value, Data):
+        raise ev.refusal(s, "a list whose length is not known before the run is changed in place",
+                         help="append to it item by item")
+    for item in ev.items_of(value, s, f):
+        added = ev.residual_call(tree.at(tree.attribute(tree.copy(old.node), "append"), s), [item], {}, s)
+        ev.emit(tree.Expr(added.node), s, True)
+
+
 def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: str) -> Value | None:
     """What `old op= value` leaves: an array keeps being the one that it is. None where the target is the same still."""
     if isinstance(old, Reference):
@@ -192,6 +202,8 @@ def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: 
         if held.kind == "record":
             method = ev.method_named(held.made, f"__i{OPERATORS[type(s.op)][1]}__", old, s, f)
             return ev.binary(s.op, old, value, s, f) if method is None else ev.call(method, [value], {}, s, f)
+    if isinstance(old, Data) and old.is_list:
+        return _extended(ev, old, value, s, f)
     if not isinstance(old, Data) or old.is_known and old.is_literal or not isinstance(value, (Data, TupleValue)):
         return ev.binary(s.op, old, value, s, f)
     ev.refuse_no_number(value, s)

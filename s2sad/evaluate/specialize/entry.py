@@ -187,7 +187,10 @@ def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, na
         ev.texts.add(name)
         return Data(tree.at(tree.name(name), origin), demands=frozenset(((path, "value"),)))
     if not is_held(form):
-        return Conflict(f"'{path}' is {form.dtype or form.kind}, of which a kernel can make no use")
+        fact = (path, "value")
+        if fact in ev.facts:        # a function, a class, a member of an enumeration
+            return ev.outside_value(wanted, ev.facts[fact], origin, ev.entry)
+        return Conflict(f"'{path}' is {form.dtype or form.kind}, of which a kernel can make no use", frozenset((fact,)))
     name = ev.fresh(wanted)
     names[name] = path
     if path != name:

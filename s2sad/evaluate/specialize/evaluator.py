@@ -308,7 +308,7 @@ class Evaluator:
             raise self.refusal(node, f"{_spelled_kind(node)} is not supported in a kernel")
         found = transfer(self, node, f)
         if isinstance(found, Conflict):
-            raise self.refusal(node, found.what)
+            raise Unevaluated(self.refusal(node, found.what), found.demands)
         return found
 
     def values(self, nodes: Sequence[AST], f: Frame) -> list[Value]:

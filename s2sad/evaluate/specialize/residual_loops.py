@@ -159,6 +159,8 @@ def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Obj
                     held.kind == "record" and held.items.keys() != end[n].items.keys()):
                 raise ev.unknown(origin, f"'{held.label or 'a ' + held.kind}' is another structure after each round",
                                  help="make it before the loop, and assign its items", site=held.site)
+            if n not in loop.start:     # what a slot with a home has there, which says where its items go
+                continue
             for key, old in held.items.items():
                 new = end[n].items[key]
                 if alike(old, new) or isinstance(old, Conflict):

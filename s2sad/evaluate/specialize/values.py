@@ -160,8 +160,9 @@ class Iteration:
 
 @dataclass(frozen=True)
 class Conflict:
-    """One thing on one way and another on another; what was, and where."""
+    """What must not be asked for: one thing on one way and another on another, say; `demands` would make it known."""
     what: str = ""
+    demands: frozenset[Any] = frozenset()
 
 
 Value = (Data | TupleValue | Reference | FunctionValue | LibraryValue | MethodValue | ClassValue | SuperValue

@@ -87,7 +87,8 @@ def fields(program: Program, forms: tuple[Form, ...]) -> Flat:
         if new == cells:
             making.finish()
             by_name = dict(zip(names, paths))
-            return Flat(replace(program, kernels=making.kernels, function=None), by_name,
+            own = program.function if entry.parameters == tuple(names) == tuple(paths) else None
+            return Flat(replace(program, kernels=making.kernels, function=own), by_name,
                         frozenset(n for n, p in by_name.items() if p in cells), made.result)
         cells = new
 

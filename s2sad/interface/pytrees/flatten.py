@@ -9,6 +9,8 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from enum import Enum
+from types import BuiltinFunctionType, FunctionType
 from typing import Any
 
 import numpy as np
@@ -31,6 +33,8 @@ from s2sad.dispatch.cache import ProgramVersion
 
 _NUMBERS = (int, float, np.integer, np.floating, complex)
 _PLAIN = frozenset((np.ndarray, float, complex, int, bool, np.float64, type(None), str))
+_NAMED = (str, int, np.integer, np.bool_, FunctionType, BuiltinFunctionType, np.ufunc, type, Enum)
+_UNNAMED = object()         # in place of what is no value to specialise for
 Holder = tuple[str, str, Any, "str | int"]
 
 
@@ -56,6 +60,9 @@ def flattened(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
             if demanded.facts <= known.keys():
                 raise demanded.error from None
             known |= dict.fromkeys(sorted(demanded.facts))
+            if any(value is _UNNAMED for _, value in _facts(state, forms, args)):
+                del state.entries["demanded", forms]
+                raise demanded.error from None
     if not found.methods:
         found.state.arrays = state.arrays
     return found
@@ -69,6 +76,8 @@ def _facts(state: ProgramVersion, forms: tuple[Form, ...], args: Sequence[Any]) 
     values: dict[str, Any] = {}
     for name, form, value in zip(state.parameters, forms, args):
         mapped(form, value, name, lambda path, _, leaf: values.update({path: leaf}))
+    values.update({path: _UNNAMED for (path, what) in demanded if what == "value" and not isinstance(
+        values[path], _NAMED)})
     return tuple((fact, values[fact[0]].shape if fact[1] == "shape" else values[fact[0]]) for fact in demanded)
 
 

@@ -208,6 +208,22 @@ def calls_that_count(x):
     return [gen(o), gen(o)][0] - o.n * x[1] + (gen(o) if x[0] > 0 else 0.0) * o.n
 
 
+def list_extended_on_one_way_under_another_name(x):
+    us = [x[1] * 1.5, 0.75, x[2]]
+    vs = us
+    if x[0] > 0.1:
+        vs += [x[0] - 1.5]
+    return sum(us) * us[0] + sum(vs)
+
+
+def list_turned_around_in_a_loop(x):
+    us = [x.copy(), x[3] * x]
+    for _ in range(x.size):
+        us[0] = x[2] * us[1]
+        us = us[::-1]
+    return np.sum(us[0] * us[1] * x)
+
+
 def cases():
     for kernel in (
             counted_operands, appended_through_an_alias, added_to_an_array_that_is_listed_twice,
@@ -216,5 +232,5 @@ def cases():
             object_in_a_loop, early_returns, early_returns_of_what_changes_an_object,
             break_and_else_over_texts, continue_over_functions, list_in_a_tuple_that_is_bound_anew,
             copied_dict, array_bound_anew, number_bound_anew, array_repeated_in_a_list, setdefault,
-            calls_that_count):
+            calls_that_count, list_extended_on_one_way_under_another_name, list_turned_around_in_a_loop):
         yield Case(kernel, (X,), "x")
