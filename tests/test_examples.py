@@ -8,7 +8,7 @@ import pytest
 
 from tests.documents import ROOT, environment
 
-EXAMPLE, GLACIER = ROOT / "examples" / "brusselator.py", ROOT / "examples" / "glacier.py"
+EXAMPLE, GLACIER, CHANNEL = (ROOT / "examples" / f"{name}.py" for name in ("brusselator", "glacier", "channel"))
 
 
 def run(*arguments, cwd=None, code=None, example=EXAMPLE):
@@ -69,3 +69,16 @@ def test_glacier_finds_its_bed_and_the_softness_of_its_ice(tmp_path):
     assert float(text.split("rate factor is within ")[1].split("%")[0]) < 5.0
     picture = (tmp_path / "glacier.png").read_bytes()
     assert picture.startswith(b"\x89PNG") and len(picture) > 20_000
+
+
+def test_channel_recovers_its_wave_and_its_roughness(tmp_path):
+    for module in ("scipy", "rich", "matplotlib"):
+        pytest.importorskip(module)
+    done = run("--quick", "--output", "channel.png", cwd=tmp_path, example=CHANNEL)
+    assert done.returncode == 0, done.stderr
+    rows = [line.split("│") for line in done.stdout.splitlines() if line.startswith("│") and line.count("│") == 5]
+    errors = {row[1].strip(): float(row[4].split()[0].strip("%")) for row in rows}
+    assert errors["height of the wave, m"] < 0.02
+    assert errors["roughness"] < 10.0
+    assert float(done.stdout.split("differences agree to ")[1].split()[0].rstrip(".")) < 1e-3
+    assert (tmp_path / "channel.png").read_bytes().startswith(b"\x89PNG")
