@@ -35,20 +35,20 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_finish(session):
-    from tests.garbage import seldom
+    from tests.harness.garbage import seldom
     seldom()
 
 
 def pytest_configure(config):
     _seeded(config)
-    config.addinivalue_line("markers", "emits(case): what the text for Numba does is compiled, see tests/constructs.py")
+    config.addinivalue_line("markers", "emits(case): what the text for Numba does is compiled: harness/constructs.py")
     from s2sad.dispatch import artifacts
     artifacts.ENABLED = False   # every test derives what it asks for; tests/dispatch/test_artifacts.py says otherwise
     if config.getoption("compiled"):
-        from tests.engines import compiling
+        from tests.harness.engines import compiling
         compiling.append(True)
     if config.getoption("poison"):
-        from tests.poison import poisoned
+        from tests.harness.poison import poisoned
         mode = ExitStack()
         mode.enter_context(poisoned())
         config.add_cleanup(mode.close)
@@ -57,7 +57,7 @@ def pytest_configure(config):
 
 
 def _seeded(config):
-    """Other random inputs, where `--seed` or the variable of tests/seeds.py asks for them: before tests are read."""
+    """Other random inputs, where `--seed` or the variable of harness/seeds.py asks for them: before tests are read."""
     seed = config.getoption("seed") or int(os.environ.get("S2SAD_TEST_SEED", "0"))
     if seed:
         os.environ["S2SAD_TEST_SEED"] = config.option.hypothesis_seed = str(seed)
@@ -74,13 +74,13 @@ def quiet_floating_point():
 
 @pytest.fixture(autouse=True)
 def constructs_are_compiled(request):
-    """What a text for Numba does that Python runs here is compiled in a case of tests/compiled.txt."""
+    """What a text for Numba does that Python runs here is compiled in a case of tests/corpus/compiled.txt."""
     mark = request.node.get_closest_marker("emits")
     if mark is None or request.config.getoption("compiled"):
         yield
         return
-    from tests import constructs
-    from tests.instrumented import recorded
+    from tests.harness import constructs
+    from tests.harness.instrumentation import recorded
     with recorded() as found:
         yield
     (case,), folder = mark.args, request.config.getoption("constructs")

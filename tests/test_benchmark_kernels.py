@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 from benchmarks.kernels.cases import LOOPS
 
 

@@ -5,8 +5,8 @@ import pytest
 
 import s2sad
 from tests import corpus
-from tests.derivatives import check_derivatives
-from tests.engines import engines, located, running
+from tests.harness.derivatives import check_derivatives
+from tests.harness.engines import engines, located, running
 
 CASES = dict(corpus.cases())
 pytestmark = pytest.mark.filterwarnings("error:Casting complex values")

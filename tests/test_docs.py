@@ -7,7 +7,7 @@ import shlex
 
 import pytest
 
-from tests.documents import BLOCK, DOCUMENTS, ROOT, document
+from tests.harness.documents import BLOCK, DOCUMENTS, ROOT, document
 
 PRESENT = [*DOCUMENTS, "docs/semantics.md"]
 
@@ -17,7 +17,8 @@ PRESENT = [*DOCUMENTS, "docs/semantics.md"]
 def test_current(name):
     pytest.importorskip("numba")
     with document(name) as given:
-        assert given.renewed() == given.path.read_text(encoding="utf-8"), "python -m tests.documents writes it anew"
+        written = given.path.read_text(encoding="utf-8")
+        assert given.renewed() == written, "python -m tests.harness.documents writes it anew"
 
 
 @pytest.mark.parametrize("name", PRESENT)

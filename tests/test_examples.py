@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from tests.documents import ROOT, environment
+from tests.harness.documents import ROOT, environment
 
 EXAMPLE, GLACIER, CHANNEL = (ROOT / "examples" / f"{name}.py" for name in ("brusselator", "glacier", "channel"))
 

@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 
-from tests.bulk import outcome
-from tests.derivatives import UnreliableDifferences, check_derivatives
+from tests.harness.bulk import outcome
+from tests.harness.derivatives import UnreliableDifferences, check_derivatives
 from tests.programs import SHAPES, kernels, random_kernel
-from tests.seeds import seeded
+from tests.harness.seeds import seeded
 
 
 def numbered(first: int, count: int, engine: str) -> None:
-    """Programs by number: all of them are different. A failure names its number for `python -m tests.bulk`."""
+    """Programs by number: all of them are different. A failure names its number for `python -m tests.harness.bulk`."""
     found = [outcome(random_kernel(seed), engine, seed) for seed in range(seeded(first), seeded(first) + count)]
     failures = [f for f in found if f.failed]
     assert not failures, "\n".join(f"seed {f.seed}: {f.kind}\n{f.source}\n{f.text}" for f in failures)

@@ -42,8 +42,8 @@ from s2sad.run.module_loader import load
 from s2sad.tree import FunctionDef
 from s2sad.units import Unit
 from s2sad.dispatch.cache import ProgramVersion
-from tests.derivatives import VectorFunction, differences
-from tests.seeds import generator
+from tests.harness.derivatives import VectorFunction, differences
+from tests.harness.seeds import generator
 
 FOLDER = Path(__file__).resolve().parent / "golden"
 CASES = sorted(path.name for path in FOLDER.iterdir() if path.is_dir() and not path.name.startswith((".", "_")))

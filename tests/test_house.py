@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from s2sad.passes import each
-from tests.documents import ROOT
+from tests.harness.documents import ROOT
 from tests.pictures import LISTS, Picture, document, functions, pictures, wrong
-from tests.rooms import layers
+from tests.harness.rooms import layers
 
 PACKAGE = ROOT / "s2sad"
 # passes whose docstring has no picture yet, in the order of their lists

@@ -10,7 +10,7 @@ import pytest
 import s2sad
 from s2sad.deep_stack import deep_stack, on_deep_stack
 from s2sad.tree import AST, BinOp, Constant, const, equal, expression, rebuild
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 
 
 def kernel(text, folder, name="f"):

@@ -10,7 +10,7 @@ import pytest
 
 import s2sad
 from s2sad import rules
-from tests.engines import compiling
+from tests.harness.engines import compiling
 from tests.page_of_functions import PAGE, expressions, function
 from tests.rules import test_rules
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from benchmarks.kernels.cases import ARRAYS, CASES
-from tests.documents import ROOT
-from tests.passes import (
+from tests.harness.documents import ROOT
+from tests.harness.passes import (
     PASSES, ROUNDING, SAME, Task, apart, changes_rounding, derivatives, differing, of_function, of_program, tasks,
 )
 from tests.programs import random_kernel
-from tests.seeds import seeded
+from tests.harness.seeds import seeded
 
 KERNELS = [("seidel", "loops"), ("advect", "loops"), ("mixture", "loops"), ("brusselator", "loops"),
            ("masked_flow", "numpy"), ("glacier", "numpy"), ("lattice", "loops")]

@@ -1,11 +1,11 @@
 """The picture of the rooms is drawn from the code as it stands."""
 from __future__ import annotations
 
-from tests.rooms import PICTURE, layers, picture, reduced, rooms
+from tests.harness.rooms import PICTURE, layers, picture, reduced, rooms
 
 
 def test_current():
-    assert picture(rooms()) == PICTURE.read_text(encoding="utf-8"), "python -m tests.rooms draws it anew"
+    assert picture(rooms()) == PICTURE.read_text(encoding="utf-8"), "python -m tests.harness.rooms draws it anew"
 
 
 def test_arcs_that_follow_from_others_are_left_out():

@@ -11,8 +11,8 @@ import pytest
 
 import s2sad
 from s2sad.run.interrupts import interruptible
-from tests.derivatives import check_derivatives
-from tests.engines import running
+from tests.harness.derivatives import check_derivatives
+from tests.harness.engines import running
 
 REPEATS = "a length of 1 repeats only where it is written, as in x[:, None] or x[:1], or an argument's"
 U, V = np.array([0.3, 0.7, 1.1]), np.array([1.2, -0.4, 0.5, 0.9])

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests.derivatives import check_derivatives
-from tests.engines import running
-from tests.seeds import generator
+from tests.harness.derivatives import check_derivatives
+from tests.harness.engines import running
+from tests.harness.seeds import generator
 from tests.simulations import (
     euler, finite_elements, kalman, lattice_boltzmann, level_set, multigrid, ray_march, reaction_network,
     shallow_water, wave,

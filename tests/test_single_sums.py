@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests.derivatives import check_derivatives
-from tests.engines import each
+from tests.harness.derivatives import check_derivatives
+from tests.harness.engines import each
 
 
 def broadcast(x, b):

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests.derivatives import check_derivatives
-from tests.engines import each, running
-from tests.seeds import generator
+from tests.harness.derivatives import check_derivatives
+from tests.harness.engines import each, running
+from tests.harness.seeds import generator
 
 sparse = pytest.importorskip("scipy.sparse")
 from scipy.sparse import coo_matrix, csc_array, csr_array, csr_matrix, diags, eye, identity, spdiags  # noqa: E402

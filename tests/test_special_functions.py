@@ -8,8 +8,8 @@ from scipy import special
 from scipy.special import expit, logsumexp
 
 import s2sad
-from tests.derivatives import check_derivatives
-from tests.engines import each, running
+from tests.harness.derivatives import check_derivatives
+from tests.harness.engines import each, running
 
 X = np.array([-1.2, 0.7, 1.4])
 FAR = np.array([-700.0, -40.0, 0.0, 40.0, 800.0])

@@ -6,8 +6,8 @@ import pytest
 from numpy.polynomial import polynomial
 
 import s2sad
-from tests.derivatives import check_derivatives
-from tests.engines import each, running, said
+from tests.harness.derivatives import check_derivatives
+from tests.harness.engines import each, running, said
 
 X = np.array([-1.2, 0.7, 1.4, 0.3])
 A = np.array([[0.3, -0.9, 0.7], [0.5, 0.2, -0.6]])

@@ -15,8 +15,8 @@ from s2sad import (
     differentiate, explain, gradient, jvp, make_zero, value_and_gradient, vjp,
 )
 from tests import structure_kernels
-from tests.derivatives import check_derivatives
-from tests.engines import running
+from tests.harness.derivatives import check_derivatives
+from tests.harness.engines import running
 
 array = np.array
 ENGINES = ["numpy", "numba"]

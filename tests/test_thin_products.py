@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from s2sad import differentiate
-from tests.derivatives import check_derivatives
-from tests.seeds import generator
+from tests.harness.derivatives import check_derivatives
+from tests.harness.seeds import generator
 
 RNG = generator(7)
 U, W, B, V = RNG.random(4), RNG.random((3, 1)), RNG.random(3), RNG.random((1, 3))

@@ -8,9 +8,9 @@ import s2sad
 from s2sad.emit import text
 from s2sad import pipeline, read
 from s2sad.infer.types import of_value
-from tests.derivatives import check_derivatives
-from tests.engines import running
-from tests.seeds import generator
+from tests.harness.derivatives import check_derivatives
+from tests.harness.engines import running
+from tests.harness.seeds import generator
 
 
 def written_in_turn(u):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests.engines import each, running
+from tests.harness.engines import each, running
 
 FROM_ZERO = np.array([0.0, 1.0, 2.0])
 NEGATIVE = np.array([-1.0, 1.0, 2.0])

@@ -37,9 +37,10 @@ compares, against 113 bits. Tested by `tests/benchmarks/test_robustness.py`."""
 UNWRITTEN = """`pytest --poison` fills whatever a derivative allocates with nan until it is written, under every engine:
 work arrays, tapes and what they grow by, those that are kept between calls, and the scratch arrays of the run time;
 integers hold a number that is no index. Whatever reads what was not written shows. A sample runs always,
-`tests/test_poison.py`, with derivatives from which a store was taken, which it must find.
-`python -m tests.bulk --poison` does the same for random programs. Without the passes that may not change rounding,
-derivatives are the same bit for bit: `tests/test_passes.py`, and [Writing a pass](writing-a-pass.md) lists them."""
+`tests/analyze/test_poison.py`, with derivatives from which a store was taken, which it must find.
+`python -m tests.harness.bulk --poison` does the same for random programs. Without the passes that may not change
+rounding, derivatives are the same bit for bit: `tests/test_passes.py`, and [Writing a pass](writing-a-pass.md) lists
+them."""
 
 
 def case_table(title: str, cases: Sequence[Case]) -> tuple[Table, int]:

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests.derivatives import check_derivatives
-from tests.seeds import generator
+from tests.harness.derivatives import check_derivatives
+from tests.harness.seeds import generator
 
 
 def stepped(u, steps, c):

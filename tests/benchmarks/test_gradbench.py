@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from benchmarks.gradbench import function, protocol
-from tests.documents import ROOT
+from tests.harness.documents import ROOT
 
 EVALS = ("ba", "det", "gmm", "hello", "ht", "kmeans", "llsq", "lse", "lstm", "ode", "particle", "saddle")
 

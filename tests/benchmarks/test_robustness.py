@@ -7,7 +7,7 @@ import pytest
 import s2sad
 from benchmarks.robustness import published, runs, zeros
 from benchmarks.robustness.cases import apart, gradients
-from tests.engines import running
+from tests.harness.engines import running
 
 CASES = [*zeros.CASES, *zeros.EXTREMES, *zeros.KINKS, *published.CASES]
 

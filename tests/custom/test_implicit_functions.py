@@ -7,7 +7,7 @@ import pytest
 import s2sad
 from s2sad.run.compiled import _runtime
 from tests.custom.test_user_adjoints import ENGINES, P
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 
 
 def cubic(x, a, b):

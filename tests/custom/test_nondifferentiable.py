@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 ENGINES = ("numpy", "numba")
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 
 ENGINES = ("numpy", "numba")
 U, P = np.array([0.3, -0.5, 0.7]), np.array([1.1, 0.8, 0.9])

@@ -10,7 +10,7 @@ import pytest
 
 import s2sad
 from s2sad.read import load_file
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 
 ENGINES = ("numpy", "numba")
 special = pytest.importorskip("scipy.special")

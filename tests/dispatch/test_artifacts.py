@@ -18,7 +18,7 @@ from s2sad.diagnostics import warn_once
 from s2sad.live_objects.registry import GIVEN
 from s2sad.run import store
 from s2sad.rules.rule import TABLE
-from tests.documents import ROOT
+from tests.harness.documents import ROOT
 
 KERNEL = '''
 from dataclasses import dataclass

@@ -10,7 +10,7 @@ import pytest
 
 import s2sad
 from s2sad import Active, Const, Duplicated
-from tests.engines import running
+from tests.harness.engines import running
 
 def scaled(v, u, k, n):
     s = 0.0

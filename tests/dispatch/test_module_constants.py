@@ -6,7 +6,7 @@ import pytest
 
 import s2sad
 from tests.corpus.language.module_constants import CONFIG, MANY, PHYSICS, Physics, SETTINGS, SPACE, step
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 
 ENGINES = ("numpy", "numba")
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from s2sad import tree
 from s2sad.emit import text
 from s2sad.emit.layout import Layout
-from tests.documents import ROOT
+from tests.harness.documents import ROOT
 
 KERNELS = ROOT / "benchmarks" / "kernels"
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 RNG = generator(5)
 U, V, W = RNG.random(5) + 0.3, RNG.random(5) + 0.5, RNG.random(5) + 0.2

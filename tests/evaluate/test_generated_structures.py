@@ -15,7 +15,7 @@ from s2sad.evaluate.specialize import specialize
 from s2sad.infer.types import array
 from s2sad.program import DemandedFacts
 from tests.programs.structures import source
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 X = np.array([0.3, 0.7, 1.1, 1.9])
 PROGRAMS = int(generator(0).integers(10 ** 6)) % 10 ** 6, 100      # the first seed, and how many

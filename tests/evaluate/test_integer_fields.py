@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests.engines import each, running
+from tests.harness.engines import each, running
 
 
 @dataclass

@@ -10,7 +10,7 @@ import pytest
 
 from s2sad import S2sadError, differentiate, gradient, jvp, value_and_gradient, vjp
 from tests.evaluate.objects.solvers import Grid, Solver, given_object, subclass
-from tests.engines import running, said
+from tests.harness.engines import running, said
 
 X = np.array([0.3, 0.7, 1.1, 1.9])
 

@@ -10,7 +10,7 @@ import pytest
 
 import s2sad
 from s2sad import S2sadError
-from tests.engines import running
+from tests.harness.engines import running
 
 
 class Vec(NamedTuple):      # noqa: PLW1641

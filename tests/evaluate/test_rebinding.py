@@ -5,7 +5,7 @@ import pytest
 
 from s2sad import check
 from tests.corpus.structures.rebinding import State, X
-from tests.engines import running
+from tests.harness.engines import running
 
 
 def given(s, n):

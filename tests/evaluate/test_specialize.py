@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 from tests.evaluate.objects import control, identity, plain_python, solvers
 
 CASES = [(f"{module.__name__.rpartition('.')[2]}.{case.kernel.__name__}", case)

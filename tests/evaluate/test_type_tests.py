@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from s2sad import differentiate, gradient
-from tests.engines import running
+from tests.harness.engines import running
 from tests.corpus.branches.type_tests import X
 
 

@@ -10,8 +10,8 @@ import scipy.special
 import s2sad
 from s2sad import pipeline, read
 from s2sad.infer.types import of_value
-from tests.derivatives import check_derivatives
-from tests.engines import running
+from tests.harness.derivatives import check_derivatives
+from tests.harness.engines import running
 
 A, K, P = np.float32([0.5, 1.7, 2.2]), np.array([3, 1, 2]), np.array([1.5, 2.5, 3.5])
 BIG = np.array([1e8])

@@ -19,7 +19,7 @@ import pytest
 import s2sad
 from s2sad.dispatch.cache import derivatives_of
 from s2sad.run.compiler_lock import COMPILER_LOCK
-from tests.documents import environment
+from tests.harness.documents import environment
 
 
 def square(x):

@@ -6,7 +6,7 @@ import pytest
 
 import s2sad
 from tests.corpus.combinations.as_users_write import CASES
-from tests.derivatives import check_value
+from tests.harness.derivatives import check_value
 
 TABLE = {"drag": 0.4, "layer": {"depth": [1.0, 2.0]}}
 

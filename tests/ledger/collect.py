@@ -24,7 +24,7 @@ from s2sad.dispatch import cache
 from s2sad.interface.pytrees import spelled_types
 from s2sad.program import Program, Request
 from s2sad.live_objects.side_table import remembered
-from tests import derivatives
+from tests.harness import derivatives
 from tests.ledger.identity import described, digest
 from tests.ledger.registered import Registered, paths_of
 from tests.ledger.store import ANYTHING, Asked, Kernel, Store, decorating, pickled, texts_of

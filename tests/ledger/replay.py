@@ -22,7 +22,7 @@ from s2sad.emit.module import module_text
 from s2sad.program import Program, Request
 from s2sad.interface.selection import selected_of
 from s2sad.tree import AST, FunctionDef, Pass, copy, forgotten
-from tests.garbage import seldom
+from tests.harness.garbage import seldom
 from tests.ledger.identity import digest
 from tests.ledger.registered import register
 from tests.ledger.store import ANYTHING, Asked, Kernel, Store, unpickled

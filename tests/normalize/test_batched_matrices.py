@@ -6,7 +6,7 @@ import pytest
 
 import s2sad
 from tests.corpus.library.batched_matrices import arguments
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 
 
 def test_right_sides_of_one_matrix_are_solved_at_once():

@@ -6,8 +6,8 @@ import pytest
 
 import s2sad
 from tests.corpus.views.memory_order import COPIED, HOW, given, lying
-from tests.derivatives import check_derivatives, check_value
-from tests.engines import each, running
+from tests.harness.derivatives import check_derivatives, check_value
+from tests.harness.engines import each, running
 
 
 @pytest.mark.parametrize("kernel, engine", each(COPIED))

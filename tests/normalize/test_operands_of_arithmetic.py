@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests.engines import said
+from tests.harness.engines import said
 from tests.normalize.test_operand_types import INDEX, element
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from tests.engines import running
+from tests.harness.engines import running
 
 REFUSED = {
     "np.zeros_like(x, shape=(2, 3))": "no derivative rule for numpy.zeros_like with shape=",

@@ -6,7 +6,7 @@ import pytest
 
 import s2sad
 from s2sad.cli import main
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 
 ENGINES = ("numpy", "numba")
 BIG = 10 ** 20

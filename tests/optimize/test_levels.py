@@ -16,9 +16,9 @@ from s2sad.runtime import exponentials
 from s2sad.optimize.loop_bounds import counted_loop
 from s2sad.optimize.loop_peeling import loop_peeling
 from s2sad.tree import Compare, rename, statements, walk
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 from tests.programs import random_kernel
-from tests.seeds import seeded
+from tests.harness.seeds import seeded
 
 
 ELEMENTARY = ("exp", "expm1", "sinh", "cosh", "tanh")

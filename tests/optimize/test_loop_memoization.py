@@ -10,7 +10,7 @@ from s2sad import differentiate
 from tests.corpus.loops.loop_memoization import (
     X, argument_moves, hyperbolic, in_place_of_its_array, of_a_moving_name, one_more, only_inside, overwritten,
 )
-from tests.engines import running
+from tests.harness.engines import running
 
 
 def _fast(kernel) -> str:

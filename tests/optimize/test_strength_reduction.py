@@ -6,7 +6,7 @@ import pytest
 
 import s2sad
 from s2sad import differentiate
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 
 X = np.array([0.3, -1.2, 0.8, 2.0])
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from s2sad import differentiate
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 
 X = np.array([0.3, -1.2, 2.5, 0.0, -0.4])
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from s2sad import check, differentiate, gradient
-from tests.engines import running
+from tests.harness.engines import running
 from tests.corpus.calls.function_tables import ACT, X, from_the_module
 
 

@@ -14,8 +14,8 @@ from scipy.special import erfcx
 import s2sad
 from s2sad import S2sadError, check, differentiate, gradient
 from tests.corpus.language.ranges import X
-from tests.derivatives import check_derivatives
-from tests.engines import running
+from tests.harness.derivatives import check_derivatives
+from tests.harness.engines import running
 
 
 class Scaled:

@@ -13,7 +13,7 @@ from s2sad.read.capture import capture
 from s2sad.read.unique_names import unique_names
 from s2sad.tree import written
 from tests.corpus.language.desugared import M, X
-from tests.engines import running
+from tests.harness.engines import running
 
 
 def of_a_dict(p, x):

@@ -14,7 +14,7 @@ import scipy.special
 
 import s2sad
 from s2sad.rules.rule import TABLE
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 
 ENGINES = ("numpy", "numba")
 LIBRARIES = {"numpy": np, "math": math, "builtins": builtins, "scipy.special": scipy.special}

@@ -11,7 +11,7 @@ import pytest
 
 from s2sad import runtime
 from s2sad.runtime import exponentials, scalars, special, stacks, sums
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 
 def _compiled(module) -> dict:

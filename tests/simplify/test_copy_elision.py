@@ -10,7 +10,7 @@ from s2sad.emit import layout
 from s2sad.passes import Context
 from s2sad.simplify.copy_elision import copy_elision
 from s2sad.tree import rename, statements
-from tests.derivatives import check_derivatives
+from tests.harness.derivatives import check_derivatives
 
 SPELLING = {"numpy.copy": "copy", "numpy.reshape": "reshape"}
 

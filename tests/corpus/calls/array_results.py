@@ -5,7 +5,7 @@ import numpy as np
 
 from tests import called_arrays
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 GRAVITY = 2.0
 RNG = generator(3)

@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 NODES, WEIGHTS = (-0.6, 0.6), [1.0, 0.5]
 STAGES = ((0.5, 0.25), (0.1, 0.2))

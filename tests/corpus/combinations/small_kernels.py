@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 
 def index_from_a_written_array(x, y):

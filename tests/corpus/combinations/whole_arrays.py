@@ -5,7 +5,7 @@ import numpy as np
 
 from benchmarks.kernels.cases import ARRAYS
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 
 def overlapping_store(x, y):

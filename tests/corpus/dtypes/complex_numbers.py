@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 ROTATION = 0.6 + 0.8j
 PHASES = np.exp(1j * np.linspace(0.0, 1.0, 4))

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 RNG = generator(4)
 X, M = RNG.random(5) + 0.2, RNG.random((5, 2)) + 0.2

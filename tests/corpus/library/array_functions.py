@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 
 # -- a: (3, 4), x: (3,), y: (4,); what is returned is a number -------------------------------------------------------

@@ -5,7 +5,7 @@ import numpy as np
 import scipy.linalg
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 _NEW = np.lib.NumpyVersion(np.__version__) >= "2.0.0"
 

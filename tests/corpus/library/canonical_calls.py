@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 random = generator(5)
 A, X, Y = (0.2 + random.random(shape) for shape in ((3, 3, 3), (3, 3), 3))

@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 V = np.array([0.3, 1.2, 0.8, 2.0])
 A = generator(1).normal(size=(4, 5))

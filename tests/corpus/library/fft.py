@@ -5,7 +5,7 @@ import numpy as np
 
 from tests import transform_kernels as kernels
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 RNG = generator(11)
 X, Y = RNG.normal(size=(2, 5))

@@ -7,7 +7,7 @@ import numpy as np
 from scipy import linalg
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 
 def filled_where(x, y, a):

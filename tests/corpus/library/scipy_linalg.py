@@ -6,7 +6,7 @@ from scipy import linalg as scipy_linalg
 from scipy.linalg import block_diag, eigh, qr, solve, solveh_banded, svd, toeplitz  # noqa: E402
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 
 def solutions(a, b, x):

@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 X = np.array([-1.2, 0.7, 1.4, 0.3])
 A = np.array([[0.3, -0.9, 0.7], [0.5, 0.2, -0.6]])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.corpus import Case, outputs
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 _NEW = np.lib.NumpyVersion(np.__version__) >= "2.2.0"
 

@@ -6,7 +6,7 @@ import scipy.linalg as scipy_linalg
 from scipy.linalg import cho_factor, cho_solve, lu_factor, lu_solve, solve_banded, solve_triangular
 
 from tests.corpus import Case, outputs
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 
 # -- a: symmetric and positive, b: 3 x 3, x: 3; what is returned is a number -----------------------------------------

@@ -5,7 +5,7 @@ import numpy as np
 
 from s2sad.runtime import cofactors
 from tests.corpus import Case, outputs
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 
 def inverted(a, b, x):

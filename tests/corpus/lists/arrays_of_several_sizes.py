@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 
 def given(count: int) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 RNG = generator(0)
 W, U, X, A, ROWS = RNG.random((3, 2)), RNG.random((3, 3)), RNG.random((4, 2)), RNG.random((3, 3)), RNG.random((4, 2))

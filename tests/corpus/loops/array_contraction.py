@@ -5,7 +5,7 @@ import numpy as np
 
 from tests.called_kernels import asserted_between
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 RNG = generator(11)
 U, V = RNG.random((4, 5)) + 0.5, RNG.random((4, 5)) + 0.5

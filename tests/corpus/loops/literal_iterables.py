@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 A, X = generator(1).random((5, 5)) + 0.2, np.array([0.9, 0.31, 1.4, 0.55, 1.13])
 BARS = ((0, 1, 0.5), (1, 2, 0.7), (2, 3, 0.2), (3, 4, 0.9), (0, 4, 1.1))

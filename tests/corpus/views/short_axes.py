@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.corpus import Case
-from tests.seeds import generator
+from tests.harness.seeds import generator
 
 X = np.array([0.3, 0.7, 1.1, 2.5, 0.9])
 A = generator(1).normal(size=(4, 5))

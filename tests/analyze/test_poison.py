@@ -10,11 +10,11 @@ import pytest
 
 import s2sad
 from s2sad.run import module_loader
-from tests.derivatives import UnreliableDifferences, check_derivatives
-from tests.engines import running
-from tests.poison import filled, poisoned
+from tests.harness.derivatives import UnreliableDifferences, check_derivatives
+from tests.harness.engines import running
+from tests.harness.poison import filled, poisoned
 from tests.programs import random_kernel
-from tests.seeds import seeded
+from tests.harness.seeds import seeded
 
 PROGRAMS = 6
 

@@ -22,8 +22,8 @@ import numpy as np
 import s2sad
 from s2sad.report.differences import Line, rounding
 from s2sad.report.differences import differences as along_line
-from tests.engines import running
-from tests.seeds import generator
+from tests.harness.engines import running
+from tests.harness.seeds import generator
 
 Values = dict[str, Any]
 
@@ -192,8 +192,8 @@ def check_derivatives(function: Callable, arguments: tuple, wrt: tuple[str, ...]
     Every output in `of` (an argument's final content by its name, or "return") gets a random seed. Checked:
     the dot product of tangent and adjoint, the tangent by output and the adjoint along random directions, the
     gradient of up to `coordinates` single inputs, the primal's values, and that no argument is changed.
-    The engine may also be `loops` (tests/engines.py). Dot products closer than `vanishing` are equal: derivatives of
-    that size are what rounding leaves of numbers around 1.
+    The engine may also be `loops` (tests/harness/engines.py). Dot products closer than `vanishing` are equal:
+    derivatives of that size are what rounding leaves of numbers around 1.
     Raises AssertionError where they disagree, UnreliableDifferences where nothing can be said. float32
     arguments relax the tolerances to what float32 can hold.
     """

@@ -1,9 +1,9 @@
-"""The constructs of texts for Numba, and the cases of tests/compiled.txt, which Numba compiles so that each is.
+"""The constructs of texts for Numba, and the cases of tests/corpus/compiled.txt, which Numba compiles so that each is.
 
 A construct is a form of a statement, an operator with the types of its operands, a subscript with those of its indices,
 or a function with those of its arguments, as they are when Python runs the text. What the compiler emits in any case is
-compiled in one at least: `python -m tests.constructs` runs all cases and chooses anew, `python -m tests.constructs
-tests/test_corpus.py -k lists` only among those, and leaves the others as they stand.
+compiled in one at least: `python -m tests.harness.constructs` runs all cases and chooses anew, `python -m
+tests.harness.constructs tests/test_corpus.py -k lists` only among those, and leaves the others as they stand.
 """
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-LIST = Path(__file__).parent / "compiled.txt"
-HEAD = "# What Numba compiles, by case, with the constructs that it is chosen for: python -m tests.constructs\n"
+LIST = Path(__file__).resolve().parents[1] / "corpus" / "compiled.txt"
+HEAD = "# What Numba compiles, by case, with the constructs that it is chosen for: python -m tests.harness.constructs\n"
 
 
 @cache
@@ -41,8 +41,8 @@ def check(case: str, found: set[str]) -> None:
     unheard = sorted(found - _compiled())
     gone = sorted(listed().get(case, frozenset()) - found)
     assert not unheard and not gone, (
-        f"{case} emits what no case of tests/compiled.txt does: {unheard}; listed there for it, and not emitted: "
-        f"{gone}; write the list anew: python -m tests.constructs")
+        f"{case} emits what no case of tests/corpus/compiled.txt does: {unheard}; listed there for it, and not "
+        f"emitted: {gone}; write the list anew: python -m tests.harness.constructs")
 
 
 def write(folder: str, case: str, found: set[str]) -> None:
@@ -74,7 +74,7 @@ def chosen(emitted: dict[str, set[str]], kept: dict[str, frozenset[str]]) -> dic
 
 
 def write_list(found: dict[str, set[str]]) -> None:
-    """Writes tests/compiled.txt."""
+    """Writes tests/corpus/compiled.txt."""
     lines = [HEAD, *(f"{case}\n" + "".join(f"    {c}\n" for c in sorted(found[case])) for case in sorted(found))]
     LIST.write_text("".join(lines))
 

@@ -1,4 +1,4 @@
-"""Texts for Numba that Python runs, and that note what they do: the constructs of tests/constructs.py."""
+"""Texts for Numba that Python runs, and that note what they do: the constructs of tests/harness/constructs.py."""
 from __future__ import annotations
 
 import ast

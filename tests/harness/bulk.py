@@ -1,4 +1,4 @@
-"""Many generated kernels through the compiler: `python -m tests.bulk --count 20000 --engine numpy --jobs 2`.
+"""Many generated kernels through the compiler: `python -m tests.harness.bulk --count 20000 --engine numpy --jobs 2`.
 
 The engine `loops` is the text that is written for Numba, run by Python: it finds what is wrong with a text in a tenth
 of the time that compiling it takes.
@@ -25,9 +25,9 @@ from pathlib import Path
 import numpy as np
 
 import s2sad
-from tests.derivatives import UnreliableDifferences, check_derivatives, check_value
-from tests.garbage import seldom
-from tests.poison import poisoned
+from tests.harness.derivatives import UnreliableDifferences, check_derivatives, check_value
+from tests.harness.garbage import seldom
+from tests.harness.poison import poisoned
 from tests.programs import Program, random_kernel
 
 _MODE = ExitStack()
@@ -246,7 +246,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="python -m tests.bulk", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.harness.bulk", description=__doc__)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--start", type=int, default=0, help="the first program's number")
     parser.add_argument("--engine", choices=("numpy", "numba", "loops"), default="numpy")

@@ -1,4 +1,5 @@
-"""The picture of the rooms, drawn from the code: `python -m tests.rooms` writes docs/rooms.svg, and prints its table.
+"""The picture of the rooms, drawn from the code: `python -m tests.harness.rooms` writes docs/rooms.svg, and prints the
+table of the rooms.
 
 The rooms stand in the order of the import contract in pyproject.toml; an arc leads from a room to each room below that
 it imports, unless another arc already says so (transitive reduction).
@@ -11,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 
-from tests.documents import ROOT
+from tests.harness.documents import ROOT
 
 PICTURE = ROOT / "docs" / "rooms.svg"
 PACKAGE = ROOT / "s2sad"

@@ -1,4 +1,4 @@
-"""The documents run: what their blocks print is what the documents say. `python -m tests.documents` writes it anew.
+"""The documents run: what their blocks print is what they say. `python -m tests.harness.documents` writes it anew.
 
 In a document a fenced block may stand under a comment that says what it is:
 
@@ -25,7 +25,7 @@ from typing import Any
 
 import s2sad
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 DOCUMENTS = ("README.md", *(f"docs/{name}.md" for name in (
     "use", "processes", "own-derivatives", "functions", "design", "how-it-works", "writing-a-pass", "writing-a-rule",
     "limits", "changelog")))

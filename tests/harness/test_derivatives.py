@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from tests import derivatives
-from tests.derivatives import VectorFunction, UnreliableDifferences, check_derivatives, differences
-from tests.seeds import generator
+from tests.harness import derivatives
+from tests.harness.derivatives import VectorFunction, UnreliableDifferences, check_derivatives, differences
+from tests.harness.seeds import generator
 
 
 def kernel(u, c):

@@ -15,8 +15,8 @@ import pytest
 
 from s2sad import S2sadError
 from s2sad.run import compiled
-from tests.constructs import listed
-from tests.instrumented import instrumented
+from tests.harness.constructs import listed
+from tests.harness.instrumentation import instrumented
 
 EVERY = 10
 _runtime = cache(compiled._runtime.__wrapped__)      # the runtime's functions as they are
@@ -70,7 +70,7 @@ def each(cases: Iterable[Any]) -> list[Any]:
 
 
 def engines(name: str, case: Any) -> list[Any]:
-    """A case under NumPy and as the text for Numba, which is compiled if tests/compiled.txt lists it."""
+    """A case under NumPy and as the text for Numba, which is compiled if tests/corpus/compiled.txt lists it."""
     made = [pytest.param(case, "numpy", id=f"{name}-numpy"),
             pytest.param(case, "loops", id=f"{name}-loops", marks=pytest.mark.emits(name))]
     return [*made, pytest.param(case, "numba", id=f"{name}-numba")] if name in listed() else made

@@ -1,6 +1,6 @@
-"""Passes left out: `python -m tests.passes programs goldens kernels --count 30` leaves out the passes that may change
-rounding, and derives with and without the others that make derivatives shorter and faster: gradients are compared bit
-for bit. Where they differ, or where passes are named, each is left out alone.
+"""Passes left out: `python -m tests.harness.passes programs goldens kernels --count 30` leaves out the passes that may
+change rounding, and derives with and without the others that make derivatives shorter and faster: gradients are
+compared bit for bit. Where they differ, or where passes are named, each is left out alone.
 
 A pass that may change rounding says so itself: `CHANGES_ROUNDING = True` in its module.
 """
@@ -28,8 +28,8 @@ from s2sad.passes import Pass, each
 from s2sad.run import compiled, module_loader
 from s2sad.units import normal_forms
 from tests import test_golden
-from tests.bulk import outputs
-from tests.engines import running
+from tests.harness.bulk import outputs
+from tests.harness.engines import running
 from tests.programs import Program, random_kernel
 
 LISTS = ((normal_forms, "KERNELS"), (simplify, "PASSES"), (optimize, "PASSES"))
@@ -166,7 +166,7 @@ def differing(task: Task, engine: str, passes: Collection[str]) -> Iterator[tupl
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="python -m tests.passes", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.harness.passes", description=__doc__)
     parser.add_argument("of", nargs="*", default=["programs"], choices=("programs", "goldens", "kernels"))
     parser.add_argument("--count", type=int, default=10)
     parser.add_argument("--start", type=int, default=0)
