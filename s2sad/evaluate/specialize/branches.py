@@ -104,7 +104,7 @@ def branch(ev: Evaluator, test: Data, arms: Sequence[Callable[[], Any]], origin:
     going = [(way, left) for way, left in ends if left is None or left.mark != NOWHERE]
     value = None
     if going:
-        join = Join(ev, [way for way, _ in going], origin)
+        join = Join(ev, [way for way, _ in going], origin, test.demands)
         ev.heap.objects = join.objects()
         if going[0][1] is not None and len(going) > 1:
             value = join.meet([left.value or NONE for _, left in going if left is not None], "result")

@@ -2,7 +2,7 @@
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from s2sad import tree
@@ -23,9 +23,11 @@ def with_statement(ev: Evaluator, s: Any, f: Frame) -> None:
                 ev.store(item.optional_vars, entered, f)
         elif not (isinstance(manager, Data) and isinstance(manager.node, tree.Call) and item.optional_vars is None):
             raise ev.refusal(s, "this context manager is not supported in a kernel")
-    ev.statements(s.body, f)
-    for leave in reversed(exits):
-        ev.call(leave, [NONE, NONE, NONE], {}, s, f)
+
+    def leave() -> None:
+        for method in reversed(exits):
+            ev.call(method, [NONE, NONE, NONE], {}, s, f)
+    _finally(ev, s.body, leave if exits else None, f)
 
 
 @statement("Try")
@@ -34,7 +36,44 @@ def try_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     if s.handlers and (raises or not _harmless(s.body)):
         raise ev.refusal(s, "try around what may raise is not supported in a kernel",
                          help="test for the bad case with an if before it happens")
-    ev.statements([*s.body, *s.orelse, *s.finalbody], f)
+    _finally(ev, [*s.body, *s.orelse], (lambda: ev.statements(s.finalbody, f)) if s.finalbody else None, f)
+
+
+def _finally(ev: Evaluator, body: list[AST], last: Callable[[], None] | None, f: Frame) -> None:
+    """Statements, and what is done whichever way they are left."""
+    if last is None:
+        ev.statements(body, f)
+        return
+    end = body[-1] if body and type(body[-1]).__name__ == "Return" else None
+    body = body[:-1] if end is not None else body
+    jump = next(_jumps(body), None)
+    if jump is not None:
+        raise ev.refusal(jump, "a jump out of 'with' or 'try' is not supported in a kernel",
+                         help="keep the result under a name, and return it behind the block")
+
+    def behind() -> None:
+        value = ev.atoms(ev.value(end.value, f), "result", end) if end is not None and end.value is not None else NONE
+        last()
+        if end is not None:
+            ev.leave_function(end, value, f)
+    ev.later(behind)
+    try:
+        ev.statements(body, f)
+    finally:
+        del ev.pending[-1]
+    behind()
+
+
+def _jumps(body: Sequence[Any], inside: bool = False) -> Iterator[AST]:
+    """What leaves statements; `inside` one of their loops only a return does."""
+    for s in body:
+        kind = type(s).__name__
+        if kind == "Return" or kind in ("Break", "Continue") and not inside:
+            yield s
+        if kind not in ("FunctionDef", "ClassDef"):
+            for name in ("body", "finalbody", "handlers", "cases"):
+                yield from _jumps(getattr(s, name, ()), inside or kind in ("For", "While"))
+            yield from _jumps(getattr(s, "orelse", ()), inside)
 
 
 def _harmless(body: Sequence[AST]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
@@ -22,13 +23,20 @@ def name_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
     while frame is not None:
         items = ev.heap[frame.reference].items
         if node.id in items:
-            return items[node.id]
+            return bound(items[node.id])
         if node.id in frame.local and frame is f:
             error = ev.refusal(node, f"'{node.id}' is read before it is bound", help="bind it on every way")
             inside = any(not isinstance(loop, tuple) for loop in ev.loops[f.loops:])
             raise Unbound(f.reference.number, node.id, error) if inside else error
         frame = frame.outer
     return ev.outside_name(node.id, node, f)
+
+
+def bound(value: Value) -> Value:
+    """What is read of a name: it is bound from here on, or the program has ended."""
+    if isinstance(value, TupleValue):
+        return replace(value, items=tuple(map(bound, value.items)))
+    return replace(value, may_be_unbound=False) if isinstance(value, Data) and value.may_be_unbound else value
 
 
 @expression("Tuple")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import keyword
 import re
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,11 +31,21 @@ LARGEST = 20_000        # statements of a residual function
 
 class Unevaluated(Exception):
     """Something must be known before the run that is not: rolled back and tried otherwise, else refused. `demands` are
-    the facts about arguments that would make it known, `site` the list that would have to be one at run time."""
+    the facts about arguments that would make it known, `site` the list that would have to be one at run time; the
+    first round of a loop may differ from the others (`differs`)."""
 
-    def __init__(self, error: S2sadError, demands: frozenset[Fact] = frozenset(), site: Any = None):
+    def __init__(self, error: S2sadError, demands: frozenset[Fact] = frozenset(), site: Any = None,
+                 differs: bool = False):
         super().__init__(str(error))
-        self.error, self.demands, self.site = error, demands, site
+        self.error, self.demands, self.site, self.differs = error, demands, site, differs
+
+
+class LeavesLoop(Exception):
+    """A function that is written out returns from a loop that stays: its returns must be flags from the start."""
+
+    def __init__(self, definition: AST):
+        super().__init__()
+        self.definition = definition
 
 
 class Unbound(Exception):
@@ -120,7 +130,8 @@ class Snapshot:
 
 
 class Evaluator:
-    """The state of one evaluation; `facts` are what is known of arguments, `sites` the nodes whose lists are residual.
+    """The state of one evaluation; `facts` are what is known of arguments, `sites` the nodes whose lists are residual,
+    `flagged` the bodies of functions whose returns leave loops by a flag.
 
     The operations that transfer functions share are methods, each defined where its subject is (`operation`).
     """
@@ -159,6 +170,7 @@ class Evaluator:
     key_of: Callable[..., Any]
     kind_of: Callable[..., Any]
     known_place: Callable[..., Any]
+    leave_function: Callable[..., Any]
     length: Callable[..., Any]
     library_call: Callable[..., Any]
     library_member: Callable[..., Any]
@@ -195,8 +207,9 @@ class Evaluator:
     tuple_method: Callable[..., Any]
     unrolled: Callable[..., Any]
 
-    def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int]):
-        self.source, self.facts, self.sites = source, facts, sites
+    def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int],
+                 flagged: Mapping[AST, list[AST]]):
+        self.source, self.facts, self.sites, self.flagged = source, facts, sites, flagged
         self.heap, self.names = Heap(), Names()
         self.block: list[AST] = []
         self.effects = 0

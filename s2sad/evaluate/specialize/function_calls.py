@@ -8,6 +8,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, expression, operation
+from s2sad.evaluate.specialize.return_flags import RESULT, RETURNED
 from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
 from s2sad.evaluate.specialize.values import (
     NONE, ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, SuperValue, Value,
@@ -104,6 +105,8 @@ def inlined(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywo
     if type(definition).__name__ not in ("FunctionDef", "Lambda"):
         raise ev.refusal(node, f"'{function.captured.name}' is a coroutine")
     frame = ev.frame_of(function, definition)
+    if definition in ev.flagged:
+        frame = replace(frame, local=frame.local | {RESULT, RETURNED})
     ev.bind_arguments(function, definition, args, keywords, node, frame)
     depth, pending = ev.depth, len(ev.pending)
     ev.depth += 1
@@ -112,7 +115,7 @@ def inlined(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywo
         if type(definition).__name__ == "Lambda":
             return ev.value(definition.body, frame)
         refuse_generator(ev, definition)
-        ev.statements(definition.body, frame)
+        ev.statements(ev.flagged.get(definition, definition.body), frame)
         return NONE
     except Leave as leave:
         if leave.mark != frame.mark:

@@ -8,7 +8,8 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.branches import NOWHERE
 from s2sad.evaluate.specialize.sequences.cursors import Known
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, statement
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, LeavesLoop, Unevaluated, operation, statement
+from s2sad.evaluate.specialize.first_iteration import Split, peeled, split_iteration
 from s2sad.evaluate.specialize.residual_loops import ResidualLoop
 from s2sad.evaluate.specialize.values import NONE, Data, TupleValue, Value
 from s2sad.evaluate.specialize.written_out_loops import WhileCursor
@@ -30,10 +31,11 @@ def while_statement(ev: Evaluator, s: Any, f: Frame) -> None:
                 ev.emit(tree.If(tree.UnaryOp(tree.Not(), node), [jump], []), s)
                 loop.exits.append((jump, ev.block[-1].body, ev.heap.fork()))
                 node = tree.const(True)
+            loop.is_endless = isinstance(node, tree.Constant)
             loop.make = lambda body: tree.While(node, body, [])
             ev.statements(s.body, f)
             return loop.make
-        ev.residual_loop(s, once)
+        ev.residual_loop(s, once, f)
         if s.orelse:
             raise ev.refusal(s, "else of a loop that stays one is not supported in a kernel",
                              help="keep a flag, and test it behind the loop")
@@ -41,7 +43,13 @@ def while_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     if known is False:
         ev.statements(s.orelse, f)
         return
-    rolled(ev, s, stays, (lambda: ev.unrolled(s, WhileCursor(ev, s, f), f, lambda _: None)) if known else None)
+
+    def peel() -> None:
+        test = ev.test_of(s.test, f)
+        tests = (ev.named(test, "runs", s.test).node,) if isinstance(test, Data) else ()
+        peeled(ev, s, f, Split(NONE, NONE, tests), lambda: rolled(ev, s, stays), lambda _: None)
+    unroll = (lambda: ev.unrolled(s, WhileCursor(ev, s, f), f, lambda _: None)) if known else None
+    rolled(ev, s, stays, peel, unroll)
 
 
 def test_known(ev: Evaluator, s: Any, f: Frame) -> bool | None:
@@ -52,25 +60,25 @@ def test_known(ev: Evaluator, s: Any, f: Frame) -> bool | None:
     return None if isinstance(test, Data) else test
 
 
-def rolled(ev: Evaluator, s: Any, stays: Callable[[], Any], unroll: Callable[[], Any] | None) -> None:
-    """A loop as it stands; where something in it must be known, it is taken back and written out."""
+def rolled(ev: Evaluator, s: Any, *forms: Callable[[], Any] | None) -> None:
+    """A loop as it stands; where something in it must be known, it is taken back, and evaluated in the next form."""
     before = ev.snapshot()
     pending, loops, guarded = list(ev.pending), list(ev.loops), ev.guarded
     outer = ev.block
-    try:
-        stays()
-        return
-    except Unevaluated as reason:
-        ev.pending[:], ev.loops[:] = pending, loops
-        ev.block, ev.guarded = outer, guarded
-        ev.restore(before)
-        why = reason
-    if unroll is None:
-        raise why
-    try:
-        unroll()
-    except Unevaluated as other:
-        raise (why if why.site is not None or why.demands and not other.demands else other) from None
+    why: Unevaluated | None = None
+    for form in forms:
+        if form is None or why is not None and not why.differs and form is not forms[-1]:
+            continue
+        try:
+            form()
+            return
+        except Unevaluated as reason:
+            ev.pending[:], ev.loops[:] = pending, loops
+            ev.block, ev.guarded = outer, guarded
+            ev.restore(before)
+            why = reason if why is None or why.site is None and not (why.demands and not reason.demands) else why
+    assert why is not None
+    raise why from None
 
 
 @statement("For")
@@ -79,14 +87,24 @@ def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     slot = f".{id(s)}"
     ev.heap.put(f.reference, slot, through)      # its names are in use
 
+    def bind(item: Value) -> None:
+        ev.store(s.target, item, f)
+
     def unroll() -> None:
         cursor = ev.cursor_of(through, s.iter, f)
         if isinstance(cursor, Known):       # the names of what is to come are in use
             ev.heap.put(f.reference, slot, TupleValue(cursor.items))
-        ev.unrolled(s, cursor, f, lambda item: ev.store(s.target, item, f))
+        ev.unrolled(s, cursor, f, bind)
+
+    def peel() -> None:
+        split = split_iteration(ev, through, s.iter)
+        if split is None:
+            raise ev.unknown(s, "the first round of a loop differs from the others")
+        ev.heap.put(f.reference, slot, TupleValue((split.first, split.rest)))
+        peeled(ev, s, f, split, lambda: rolled(ev, s, lambda: for_stays(ev, s, split.rest, f)), bind)
 
     if ev.stays_one(through):
-        rolled(ev, s, lambda: for_stays(ev, s, through, f), unroll)
+        rolled(ev, s, lambda: for_stays(ev, s, through, f), peel, unroll)
     else:
         unroll()
     items = dict(ev.heap[f.reference].items)
@@ -115,7 +133,7 @@ def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> None:
         return loop.make
     held = ev.heap[f.reference].items
     ev.heap.set_items(f.reference, {k: v for k, v in held.items() if k not in names})
-    ev.residual_loop(s, once)
+    ev.residual_loop(s, once, f)
 
 
 @statement("Break")
@@ -140,11 +158,15 @@ def _jump(ev: Evaluator, s: AST, which: int) -> None:
 
 @statement("Return")
 def return_statement(ev: Evaluator, s: Any, f: Frame) -> None:
-    value = NONE if s.value is None else ev.value(s.value, f)
-    if not f.is_entry:
-        if any(isinstance(loop, ResidualLoop) and k >= f.loops for k, loop in enumerate(ev.loops)):
-            raise ev.refusal(s, "a return inside a loop, in a function that is written out where it is called",
-                             help="keep the result under a name, leave the loop with break, and return behind it")
-        raise Leave(f.mark, ev.atoms(value, "result", s))
-    ev.return_from_entry(s, value, f)
-    raise Leave(NOWHERE)
+    leave_function(ev, s, NONE if s.value is None else ev.value(s.value, f), f)
+
+
+@operation
+def leave_function(ev: Evaluator, s: Any, value: Value, f: Frame) -> None:
+    """A return of a value; out of a loop that stays, in a function that is written out, a flag and a break tell it."""
+    if f.is_entry:
+        ev.return_from_entry(s, value, f)
+        raise Leave(NOWHERE)
+    if any(isinstance(loop, ResidualLoop) and k >= f.loops for k, loop in enumerate(ev.loops)):
+        raise LeavesLoop(f.captured.tree)
+    raise Leave(f.mark, ev.atoms(value, "result", s))

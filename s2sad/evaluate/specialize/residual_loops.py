@@ -4,15 +4,16 @@ The body is evaluated until what holds at its start holds at its end.
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.branches import NOWHERE, Objects
-from s2sad.evaluate.specialize.evaluator import Evaluator, Leave, Unbound, operation
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unbound, Unevaluated, operation
 from s2sad.evaluate.specialize.heap import Object, uses
-from s2sad.evaluate.specialize.state_joins import parallel
+from s2sad.evaluate.specialize.state_joins import Join, Way, parallel
 from s2sad.evaluate.specialize.values import (
     NONE, UNKNOWN, Conflict, Data, Reference, TupleValue, Value, alike, count, renamed,
 )
@@ -26,12 +27,13 @@ Homes = dict[tuple[int, Any], Any]
 class ResidualLoop:
     """A loop of the residual program: the slots that its rounds change have one name each in all of them."""
     start: Objects
+    is_endless: bool = False        # jumps alone leave it
     homes: Homes = field(default_factory=dict)
     exits: list[tuple[AST, list[AST], Objects]] = field(default_factory=list)   # a jump, its block, its heap
 
 
 @operation
-def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[AST]], AST]]) -> None:
+def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[AST]], AST]], f: Frame) -> None:
     """Evaluates the body until what holds at its start holds at its end; `once` gives what makes the loop of a body."""
     loop = ResidualLoop(ev.heap.fork())
     outer, before = ev.block, ev.snapshot()
@@ -73,20 +75,55 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
         ev.names.taken |= {n for home in loop.homes.values() for n in _names(home)}
     ev.block = outer
     kept: dict[str, str] = {}
+    ways = [Way(ev.heap.objects, _moves(ev, loop, ev.heap.objects, origin, kept))] if falls else []
+    ways += [Way(objects, _moves(ev, loop, objects, origin, kept)) for _, _, objects in loop.exits]
+    late = _bound_on_exits(ev, ways, head, origin, f)
     if falls:
-        body += _moves(ev, loop, ev.heap.objects, origin, kept)
-    for jump, block, objects in loop.exits:
+        body += ways.pop(0).block
+    for way, (jump, block, _) in zip(ways, loop.exits):
         at = next(k for k, n in enumerate(block) if n is jump)
-        block[at:at] = _moves(ev, loop, objects, origin, kept)
+        block[at:at] = way.block
     ev.block += prelude
     assert make is not None
     ev.emit(make(body or [tree.at(tree.Pass(), origin)]), origin, True)
     after = {**head, **{n: o for n, o in (ev.heap.objects if falls else {}).items() if n not in head}}
     for (n, key), home in loop.homes.items():
         old = loop.start[n].items.get(key, NONE)
-        after[n] = _with(after[n], key, _placed(ev, loop.start, old, home, origin, after))
-    ev.heap.objects = after
+        value = _placed(ev, loop.start, old, home, origin, after)
+        after[n] = _with(after[n], key, _known_on_exits(value, [o[n].items[key] for _, _, o in loop.exits])
+                         if loop.is_endless else value)
+    ev.heap.objects = {**after, **late.found}
+    for key, value in late.values.items():
+        ev.heap.put(f.reference, key, value)
     _bound_inside(ev, ends)
+
+
+@dataclass(frozen=True)
+class _Late:
+    values: dict[Any, Value]
+    found: Objects
+
+
+def _bound_on_exits(ev: Evaluator, ways: Sequence[Way], head: Objects, origin: AST, f: Frame) -> _Late:
+    """What only some ends of a round bind, and the function reads behind the loop."""
+    number = f.reference.number
+    join = Join(ev, ways, origin)
+    if not ways or number not in head:
+        return _Late({}, join.found)
+    wanted = Counter(_read(ev.flagged.get(f.captured.tree, f.captured.tree)))
+    wanted.subtract(Counter(_read(origin)))
+    ends = [w.objects[number].items for w in ways]
+    late: dict[Any, Value] = {}
+    for key in dict.fromkeys(k for items in ends for k in items):
+        there = [(w, items[key]) for w, items in zip(ways, ends) if key in items]
+        same = len(there) == len(ways) and all(alike(_plain(there[0][1]), _plain(v)) for _, v in there[1:])
+        if key not in head[number].items and wanted[key] > 0 and not same:
+            late[key] = join.bound_on(there, str(key).strip("."))
+    return _Late(late, join.found)
+
+
+def _read(node: Any) -> list[str]:
+    return [n.id for n in tree.walk(node) if isinstance(n, tree.Name) and isinstance(n.ctx, tree.Load)]
 
 
 def _names(home: Any) -> list[str]:
@@ -107,6 +144,14 @@ def _bound_inside(ev: Evaluator, ends: Sequence[Objects]) -> None:
                 and all(k in i and alike(_plain(i[k]), _plain(v)) for i in found)}
         for key, value in more.items():
             ev.heap.put(Reference(n), key, _plain(value))
+
+
+def _known_on_exits(value: Value, ends: Sequence[Value]) -> Value:
+    """What is known of a value behind a loop that only its exits leave."""
+    known = [v.known for v in ends if isinstance(v, Data)]
+    if isinstance(value, Data) and known and all(isinstance(k, bool) and k == known[0] for k in known):
+        return replace(value, known=known[0])
+    return value
 
 
 def _plain(value: Value) -> Value:
@@ -171,7 +216,8 @@ def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Obj
                         raise ev.unknown(origin, f"'{key}' is another structure in each round")
                     continue
                 if _shape(ev, loop.start, first) != _shape(ev, end, new):
-                    raise ev.unknown(origin, f"'{key}' is another structure in each round")
+                    error = ev.refusal(origin, f"'{key}' is another structure in each round")
+                    raise Unevaluated(error, differs=isinstance(first, Data) and first.known is None)
                 label = held.label
                 wanted = str(key) if held.kind == "frame" else f"{label}_{key}" if label else str(key)
                 loop.homes[n, key] = _home(ev, loop.start, first, wanted)

@@ -16,6 +16,7 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, uses
 from s2sad.evaluate.specialize.values import UNKNOWN, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike
+from s2sad.program import Fact
 from s2sad.tree import AST
 
 Objects = dict[int, Object]
@@ -32,8 +33,9 @@ class Way:
 class Join:
     """Several ways become one; `block` of each gets the moves to common names."""
 
-    def __init__(self, ev: Evaluator, ways: Sequence[Way], origin: AST):
+    def __init__(self, ev: Evaluator, ways: Sequence[Way], origin: AST, demands: frozenset[Fact] = frozenset()):
         self.ev, self.ways, self.origin = ev, ways, origin
+        self.demands = demands          # what would tell the way
         self.made: dict[tuple[Reference, ...], Reference] = {}
         self.found: Objects = {}
 
@@ -56,7 +58,10 @@ class Join:
             raise self.ev.unknown(self.origin, f"'{one.label or 'a list'}' has another length on each way",
                                   help="append to it on both, or on none", site=one.site)
         keys = dict.fromkeys(k for h in held for k in h.items)
-        return replace(one, items={k: self._slot(one, k, [h.items.get(k) for h in held]) for k in keys})
+        return replace(one, items={k: self._said(self._slot(one, k, [h.items.get(k) for h in held])) for k in keys})
+
+    def _said(self, value: Value) -> Value:
+        return replace(value, demands=value.demands | self.demands) if isinstance(value, Conflict) else value
 
     def _slot(self, held: Object, key: Hashable, values: list[Value | None]) -> Value:
         wanted = key if held.kind == "frame" else f"{held.label}_{key}" if held.label else str(key)
@@ -68,20 +73,45 @@ class Join:
         return self.meet(there, str(wanted))
 
     def _bound_on_some(self, values: list[Value | None], wanted: str) -> Value:
-        """A name that is bound on some ways only: a variable of its own, bound there."""
-        if any(v is not None and (not isinstance(v, Data) or v.is_known and not isinstance(v.known, (int, float)))
-               for v in values):
-            return Conflict(f"'{wanted}' is bound on one way only")
-        there = [(w, v) for w, v in zip(self.ways, values) if isinstance(v, Data)]
+        """A name that is bound on some ways only: variables of its own, bound there."""
+        return self.bound_on([(w, v) for w, v in zip(self.ways, values) if v is not None], wanted)
+
+    def bound_on(self, there: Sequence[tuple[Way, Value]], wanted: str) -> Value:
+        """The value for those of some ways, which the others do not have."""
         one = there[0][1]
-        if one.name and all(v.name == one.name and uses(w.objects, v.name) == 1 for w, v in there):
-            return replace(one, known=UNKNOWN, may_be_unbound=True)
-        if any(v.may_be_unbound for _, v in there):
+        inner = [_inner(w.objects, v) for w, v in there]
+        if inner[0] is not None and all(i is not None and i[0] == inner[0][0] for i in inner):
+            items = {k: self.bound_on([(w, i[1][k]) for (w, _), i in zip(there, inner) if i], f"{wanted}_{k}")
+                     for k in inner[0][1]}
+            if isinstance(one, TupleValue):
+                return replace(one, items=tuple(items.values()))
+            assert isinstance(one, Reference)
+            if all(self.ev.heap.holders(v, w.objects) == 1 for w, v in there if isinstance(v, Reference)):
+                made = self.ev.heap.new(replace(there[0][0].objects[one.number], items=items, label=wanted))
+                self.found[made.number] = self.ev.heap.objects.pop(made.number)
+                return made
+        data = [(w, v) for w, v in there if isinstance(v, Data)]
+        if len(data) < len(there) or any(v.is_known and not isinstance(v.known, (int, float)) for _, v in data):
+            return Conflict(f"'{wanted}' is bound on one way only")
+        name = data[0][1].name
+        if name and all(v.name == name and uses(w.objects, name) == 1 for w, v in data):
+            return replace(data[0][1], known=UNKNOWN, may_be_unbound=True)
+        found = self._one_name(data, wanted)
+        return replace(found, may_be_unbound=True) if isinstance(found, Data) else found
+
+    def _one_name(self, data: Sequence[tuple[Way, Data]], wanted: str) -> Data | Conflict:
+        """A name that all these ways bind; one that may be unbound on some is bound on the others."""
+        partly = {v.name for _, v in data if v.may_be_unbound}
+        new = next(iter(partly), "")
+        if partly and (len(partly) > 1 or not new or any(
+                uses(w.objects, new) != (v.name == new) for w, v in data) or new in self.ev.leaves):
             return Conflict(f"'{wanted}' is bound on some ways only")
-        new = self.ev.fresh(wanted)
-        for way, v in there:
-            way.block.append(tree.at(tree.assign(new, tree.copy(v.node)), self.origin))
-        return Data(tree.at(tree.name(new), self.origin), may_be_unbound=True)
+        new = new or self.ev.fresh(wanted)
+        for way, v in data:
+            if v.name != new:
+                way.block.append(tree.at(tree.assign(new, tree.copy(v.node)), self.origin))
+        return Data(tree.at(tree.name(new), self.origin), may_be_unbound=bool(partly),
+                    is_list=any(v.is_list for _, v in data))
 
     def meet(self, values: Sequence[Value], wanted: str) -> Value:
         """One value for those of all ways."""
@@ -113,13 +143,8 @@ class Join:
         if len({v.name for v in values}) == 1 and values[0].name:
             return Data(values[0].node, demands=demands, shape=kept, origins=origins, may_be_unbound=maybe,
                         is_list=any(v.is_list for v in values))
-        if maybe:
-            return Conflict(f"'{wanted}' is bound on some ways only")
-        new = self.ev.fresh(wanted)
-        for way, v in zip(self.ways, values):
-            way.block.append(tree.at(tree.assign(new, v.node), self.origin))
-        return Data(tree.at(tree.name(new), self.origin), demands=demands, shape=kept, origins=origins,
-                    is_list=any(v.is_list for v in values))
+        found = self._one_name(list(zip(self.ways, values)), wanted)
+        return replace(found, demands=demands, shape=kept, origins=origins) if isinstance(found, Data) else found
 
     def _reference(self, values: Sequence[Reference], wanted: str) -> Value:
         key = tuple(values)
@@ -138,6 +163,16 @@ class Join:
         items = {k: self.meet([h.items[k] for h in objects], f"{wanted}_{k}") for k in one.items}
         self.found[made.number] = replace(one, items=items, label=wanted)
         return made
+
+
+def _inner(objects: Objects, value: Value) -> tuple[Any, dict[Any, Value]] | None:
+    """The make and the items of a structure that nothing else is likely to hold."""
+    if isinstance(value, TupleValue):
+        return (("tuple", value.made, len(value.items)), dict(enumerate(value.items)))
+    held = objects.get(value.number) if isinstance(value, Reference) else None
+    if held is None or held.kind in ("frame", "class") or held.path or held.live is not None:
+        return None
+    return ((held.kind, held.made, tuple(held.items)), dict(held.items))
 
 
 def _said(values: Sequence[Data]) -> str:
