@@ -226,6 +226,14 @@ def test_types_through_views_helpers_and_unpacking(ran, kernel):
         "shift: int64, in (assumed: used as a bound, an index or a shift)"]
 
 
+def test_types_of_what_tuples_and_lists_spell_out(ran, kernel):
+    kernel("def f(x, u, v, m, n, a, b):\n    for w in (u, v):\n        w[0] += x[1]\n    for i in [m, n]:\n"
+           "        x[i] = u[0]\n    pair = a, b\n    x[0] *= pair[1]\n")
+    lines = [line.strip() for line in ran("tangent", "k.py:f")[1].splitlines() if "(assumed: " in line]
+    assert [line.partition(",")[0] for line in lines] == [
+        "x: float64[:]", "u: float64[:]", "v: float64[:]", "m: int64", "n: int64", "a: float64", "b: float64"]
+
+
 def test_axes_are_integers_where_an_array_is_moved(ran, kernel):
     kernel('import numpy as np\n\n\ndef f(x: "float64[:, :]"):\n    return np.sum(np.moveaxis(x, 0, 1)[0])\n')
     assert arguments(ran("tangent", "k.py:f")[1]) == ["x: float64[:, :], in"]

@@ -162,9 +162,9 @@ class _Scan:
         elif isinstance(node, IfExp):
             self.demand(node.body, rank, integer)
             self.demand(node.orelse, rank, integer)
-        elif isinstance(node, Tuple):
+        elif isinstance(node, (Tuple, List)):
             for item in node.elts:
-                self.demand(item, rank, integer)
+                self.demand(item, max(rank - 1, 0), integer)
         elif integer and call_name(node) in _PASSED_ON:
             for argument in node.args:
                 self.demand(argument, 0, True)
