@@ -1,14 +1,42 @@
 """loop_memoization: a transcendental value of the forward sweep is stored for the reverse sweep of the same iteration.
 
-    for s in range(n):                                  slope_kept = np.empty(m)
-        for j in range(m):                              for s in range(n):
-            h[j] = np.tanh(w[j] * s)                        for j in range(m):
-        ...                                                     h[j] = np.tanh(w[j] * s)
-        for j in range(m):                                      slope_kept[j] = (1.0 / np.cosh(w[j] * s)) ** 2
-            x = w[j] * s                                    ...
-            g = (1.0 / np.cosh(x)) ** 2 * h_bar[j]          for j in range(m):
-                                                                x = w[j] * s
-                                                                g = slope_kept[j] * h_bar[j]
+    def f(w, n, m):
+        h = np.zeros(m)
+        t = 0.0
+        for s in range(n):
+            for j in range(m):
+                h[j] = np.tanh(w[j] * s)
+            for j in range(m):
+                t += h[j] * h[0]
+        return t
+
+in its adjoint:
+
+    def f_adjoint(...):
+        ...
+        for s in range(n - 1, -1, -1):
+            for j in range(m):
+                h[j] = np.tanh(w[j] * s)
+            ...
+            for j in range(m):
+                seed = h_bar[j]
+                h_bar[j] = 0.0
+                w_bar[j] += s * ((1.0 / np.cosh(w[j] * s)) ** 2 * seed)
+
+becomes
+
+    def f_adjoint(...):
+        ...
+        slope_kept = np.empty(max(m, 0))
+        for s in range(n - 1, -1, -1):
+            for j in range(m):
+                h[j] = np.tanh(w[j] * s)
+                slope_kept[j] = (1.0 / np.cosh(w[j] * s)) ** 2
+            ...
+            for j in range(m):
+                seed = h_bar[j]
+                h_bar[j] = 0.0
+                w_bar[j] += s * (slope_kept[j] * seed)
 
 *Requires* finished text for Numba and the types of its names; two nests over one iteration space in one block, between
 which nothing writes an operand. *Establishes* the same values. Where an array of the kernel still holds the value, it
@@ -98,15 +126,17 @@ class _LoopMemoization:
             return
         counters, still = dict(zip(taking.counters, map(name, giving.counters))), set().union(*moving)
         places: dict[int, AST] = {}
+        kept: set[int] = set()      # nodes of values that are kept: what is within one is computed no more
         for value in _expensive_values(taking):
-            if (set(names(value.argument)) - set(taking.counters)) & still or not self.is_double(
-                    value.argument, taking.counters):
+            if id(value.node) in kept or (set(names(value.argument)) - set(taking.counters)) & still or not (
+                    self.is_double(value.argument, taking.counters)):
                 continue
             value.argument = rebuild(value.argument, lambda n: copy(counters[n.id]) if isinstance(
                 n, Name) and n.id in counters else None)
             array = self.buffer_of(value, giving, set().union(*moving[1:]))
             if array:
                 places[id(value.node)] = index(name(array), *map(name, taking.counters))
+                kept |= {id(n) for n in walk(value.node)}
         if places:
             taking.body = [rebuild(s, lambda n: copy(places[id(n)]) if id(n) in places else None) for s in taking.body]
 
