@@ -14,8 +14,8 @@ the kernel as the user writes it; its parameters have the types that `s2sad` ass
 On the right is the tree after the pass. Helpers stand in a block of their own before it. Where the kernel itself is not
 the tree before the pass (a derivative is not), it stands in a block of its own, and the picture shows the function, or
 the derivative, before and after: `def f_adjoint(...):` for any parameters. `...` is for statements left out; what
-assertions say is left out, too. Of a check the kernel stands alone, and a line behind it, flush left, says what is
-refused: `refused: text of the message`.
+assertions say is left out, too; a string that stands alone is a mark that one pass leaves for the next. Of a check the
+kernel stands alone, and a line behind it, flush left, says what is refused: `refused: text of the message`.
 
 The kernel is derived under each engine and in each mode, level "fast", with a watch on the passes: one of the trees
 that the pass has changed must be that on the right.
@@ -49,7 +49,7 @@ from s2sad.units.primal_form import PASSES as PRIMAL
 
 LISTS = (KERNELS, DERIVATIVES, PRIMAL, evaluate.PASSES, normalize.PASSES, simplify.LOWERED, simplify.PASSES,
          optimize.KERNELS, optimize.PASSES)
-HEADER = "import math\nimport numpy as np\nimport scipy\nimport scipy.linalg\n\n\n"
+HEADER = "import itertools\nimport math\nimport numpy as np\nimport scipy\nimport scipy.linalg\n\n\n"
 
 
 def functions() -> list[Callable[..., Any]]:
@@ -240,12 +240,12 @@ def agrees(shown: str, made: FunctionDef) -> bool:
     if there.name != here.name:
         return False
     taken = [[a.arg for a in function.args.args] for function in (there, here)]
-    return ("(...)" in shown.partition("\n")[0] or taken[0] == taken[1]) and _match(there.body, _plain(here.body))
+    body = here.body[1 if ast.get_docstring(here) else 0:]
+    return ("(...)" in shown.partition("\n")[0] or taken[0] == taken[1]) and _match(there.body, _plain(body))
 
 
 def _plain(block: list[ast.stmt]) -> list[ast.stmt]:
-    return [s for s in block if not isinstance(s, ast.Pass) and not (
-        isinstance(s, ast.Expr) and isinstance(s.value, ast.Constant) and isinstance(s.value.value, str))]
+    return [s for s in block if not isinstance(s, ast.Pass)]
 
 
 def _match(shown: list[ast.stmt], made: list[ast.stmt]) -> bool:

@@ -1,11 +1,26 @@
 """algebra: constant folding and algebraic identities that are exact in floating point.
 
-    x ** (2 - 1)   ->   x           range(n - 1, 0 - 1, -1)   ->   range(n - 1, -1, -1)
-    y + -1.0 * z   ->   y - z       i + 1 - 1                 ->   i
-    a if c else a  ->   a
+    def f(x: float64[:], y: float64[:]):
+        for i in range(1, x.size - 1):
+            y[i] = -x[i - 1] / x[i + 1]
+
+in its adjoint:
+
+    def f_adjoint(...):
+        for i in range(x.size - 1 - 1, 0, -1):
+            ...
+            x_bar[i + 1] -= -x[i - 1] / x[i + 1] * seed / x[i + 1] if seed != 0.0 else 0.0
+
+becomes
+
+    def f_adjoint(...):
+        for i in range(x.size - 2, 0, -1):
+            ...
+            x_bar[i + 1] += x[i - 1] / x[i + 1] * seed / x[i + 1] if seed != 0.0 else 0.0
 
 *Requires* the types of the names. *Establishes* the same values: sums of integers are folded and reassociated, factors
-of one and double negations go; sums of floats keep their order.
+and exponents of one and double negations go, `y + -1.0 * z` is `y - z`, a choice between equals is one of them; sums of
+floats keep their order.
 """
 from __future__ import annotations
 

@@ -1,9 +1,30 @@
 """if_conversion: a short branch that only moves numbers becomes conditional expressions: no jump to mispredict.
 
-    if taken:                       a_bar += y_bar if taken else 0.0
-        a_bar += y_bar              b_bar += 0.0 if taken else y_bar
-    else:
-        b_bar += y_bar
+    def f(x, p):
+        s = 0.0
+        for i in range(x.size):
+            d = x[i]
+            if d < p:
+                d = p
+            s += d * d
+        return s
+
+in its adjoint:
+
+    def f_adjoint(...):                     def f_adjoint(...):
+        ...                                     ...
+        for i in range(x.size):                 for i in range(x.size):
+            ...                                     ...
+            taken = d < p                           taken = d < p
+            if taken:                               d = p if taken else d
+                d = p                               d_bar_1 = 2.0 * (d * s_bar)
+            d_bar_1 = 2.0 * (d * s_bar)             p_bar += d_bar_1 if taken else 0.0
+            if taken:                               d_bar += 0.0 if taken else d_bar_1
+                p_bar += d_bar_1                    x_bar[i] += d_bar
+            else:                               return (p_bar,)
+                d_bar += d_bar_1
+            x_bar[i] += d_bar
+        return (p_bar,)
 
 *Requires* a structured function. *Establishes* the same values: only sums, products and comparisons of names are
 speculated; nothing that can fail and no element of an array moves out from under its test.

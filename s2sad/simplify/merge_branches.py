@@ -1,11 +1,45 @@
 """merge_branches: adjacent branches on one test become one, and a branch with two equal sides gives way to its side.
 
-    if taken:                       if taken:
-        a = f(x)                        a = f(x)
-    if taken:                           b = g(a)
-        b = g(a)
-    else:                           else:
-        b = 0.0                         b = 0.0
+    def f(x, n):
+        for k in range(n):
+            if x[0] > 2.0:
+                break
+            x[0] = np.sin(x[0])
+
+in its adjoint:
+
+    def f_adjoint(...):                                 def f_adjoint(...):
+        ...                                                 ...
+        for k in range(0 + trips - 1, -1, -1):              for k in range(0 + trips - 1, -1, -1):
+            taken = taken_stack[k]                              taken = taken_stack[k]
+            if not taken:                                       if not taken:
+                x[0] = x_stack[k]                                   x[0] = x_stack[k]
+            if not taken:                                           x_here = x[0]
+                x_here = x[0]                                       seed = x_bar[0]
+            if not taken:                                           x_here_bar = np.cos(x_here) * seed
+                seed = x_bar[0]                                     x_bar[0] = x_here_bar
+                x_here_bar = np.cos(x_here) * seed
+                x_bar[0] = x_here_bar
+
+    def f(x, p):
+        if x[0] > 0.0:
+            x[1] = p
+        else:
+            x[1] = p
+        return x[1]
+
+in its tangent:
+
+    def f_tangent(...):                 def f_tangent(...):
+        taken = x[0] > 0.0                  taken = x[0] > 0.0
+        if taken:                           x_dot[1] = p_dot
+            x_dot[1] = p_dot                x[1] = p
+            x[1] = p                        result_dot = x_dot[1]
+        else:                               return (result_dot,)
+            x_dot[1] = p_dot
+            x[1] = p
+        result_dot = x_dot[1]
+        return (result_dot,)
 
 *Requires* a structured function. *Establishes* the same values: the first branch does not change what the test reads.
 """

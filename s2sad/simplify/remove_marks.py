@@ -1,6 +1,25 @@
 """remove_marks: the marks that one pass leaves for the next go out of the text.
 
-Requires a structured function; establishes that every comment is for a reader.
+    def f(x, n):
+        s = 0.0
+        for i in range(n):
+            w = x[:2] * i
+            s += w[0] * w[1]
+        return s
+
+in its adjoint:
+
+    def f_adjoint(...):                         def f_adjoint(...):
+        ...                                         ...
+        for i in range(n - 1, -1, -1):              for i in range(n - 1, -1, -1):
+            "w"                                         w[...] = x[:2] * i
+            w[...] = x[:2] * i                          w_bar[1] += w[0] * s_bar
+            w_bar[1] += w[0] * s_bar                    w_bar[0] += w[1] * s_bar
+            w_bar[0] += w[1] * s_bar                    x_bar[:2] += i * w_bar
+            x_bar[:2] += i * w_bar                      w_bar[...] = 0.0
+            w_bar[...] = 0.0
+
+*Requires* a structured function. *Establishes* that every comment is for a reader.
 """
 from __future__ import annotations
 

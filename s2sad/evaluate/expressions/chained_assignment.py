@@ -1,14 +1,16 @@
 """chained_assignment: a statement that assigns one value to several targets, one of them an element, is one for each
 target.
 
-    us[0] = us[1] = f(x)            held = f(x)
-                                    us[0] = held
-                                    us[1] = held
-    a = us[0] = f(x)                a = f(x)
-                                    us[0] = a
+    def f(x, y):                    def f(x, y):
+        a = y[0] = np.sin(x[0])         a = np.sin(x[0])
+        y[1] = y[2] = a * x[1]          y[0] = a
+                                        held = a * x[1]
+                                        y[1] = held
+                                        y[2] = held
 
-Requires resolved names. Python evaluates the value once, then each target with what its subscripts are by then. Names
-alone stay chained: what two names mean is one thing (`unpack`).
+*Requires* resolved names. *Establishes* that an element is the one target of its statement. Python evaluates the value
+once, then each target with what its subscripts are by then. Names alone stay chained: what two names mean is one thing
+(`unpack`).
 """
 from __future__ import annotations
 

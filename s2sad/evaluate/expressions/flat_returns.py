@@ -1,10 +1,11 @@
 """flat_returns: every return of tuples within tuples returns their values in a row.
 
-    return (a, b), c                return a, b, c
-    return [a, b]                   return a, b
+    def f(x, y):                        def f(x, y):
+        a = np.sin(x)                       a = np.sin(x)
+        return [a, np.cos(y)], x * y        return a, np.cos(y), x * y
 
-Requires a tree in the supported subset with resolved names; establishes that what is returned is one value, or a tuple
-of values. `argument_binding.result_structure` tells the rest.
+*Requires* a tree in the supported subset with resolved names. *Establishes* that what is returned is one value, or a
+tuple of values; a list that is spelled out there is a tuple. `argument_binding.result_structure` tells the rest.
 """
 from __future__ import annotations
 

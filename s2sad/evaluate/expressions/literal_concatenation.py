@@ -1,12 +1,22 @@
 """literal_concatenation: tuples and lists that are put together where they are written are written out.
 
-    (a,) + (b, c)                       (a, b, c)
-    (a,) * 2                            (a, a)
-    np.array([1.0] + [0.5] * n)         np.concatenate(([1.0], np.full(n, 0.5)))
-    (*x.shape, 2)                       x.shape + (2,)
-    (c, *x)     of an array             refused: its elements would be taken in
+    def f(x, n: int64):                         def f(x, n):
+        u = np.zeros((n,) * 2)                      u = np.zeros((n, n))
+        v = np.zeros((n,) + (2, 3))                 v = np.zeros((n, 2, 3))
+        w = np.array([1.0] + [0.5] * n)             w = np.concatenate(([1.0], np.full(n, 0.5)))
+        z = np.zeros((*x.shape, 2))                 z = np.zeros(x.shape + (2,))
+        z[:, 0] = x + w[0] + u[0] + v[:, 0, 0]      z[:, 0] = x + w[0] + u[0] + v[:, 0, 0]
+        return np.sum(z)                            return np.sum(z)
 
-Requires resolved names; a star stands before what the text shows to be a tuple.
+    def f(x, c):
+        z = (c, *x)
+        return z[0]
+
+refused: a star before what is not known to be a tuple
+
+*Requires* resolved names. *Establishes* that items which are written stand in one tuple or list, where they are added,
+or repeated as often as a number says that is written; and that no tuple has a star: it stands before what the text
+shows to be a tuple, for of an array it would take in the elements.
 """
 from __future__ import annotations
 

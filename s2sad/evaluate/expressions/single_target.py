@@ -1,17 +1,33 @@
 """Statements with one target and pure expressions.
 
-    a, b = b, a                  ->  b_before = ..., two assignments
-    y = f(x) + 1.0                   f_value = user.f(x); y = f_value + 1.0
-    v = a if c else b                if c: v = a
-                                     else: v = b
-    while f(x) > 0.0: ...            while True: f_value = user.f(x)
-                                                 if f_value > 0.0: ...
-                                                 else: break
+    def g(x):
+        return x * x
 
-Requires resolved names. Establishes: assignments have one target and pure values, a user's call stands alone
-(as a value, a statement or what is returned) with its arguments by position; every statement has the place of
-the one it comes from. Docstrings, `pass` and bare annotations are gone. Loops keep their iterables, jumps are
-where they were.
+is called in an expression and in a test:
+
+    def f(x, y):                        def f(x, y):
+        a, b = y[0], x                      a = y[0]
+        a, b = b, a                         b = x
+        c = g(a) + 1.0                      a_before = a
+        d = a if c > b else b               a = b
+        while g(d) > 2.0:                   b = a_before
+            d = d - 1.0                     g_value = g(a)
+        y[0] = d                            c = g_value + 1.0
+                                            if c > b:
+                                                d = a
+                                            else:
+                                                d = b
+                                            while True:
+                                                g_value_2 = g(d)
+                                                if g_value_2 > 2.0:
+                                                    d = d - 1.0
+                                                else:
+                                                    break
+                                            y[0] = d
+
+*Requires* resolved names. *Establishes*: assignments have one target and pure values, a user's call stands alone (as a
+value, a statement or what is returned) with its arguments by position; every statement has the place of the one it
+comes from. Docstrings, `pass` and bare annotations are gone. Loops keep their iterables, jumps are where they were.
 """
 from __future__ import annotations
 

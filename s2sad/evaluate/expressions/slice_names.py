@@ -1,14 +1,15 @@
 """slice_names: names of slices stand for the slices.
 
-    inner = slice(1, -1)            v[1:-1] = u[1:-1, ::2]
-    every = np.s_[::2]
-    v[inner] = u[inner, every]
-    part = slice(p[0], n)           part_start = p[0]
-    p[0] += 1                       p[0] += 1
-    v[part] = 0.0                   v[part_start:n] = 0.0
+    def f(u: float64[:, :], v: float64[:, :], m: int64):    def f(u, v, m):
+        every = np.s_[::2]                                      part_start = m
+        part = slice(m, -1)                                     m += 1
+        m += 1                                                  v[part_start:-1, ::2] = u[part_start:-1, ::2]
+        v[part, every] = u[part, every]                         v[m] = 0.0
+        v[m] = 0.0
 
-Requires resolved names. What a slice is made of is what it is where the slice is made: it has a name if it may be
-something else where the slice is used. A slice that is no subscript is refused.
+*Requires* resolved names. *Establishes* that slices stand in subscripts alone; one that is no subscript is refused.
+What a slice is made of is what it is where the slice is made: it has a name if it may be something else where the slice
+is used.
 """
 from __future__ import annotations
 

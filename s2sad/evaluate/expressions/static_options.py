@@ -1,13 +1,15 @@
 """static_options: an option that a name spells is the number that the name is bound to.
 
-    axis = 1                        axis = 1
-    s = np.sum(a, axis=axis)        s = np.sum(a, axis=1)
-    for d in range(2):              for d in (0, 1):
-        b += np.roll(a, 1, d)           b += np.roll(a, 1, d)
+    def f(a: float64[:, :], b: float64[:, :]):      def f(a, b):
+        axis = 1                                        axis = 1
+        for d in range(2):                              for d in (0, 1):
+            b += np.roll(a, 1, d)                           b += np.roll(a, 1, d)
+        return np.sum(b, axis=axis)                     return np.sum(b, axis=1)
 
-Requires resolved names. Of a kernel is known what it binds once, to a number that is written; a number of its module;
-and a parameter that every call in the program gives the same number. A loop over axes goes through numbers that are
-written out, and `loops` puts each in its place.
+*Requires* resolved names. *Establishes* that an option of which the number is known is written: of a kernel is known
+what it binds once, to a number that is written; a number of its module; and a parameter that every call in the program
+gives the same number. A loop over axes goes through numbers that are written out, and `counted_loops` puts each in its
+place.
 """
 from __future__ import annotations
 
@@ -88,7 +90,16 @@ def in_round(block: list[AST], target: AST, item: AST) -> list[AST]:
 
 
 def unsettled(function: FunctionDef, context: Context) -> None:
-    """Refuses axes that are not known. Requires calls in the spelling that has a rule."""
+    """Refuses axes that are not known.
+
+        def f(a: float64[:, :], k: int64):
+            s = np.sum(a, axis=k)
+            return s[0]
+
+    refused: the axis of numpy.sum must be a number that is written in the kernel
+
+    *Requires* calls in the spelling that has a rule; changes nothing.
+    """
     report = context.report
     for node in walk(function.body):
         rule = rules.find_array(call_name(node))

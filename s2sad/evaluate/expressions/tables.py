@@ -1,18 +1,23 @@
 """tables: rows of written numbers, of which a variable picks some, are an array, or one for each column.
 
-    a = [[0, 0], [0.5, 0]]          a = np.array([[0, 0], [0.5, 0]])
-    u += a[s][j] * k[j]             u += a[s][j] * k[j]
+    def f(x, s: int64):                     def f(x, s):
+        a = [[0.0, 1.0], [0.5, 0.25]]           a = np.array(((0.0, 1.0), (0.5, 0.25)))
+        for j in range(2):                      for j in range(2):
+            x[j] = a[s][j] * x[j]                   x[j] = a[s][j] * x[j]
 
-    q = ((0, 0.5), (3, 0.25))       q_0 = np.array((0, 3))
-                                    q_1 = np.array((0.5, 0.25))
-    t += x[q[k][0]] ** q[k][1]      t += x[q_0[k]] ** q_1[k]
-    i, w = q[k]                     i, w = q_0[k], q_1[k]
-    for i, w in q:                  for i, w in zip(q_0, q_1):
+    def f(x, k: int64):                                 def f(x, k):
+        q = ((0, 0.5), (3, 0.25))                           q_0, q_1 = np.array((0, 3)), np.array((0.5, 0.25))
+        t = x[q[k][0]] ** q[k][1]                           t = x[q_0[k]] ** q_1[k]
+        for i, w in q:                                      for i, w in zip(q_0, q_1):
+            t += w * x[i]                                       t += w * x[i]
+        i, w = q[k]                                         i, w = q_0[k], q_1[k]
+        return t + w * x[i]                                 return t + w * x[i]
 
-Requires resolved names. A name that is bound more than once, written to, or used in any other way than by its numbers,
-the numbers of its rows and its length stays what it is: an array of integers would cut what is stored in it, and a row
-is a list. Rows that stand where they are picked from, as those of a module do, get a name first. An integer that is
-negative and an exponent is a float: Python's integers have such powers, an array's have not.
+*Requires* resolved names. *Establishes* that such rows are arrays. A name that is bound more than once, written to, or
+used in any other way than by its numbers, the numbers of its rows and its length stays what it is: an array of integers
+would cut what is stored in it, and a row is a list. Rows that stand where they are picked from, as those of a module
+do, get a name first. An integer that is negative and an exponent is a float: Python's integers have such powers, an
+array's have not.
 """
 from __future__ import annotations
 

@@ -1,15 +1,19 @@
 """Names that hold several results become one name per result.
 
-    r = f(x)             ->  r_0, r_1 = f(x)
-    y = r[0]                 y = r_0
-    return r                 return (r_0, r_1)
-    z = (a, b)[1]            z = b
+    def g(x):
+        return np.sin(x), np.cos(x)
 
-Requires resolved names. Establishes that no single name is bound to a function's several results, and that no item of
-what is spelled out is picked by a constant. A name is
-taken apart when every binding is a tuple of one length and every reading an index, an unpacking or a return;
-one that is spelled out and used otherwise (`shape = (n, n)`) is spelled out where it is read; one that comes from a
-call is refused.
+is called for both:
+
+    def f(x, y):                        def f(x, y):
+        r = g(x)                            r_0, r_1 = g(x)
+        y[0] = r[0] * (x, y[1])[1]          y[0] = r_0 * y[1]
+        return r                            return r_0, r_1
+
+*Requires* resolved names. *Establishes* that no single name is bound to a function's several results, and that no item
+of what is spelled out is picked by a constant. A name is taken apart when every binding is a tuple of one length and
+every reading an index, an unpacking or a return; one that is spelled out and used otherwise (`shape = (n, n)`) is
+spelled out where it is read; one that comes from a call is refused.
 """
 from __future__ import annotations
 

@@ -1,15 +1,13 @@
 """type_tests: what a kernel asks of the type of a parameter is answered, before the types of branches are joined.
 
-    if np.isscalar(p):                      p = np.full(x.size, p)              p: float64
-        p = np.full(x.size, p)
+    def f(x, p: float64):               def f(x, p):
+        if np.isscalar(p):                  p = np.full(x.size, p)
+            p = np.full(x.size, p)          return np.sum(p * x)
+        return np.sum(p * x)
 
-    if isinstance(p, np.ndarray):           s = x @ p                           p: float64[:]
-        s = x @ p
-    else:
-        s = (x * p).sum()
-
-Requires structured form. Arguments of other types are another variant of the kernel. A question after the parameter was
-bound anew, or whose answer the types here do not tell (Python's integers and NumPy's are one), is left, to be refused.
+*Requires* structured form. *Establishes* that questions are left only where the answer is not known: arguments of other
+types are another variant of the kernel. A question after the parameter was bound anew, or whose answer the types here
+do not tell (Python's integers and NumPy's are one), is left, to be refused.
 """
 from __future__ import annotations
 
@@ -40,7 +38,17 @@ def type_tests(function: FunctionDef, context: KernelScope) -> FunctionDef:
 
 
 def undecided(function: FunctionDef, context: KernelScope) -> None:
-    """Refuses the questions that are left."""
+    """Refuses the questions that are left.
+
+        def f(x, n: int64):
+            if isinstance(n, int):
+                return x * n
+            return x
+
+    refused: the built-in 'isinstance' is not supported in a kernel, but for what an argument is
+
+    *Requires* structured form, after `type_tests`; changes nothing.
+    """
     report = context.report
     for node in walk(function.body):
         if call_name(node) == ASKING:

@@ -1,15 +1,23 @@
 """Every `for` counts: `for name in range(...)`, the name bound nowhere else and not read after the loop.
 
-    for k, v in enumerate(x): s += k * v    ->    for k in range(len(x)):
-                                                      v = x[k]
-                                                      s += k * v
+    def f(u: float64[:], v: float64[:], n: int64):      def f(u, v, n):
+        for k, e in enumerate(u):                           for k in range(len(u)):
+            v[k] += k * e                                       e = u[k]
+        for w in (u, v):                                        v[k] += k * e
+            w[0] = 2.0 * w[1]                               w = u
+        for i in range(n):                                  w[0] = 2.0 * w[1]
+            n = n - 1                                       w = v
+            u[i] = v[n]                                     w[0] = 2.0 * w[1]
+        return u[i]                                         stop = n
+                                                            for i_index in range(stop):
+                                                                i = i_index
+                                                                n = n - 1
+                                                                u[i] = v[n]
+                                                            return u[i]
 
-    for i in range(n): last = i             ->    for i_index in range(n):
-    return i                                          i = i_index
-                                                      ...
-
-Requires what jumps establishes. A sequence that is spelled out (`for w in (u, v)`) is written out; the loops of
-`np.ndindex` are nested. Bounds that the body changes are held in names before the loop.
+*Requires* what `single_exit` establishes. *Establishes* that every loop has a counter of its own: a sequence that is
+spelled out is written out, the loops of `np.ndindex` are nested, bounds that the body changes are held in names before
+the loop.
 """
 from __future__ import annotations
 

@@ -1,17 +1,29 @@
 """itertools_loops: loops and comprehensions through combinations of ranges become nested ones.
 
-    for i, j in product(range(n), range(1, m)):     for i, j_place in np.ndindex(len(range(n)), len(range(1, m))):
-        s += a[i, j]                                    j = 1 + j_place
-                                                        s += a[i, j]
-    for i, j in combinations(range(n), 2):          for i_first in range(n):
-        s += a[i, j]                                    for j_first in range(i_first + 1, n):
-                                                            i = i_first
-                                                            j = j_first
-                                                            s += a[i, j]
-    sum(a[i, j] for i, j in product(range(n), range(m)))    sum(a[i, j] for i in range(n) for j in range(m))
+    def f(a: float64[:, :], n: int64):
+        s = sum(a[i, j] for i, j in itertools.product(range(n), range(n)))
+        for i, j in itertools.product(range(n), range(1, n)):
+            s += a[i, j]
+        for i, j in itertools.combinations(range(n), 2):
+            s += a[i, j]
+        return s
 
-Requires resolved names. What goes through anything but ranges without a step, or is left by `break` where loops would
-be nested, is refused.
+becomes
+
+    def f(a, n):
+        s = sum((a[i_2, j_2] for i_2 in range(0, n) for j_2 in range(0, n)))
+        for i, j_place in np.ndindex(n, len(range(1, n))):
+            j = 1 + j_place
+            s += a[i, j]
+        for i_first in range(0, n):
+            for j_first in range(i_first + 1, n):
+                i = i_first
+                j = j_first
+                s += a[i, j]
+        return s
+
+*Requires* resolved names. *Establishes* that no loop goes through combinations: what goes through anything but ranges
+without a step, or is left by `break` where loops would be nested, is refused.
 """
 from __future__ import annotations
 
