@@ -16,7 +16,7 @@ from s2sad import (
     value_and_gradient, vjp,
 )
 from s2sad.live_objects.side_table import forget
-from tests import called_kernels as kernels
+from tests.interface import kernels
 
 
 @pytest.fixture(autouse=True)

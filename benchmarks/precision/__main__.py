@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from benchmarks.precision import arrays, document, expressions, kernels, literals, nonfinite, rules, sums
 from benchmarks.tables import Table, show
-from tests.page_of_functions import PAGE
+from tests.docs.functions import PAGE
 
 
 def _shown(name: str, tables: list[Table], quick: bool) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from s2sad import Differentiated, S2sadError, S2sadWarning, gradient, jvp, vjp
-from tests import called_kernels as kernels
+from tests.interface import kernels
 
 
 def mean(u):

@@ -6,7 +6,7 @@ import pytest
 
 import s2sad
 from s2sad import runtime
-from tests import transform_kernels as kernels
+from tests.runtime import transform_kernels as kernels
 from tests.corpus.library.fft import CASES, RNG
 
 NORMS = (None, "backward", "ortho", "forward")

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests import called_arrays
+from tests.harness import array_functions
 from tests.corpus import Case
 from tests.harness.seeds import generator
 
@@ -67,7 +67,7 @@ def helpers(du, u, v, p):
     du[:] = a * s + out * rhs(u + 0.1 * a, p)
     du[1:] += b
     m = middle(du)
-    m *= called_arrays.scaled(v, out)[1:-1]
+    m *= array_functions.scaled(v, out)[1:-1]
     w = v.copy()
     x = filled(w, p[0])
     x[1] = w[0] * u[2]

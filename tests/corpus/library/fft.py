@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests import transform_kernels as kernels
+from tests.runtime import transform_kernels as kernels
 from tests.corpus import Case
 from tests.harness.seeds import generator
 

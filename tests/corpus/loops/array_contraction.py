@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.called_kernels import asserted_between
+from tests.interface.kernels import asserted_between
 from tests.corpus import Case
 from tests.harness.seeds import generator
 

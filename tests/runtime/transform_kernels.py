@@ -1,4 +1,4 @@
-"""Kernels that transform, for tests/test_transforms.py."""
+"""Kernels that transform, for tests/runtime/test_transforms.py."""
 import numpy as np
 
 

@@ -16,9 +16,10 @@ import pytest
 
 import s2sad
 from s2sad import Const, Differentiated, Duplicated, Forward, Reverse, S2sadError, autodiff, gradient, jvp, vjp
-from tests import called_kernels as kernels, semantics
+from tests.docs import semantics
+from tests.interface import kernels
 
-PAGE = Path(__file__).resolve().parent.parent / "docs" / "semantics.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "semantics.md"
 ENGINES = ["numpy", "numba"]
 _NUMBER = itertools.count()
 

@@ -11,7 +11,7 @@ import pytest
 import s2sad
 from s2sad import rules
 from tests.harness.engines import compiling
-from tests.page_of_functions import PAGE, expressions, function
+from tests.docs.functions import PAGE, expressions, function
 from tests.rules import test_rules
 
 HEAD = "import math\n\nimport numpy as np\nimport scipy.linalg\nimport scipy.sparse.linalg\nimport scipy.special\n\n\n"
@@ -82,7 +82,7 @@ def test_rule(name, tmp_path):
 
 
 def test_what_the_page_names_is_here():
-    lines = (Path(__file__).parent.parent / "docs" / "functions.md").read_text().splitlines()
+    lines = (Path(__file__).resolve().parents[2] / "docs" / "functions.md").read_text().splitlines()
     rows = {row.split("|")[1].strip(" `"): row for row in lines if row.startswith("| ") and "functions |" not in row}
     assert set(rows) == set(PAGE)
     known = set(re.findall(r"[a-z]\w*", " ".join([*expressions(), *RULES])))

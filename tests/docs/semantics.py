@@ -1,6 +1,6 @@
 """The rows of the tables in docs/semantics.md: a call for each role, annotation and choice of wrt and of, executed.
 
-`python -m tests.semantics` prints the tables; the test compares them with the page, under both engines.
+`python -m tests.docs.semantics` prints the tables; the test compares them with the page, under both engines.
 """
 from __future__ import annotations
 
