@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from s2sad import Differentiated, S2sadError, S2sadWarning, gradient, jvp, vjp
+from tests.harness.refusals import refused
 from tests.interface import kernels
 
 
@@ -38,12 +39,6 @@ def made(request):
     if request.param == "numba":
         pytest.importorskip("numba")
     return lambda f: Differentiated(f, engine=request.param)
-
-
-def refused(text, call, *args, **keywords):
-    with pytest.raises(S2sadError) as caught:
-        call(*args, **keywords)
-    assert str(caught.value) == text
 
 
 @pytest.mark.parametrize("odd", [math.nan, math.inf, -math.inf])

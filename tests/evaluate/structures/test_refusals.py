@@ -1,0 +1,116 @@
+"""What is refused of structures, and where."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from s2sad import S2sadError, differentiate, vjp
+from tests.evaluate.structures.arguments import U, Orbit, State, params, state_of
+from tests.harness.refusals import refused
+
+
+def field_that_is_not_there(s):
+    return s.uu[0]
+
+
+def key_that_is_not_there(s):
+    return s["kk"]
+
+
+def item_that_is_not_there(s):
+    return s[2]
+
+
+def assigned_to_a_named_tuple(s):
+    s.k = 2.0
+
+
+def attribute_of_an_array(s):
+    s.a = 1.0
+
+
+def none_used(s, w):
+    return s["k"] * w
+
+
+def used_as_a_whole(s):
+    return np.exp(s)
+
+
+def one_or_the_other(s, p, c):
+    if c > 0.0:
+        q = s
+    else:
+        q = p
+    return q.u[0]
+
+
+def array_as_a_list(s):
+    return np.sum(s) / s.size
+
+
+def logged(s):
+    return s.log[0]
+
+
+def unknown_method(s):
+    return s.norm()
+
+
+def membership(s):
+    return 1.0 if "x" in s.u else 0.0
+
+
+def chosen(s, p, c):
+    q = s if c > 0.0 else p
+    return q.u[0]
+
+
+REFUSED = [
+    (field_that_is_not_there, (state_of(),), "s.uu", "S202", "'s' has no field 'uu'",
+     "its fields are u, v, t, n, log"),
+    (key_that_is_not_there, ({"k": 1.0},), 's["kk"]', "S202", "'s' has no key 'kk'", "its keys are k"),
+    (item_that_is_not_there, ((1.0, 2.0),), "s[2]", "S203", "'s' has 2 items, and no item 2", ""),
+    (assigned_to_a_named_tuple, (params(),), "s.k", "S201", "'s' is a named tuple, to which nothing can be assigned",
+     "return the new value"),
+    (attribute_of_an_array, (U,), "s.a", "S201", "an assignment to the attribute .a is not supported in a kernel",
+     "return the value, or write it to an element of an array argument"),
+    (used_as_a_whole, ({"k": 1.0},), "s", "S203", "'s' is a dict, which is used as a whole here",
+     "name what is in it: s['k']"),
+    (used_as_a_whole, (state_of(),), "s", "S203", "'s' is a dataclass, which is used as a whole here",
+     "name what is in it: s.u, s.v, s.t, s.n, ..."),
+    (one_or_the_other, (state_of(), state_of(), 1.0), "q", "S203", "'q' is one thing on one way to here and another on "
+     "another, one of them a structure or None", "give the two different names"),
+    (array_as_a_list, ([1.0, 2.0],), "s.size", "S203", "'s' is a list, which has no attribute 'size' in a kernel",
+     "pass numpy.array(s, dtype=float)"),
+    (logged, (State(U, U, 0.0, log=print),), "s.log", "S203",
+     "'s.log' is a builtin_function_or_method, which a kernel cannot use",
+     "keep what the kernel reads in arrays, floats and ints"),
+    (logged, (state_of(),), "s.log", "S203", "'s.log' is None here", "test it before: if s.log is not None: ..."),
+    (unknown_method, (Orbit(1.0, 2.0),), "s.norm()", "S201",
+     "the method 'norm' of 's', which is a named tuple, is not supported in a kernel",
+     "write what it does with s.x, s.v"),
+    (membership, (state_of(),), '"x" in s.u', "S201", "'in' is not supported in a kernel",
+     "write the comparisons out: x == a or x == b"),
+    (chosen, (state_of(), state_of(), 1.0), "s if c > 0.0 else p", "S201",
+     "a structure or None is chosen by a test that is known only when the kernel runs",
+     "write an if with the whole work in each branch"),
+]
+
+
+@pytest.mark.parametrize(("kernel", "arguments", "marked", "code", "message", "help"), REFUSED,
+                         ids=[f"{r[0].__name__}{n}" for n, r in enumerate(REFUSED)])
+def test_refused(kernel, arguments, marked, code, message, help):
+    with pytest.raises(S2sadError) as caught:
+        vjp(differentiate(kernel, engine="numpy"), arguments, {"return": 1.0})
+    found = caught.value.diagnostics[0]
+    assert (found.code, found.message, found.help) == (code, message, help)
+    assert found.span is not None
+    assert found.span.source.line(found.span.line)[found.span.column:].startswith(marked)
+
+
+def test_a_refusal_in_full():
+    line = none_used.__code__.co_firstlineno + 1
+    refused(f"{__file__}:{line}:21: error[S203]: 'w' is None here\n  {line} |     return s[\"k\"] * w\n"
+            f"  {' ' * len(str(line))} |                     ^\n  help: test it before: if w is not None: ...",
+            vjp, differentiate(none_used, engine="numpy"), ({"k": 1.0}, None), {"return": 1.0})
