@@ -21,7 +21,8 @@ DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "accuracy.md"
 LAW = """A derivative is a sum, over the ways from an input to an output, of products of partials and a seed; a product
 with a factor that is exactly 0 is 0, whatever its other factors are, inf and nan included. So what a choice does not
 take, and what has a seed or a tangent of 0, gives nothing, in both modes; nothing is asked where all is finite. What is
-left open is in [Limits](limits.md). Tested by `tests/benchmarks/test_robustness.py` and `tests/test_zeros.py`."""
+left open is in [Limits](limits.md). Tested by `tests/benchmarks/test_robustness.py` and
+`tests/differentiate/test_zero_law.py`."""
 KINKS = """Where a function is not differentiable one side is taken, always the same one; `explain` lists the places. Of
 equal eigenvalues each has the derivative along the vector that LAPACK gives it. Tested by
 `tests/benchmarks/test_robustness.py`."""

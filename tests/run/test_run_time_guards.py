@@ -2,16 +2,11 @@
 from __future__ import annotations
 
 import re
-import signal
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
 import s2sad
-from s2sad.run.interrupts import interruptible
-from tests.harness.derivatives import check_derivatives
 from tests.harness.engines import running
 
 REPEATS = "a length of 1 repeats only where it is written, as in x[:, None] or x[:1], or an argument's"
@@ -221,146 +216,6 @@ def test_seeds_of_another_shape(engine):
             assert str(caught.value) == (
                 f"error[S403]: the seed 'result_bar' has shape {seed.shape}, what 'squares' returns there has (3,)\n"
                 "  help: give an array of its shape")
-
-
-def padded_reflect(u, v):
-    return np.pad(u, (7, 5), mode="reflect") * 1.5
-
-
-def padded_symmetric(u, v):
-    return np.pad(u, (8, 4), mode="symmetric") * 1.5
-
-
-def padded_wrap(u, v):
-    return np.pad(u, (8, 7), mode="wrap") * 1.5
-
-
-def padded_plane(u, v):
-    return np.pad(np.outer(u, v), ((4, 1), (0, 9)), mode="reflect") ** 2
-
-
-def shorter_first(u, v):
-    return np.correlate(u, v)
-
-
-def shorter_first_same(u, v):
-    return np.correlate(u, v, mode="same")
-
-
-def longer_first_same(u, v):
-    return np.correlate(v, u, mode="same")
-
-
-def even_first_same(u, v):
-    return np.correlate(v, np.concatenate((u, v)), mode="same")
-
-
-@pytest.mark.parametrize("engine", ["numpy", "loops"])
-@pytest.mark.parametrize("kernel", [
-    padded_reflect, padded_symmetric, padded_wrap, padded_plane, shorter_first, shorter_first_same, longer_first_same,
-    even_first_same])
-def test_wide_pads_and_short_signals(kernel, engine):
-    check_derivatives(kernel, (U, V), ("u", "v") if kernel not in (
-        padded_reflect, padded_symmetric, padded_wrap) else ("u",), ("return",), engine)
-    for n in (1, 2):    # NumPy fills what reflects one element with it
-        with running(engine) as name:
-            assert np.allclose(s2sad.differentiate(kernel, engine=name).primal(U[:n], V), kernel(U[:n], V))
-            x, dot = U[:n].copy(), np.ones(n)
-            assert np.allclose(s2sad.jvp(s2sad.differentiate(kernel, engine=name), (x, V), {"u": dot})["return"],
-                               (kernel(x + 1e-6 * dot, V) - kernel(x - 1e-6 * dot, V)) / 2e-6, atol=1e-6)
-
-
-def rows(a, x):
-    return np.einsum("ij,j->i", a, x)
-
-
-def columns(a, x):
-    return np.einsum("ij,i->j", a, x)
-
-
-def plain(a, x):
-    return np.einsum("i,ij", x, a)
-
-
-def matrices(a, b):
-    return np.einsum("ij,jk->ik", a, b)
-
-
-def turned_matrices(a, b):
-    return np.einsum("ji,kj->ik", a, b)
-
-
-def scalars(a, x):
-    return np.einsum("i,i", a[0], x)
-
-
-@pytest.mark.parametrize("engine", ["numpy", "loops"])
-@pytest.mark.parametrize("kernel, shapes", [
-    (rows, ((3, 4), (1,))), (rows, ((3, 1), (4,))), (rows, ((3, 1), (1,))), (rows, ((3, 4), (4,))),
-    (columns, ((3, 4), (1,))), (columns, ((1, 4), (3,))), (plain, ((1, 4), (3,))), (plain, ((3, 4), (1,))),
-    (matrices, ((2, 1), (3, 4))), (matrices, ((2, 3), (1, 4))), (matrices, ((1, 3), (1, 1))),
-    (turned_matrices, ((1, 2), (4, 3))), (turned_matrices, ((3, 2), (4, 1))), (scalars, ((2, 4), (1,)))])
-def test_einsum_repeats_an_axis_of_length_1(kernel, shapes, engine):
-    generator = np.random.default_rng(5)
-    a, b = (generator.uniform(-1.0, 1.0, s) for s in shapes)
-    check_derivatives(kernel, (a, b), kernel.__code__.co_varnames[:2], ("return",), engine)
-
-
-# -- signals ------------------------------------------------------------------------------------------------------
-
-def test_an_interrupt_is_heard_where_it_is_passed_over():
-    with pytest.raises(KeyboardInterrupt):
-        with interruptible():
-            try:
-                signal.raise_signal(signal.SIGINT)
-            except KeyboardInterrupt:
-                pass        # as a callback does
-
-
-def test_an_interrupt_is_heard_where_it_becomes_another_error():
-    with pytest.raises(KeyboardInterrupt):
-        with interruptible():
-            try:
-                signal.raise_signal(signal.SIGINT)
-            except KeyboardInterrupt:
-                raise RuntimeError("cannot be compiled") from None
-    with pytest.raises(RuntimeError), interruptible():
-        raise RuntimeError("cannot be compiled")
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-
-
-PROGRAM = """
-import numpy as np, s2sad
-from tests.test_run_time_guards import rounds
-f = s2sad.differentiate(rounds, engine="numba")
-u, u_bar = np.ones(100), np.zeros(100)
-s2sad.gradient(f, "u")(u, 1), f.adjoint(u, u_bar, 1, 1.0)
-try:
-    print("ready", flush=True)
-    while True:
-        {call}
-except BaseException as error:
-    print(type(error).__name__, flush=True)
-"""
-
-
-def rounds(u, n):
-    s = 0.0
-    for _ in range(n):
-        for i in range(u.size):
-            s += u[i] ** 2 * 1e-9
-        u[0] = 0.5 * s
-    return s
-
-
-@pytest.mark.parametrize("call", ['s2sad.gradient(f, "u")(u, 300000)', "f.adjoint(u, u_bar, 300000, 1.0)",
-                                  "f.primal(u, 3000000)"])
-def test_ctrl_c_in_compiled_code(call):
-    process = subprocess.Popen([sys.executable, "-c", PROGRAM.format(call=call)], stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    assert process.stdout.readline() == "ready\n"
-    process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=60)[0] == "KeyboardInterrupt\n"
 
 
 def in_two_rows(u):

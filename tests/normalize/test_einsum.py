@@ -1,0 +1,43 @@
+"""Sums of products by subscripts, where an axis of length 1 repeats."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.harness.derivatives import check_derivatives
+
+
+def rows(a, x):
+    return np.einsum("ij,j->i", a, x)
+
+
+def columns(a, x):
+    return np.einsum("ij,i->j", a, x)
+
+
+def plain(a, x):
+    return np.einsum("i,ij", x, a)
+
+
+def matrices(a, b):
+    return np.einsum("ij,jk->ik", a, b)
+
+
+def turned_matrices(a, b):
+    return np.einsum("ji,kj->ik", a, b)
+
+
+def scalars(a, x):
+    return np.einsum("i,i", a[0], x)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel, shapes", [
+    (rows, ((3, 4), (1,))), (rows, ((3, 1), (4,))), (rows, ((3, 1), (1,))), (rows, ((3, 4), (4,))),
+    (columns, ((3, 4), (1,))), (columns, ((1, 4), (3,))), (plain, ((1, 4), (3,))), (plain, ((3, 4), (1,))),
+    (matrices, ((2, 1), (3, 4))), (matrices, ((2, 3), (1, 4))), (matrices, ((1, 3), (1, 1))),
+    (turned_matrices, ((1, 2), (4, 3))), (turned_matrices, ((3, 2), (4, 1))), (scalars, ((2, 4), (1,)))])
+def test_einsum_repeats_an_axis_of_length_1(kernel, shapes, engine):
+    generator = np.random.default_rng(5)
+    a, b = (generator.uniform(-1.0, 1.0, s) for s in shapes)
+    check_derivatives(kernel, (a, b), kernel.__code__.co_varnames[:2], ("return",), engine)
