@@ -14,7 +14,6 @@ import pytest
 
 import s2sad
 from s2sad import read
-from s2sad.live_objects.guards import ABSENT, Guards, recording, same, taken
 from s2sad.run.compiled import available
 
 THIS = sys.modules[__name__]
@@ -282,19 +281,6 @@ def test_what_was_read_is_compared_and_not_what_was_there_before(monkeypatch):
     assert [g(1.0) for _ in range(2)] == [8.0, 8.0]
 
 
-def test_a_reading_gets_one_value_for_a_place():
-    holder = {"a": 1.0}
-    with recording(Guards()) as found:
-        assert taken(holder, "item", "a") == 1.0
-        holder["a"] = 2.0
-        assert taken(holder, "item", "a") == 1.0
-    assert not found.hold()
-    holder["a"] = 1.0
-    assert found.hold()
-    del holder["a"]
-    assert not found.hold() and taken(holder, "item", "a") is ABSENT
-
-
 def test_values_that_were_taken_before_are_not_read_again(monkeypatch):
     """A constant that goes back and forth has a derivative for each value, and is read once for each."""
     readings = []
@@ -304,15 +290,6 @@ def test_values_that_were_taken_before_are_not_read_again(monkeypatch):
         monkeypatch.setattr(THIS, "RATE", rate)
         assert g(1.0) == 2.0 * rate
     assert len(readings) == 2
-
-
-@pytest.mark.parametrize("a, b, equal", [
-    (0.0, -0.0, False), (1, 1.0, False), (True, 1, False), (math.nan, -math.nan, True), (0j, -0j, False),
-    (complex(math.nan, 1.0), complex(math.nan, 1.0), True), (np.float32("nan"), np.float32("nan"), True),
-    (np.float32(0.0), np.float32(-0.0), False), (np.float64(1.0), 1.0, False), ((1.0, 2), (1.0, 2), True),
-    ((1.0, 2), (1.0, 2.0), False), ("a", "a", True), (Colour.RED, 2, False), ([1.0], [1.0], False)])
-def test_constants_are_the_same_if_they_mean_the_same(a, b, equal):
-    assert same(a, b) is equal
 
 
 @dataclass

@@ -27,7 +27,7 @@ from s2sad import optimize, simplify
 from s2sad.passes import Pass, each
 from s2sad.run import compiled, module_loader
 from s2sad.units import normal_forms
-from tests import test_golden
+from tests.harness import goldens
 from tests.harness.bulk import outputs
 from tests.harness.engines import running
 from tests.programs import Program, random_kernel
@@ -111,8 +111,8 @@ def tasks(kind: str, numbers: range) -> Iterator[tuple[str, Task]]:
     if kind == "programs":
         yield from ((f"program {n}", of_program(random_kernel(n))) for n in numbers)
     elif kind == "goldens":
-        for name in test_golden.CASES:
-            found = test_golden.given(name)
+        for name in goldens.CASES:
+            found = goldens.given(name)
             if found.module.kernel is found.kernel:     # else it takes structures, which the names say taken apart
                 yield f"golden {name}", of_function(found.kernel, lambda found=found: copy.deepcopy(found.arguments),
                                                     found.adjoint.wrt, found.adjoint.of)
