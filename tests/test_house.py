@@ -12,10 +12,13 @@ import pytest
 
 from s2sad.passes import each
 from tests.harness.documents import ROOT
-from tests.pictures import LISTS, Picture, document, functions, pictures, wrong
+from tests.harness.pictures import LISTS, Picture, document, functions, pictures, wrong
 from tests.harness.rooms import layers
 
-PACKAGE = ROOT / "s2sad"
+PACKAGE, TESTS = ROOT / "s2sad", ROOT / "tests"
+# tests of the whole, and folders of tests that belong to no room alone
+OF_THE_WHOLE = ("corpus", "examples", "golden", "house", "long_kernels", "passes", "random_programs", "simulations")
+FOLDERS = ("benchmarks", "corpus", "docs", "golden", "harness", "ledger", "programs", "simulations")
 # passes that leave facts in the context and the tree as it is
 FACTS = ("reported_types", "inferred_types", "primal_form", "same_primal", "program_structure", "activity",
          "unbounded_values", "to_be_recorded", "commuting_iterations")
@@ -42,6 +45,14 @@ def test_no_folder_is_large():
     for path in modules():
         folders[path.parent] += 1
     assert {str(f): n for f, n in folders.items() if n > 30} == {}
+
+
+def test_tests_lie_in_the_folder_of_their_room():
+    paths = [p.relative_to(TESTS) for p in TESTS.rglob("*.py")]
+    folders = {p.parts[0] for p in paths if len(p.parts) > 1}
+    assert folders - {p.parts[0] for p in modules() if len(p.parts) > 1} == set(FOLDERS)
+    alone = {p.stem for p in paths if len(p.parts) == 1} - {"__init__", "conftest"}
+    assert alone == {f"test_{name}" for name in OF_THE_WHOLE}
 
 
 def test_the_contract_has_few_layers():
