@@ -20,8 +20,7 @@ import s2sad
 from benchmarks.precision import reference
 from benchmarks.precision.rules import loaded
 from benchmarks.tables import Table
-from tests.docs.functions import PAGE, function
-from tests.docs.test_page_of_functions import FLOATS, arguments
+from tests.docs.functions import FLOATS, PAGE, arguments, function
 
 UNIT = 2.0 ** -53
 ZERO = 1e-25        # a derivative that is 0 is this with 113 bits

@@ -11,19 +11,11 @@ import pytest
 import s2sad
 from s2sad import rules
 from tests.harness.engines import compiling
-from tests.docs.functions import PAGE, expressions, function
+from tests.docs.functions import FLOATS, PAGE, arguments, expressions, function
 from tests.rules import test_rules
 
 HEAD = "import math\n\nimport numpy as np\nimport scipy.linalg\nimport scipy.sparse.linalg\nimport scipy.special\n\n\n"
-FLOATS = ("x", "y", "m", "s")
 RULES = [name for name in rules.names() if not name.startswith("runtime.")]
-
-
-def arguments():
-    x, y = np.array([0.31, 0.83, 0.47, 0.62]), np.array([0.71, 0.22, 0.93, 0.54])
-    m = 2.0 * np.eye(4) + np.outer(x, x) + np.diag(y)
-    m += 0.1 * np.array([[0, 1, 2, 4], [1, 0, 5, 3], [2, 5, 0, 7], [4, 3, 7, 0]])
-    return x, y, m, np.stack((m, m @ m, m + np.eye(4))), np.array([2, 0, 3, 1]), 5, np.array([0.0, 0.4, 0.8, 1.2])
 
 
 def of_a_rule(name):

@@ -1,4 +1,4 @@
-// What a reader of the page does, and what lights up; runs in a browser and in tests/page_dom.js.
+// What a reader of the page does, and what lights up; runs in a browser and in tests/report/page_dom.js.
 "use strict";
 
 function checked() {

@@ -2,9 +2,20 @@
 p (a permutation), k (an integer) and g (a list of edges); statements before the last `;` are written before it."""
 from __future__ import annotations
 
+import numpy as np
+
 from tests.docs.functions import arrays, linear_algebra, reductions
 
 PAGE = {**arrays.ROWS, **reductions.ROWS, **linear_algebra.ROWS}
+FLOATS = ("x", "y", "m", "s")
+
+
+def arguments():
+    """Values of x, y, m, s, p, k and g."""
+    x, y = np.array([0.31, 0.83, 0.47, 0.62]), np.array([0.71, 0.22, 0.93, 0.54])
+    m = 2.0 * np.eye(4) + np.outer(x, x) + np.diag(y)
+    m += 0.1 * np.array([[0, 1, 2, 4], [1, 0, 5, 3], [2, 5, 0, 7], [4, 3, 7, 0]])
+    return x, y, m, np.stack((m, m @ m, m + np.eye(4))), np.array([2, 0, 3, 1]), 5, np.array([0.0, 0.4, 0.8, 1.2])
 
 
 def expressions() -> list[str]:
