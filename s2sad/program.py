@@ -100,7 +100,7 @@ class EntrySummary:
     contiguous: tuple[str, ...] = ()
 
 
-Fact = tuple[str, str]      # a path of an argument, and what of it: "value", "shape"
+Fact = tuple[str, str]      # a path of an argument, and what of it: "value", "shape", "is PATH"
 
 
 class DemandedFacts(Exception):

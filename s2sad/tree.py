@@ -25,7 +25,7 @@ from gast import (
     Call, Compare, Constant, Continue, Dict, DictComp, Div, Eq, Expr, FloorDiv, For, FunctionDef, GeneratorExp, Gt, GtE,
     If, IfExp, In, Invert, Is, IsNot, List, ListComp, Load, LShift, Lt, LtE, MatMult, Mod, Module, Mult, Name, Not,
     NotEq, NotIn, Or, Pass, Pow, Raise, Return, RShift, Slice, Starred, Store, Sub, Subscript, Tuple, UAdd, UnaryOp,
-    USub, While, arguments, expr, keyword, stmt,
+    USub, While, Yield, arguments, expr, keyword, stmt,
 )
 
 __all__ = [
@@ -34,12 +34,12 @@ __all__ = [
     "FloorDiv", "For", "FunctionDef", "GeneratorExp", "Gt", "GtE", "If", "IfExp", "In", "Invert", "Is", "IsNot",
     "List", "ListComp", "Load", "LShift", "Lt", "LtE", "MatMult", "Mod", "Module", "Mult", "Name", "Not", "NotEq",
     "NotIn", "Or", "Pass", "Pow", "Raise", "Return", "RShift", "Slice", "Starred", "Store", "Sub", "Subscript",
-    "Tuple", "UAdd", "UnaryOp", "USub", "While", "arguments", "keyword", "add", "assign", "at", "attribute", "augment",
-    "binary", "call", "call_name", "calls_kernel", "children", "comment", "compare", "const", "copy", "counted_for",
-    "dump", "equal", "expr", "expression", "forget", "forgotten", "function", "head_copy", "index", "indices",
-    "is_comment", "is_unset", "literal", "mult", "name", "names", "negate", "parse", "placed", "rebuild", "rename",
-    "replica", "statements", "stmt", "stored_names", "sub", "substitute", "tuple_of", "unset", "user_call", "walk",
-    "with_body", "written",
+    "Tuple", "UAdd", "UnaryOp", "USub", "While", "Yield", "arguments", "keyword", "add", "assign", "at", "attribute",
+    "augment", "binary", "call", "call_name", "calls_kernel", "children", "comment", "compare", "const", "copy",
+    "counted_for", "dump", "equal", "expr", "expression", "forget", "forgotten", "function", "head_copy", "index",
+    "indices", "is_comment", "is_unset", "literal", "mult", "name", "names", "negate", "parse", "placed", "rebuild",
+    "rename", "replica", "statements", "stmt", "stored_names", "sub", "substitute", "tuple_of", "unset", "user_call",
+    "walk", "with_body", "written",
 ]
 
 _LOAD, _STORE = Load(), Store()

@@ -183,7 +183,7 @@ def load_flat(reading: ReadRecord, forms: tuple[Any, ...]) -> Any:
     guards = Guards()
     if _replay_guards(described, _classes(forms, reading), guards) is None:
         return None
-    return _kernel(kernel), paths, frozenset(cells), result, guards, _address((place, described))
+    return _kernel(kernel), paths, frozenset(cells), result, guards, _address((place, described, _text(forms)))
 
 
 def store_flat(reading: ReadRecord, forms: tuple[Any, ...], kernel: Kernel, paths: dict[str, str], cells: Iterable[str],
@@ -195,7 +195,7 @@ def store_flat(reading: ReadRecord, forms: tuple[Any, ...], kernel: Kernel, path
     try:
         described, _ = _describe_guards(guards, _classes(forms, reading))
         _put((described, _of_kernel(kernel), paths, tuple(sorted(cells)), result), _flat_place(place, forms))
-        return _address((place, described))
+        return _address((place, described, _text(forms)))
     except NotSerializable:
         return None
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from types import FunctionType
+from types import FunctionType, MappingProxyType
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -153,8 +153,9 @@ class ProgramVersion:
                               program.warned), function)
         return made.with_program(program)
 
-    def with_program(self, program: Program) -> ProgramVersion:
-        """The state, whose program was read."""
+    def with_program(self, program: Program, normal: Mapping[Any, Any] = MappingProxyType({})) -> ProgramVersion:
+        """The state, whose program was read, and brought to these normal forms."""
+        self._forms |= normal
         self._program, self.registered = program, compiler().registered_rules(program)
         with recording(self._compiled_in):
             self._frozen = [(g.plain, compiler().compiled_in(g.plain)) for g in self.registered

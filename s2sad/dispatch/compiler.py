@@ -5,19 +5,20 @@ disk what it calls goes without.
 """
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from types import FunctionType, MappingProxyType
 from typing import Any
 
 from s2sad import pipeline, read
 from s2sad.evaluate.specialize import specialize, unread
+from s2sad.evaluate.specialize.evaluator import OutsideError
 from s2sad.live_objects.guards import Guards, Path, reached, recording, same
 from s2sad.live_objects.unwrap import python_function
 from s2sad.infer.independents import independents, usable_as_floats
-from s2sad.infer.types import NONE, UNKNOWN, of_value
+from s2sad.infer.types import FLOAT, NONE, UNKNOWN, array, of_value
 from s2sad.evaluate.structures.call_values import Unread
-from s2sad.evaluate.structures.fields import Flat, fields
+from s2sad.evaluate.structures.fields import Flat, fields, has_sparse, is_sparse
 from s2sad.evaluate.structures.fields import asks as structures_matter
 from s2sad.evaluate.structures.groups import StructureValue, nothing
 from s2sad.program import EntrySummary, Fact, Generated, Kernel, Program, Request
@@ -25,7 +26,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.read.capture import not_a_function
 from s2sad.run.user_functions_in_numba import checked_constants, compiled_in, registered_rules, uncompiled
 from s2sad.run.user_derivatives import checked_derivatives
-from s2sad.pytree import Form, PyTree
+from s2sad.pytree import Form, PyTree, leaves
 from s2sad.tree import Call, FunctionDef, call_name, equal, walk
 
 __all__ = ["asks", "checked_constants", "checked_derivatives", "compiled_in", "derived", "entry_kernel", "flat_program",
@@ -75,12 +76,37 @@ def flat_program(program: Program, function: FunctionType, forms: tuple[Form, ..
     the arguments' classes; raises DemandedFacts where `facts` does not say enough of the arguments."""
     if program.refused is not None:
         return evaluated(program, forms, varying, facts, program.refused)
+    parameters = program.kernels[program.entry].parameters
     try:
-        return _fields(program, function, forms, varying)
+        found = _fields(program, function, forms, varying)
     except S2sadError as refused:
         if any(_calls_sparse(k.tree) for k in program.kernels.values()):
             raise       # the evaluator knows no sparse matrices
         return evaluated(replace(program, function=function), forms, varying, facts, refused)
+    try:
+        return _in_normal_form(found, parameters, forms)
+    except S2sadError as refused:
+        if has_sparse(program) or any(map(is_sparse, forms)):
+            raise
+        try:
+            return _in_normal_form(evaluated(replace(program, function=function), forms, varying, facts, refused),
+                                   parameters, forms)
+        except S2sadError:
+            raise refused from None
+
+
+def _in_normal_form(found: tuple[Flat, list[Any], Guards], parameters: Sequence[str], forms: tuple[Form, ...]
+                    ) -> tuple[Flat, list[Any], Guards]:
+    """A flat program with its normal form; raises S2sadError."""
+    flat, methods, guards = found
+    program = flat.program
+    types = {path: t for p, form in zip(parameters, forms) for path, t in leaves(form, p)}
+    kernel = entry_kernel(program)
+    normal: dict[Any, Any] = {}
+    given = [(n, types[flat.paths[n]]) for n in kernel.parameters]
+    pipeline.entry(program, tuple(array(t.dtype, 1) if n in flat.cells else FLOAT if n in kernel.floats and t.is_number
+                                  else t for n, t in given), "numpy", forms=normal)
+    return replace(flat, normal=normal), methods, guards
 
 
 def _calls_sparse(kernel: FunctionDef) -> bool:
@@ -102,15 +128,16 @@ def _fields(program: Program, function: FunctionType, forms: tuple[Form, ...], v
 
 def evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Path], facts: Mapping[Fact, Any],
               refused: S2sadError) -> tuple[Flat, list[Any], Guards]:
-    """The residual program of a function for arguments of these forms; raises S2sadError: what reading has said of the
-    line at which the evaluator stops."""
+    """The residual program of a function for arguments of these forms; raises S2sadError: of what is outside what
+    reading has said of it."""
     with recording(Guards(varying)) as guards:
         reached(None, "root", 0, program.function)
         try:
             residual = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, forms)), facts)
             made = read.of_captured(residual, program.function)
         except S2sadError as error:
-            there = [d for d in refused.diagnostics if _line(d) in set(map(_line, error.diagnostics)) - {None}]
+            there = [d for d in refused.diagnostics if isinstance(error, OutsideError) and _line(d) in set(
+                map(_line, error.diagnostics)) - {None}]
             raise (S2sadError(*there) if there else error) from None
     made = replace(made, guards=guards, replaced=residual.replaced)
     flat = Flat(made, residual.paths, frozenset(), residual.result, residual.changed, residual.live)

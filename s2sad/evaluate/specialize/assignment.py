@@ -9,7 +9,8 @@ from s2sad import tree
 from s2sad.evaluate.specialize.numeric_operators import OPERATORS
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation, statement
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, ClassValue, Data, ObjectValue, Reference, ScopeValue, SliceValue, TupleValue, Value, constant,
+    UNKNOWN, ClassValue, Data, LibraryValue, ObjectValue, Reference, ScopeValue, SliceValue, TupleValue, Value,
+    constant,
 )
 from s2sad.tree import AST
 
@@ -52,7 +53,8 @@ def _unpack(ev: Evaluator, target: Any, value: Value, f: Frame) -> None:
     star = next((k for k, t in enumerate(targets) if isinstance(t, tree.Starred)), None)
     if isinstance(value, Data) and not value.is_known:
         if star is not None:
-            raise ev.unknown(target, "how many values a starred target takes", value)
+            raise ev.unknown(target, "how many values a starred target takes is not known before the run", value,
+                             help="take the rest by a slice: rest = x[1:]")
         shape = isinstance(value.node, tree.Attribute) and value.node.attr == "shape"
         value = value if shape else ev.named(value, "unpacked", target)
         items = [ev.item_of(value, constant(k), target, f) for k in range(len(targets))]
@@ -178,8 +180,16 @@ def augmented_assign(ev: Evaluator, s: Any, f: Frame) -> None:
     label = ev.heap[base].label if isinstance(base, Reference) else ""
     wanted = str(key) if isinstance(key, str) else "item"
     new = in_place(ev, old, value, s, f, f"{label}_{wanted}" if label else wanted)
-    if new is not None:
-        assign_to(ev, base, key, new, s, f)
+    if new is not None or _stores_otherwise(ev, base, key, s, f):
+        assign_to(ev, base, key, old if new is None else new, s, f)
+
+
+def _stores_otherwise(ev: Evaluator, base: Value, key: Any, s: AST, f: Frame) -> bool:
+    """Whether more is done than to hold what is assigned: by a property, or a class of the user's."""
+    if not isinstance(base, Reference) or ev.heap[base].kind != "record":
+        return False
+    found = ev.class_item(ev.heap[base].made, key, s, f) if isinstance(key, str) else None
+    return not isinstance(key, str) or found is not None and isinstance(found[1], LibraryValue)
 
 
 def _extended(ev: Evaluator, old: Data, value: Value, s: Any, f: Frame) -> None:

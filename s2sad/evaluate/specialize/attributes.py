@@ -107,7 +107,8 @@ def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AS
     if fallback is not None:
         return ev.call(ev.bound(fallback[1], base, held.made, node, f), [constant(name)], {}, node, f)
     title = held.made.name if held.made is not None else "?"
-    raise ev.refusal(node, f"an object of class {title} has no attribute '{name}' here")
+    error = ev.refusal if held.live is None else ev.outside_error
+    raise error(node, f"an object of class {title} has no attribute '{name}' here")
 
 
 @operation

@@ -107,7 +107,7 @@ def branch(ev: Evaluator, test: Data, arms: Sequence[Callable[[], Any]], origin:
         join = Join(ev, [way for way, _ in going], origin, test.demands)
         ev.heap.objects = join.objects()
         if going[0][1] is not None and len(going) > 1:
-            value = join.meet([left.value or NONE for _, left in going if left is not None], "result")
+            value = join.told(join.meet([left.value or NONE for _, left in going if left is not None], "result"))
             ev.heap.objects.update(join.found)
         elif going[0][1] is not None:
             value = going[0][1].value

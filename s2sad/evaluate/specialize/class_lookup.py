@@ -55,9 +55,20 @@ def class_item(ev: Evaluator, made: ClassValue | None, name: str, node: AST, f: 
         found = taken(c.live, "own", name)
         if isinstance(found, types.MemberDescriptorType):
             continue        # a slot: what lies in the object
+        if _computes(found):
+            raise ev.refusal(node, f"'{name}' of class {c.name} is a descriptor of class {type(found).__name__}",
+                             help="write it as a property")
         if found is not ABSENT and not (c.live.__module__ == "builtins" or name in _OBJECT and _is_generated(found)):
             return c, _descriptor(ev, c, name, found, node, f) or ev.outside_value(f"{c.name}_{name}", found, node, f)
     return None
+
+
+def _computes(found: Any) -> bool:
+    """Whether an item of a class is an object of a class of the user's that is asked when it is read or assigned."""
+    kinds = type(found).__mro__
+    home = kinds[0].__module__.partition(".")[0]
+    return home not in ("builtins", "functools", "types", "numba", "s2sad", "abc", "enum") and any(
+        n in vars(c) for c in kinds for n in ("__get__", "__set__"))
 
 
 def _is_generated(found: Any) -> bool:

@@ -63,7 +63,7 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
                 return Data(tree.at(tree.Compare(ev.spelled(a, node), [op], [ev.spelled(b, node)]), node),
                             demands=demands_of(a, b))
         if isinstance(a, Reference) and isinstance(b, Reference) and ev.heap[a].kind in ("list", "dict", "set"):
-            raise ev.refusal(node, "two structures are compared", help="compare their items")
+            return _containers(ev, op, a, b, node, f)
         same = _identical(ev, a, b, node)
         return constant(same is (kind == "Eq"))
     raise ev.refusal(node, f"{ev.kind_of(a)} and {ev.kind_of(b)} are compared")
@@ -101,6 +101,25 @@ def _tuples(ev: Evaluator, op: AST, a: TupleValue, b: TupleValue, node: AST, f: 
                 demands=demands_of(*a.items, *b.items))
 
 
+def _containers(ev: Evaluator, op: AST, a: Reference, b: Reference, node: AST, f: Frame) -> Value:
+    """Whether two lists, dicts or sets are equal."""
+    wanted = type(op).__name__ == "Eq"
+    one, other = ev.heap[a], ev.heap[b]
+    if one.kind != other.kind or {*one.items} != {*other.items}:
+        return constant(not wanted)
+    tests: list[AST] = []
+    for key in one.items if one.kind != "set" else ():
+        test = ev.truth(compared(ev, tree.Eq(), one.items[key], other.items[key], node, f), node, f)
+        if isinstance(test, Data):
+            tests.append(ev.spelled(test, node))
+        elif not test:
+            return constant(not wanted)
+    if not tests:
+        return constant(wanted)
+    equal = tests[0] if len(tests) == 1 else tree.BoolOp(tree.And(), tests)
+    return Data(tree.at(equal if wanted else tree.UnaryOp(tree.Not(), equal), node))
+
+
 def _identical(ev: Evaluator, a: Value, b: Value, node: AST) -> bool:
     """`a is b`."""
     datas = [v for v in (a, b) if isinstance(v, Data)]
@@ -113,14 +132,30 @@ def _identical(ev: Evaluator, a: Value, b: Value, node: AST) -> bool:
             return False
         if datas[0].name and datas[0].name == datas[1].name:
             return True
-        raise ev.refusal(node, "whether two arrays are one and the same is asked", help="keep a "
-                         "flag")
+        if all(v.name in ev.paths for v in datas):
+            return _are_one(ev, ev.paths[datas[0].name], ev.paths[datas[1].name], node)
+        raise ev.refusal(node, "whether two arrays are one and the same is asked", help="keep a flag")
     if len(datas) == 2:
         return datas[0].known is datas[1].known or (
             type(datas[0].known) is type(datas[1].known) and datas[0].known == datas[1].known)
     if isinstance(a, ObjectValue) and isinstance(b, ObjectValue):
         return a.value is b.value
+    if isinstance(a, Reference) and isinstance(b, Reference) and a != b and ev.heap[a].kind == ev.heap[b].kind:
+        paths = [ev.heap[r].path for r in (a, b)]
+        if all(paths):
+            return _are_one(ev, paths[0], paths[1], node)
+        if any(paths) and any(ev.heap[r].live is not None for r in (a, b)):
+            raise ev.refusal(node, "whether an object that is given is one from outside is asked", help="keep a flag")
     return len(datas) == 0 and alike(a, b)
+
+
+def _are_one(ev: Evaluator, path: str, other: str, node: AST) -> bool:
+    """Whether two places of the arguments hold one object."""
+    fact = (path, f"is {other}")
+    if fact not in ev.facts:
+        raise ev.unknown(node, "whether two objects are one and the same is asked", Data(
+            tree.const(None), demands=frozenset((fact,))))
+    return bool(ev.facts[fact])
 
 
 def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Frame) -> Value:

@@ -23,6 +23,8 @@ def constructed(ev: Evaluator, made: ClassValue, args: Sequence[Value], keywords
         return _enum_member(ev, made, args, node)
     if isinstance(live, type) and issubclass(live, tuple):
         return _named_tuple(ev, made, args, keywords, node, f)
+    if isinstance(live, type) and type(live).__call__ is not type.__call__ and type(live).__module__ != "abc":
+        raise ev.refusal(node, f"'{made.name}' is made by a class of its own: {type(live).__name__}")
     if isinstance(live, type) and any(c.__module__ != "builtins" and c.__flags__ & (1 << 9) == 0 for c in live.__mro__):
         raise ev.refusal(node, f"'{made.name}' is not written in Python")
     if isinstance(live, type) and issubclass(live, (list, dict, set, str, int, float, BaseException)):

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unbound, expression
-from s2sad.evaluate.specialize.values import Data, Reference, TupleValue, Value, constant
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unbound, Unevaluated, expression
+from s2sad.evaluate.specialize.values import Data, Reference, TextValue, TupleValue, Value, constant, demands_of
 
 
 # -- plain ones ------------------------------------------------------------------------------------------------------
@@ -79,16 +79,21 @@ def dict_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
 @expression("JoinedStr")
 def f_string(ev: Evaluator, node: Any, f: Frame) -> Value:
     found = ""
+    unknown: list[Value] = []
     for part in node.values:
         if isinstance(part, tree.Constant):
             found += str(part.value)
             continue
         value = ev.value(part.value, f)
-        known = ev.known(value, part.value, "what a text is made of")
+        try:
+            known = ev.known(value, part.value, "what a text is made of")
+        except Unevaluated:
+            unknown.append(value)
+            continue
         shown = {114: repr, 115: str, 97: ascii}.get(part.conversion, lambda v: v)(known)
         spec = ev.known(ev.value(part.format_spec, f), part, "a format") if part.format_spec is not None else ""
         found += format(shown, spec)
-    return constant(found)
+    return TextValue(demands_of(*unknown)) if unknown else constant(found)
 
 
 @expression("NamedExpr")

@@ -20,8 +20,7 @@ from s2sad import tree
 from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.class_lookup import class_value
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, LeavesLoop, Reached, Unevaluated, operation
-from s2sad.evaluate.specialize.return_flags import return_flags
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Reached, Unevaluated, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.meanings import ResidualScope
 from s2sad.evaluate.specialize.values import (
@@ -74,16 +73,13 @@ def specialize(function: types.FunctionType, forms: Mapping[str, Form], facts: M
     """The residual function for arguments of these forms; raises S2sadError, DemandedFacts where facts would help."""
     sites: frozenset[int] = frozenset()
     reached: list[tuple[str, Any, bool]] = []
-    flagged: dict[AST, list[AST]] = {}
     while True:
         captured = capture(function)
-        ev = Evaluator(captured.source, dict(facts), sites, flagged)
+        ev = Evaluator(captured.source, dict(facts), sites)
         try:
             return _evaluated(ev, function, captured, forms, reached)
         except Reached as found:
             reached.append((found.name, found.value, found.is_owned))
-        except LeavesLoop as found:
-            flagged[found.definition] = return_flags(found.definition)
         except Unevaluated as reason:
             site = None if reason.site is None else id(reason.site)
             if reason.demands:
@@ -109,7 +105,7 @@ def _evaluated(ev: Evaluator, function: types.FunctionType, captured: Captured, 
     for name, value in bound.items():
         ev.heap.put(f.reference, name, ev.outside_value(name, value, definition, f))
     ev.owning = False
-    names: dict[str, str] = {}
+    names = ev.paths
     for name in (p.id for p in (*definition.args.posonlyargs, *definition.args.args, *definition.args.kwonlyargs)):
         form = forms[name]
         ev.heap.put(f.reference, name, _argument(ev, form, name, name, definition, names))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import keyword
 import re
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,8 +17,8 @@ from s2sad.diagnostics import Diagnostic, S2sadError, Source
 from s2sad.diagnostics import Span as Place
 from s2sad.evaluate.specialize.heap import Heap, Object
 from s2sad.evaluate.specialize.values import (
-    ClassValue, Conflict, Data, FunctionValue, Iteration, MethodValue, Reference, SliceValue, TupleValue, Value,
-    constant, parts,
+    ClassValue, Conflict, Data, FunctionValue, Iteration, MethodValue, Reference, SliceValue, TextValue, TupleValue,
+    Value, constant, parts,
 )
 from s2sad.naming import Names
 from s2sad.program import Fact
@@ -40,12 +40,8 @@ class Unevaluated(Exception):
         self.error, self.demands, self.site, self.differs = error, demands, site, differs
 
 
-class LeavesLoop(Exception):
-    """A function that is written out returns from a loop that stays: its returns must be flags from the start."""
-
-    def __init__(self, definition: AST):
-        super().__init__()
-        self.definition = definition
+class OutsideError(S2sadError):
+    """Something of a module is not what a kernel can use: reading has said so, and knows more of it."""
 
 
 class Unbound(Exception):
@@ -87,6 +83,7 @@ class Frame:
     local: frozenset[str] = frozenset()
     nonlocals: frozenset[str] = frozenset()
     first: str = ""             # the first parameter: what `super()` is for
+    yields: Callable[[Value], None] | None = None       # what is done with each item of a generator
 
 
 Pending = tuple[Callable[[], None], tuple[Any, ...]]        # work, and the loops around it
@@ -130,8 +127,7 @@ class Snapshot:
 
 
 class Evaluator:
-    """The state of one evaluation; `facts` are what is known of arguments, `sites` the nodes whose lists are residual,
-    `flagged` the bodies of functions whose returns leave loops by a flag.
+    """The state of one evaluation; `facts` are what is known of arguments, `sites` the nodes whose lists are residual.
 
     The operations that transfer functions share are methods, each defined where its subject is (`operation`).
     """
@@ -157,6 +153,8 @@ class Evaluator:
     default_of: Callable[..., Any]
     defined: Callable[..., Any]
     dict_items: Callable[..., Any]
+    each_item: Callable[..., Any]
+    for_lazy: Callable[..., Any]
     frame_of: Callable[..., Any]
     generate: Callable[..., Any]
     has_attribute: Callable[..., Any]
@@ -170,6 +168,7 @@ class Evaluator:
     key_of: Callable[..., Any]
     kind_of: Callable[..., Any]
     known_place: Callable[..., Any]
+    leave: Callable[..., Any]
     leave_function: Callable[..., Any]
     length: Callable[..., Any]
     library_call: Callable[..., Any]
@@ -207,9 +206,8 @@ class Evaluator:
     tuple_method: Callable[..., Any]
     unrolled: Callable[..., Any]
 
-    def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int],
-                 flagged: Mapping[AST, list[AST]]):
-        self.source, self.facts, self.sites, self.flagged = source, facts, sites, flagged
+    def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int]):
+        self.source, self.facts, self.sites = source, facts, sites
         self.heap, self.names = Heap(), Names()
         self.block: list[AST] = []
         self.effects = 0
@@ -219,6 +217,7 @@ class Evaluator:
         self.frames: dict[int, Frame] = {}
         self.loaded: dict[int, Captured] = {}                   # functions by id
         self.leaves: set[str] = set()                           # parameters that arguments' objects hold
+        self.paths: dict[str, str] = {}                         # what a user calls each parameter
         self.texts: set[str] = set()                            # parameters that are texts, not known yet
         self.given: dict[int, Object] = {}                      # arguments' objects as they are given
         self.entry: Frame | None = None
@@ -236,17 +235,20 @@ class Evaluator:
         place = Place.of(self.source, node) if getattr(node, "lineno", None) else None
         return S2sadError(Diagnostic(code, message, place, help=help))
 
+    def outside_error(self, node: AST, message: str, help: str = "") -> OutsideError:
+        return OutsideError(*self.refusal(node, message, help).diagnostics)
+
     def unknown(self, node: AST, message: str, value: Value | None = None, help: str = "", site: Any = None
                 ) -> Unevaluated:
         """What must be known and is not."""
-        demands = value.demands if isinstance(value, Data) else frozenset()
+        demands = value.demands if isinstance(value, (Data, TextValue)) else frozenset()
         return Unevaluated(self.refusal(node, message, help), demands, site)
 
     def change(self, reference: Reference, node: AST) -> Object:
         """The object, which is about to be changed."""
         held = self.heap[reference]
         if not held.is_owned:
-            raise self.refusal(node, f"'{held.label}' is from outside, and is changed", help="pass it as an argument")
+            raise self.outside_error(node, f"'{held.label}' is from outside, and is changed", "pass it as an argument")
         return held
 
     # -- the residual program ----------------------------------------------------------------------------------------
@@ -368,6 +370,8 @@ class Evaluator:
             return value.known
         if isinstance(value, TupleValue):
             return tuple(self.known(v, node, what) for v in value.items)
+        if isinstance(value, TextValue):
+            raise self.unknown(node, "what a text is made of must be known before the run", value)
         raise self.unknown(node, f"{what} must be known before the run", value)
 
     # -- going back --------------------------------------------------------------------------------------------------

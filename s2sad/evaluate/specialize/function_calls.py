@@ -8,10 +8,10 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, expression, operation
-from s2sad.evaluate.specialize.return_flags import RESULT, RETURNED
+from s2sad.evaluate.specialize.sequences.generators import is_generator
 from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
 from s2sad.evaluate.specialize.values import (
-    NONE, ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, SuperValue, Value,
+    NONE, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, Reference, SuperValue, Value,
 )
 from s2sad.live_objects.registry import GIVEN
 from s2sad.tree import AST
@@ -105,17 +105,16 @@ def inlined(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywo
     if type(definition).__name__ not in ("FunctionDef", "Lambda"):
         raise ev.refusal(node, f"'{function.captured.name}' is a coroutine")
     frame = ev.frame_of(function, definition)
-    if definition in ev.flagged:
-        frame = replace(frame, local=frame.local | {RESULT, RETURNED})
     ev.bind_arguments(function, definition, args, keywords, node, frame)
+    if is_generator(definition):
+        return Iteration("yields", (), (frame, definition))
     depth, pending = ev.depth, len(ev.pending)
     ev.depth += 1
     ev.pending.append(None)
     try:
         if type(definition).__name__ == "Lambda":
             return ev.value(definition.body, frame)
-        refuse_generator(ev, definition)
-        ev.statements(ev.flagged.get(definition, definition.body), frame)
+        ev.statements(definition.body, frame)
         return NONE
     except Leave as leave:
         if leave.mark != frame.mark:
@@ -128,8 +127,3 @@ def inlined(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywo
         if frame.reference.number not in ev.frames:
             ev.heap.objects.pop(frame.reference.number, None)
 
-
-def refuse_generator(ev: Evaluator, definition: AST) -> None:
-    for n in tree.walk(definition.body):
-        if type(n).__name__ in ("Yield", "YieldFrom"):
-            raise ev.refusal(n, "yield is not supported in a kernel", help="append to a list, and return it")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import collections
 import functools
+import logging
+import re
 import types
 from collections.abc import Mapping
 from dataclasses import replace
@@ -27,7 +29,7 @@ from s2sad.read.outside_values import Captured, Library, Matrix, Namespace, kind
 from s2sad.tree import AST
 
 _STANDARD = ("functools", "itertools", "operator", "collections", "copy", "sys", "os", "logging", "typing", "abc",
-             "enum", "dataclasses", "contextlib")
+             "enum", "dataclasses", "contextlib", "warnings")
 
 
 @operation
@@ -56,6 +58,8 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
         return constant(value) if value is ... else LibraryValue("builtins.NotImplemented")
     if isinstance(value, Enum):
         return member(ev, value)
+    if isinstance(value, logging.Logger):
+        return LibraryValue("logging")
     standard = _standard(value)
     if standard:
         return LibraryValue(standard)
@@ -66,7 +70,7 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
     if isinstance(value, (list, tuple, dict, set, frozenset)):
         plain = (list, tuple, dict, set, frozenset, collections.OrderedDict, collections.defaultdict)
         if type(value) not in plain and not hasattr(type(value), "_fields"):
-            raise ev.refusal(node, f"'{name}' is {kind_of(value)}", help="make it a plain dict, list or tuple")
+            raise ev.outside_error(node, f"'{name}' is {kind_of(value)}", "make it a plain dict, list or tuple")
         return _container(ev, name, value, node, f)
     if isinstance(value, (numpy.ndarray, numpy.generic)) or isinstance(value, types.ModuleType):
         return ev.meaning_value(name, live_meaning(name, value), node, f)
@@ -91,7 +95,8 @@ def _standard(value: Any) -> str:
     home = getattr(value, "__module__", None)
     name = getattr(value, "__qualname__", getattr(value, "__name__", ""))
     if isinstance(home, str) and callable(value) and not isinstance(value, types.MethodType):
-        root = {"_functools": "functools", "_operator": "operator", "_collections": "collections"}.get(home, home)
+        root = {"_functools": "functools", "_operator": "operator", "_collections": "collections",
+                "_warnings": "warnings"}.get(home, home)
         if root.partition(".")[0] in _STANDARD:
             return f"{root}.{name}"
         if home == "builtins" and (isinstance(value, type) or isinstance(value, types.BuiltinFunctionType)) and (
@@ -103,7 +108,7 @@ def _standard(value: Any) -> str:
 def _plain(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> Value:
     if value is None or isinstance(value, (bool, str)):
         return constant(str.__str__(value) if isinstance(value, str) else value)
-    return ev.meaning_value(name, live_meaning(name, value), node, f)
+    return ev.meaning_value(name, live_meaning(re.sub(r"\W+", "_", name).strip("_") or "value", value), node, f)
 
 
 def _method(ev: Evaluator, value: types.MethodType, name: str, node: AST, f: Frame) -> Value:

@@ -8,7 +8,8 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.branches import NOWHERE
 from s2sad.evaluate.specialize.sequences.cursors import Known
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, LeavesLoop, Unevaluated, operation, statement
+from s2sad.evaluate.specialize.sequences.generators import is_lazy
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, operation, statement
 from s2sad.evaluate.specialize.first_iteration import Split, peeled, split_iteration
 from s2sad.evaluate.specialize.residual_loops import ResidualLoop
 from s2sad.evaluate.specialize.values import NONE, Data, TupleValue, Value
@@ -84,6 +85,9 @@ def rolled(ev: Evaluator, s: Any, *forms: Callable[[], Any] | None) -> None:
 @statement("For")
 def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     through = ev.atoms(ev.value(s.iter, f), "iterated", s.iter)
+    if is_lazy(through):
+        ev.for_lazy(s, through, f)
+        return
     slot = f".{id(s)}"
     ev.heap.put(f.reference, slot, through)      # its names are in use
 
@@ -153,7 +157,7 @@ def _jump(ev: Evaluator, s: AST, which: int) -> None:
         ev.emit(jump, s)
         loop.exits.append((jump, ev.block, ev.heap.fork()))
         raise Leave(NOWHERE)
-    raise Leave(loop[which])
+    ev.leave(s, loop[which], None)
 
 
 @statement("Return")
@@ -163,10 +167,8 @@ def return_statement(ev: Evaluator, s: Any, f: Frame) -> None:
 
 @operation
 def leave_function(ev: Evaluator, s: Any, value: Value, f: Frame) -> None:
-    """A return of a value; out of a loop that stays, in a function that is written out, a flag and a break tell it."""
+    """A return of a value."""
     if f.is_entry:
         ev.return_from_entry(s, value, f)
         raise Leave(NOWHERE)
-    if any(isinstance(loop, ResidualLoop) and k >= f.loops for k, loop in enumerate(ev.loops)):
-        raise LeavesLoop(f.captured.tree)
-    raise Leave(f.mark, ev.atoms(value, "result", s))
+    ev.leave(s, f.mark, ev.atoms(value, "result", s))

@@ -41,8 +41,8 @@ def meaning_value(ev: Evaluator, name: str, meaning: Meaning, node: AST, f: Fram
         module = getattr(meaning.scope, "module", None)
         return ScopeValue(meaning.name, _Members(module) if module is not None else meaning.scope)
     what = getattr(meaning, "what", "")
-    raise ev.refusal(node, f"'{name}' is {what or 'of a kind that is not supported in a kernel'}",
-                     help=getattr(meaning, "help", ""))
+    raise ev.outside_error(node, f"'{name}' is {what or 'of a kind that is not supported in a kernel'}",
+                           getattr(meaning, "help", ""))
 
 
 @dataclass(frozen=True)

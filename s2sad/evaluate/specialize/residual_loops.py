@@ -5,17 +5,18 @@ The body is evaluated until what holds at its start holds at its end.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.branches import NOWHERE, Objects
+from s2sad.evaluate.specialize.displays import bound
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unbound, Unevaluated, operation
 from s2sad.evaluate.specialize.heap import Object, uses
 from s2sad.evaluate.specialize.state_joins import Join, Way, parallel
 from s2sad.evaluate.specialize.values import (
-    NONE, UNKNOWN, Conflict, Data, Reference, TupleValue, Value, alike, count, renamed,
+    NONE, UNKNOWN, Conflict, Data, Reference, TupleValue, Value, alike, constant, count, renamed,
 )
 from s2sad.tree import AST
 
@@ -30,13 +31,43 @@ class ResidualLoop:
     is_endless: bool = False        # jumps alone leave it
     homes: Homes = field(default_factory=dict)
     exits: list[tuple[AST, list[AST], Objects]] = field(default_factory=list)   # a jump, its block, its heap
+    place: int = 0                  # on the stack of pending work
+    goals: list[int] = field(default_factory=list)          # marks outside that it is left for
+    left: Reference = Reference(0)                          # by mark: whether it was left for that, with what
+
+
+class NewGoal(Exception):
+    """A loop that stays is left for a mark outside, for the first time."""
+
+    def __init__(self, loop: ResidualLoop, mark: int):
+        super().__init__(mark)
+        self.loop, self.mark = loop, mark
+
+
+@operation
+def leave(ev: Evaluator, s: AST, mark: int, value: Value | None) -> None:
+    """Goes to a mark; out of a loop that stays by a flag and `break`, behind which it goes on."""
+    inside = [loop for loop in ev.loops if isinstance(loop, ResidualLoop) and loop.place > mark]
+    if not inside:
+        raise Leave(mark, value)
+    loop = inside[-1]
+    if mark not in loop.goals:
+        raise NewGoal(loop, mark)
+    ev.heap.put(loop.left, ("left", mark), constant(True))
+    if value is not None:
+        ev.heap.put(loop.left, ("value", mark), ev.atoms(value, "result", s))
+    jump = tree.at(tree.Break(), s)
+    ev.emit(jump, s)
+    loop.exits.append((jump, ev.block, ev.heap.fork()))
+    raise Leave(NOWHERE)
 
 
 @operation
 def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[AST]], AST]], f: Frame) -> None:
     """Evaluates the body until what holds at its start holds at its end; `once` gives what makes the loop of a body."""
-    loop = ResidualLoop(ev.heap.fork())
-    outer, before = ev.block, ev.snapshot()
+    left = ev.heap.new(Object("frame"))
+    loop = ResidualLoop(ev.heap.fork(), place=len(ev.pending), left=left)
+    outer, before, guarded, depth = ev.block, ev.snapshot(), ev.guarded, (len(ev.pending), len(ev.loops))
     while True:
         prelude: list[AST] = []
         ev.heap.objects, ev.block = dict(loop.start), []
@@ -49,10 +80,8 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
         ev.guarded += 1
         try:
             make = once()
-        except Unbound as missing:
-            if (missing.frame, missing.name) in loop.homes:
-                raise missing.error from None
-            loop.homes[missing.frame, missing.name] = ev.fresh(missing.name)
+        except (Unbound, NewGoal) as missing:
+            _extend(ev, loop, missing)
             ev.block = outer
             ev.restore(before)
             ev.names.taken |= {n for home in loop.homes.values() for n in _names(home)}
@@ -63,9 +92,8 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
                                  help="return once, behind the loop") from None
             falls, make = False, getattr(loop, "make", None)
         finally:
-            ev.guarded -= 1
-            ev.loops.pop()
-            del ev.pending[-1]
+            ev.guarded = guarded
+            del ev.pending[depth[0]:], ev.loops[depth[1]:]
         body = ev.block
         ends = [*([ev.heap.objects] if falls else []), *(objects for _, _, objects in loop.exits)]
         if not _settle(ev, loop, head, ends, origin):
@@ -77,7 +105,7 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
     kept: dict[str, str] = {}
     ways = [Way(ev.heap.objects, _moves(ev, loop, ev.heap.objects, origin, kept))] if falls else []
     ways += [Way(objects, _moves(ev, loop, objects, origin, kept)) for _, _, objects in loop.exits]
-    late = _bound_on_exits(ev, ways, head, origin, f)
+    late = _bound_on_exits(ev, loop, ways, head, origin, f)
     if falls:
         body += ways.pop(0).block
     for way, (jump, block, _) in zip(ways, loop.exits):
@@ -96,30 +124,62 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
     for key, value in late.values.items():
         ev.heap.put(f.reference, key, value)
     _bound_inside(ev, ends)
+    _go_on(ev, loop, late.left, origin)
+
+
+def _extend(ev: Evaluator, loop: ResidualLoop, missing: Unbound | NewGoal) -> None:
+    """The loop with what it was found to lack."""
+    if isinstance(missing, Unbound):
+        if (missing.frame, missing.name) in loop.homes:
+            raise missing.error from None
+        loop.homes[missing.frame, missing.name] = ev.fresh(missing.name)
+    elif missing.loop is not loop:
+        raise missing
+    else:
+        loop.goals.append(missing.mark)
+        held = loop.start[loop.left.number]
+        loop.start[loop.left.number] = _with(held, ("left", missing.mark), constant(False))
+
+
+def _go_on(ev: Evaluator, loop: ResidualLoop, values: Mapping[Any, Value], origin: AST) -> None:
+    """Behind a loop that may have been left for marks outside of it."""
+    items = ev.heap.objects.pop(loop.left.number).items
+    for mark in loop.goals:
+        flag, value = items["left", mark], values.get(("value", mark))
+
+        def going(mark: int = mark, value: Value | None = value) -> None:
+            ev.leave(origin, mark, None if value is None else bound(value))
+        assert isinstance(flag, Data)
+        if flag.known is True:
+            going()
+        elif not flag.is_known:
+            ev.branch(flag, (going, lambda: None), origin)
 
 
 @dataclass(frozen=True)
 class _Late:
-    values: dict[Any, Value]
+    values: dict[Any, Value]        # by name
+    left: dict[Any, Value]          # what goes to marks outside
     found: Objects
 
 
-def _bound_on_exits(ev: Evaluator, ways: Sequence[Way], head: Objects, origin: AST, f: Frame) -> _Late:
+def _bound_on_exits(ev: Evaluator, loop: ResidualLoop, ways: Sequence[Way], head: Objects, origin: AST, f: Frame
+                    ) -> _Late:
     """What only some ends of a round bind, and the function reads behind the loop."""
-    number = f.reference.number
     join = Join(ev, ways, origin)
-    if not ways or number not in head:
-        return _Late({}, join.found)
-    wanted = Counter(_read(ev.flagged.get(f.captured.tree, f.captured.tree)))
+    wanted = Counter(_read(f.captured.tree))
     wanted.subtract(Counter(_read(origin)))
-    ends = [w.objects[number].items for w in ways]
-    late: dict[Any, Value] = {}
-    for key in dict.fromkeys(k for items in ends for k in items):
-        there = [(w, items[key]) for w, items in zip(ways, ends) if key in items]
-        same = len(there) == len(ways) and all(alike(_plain(there[0][1]), _plain(v)) for _, v in there[1:])
-        if key not in head[number].items and wanted[key] > 0 and not same:
-            late[key] = join.bound_on(there, str(key).strip("."))
-    return _Late(late, join.found)
+    late: list[dict[Any, Value]] = []
+    for number in (f.reference.number, loop.left.number):
+        late.append({})
+        ends = [w.objects[number].items for w in ways if number in w.objects]
+        for key in dict.fromkeys(k for items in ends for k in items):
+            there = [(w, items[key]) for w, items in zip(ways, ends) if key in items]
+            same = len(there) == len(ways) and all(alike(_plain(there[0][1]), _plain(v)) for _, v in there[1:])
+            is_read = number == loop.left.number or wanted[str(key)] > 0 and not same
+            if is_read and key not in head[number].items:
+                late[-1][key] = join.bound_on(there, "result" if isinstance(key, tuple) else str(key))
+    return _Late(late[0], late[1], join.found)
 
 
 def _read(node: Any) -> list[str]:

@@ -6,7 +6,7 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.values import (
     ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference, ScopeValue,
-    SliceValue, TupleValue, Value,
+    SliceValue, TextValue, TupleValue, Value,
 )
 from s2sad.tree import AST
 
@@ -51,7 +51,7 @@ def kind_of(ev: Evaluator, value: Value) -> str:
         return words.get(held.kind) or f"an object of class {held.made.name if held.made else '?'}"
     words = {FunctionValue: "a function", LibraryValue: "a function of a library", ClassValue: "a class",
              MethodValue: "a method", SliceValue: "a slice", TupleValue: "a tuple", ScopeValue: "a module",
-             Iteration: "an iterator", ObjectValue: "an object"}
+             Iteration: "an iterator", ObjectValue: "an object", TextValue: "a text of what only the run knows"}
     return words.get(type(value), "a value")
 
 

@@ -58,15 +58,18 @@ class Join:
             raise self.ev.unknown(self.origin, f"'{one.label or 'a list'}' has another length on each way",
                                   help="append to it on both, or on none", site=one.site)
         keys = dict.fromkeys(k for h in held for k in h.items)
-        return replace(one, items={k: self._said(self._slot(one, k, [h.items.get(k) for h in held])) for k in keys})
+        return replace(one, items={k: self.told(self._slot(one, k, [h.items.get(k) for h in held])) for k in keys})
 
-    def _said(self, value: Value) -> Value:
+    def told(self, value: Value) -> Value:
+        """A value, which facts may settle."""
         return replace(value, demands=value.demands | self.demands) if isinstance(value, Conflict) else value
 
     def _slot(self, held: Object, key: Hashable, values: list[Value | None]) -> Value:
         wanted = key if held.kind == "frame" else f"{held.label}_{key}" if held.label else str(key)
         there = [v for v in values if v is not None]
         if len(there) < len(values):
+            if isinstance(key, str) and key.startswith("."):        # our own, of what is not done on the other way
+                return Conflict("something is gone through on one way only")
             if held.kind in ("dict", "record"):
                 return Conflict(f"'{wanted}' is set on one way only")
             return self._bound_on_some(values, str(wanted))

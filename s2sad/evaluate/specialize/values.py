@@ -159,6 +159,12 @@ class Iteration:
 
 
 @dataclass(frozen=True)
+class TextValue:
+    """A text made of what is not known: it may be printed."""
+    demands: frozenset[Any] = frozenset()
+
+
+@dataclass(frozen=True)
 class Conflict:
     """What must not be asked for: one thing on one way and another on another, say; `demands` would make it known."""
     what: str = ""
@@ -166,7 +172,7 @@ class Conflict:
 
 
 Value = (Data | TupleValue | Reference | FunctionValue | LibraryValue | MethodValue | ClassValue | SuperValue
-         | ObjectValue | ScopeValue | SliceValue | Iteration | Conflict)
+         | ObjectValue | ScopeValue | SliceValue | Iteration | TextValue | Conflict)
 
 
 def constant(value: Any) -> Data:
@@ -243,4 +249,4 @@ def renamed(value: Value, name: str, new: str) -> Value:
 
 
 def demands_of(*values: Value) -> frozenset[Any]:
-    return frozenset().union(*(v.demands for v in values if isinstance(v, Data)))
+    return frozenset().union(*(v.demands for v in values if isinstance(v, (Data, TextValue))))

@@ -12,8 +12,9 @@ assigned is an array of one element (a cell). `is None` is decided here: None is
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Report, S2sadError
@@ -44,6 +45,7 @@ class Flat:
     result: StructureValue | PyTree | None
     changed: frozenset[str] = frozenset()       # the paths of structures that are changed otherwise
     live: frozenset[int] = frozenset()          # what is taken from outside, by id
+    normal: Mapping[Any, Any] = field(default_factory=dict)     # its normal form, where it was made
 
 
 @dataclass
@@ -78,7 +80,7 @@ def fields(program: Program, forms: tuple[Form, ...]) -> Flat:
     """The flat program for arguments of these forms; raises S2sadError with what cannot be taken apart."""
     cells: frozenset[str] = frozenset()
     while True:
-        making = _Making(program, has_sparse(program) or any(map(_is_sparse, forms)))
+        making = _Making(program, has_sparse(program) or any(map(is_sparse, forms)))
         entry = program.kernels[program.entry]
         made = making.made(entry, tuple(_with_cells(f, p, cells) for p, f in zip(entry.parameters, forms)), True)
         names = [n for p in entry.parameters for n in made.flat[p]]
@@ -93,9 +95,9 @@ def fields(program: Program, forms: tuple[Form, ...]) -> Flat:
         cells = new
 
 
-def _is_sparse(form: Form) -> bool:
+def is_sparse(form: Form) -> bool:
     """Whether an argument is a sparse matrix or has one in it."""
-    return isinstance(form, PyTree) and (form.kind in SPARSE or any(map(_is_sparse, form.items)))
+    return isinstance(form, PyTree) and (form.kind in SPARSE or any(map(is_sparse, form.items)))
 
 
 def _with_cells(form: Form, path: str, cells: Iterable[str]) -> Form:

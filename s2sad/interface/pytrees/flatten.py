@@ -76,9 +76,19 @@ def _facts(state: ProgramVersion, forms: tuple[Form, ...], args: Sequence[Any]) 
     values: dict[str, Any] = {}
     for name, form, value in zip(state.parameters, forms, args):
         mapped(form, value, name, lambda path, _, leaf: values.update({path: leaf}))
+    for name, form, value in zip(state.parameters, forms, args):
+        values.update(structures(form, value, name))
     values.update({path: _UNNAMED for (path, what) in demanded if what == "value" and not isinstance(
         values[path], _NAMED)})
-    return tuple((fact, values[fact[0]].shape if fact[1] == "shape" else values[fact[0]]) for fact in demanded)
+    return tuple((fact, _fact(fact, values)) for fact in demanded)
+
+
+def _fact(fact: Fact, values: Mapping[str, Any]) -> Any:
+    """What is so of the value at a path: its shape, whether it is the one at another path, or the value."""
+    path, what = fact
+    if what.startswith("is "):
+        return values[path] is values[what.removeprefix("is ")]
+    return values[path].shape if what == "shape" else values[path]
 
 
 def flat_call(state: ProgramVersion, f: Any, args: Sequence[Any], keywords: Mapping[str, Any] | None = None
@@ -123,7 +133,7 @@ class Flattened(FlatSelection):
             state.reading, forms, kernel, self.paths, self.cells, self.result, self._classes)
         self.state = ProgramVersion(ReadRecord(kernel, False, program.arrays, {}, program.guards, address),
                                     state.function,
-                                    True).with_program(program)
+                                    True).with_program(program, flat.normal)
 
     @staticmethod
     def _program(state: ProgramVersion, forms: tuple[Form, ...]) -> Any:

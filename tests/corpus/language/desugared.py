@@ -43,8 +43,8 @@ def cases():
     # what is said
     for kernel, refused in (
             (rest_that_is_read,
-             "S201 at `*rest`: a target with a star is not supported in a kernel: bind the others one by one, "
-             "and take the rest by a slice: rest = x[1:]"),
+             "S201 at `first, *rest`: how many values a starred target takes is not known before the run: take "
+             "the rest by a slice: rest = x[1:]"),
             (one_index,
              "S201 at `np.ndenumerate(m)`: np.ndenumerate over an unknown number of axes, or of something that "
              "has no name: name the indices: for (i, j), v in np.ndenumerate(x)")):

@@ -175,13 +175,10 @@ def cases():
             one_object_twice, one_row_twice, one_copy_twice, one_choice_twice, one_list_of_places_twice):
         yield Case(kernel, (R.copy(), X.copy()), "x")
     # one object is not made several times
-    for kernel in (turned_around, picked, of_names):
+    for kernel in (turned_around, picked, of_names, asked_for):
         yield Case(kernel, (R.copy(), X.copy()), "x")
     # refused
     for kernel, refused in (
-            (asked_for,
-             "S201 at `[1, 2]`: a list inside an expression is not supported here: give it a name in a statement "
-             "of its own, or make it an array: np.array([...])"),
             (starred_array,
              "S201 at `x`: a star before what is not known to be a tuple: write its elements out, or join "
              "arrays: np.concatenate(([a], x))"),

@@ -51,13 +51,6 @@ def _filter(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value
     return Iteration("filter", tuple(args))
 
 
-@function("builtins.iter")
-def _iter(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
-    if f.label == "__iter__" and isinstance(args[0], (Reference, TupleValue)):
-        return args[0]      # what asks for it goes through it once
-    raise ev.refusal(node, "iter is not supported in a kernel", help="loop over it")
-
-
 @function("builtins.slice")
 def _slice(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     parts = [NONE, *args] if len(args) == 1 else args
@@ -190,11 +183,6 @@ def _id(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     if isinstance(args[0], (Reference, FunctionValue, ObjectValue)):
         return ObjectValue(args[0], args[0])
     raise ev.refusal(node, "id of an array or a number is not supported in a kernel")
-
-
-@function("builtins.print", "logging.debug", "logging.info", "logging.warning", "logging.error", "logging.critical")
-def _print(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
-    return NONE         # no derivative prints
 
 
 @function("sys.exit", "builtins.exit", "builtins.quit", "os._exit")

@@ -11,6 +11,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import of_call, origins
+from s2sad.evaluate.specialize.sequences.generators import LAZY
 from s2sad.evaluate.specialize.values import Data, Iteration, Reference, TupleValue, Value, constant
 from s2sad.tree import AST
 
@@ -38,6 +39,9 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
         found = known(ev, list(args), dict(keywords), node, f)
         if found is not None:
             return found
+    if path.startswith(("numpy.random.", "random.")):
+        raise ev.outside_error(node, f"'{path}' draws random numbers", "draw them before, and give them to the kernel "
+                               "as an argument")
     if path.startswith(("builtins.", "math.")):
         constants = _constant(ev, path, args, keywords)
         if constants is not None:
@@ -87,8 +91,7 @@ def _known_value(ev: Evaluator, value: Value) -> Any:
 def _as_array(ev: Evaluator, path: str, value: Value, node: AST, f: Frame) -> Value:
     """What is gone through by a function of arrays, written out."""
     lazy = isinstance(value, Iteration) and value.kind in (
-        "generator", "map", "filter", "keys", "values", "items", "zip",
-                                                           "enumerate")
+        *LAZY, "map", "filter", "keys", "values", "items", "zip", "enumerate")
     if lazy and not (path.startswith("builtins.") and ev.stays_one(value)):
         return ev.list_of(ev.items_of(value, node, f), node)
     return value

@@ -40,11 +40,12 @@ class Gathered:
 
     def __init__(self, ev: Evaluator, f: Frame, node: AST):
         self.ev, self.holder, self.slot, self.node = ev, f.reference, f".gathered{id(node)}", node
-        self.items: tuple[Value, ...] = ()
+        ev.heap.put(self.holder, self.slot, TupleValue(()))      # a loop that stays cannot add to it
 
     def add(self, value: Value, wanted: str = "item") -> None:
-        self.items = (*self.items, self.ev.atoms(value, wanted, self.node))
-        self.ev.heap.put(self.holder, self.slot, TupleValue(self.items))
+        items = self.ev.heap[self.holder].items[self.slot]
+        assert isinstance(items, TupleValue)
+        self.ev.heap.put(self.holder, self.slot, TupleValue((*items.items, self.ev.atoms(value, wanted, self.node))))
 
     def done(self) -> tuple[Value, ...]:
         """All of it, as it is in the heap."""
@@ -100,6 +101,10 @@ def _residual(ev: Evaluator, node: Any, f: Frame) -> Value | None:
 
 @expression("GeneratorExp")
 def generator(ev: Evaluator, node: Any, f: Frame) -> Value:
+    frame: Frame | None = f
+    while frame is not None:        # which outlive their calls
+        ev.frames.setdefault(frame.reference.number, frame)
+        frame = frame.outer
     return Iteration("generator", (), (node, f))
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
 from s2sad.evaluate.specialize.sequences.gathering import Gathered
+from s2sad.evaluate.specialize.sequences.generators import LAZY
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import (
     FACTORY, UNKNOWN, ClassValue, Data, Iteration, Reference, TupleValue, Value, constant, value_of_key,
@@ -55,10 +56,9 @@ def items_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
         return _views(ev, value.parts[0], value.kind)
     if value.kind == "reversed":
         return _backwards(ev, value.parts[0], node, f)
-    if value.kind == "generator":
-        comprehension, frame = value.more
+    if value.kind in LAZY:
         gathered = Gathered(ev, f, node)
-        ev.generate(comprehension.generators, frame, lambda g: gathered.add(ev.value(comprehension.elt, g)))
+        ev.each_item(value, node, f, gathered.add)
         return list(gathered.done())
     if value.kind == "filter":
         return _filtered(ev, value, node, f)

@@ -1,0 +1,136 @@
+"""Functions of Python's that ask an object: of its class, its attributes, its fields, its next item.
+"""
+from __future__ import annotations
+
+import dataclasses
+
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame
+from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Known, Options, function
+from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.values import (
+    NONE, Data, LibraryValue, ObjectValue, Reference, TextValue, TupleValue, Value, constant, demands_of,
+)
+from s2sad.tree import AST
+
+
+# -- methods by Python's names for them --------------------------------------------------------------------------------
+def _by_method(name: str, known: Known | None) -> Known:
+    def called(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
+        method = ev.special_method(args[0], name, node, f) if args else None
+        if method is not None:
+            return ev.call(method, args[1:], options, node, f)
+        return None if known is None else known(ev, args, options, node, f)
+    return called
+
+
+for _name in ("abs", "float", "int", "round", "complex"):
+    FUNCTIONS[f"builtins.{_name}"] = _by_method(f"__{_name}__", FUNCTIONS.get(f"builtins.{_name}"))
+
+
+@function("builtins.bool")
+def _bool(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value | None:
+    if not args or isinstance(args[0], Data):
+        return None
+    found = ev.truth(args[0], node, f)
+    return found if isinstance(found, Data) else constant(found)
+
+
+@function("builtins.str", "builtins.repr", "builtins.format")
+def _text(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
+    for name in ("__str__", "__repr__") if ev.called == "str" else (f"__{ev.called}__",):
+        method = ev.special_method(args[0], name, node, f) if args else None
+        if method is not None:
+            return ev.call(method, args[1:], options, node, f)
+    return TextValue(demands_of(*args)) if any(not isinstance(a, Data) or not a.is_known for a in args) else None
+
+
+# -- attributes and fields ---------------------------------------------------------------------------------------------
+@function("builtins.vars")
+def _vars(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    held = ev.heap[args[0]] if args and isinstance(args[0], Reference) else None
+    if held is None or held.kind != "record" or held.live is not None:
+        raise ev.refusal(node, "vars of this is not supported in a kernel", help="name the attributes")
+    return ev.new_dict(held.items, node)
+
+
+def _fields(ev: Evaluator, value: Value, node: AST, f: Frame) -> dict[str, Value]:
+    made = ev.class_of(value)
+    live = made.live if made is not None else None
+    if live is None or not dataclasses.is_dataclass(live):
+        raise ev.refusal(node, f"{ev.kind_of(value)} is no object of a dataclass")
+    return {d.name: ev.attribute_of(value, d.name, node, f) for d in dataclasses.fields(live)}
+
+
+@function("dataclasses.replace")
+def _replace(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    made = ev.class_of(args[0])
+    held = _fields(ev, args[0], node, f)
+    assert made is not None
+    init = {d.name for d in dataclasses.fields(made.live) if d.init}
+    return ev.constructed(made, [], {**{k: v for k, v in held.items() if k in init}, **options}, node, f)
+
+
+@function("dataclasses.asdict", "dataclasses.astuple")
+def _asdict(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    held = _fields(ev, args[0], node, f)
+    if any(isinstance(v, (Reference, TupleValue)) for v in held.values()):
+        raise ev.refusal(node, f"{ev.called} of what has structures in it, which would be copied",
+                         help="name the fields")
+    return ev.new_dict(held, node) if ev.called == "asdict" else TupleValue(tuple(held.values()))
+
+
+@function("dataclasses.fields")
+def _names(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    made = args[0] if not isinstance(args[0], (Reference, TupleValue)) else ev.class_of(args[0])
+    live = getattr(made, "live", None)
+    if live is None or not dataclasses.is_dataclass(live):
+        raise ev.refusal(node, "fields of what is no dataclass")
+    return TupleValue(tuple(ObjectValue(d, ("field", id(d))) for d in dataclasses.fields(live)))
+
+
+@function("builtins.dict.fromkeys")
+def _from_keys(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    value = ev.atoms(args[1], "value", node) if args[1:] else NONE
+    return ev.new_dict({ev.key_of(k, node): value for k in ev.items_of(args[0], node, f)}, node)
+
+
+# -- iterators ---------------------------------------------------------------------------------------------------------
+@function("builtins.iter")
+def _iter(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    if f.label == "__iter__" and isinstance(args[0], (Reference, TupleValue)):
+        return args[0]      # what asks for it goes through it once
+    base = args[0]
+    if not isinstance(base, Data):
+        base = TupleValue(tuple(ev.atoms(i, "item", node) for i in ev.items_of(base, node, f)))
+    return ev.heap.new(Object("iterator", {"base": ev.atoms(base, "items", node), "k": constant(0)}, site=node))
+
+
+@function("builtins.next")
+def _next(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    held = ev.heap[args[0]] if isinstance(args[0], Reference) else None
+    if held is None or held.kind != "iterator":
+        items = ev.items_of(args[0], node, f)       # a generator that nothing else goes on with
+        if not items and not args[1:]:
+            raise ev.refusal(node, "next() of what has no items")
+        return items[0] if items else args[1]
+    base, k = held.items["base"], ev.known(held.items["k"], node, "how many items were taken")
+    if isinstance(base, TupleValue) and k >= len(base.items):
+        if args[1:]:
+            return args[1]
+        raise ev.refusal(node, "next() behind the last item")
+    if args[1:] and not isinstance(base, TupleValue):
+        raise ev.refusal(node, "next() with a default, of an array", help="test its length")
+    ev.heap.put(args[0], "k", constant(k + 1))  # pyright: ignore[reportArgumentType]
+    return base.items[k] if isinstance(base, TupleValue) else ev.item_of(base, constant(k), node, f)
+
+
+# -- what is said on the way, which no derivative says -----------------------------------------------------------------
+@function("builtins.print", "warnings.warn", *(f"logging.{n}" for n in (
+    "debug", "info", "warning", "warn", "error", "critical", "log", "exception")))
+def _silent(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return NONE
+
+
+@function("logging.getLogger")
+def _logger(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    return LibraryValue("logging")
