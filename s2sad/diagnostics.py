@@ -146,6 +146,11 @@ class S2sadError(Exception):
         super().__init__("\n".join(map(str, diagnostics)))
 
 
+class WaitingForFacts(S2sadError):
+    """Raised with what is said of a program that can be evaluated where more is known of its arguments: the call that
+    raises it is made again, and asks them."""
+
+
 class S2sadValueError(S2sadError, ValueError):
     """Raised while the kernel runs: what NumPy, or the kernel itself, would raise ValueError for as well."""
 

@@ -30,7 +30,7 @@ from s2sad.infer.types import Type, of_value
 from s2sad.evaluate.argument_binding import result_structure
 from s2sad.normalize.calls.global_arrays import global_arrays, hidden_name
 from s2sad.evaluate.expressions.specialize_options import specialize_options
-from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
 from s2sad.evaluate.specialize import specialize
 from s2sad.live_objects.guards import recording
 from s2sad.read import of_captured
@@ -194,6 +194,8 @@ def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch =
           forms: Forms | None = None) -> tuple[Units, Unit]:
     """The units of a program and the one of its entry; arrays from outside have become parameters."""
     made = {} if forms is None else forms
+    if program.refused is not None:
+        raise program.refused       # it waits for what it is given
     if (engine, types) not in made:
         if engine != "numpy" and program.function is not None:
             entry(program, types, "numpy", forms=made)      # which says what the program is, for all engines
@@ -218,7 +220,8 @@ def normal_form(program: Program, types: tuple[Type, ...], engine: str, watch: W
 def evaluated_form(program: Program, types: tuple[Type, ...], engine: str, watch: Watch, refused: S2sadError
                    ) -> tuple[Units, Unit]:
     """The same of the residual program, where what is read is refused; raises what was refused if this is, too."""
-    if program.function is None or program.refused is not None:
+    wrong_argument = refused.diagnostics[0].code == "S405"
+    if program.function is None or program.refused is not None or wrong_argument:
         raise refused
     try:
         with recording(program.guards):
@@ -228,7 +231,9 @@ def evaluated_form(program: Program, types: tuple[Type, ...], engine: str, watch
         if not arrays or residual.result is not None or len(residual.paths) != len(types):
             raise refused
         found = normal_form(made, types, engine, watch)
-    except (S2sadError, DemandedFacts):
+    except DemandedFacts:
+        raise WaitingForFacts(*refused.diagnostics) from None
+    except S2sadError:
         raise refused from None
     program.evaluated[types] = refused
     return found

@@ -120,12 +120,18 @@ def _kind(value: object) -> str | None:
     if kind.__module__.startswith("scipy.sparse."):
         return sparse_format(value)
     if kind in (dict, OrderedDict):
-        return "dict" if all(type(k) in (str, int) for k in value) else None  # pyright: ignore
+        return "dict" if all(map(_is_key, value)) else None  # pyright: ignore
     if kind in (tuple, list):
         return kind.__name__
     if isinstance(value, tuple) and hasattr(kind, "_fields"):
         return "named"
     return "record" if kind is SimpleNamespace or _holds_fields(kind) else None
+
+
+def _is_key(key: object) -> bool:
+    """Whether a key of a dict is one that a kernel can name."""
+    plain = type(key) in (str, int, float, bool) or isinstance(key, Enum)
+    return plain or type(key) is tuple and all(map(_is_key, key))
 
 
 def sparse_format(value: Any) -> str | None:

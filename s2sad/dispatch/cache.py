@@ -17,7 +17,7 @@ from s2sad.dispatch.artifacts import ReadRecord
 from s2sad.dispatch.arguments import float_parameters, types as types_of
 from s2sad.run.compiler_lock import COMPILER_LOCK
 from s2sad.dispatch.deferred import compiler
-from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
 from s2sad.dispatch.executable import HIDDEN, Executable
 from s2sad.live_objects.guards import Guards, Path, VaryingNumber, current, recording
 from s2sad.infer.types import Type
@@ -139,6 +139,7 @@ class ProgramVersion:
         self.registered: tuple[RegisteredRule, ...] = ()
         self._compiled_in = Guards()        # what functions with derivatives of their own read, which nobody else does
         self._frozen: list[tuple[Any, list[str]]] = []
+        self.waits = False          # for what it is given: what an integer is used for is not known
         self._hold(reading.guards, reading.arrays)
 
     @classmethod
@@ -156,6 +157,7 @@ class ProgramVersion:
     def with_program(self, program: Program, normal: Mapping[Any, Any] = MappingProxyType({})) -> ProgramVersion:
         """The state, whose program was read, and brought to these normal forms."""
         self._forms |= normal
+        self.waits = program.refused is not None
         self._program, self.registered = program, compiler().registered_rules(program)
         with recording(self._compiled_in):
             self._frozen = [(g.plain, compiler().compiled_in(g.plain)) for g in self.registered
@@ -221,7 +223,11 @@ class ProgramVersion:
         found = self._summaries.get(types) or artifacts.load_summary(self.reading.address, types)
         if found is None:
             with Working(f"reading '{self.kernel.name}'"):
-                found = compiler().summary(self.program, types, self._forms)
+                try:
+                    found = compiler().summary(self.program, types, self._forms)
+                except WaitingForFacts as waits:
+                    self._wait(waits)
+                    raise
             artifacts.store_summary(self._address, types, found)
         if types not in self._summaries:
             self._summaries[types] = found
@@ -229,6 +235,14 @@ class ProgramVersion:
                 raise S2sadError(Diagnostic("S201", f"'{self.kernel.name}' returns '{array[len(HIDDEN):]}', an array "
                                             "of its module", help="pass the array as an argument"))
         return found
+
+    def _wait(self, waits: WaitingForFacts) -> None:
+        """From now on the program is made for what is known of the arguments."""
+        made = compiler().waiting(self.function, waits, self.guards.varying)
+        self._program, self.asks, self.kernel = made, True, compiler().entry_kernel(made)
+        self.waits = True
+        self.floats = float_parameters(self.kernel)
+        self._forms.clear()
 
     def types(self, values: Sequence[Any]) -> tuple[Type, ...]:
         """The types of values; lengths of 1 count where the kernel joins arrays of shapes not known to be equal."""
@@ -238,6 +252,8 @@ class ProgramVersion:
         plain = tuple(t.plain for t in found)
         try:
             return found if self.summary(plain).guarded else plain
+        except WaitingForFacts:
+            raise
         except S2sadError:
             return found    # np.squeeze without an axis asks for them
 

@@ -16,7 +16,7 @@ from s2sad.evaluate.specialize.evaluator import OutsideError
 from s2sad.live_objects.guards import Guards, Path, reached, recording, same
 from s2sad.live_objects.unwrap import python_function
 from s2sad.infer.independents import independents, usable_as_floats
-from s2sad.infer.types import FLOAT, NONE, UNKNOWN, array, of_value
+from s2sad.infer.types import NONE, UNKNOWN, array, of_value
 from s2sad.evaluate.structures.call_values import Unread
 from s2sad.evaluate.structures.fields import Flat, fields, has_sparse, is_sparse
 from s2sad.evaluate.structures.fields import asks as structures_matter
@@ -30,7 +30,8 @@ from s2sad.pytree import Form, PyTree, leaves
 from s2sad.tree import Call, FunctionDef, call_name, equal, walk
 
 __all__ = ["asks", "checked_constants", "checked_derivatives", "compiled_in", "derived", "entry_kernel", "flat_program",
-           "not_a_function", "program", "registered_rules", "result_form", "same_program", "summary", "uncompiled"]
+           "not_a_function", "program", "registered_rules", "result_form", "same_program", "summary", "uncompiled",
+           "waiting"]
 
 
 def program(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path] = ()) -> Program:
@@ -39,12 +40,17 @@ def program(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Pa
         found = read.load(function, methods, varying)
         return replace(found, function=python_function(function))
     except S2sadError as refused:
-        with recording(Guards(varying)) as guards:
-            plain = python_function(function)
-            if plain is None or refused.diagnostics[0].code.startswith("S1"):
-                raise
-            reached(None, "root", 0, plain)
-            return replace(unread(plain, refused), guards=guards)
+        plain = python_function(function)
+        if plain is None or refused.diagnostics[0].code.startswith("S1"):
+            raise
+        return waiting(plain, refused, varying)
+
+
+def waiting(function: FunctionType, refused: S2sadError, varying: Collection[Path]) -> Program:
+    """The program of a function that waits for what it is given."""
+    with recording(Guards(varying)) as guards:
+        reached(None, "root", 0, function)
+        return replace(unread(function, refused), guards=guards)
 
 
 def entry_kernel(program: Program) -> Kernel:
@@ -89,10 +95,9 @@ def flat_program(program: Program, function: FunctionType, forms: tuple[Form, ..
         if has_sparse(program) or any(map(is_sparse, forms)):
             raise
         try:
-            return _in_normal_form(evaluated(replace(program, function=function), forms, varying, facts, refused),
-                                   parameters, forms)
+            return evaluated(replace(program, function=function), forms, varying, facts, refused)
         except S2sadError:
-            raise refused from None
+            return found        # which is refused where it is used, by the names that the user has
 
 
 def _in_normal_form(found: tuple[Flat, list[Any], Guards], parameters: Sequence[str], forms: tuple[Form, ...]
@@ -101,11 +106,9 @@ def _in_normal_form(found: tuple[Flat, list[Any], Guards], parameters: Sequence[
     flat, methods, guards = found
     program = flat.program
     types = {path: t for p, form in zip(parameters, forms) for path, t in leaves(form, p)}
-    kernel = entry_kernel(program)
     normal: dict[Any, Any] = {}
-    given = [(n, types[flat.paths[n]]) for n in kernel.parameters]
-    pipeline.entry(program, tuple(array(t.dtype, 1) if n in flat.cells else FLOAT if n in kernel.floats and t.is_number
-                                  else t for n, t in given), "numpy", forms=normal)
+    given = [(n, types[flat.paths[n]]) for n in program.kernels[program.entry].parameters]
+    pipeline.entry(program, tuple(array(t.dtype, 1) if n in flat.cells else t for n, t in given), "numpy", forms=normal)
     return replace(flat, normal=normal), methods, guards
 
 
@@ -128,16 +131,35 @@ def _fields(program: Program, function: FunctionType, forms: tuple[Form, ...], v
 
 def evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Path], facts: Mapping[Fact, Any],
               refused: S2sadError) -> tuple[Flat, list[Any], Guards]:
-    """The residual program of a function for arguments of these forms; raises S2sadError: of what is outside what
-    reading has said of it."""
+    """The residual program of a function for arguments of these forms, with its normal form; where lists that grow in
+    loops stand in the way, these loops are written out. Raises S2sadError."""
+    parameters = program.kernels[program.entry].parameters
+    found = None
+    try:
+        found = _evaluated(program, forms, varying, facts, refused, False)
+        return _in_normal_form(found, parameters, forms)
+    except S2sadError as first:
+        try:
+            return _in_normal_form(_evaluated(program, forms, varying, facts, refused, True), parameters, forms)
+        except S2sadError:
+            if found is not None:
+                return found
+            raise first from None
+
+
+def _evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Path], facts: Mapping[Fact, Any],
+               refused: S2sadError, unrolls: bool) -> tuple[Flat, list[Any], Guards]:
     with recording(Guards(varying)) as guards:
         reached(None, "root", 0, program.function)
+        inside = program.refused is not None       # what reading has refused the evaluator may know more of
         try:
-            residual = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, forms)), facts)
+            residual = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, forms)), facts,
+                                  unrolls)
+            inside = False
             made = read.of_captured(residual, program.function)
         except S2sadError as error:
-            there = [d for d in refused.diagnostics if isinstance(error, OutsideError) and _line(d) in set(
-                map(_line, error.diagnostics)) - {None}]
+            lines = set() if inside and not isinstance(error, OutsideError) else set(map(_line, error.diagnostics))
+            there = [d for d in refused.diagnostics if _line(d) in lines - {None}]
             raise (S2sadError(*there) if there else error) from None
     made = replace(made, guards=guards, replaced=residual.replaced)
     flat = Flat(made, residual.paths, frozenset(), residual.result, residual.changed, residual.live)

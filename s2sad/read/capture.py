@@ -133,11 +133,22 @@ def _of_lambda(code: types.CodeType, module: AST, compiled: Iterable[types.CodeT
              and _named(n.args) == list(code.co_varnames[:code.co_argcount + code.co_kwonlyargcount])]
     if not found or not any(_same(code, c) for c in compiled if c.co_name == "<lambda>"):
         raise S2sadError(_stale(code, None))
-    if len(found) > 1:
+    line = found
+    if len(found) > 1 and hasattr(code, "co_positions"):
+        found = [n for n in found if _stands_in(code, n.body)]
+    if len(found) != 1:
         raise S2sadError(Diagnostic("S101", "two lambdas with the same parameters begin in this line", Span.of(
-            source, found[0]), help="write it in a line of its own, or with def"))
+            source, line[0]), help="write it in a line of its own, or with def"))
     body = [tree.at(tree.Return(found[0].body), found[0].body)]
     return tree.at(tree.FunctionDef("function", found[0].args, body, [], None, None, []), found[0])
+
+
+def _stands_in(code: types.CodeType, body: AST) -> bool:
+    """Whether the instructions of a lambda have the places of an expression."""
+    places = {(line, column) for line, _, column, _ in getattr(code, "co_positions", tuple)()}
+    return (body.lineno, body.col_offset) in places and all(
+        (body.lineno, body.col_offset) <= place <= (body.end_lineno, body.end_col_offset)
+        for place in places if None not in place and place != (code.co_firstlineno, 0))
 
 
 def _stale(code: types.CodeType, place: Span | None) -> Diagnostic:

@@ -15,6 +15,7 @@ from s2sad.infer.types import Type
 from s2sad.interface.value_calls import ForwardCall, ReverseCall
 from s2sad.program import Request
 from s2sad.run.compiled import chosen
+from s2sad.run.tracebacks import with_facts
 from s2sad.interface.selection import ReturnedValues, Wrt, names_of, selected_of, selected_wrt
 from s2sad.live_objects.unwrap import by_position, apply_functions
 from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
@@ -37,10 +38,15 @@ class MeasuredCall:
 
     @classmethod
     def for_call(cls, f: Callable[..., Any], args: tuple[Any, ...], wrt: Wrt, of: str | Iterable[str] | None,
-              engine: str | None) -> MeasuredCall:
+                 engine: str | None) -> MeasuredCall:
         """The call of f at args, in a cache of its own; raises S2sadError."""
         function, args, _ = apply_functions(f, args, {})
         unflattened = DerivativeCache(derivatives_of(function).function).state()
+        return with_facts(cls._of_state, f, function, unflattened, args, wrt, of, engine)
+
+    @classmethod
+    def _of_state(cls, f: Callable[..., Any], function: Any, unflattened: ProgramVersion, args: tuple[Any, ...],
+                  wrt: Wrt, of: str | Iterable[str] | None, engine: str | None) -> MeasuredCall:
         apart = flattened(unflattened, args)
         carrier = Carrier.with_overrides(f, names_of(wrt, f), names_of(of, f, "of"), engine)
         state, flat, carried = flat_call(unflattened, carrier, args)

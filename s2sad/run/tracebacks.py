@@ -13,7 +13,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import ParamSpec, TypeVar
 
-from s2sad.diagnostics import HOME, Diagnostic, S2sadError
+from s2sad.diagnostics import HOME, Diagnostic, S2sadError, WaitingForFacts
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -26,7 +26,7 @@ def public(function: Callable[P, R]) -> Callable[P, R]:
     @functools.wraps(function)
     def call(*args: P.args, **keywords: P.kwargs) -> R:
         try:
-            return function(*args, **keywords)
+            return with_facts(function, *args, **keywords)
         except Exception as error:
             outside = shortened(error)
         try:
@@ -34,6 +34,14 @@ def public(function: Callable[P, R]) -> Callable[P, R]:
         finally:
             del outside                 # its traceback has this frame
     return call
+
+
+def with_facts(function: Callable[P, R], *args: P.args, **keywords: P.kwargs) -> R:
+    """The function's result, called again where its kernel waits for what it is given."""
+    try:
+        return function(*args, **keywords)
+    except WaitingForFacts:
+        return function(*args, **keywords)
 
 
 def shortened(error: Exception) -> Exception:

@@ -4,10 +4,11 @@ from __future__ import annotations
 import pytest
 
 from tests.harness.derivatives import check_derivatives
-from tests.evaluate.objects import control, generators, identity, loop_exits, plain_python, solvers
+from tests.evaluate.objects import control, gathered, generators, identity, loop_exits, plain_python, solvers
 
 CASES = [(f"{module.__name__.rpartition('.')[2]}.{case.kernel.__name__}", case)
-         for module in (identity, control, generators, loop_exits, plain_python, solvers) for case in module.cases()]
+         for module in (identity, control, gathered, generators, loop_exits, plain_python, solvers)
+         for case in module.cases()]
 
 
 @pytest.mark.parametrize("engine", ["numpy", "loops"])

@@ -128,7 +128,7 @@ class ArrayLike:
     (2 ** 70, f"is {2 ** 70}, which does not fit 64 bits\n  help: give a float"),
     (np.str_("a"), "is a str_\n  help: give an array, a float, an int, a bool, a str or None"),
     (np.datetime64("2000-01-01"), "is a datetime64\n  help: give an array, a float, an int, a bool, a str or None"),
-    ({(1, 2): 3.0}, "is a dict\n  help: give an array, a float, an int, a bool, a str or None"),
+    ({b"a": 3.0}, "is a dict\n  help: give an array, a float, an int, a bool, a str or None"),
 ])
 def test_arguments_that_do_not_fit(value, text):
     refused(f"error[S405]: the argument 'u' {text}", gradient(kernels.norm), value)

@@ -86,8 +86,6 @@ UNREAD = "'{}' is not a function that s2sad can read"
     (with_lu, 'no derivative rule for scipy.linalg.lu', 'write factors = lu_factor(a) and lu_solve(factors, b)'),
     (with_a_cache, "'cached' cannot be used in a kernel: it is a function behind a cache, whose results are one object "
      "for all calls", "inner = cached.__wrapped__"),
-    (by_branches, "a name for a range is not supported in a kernel where the range may change",
-     "write the range where the loop is"),
 ], ids=lambda v: getattr(v, "__name__", None))
 def test_what_is_said_where_the_user_wrote_it(kernel, message, help):
     with pytest.raises(S2sadError) as caught:
@@ -110,6 +108,8 @@ def test_lists_beside_arrays_and_a_function_that_is_a_default(engine):
     check_derivatives(numbers_spelled_out, (X[:3], np.array([1, 2, 3])), ("q",), ("return",), engine=engine)
     with running(engine) as name:
         assert check(activated, X, engine=name)
+        for d in (2, 3):
+            assert check(by_branches, X, d, engine=name)
 
 
 class Held:

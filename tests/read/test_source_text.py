@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import pytest
 
+import s2sad
 from s2sad import read
 from tests.read.test_linker import imported
 from tests.read.test_supported_subset import printed, refusal, write
@@ -94,11 +95,19 @@ def test_no_source(tmp_path):
         "error[S101]: a function is needed, not an int\n  help: give a function defined with def in a .py file")
     assert refusal(read.load, dict) == (
         "error[S101]: 'dict' is a class, not a function\n  help: give a function defined with def")
-    module = imported(write(tmp_path, "class C:\n    def m(self): return 1\nf = [lambda x: x, lambda x: 2 * x]\n"))
+    module = imported(write(tmp_path, "class C:\n    def m(self): return 1\n"))
     assert read.load(module.C().m).kernels["m"].parameters == ()
-    assert refusal(read.load, module.f[0]) == printed(
-        module.__file__, 3, "f = [lambda x: x, lambda x: 2 * x]", "lambda x: x", "S101",
-        "two lambdas with the same parameters begin in this line", "write it in a line of its own, or with def")
+
+
+def test_two_lambdas_of_a_line(tmp_path):
+    """Since Python 3.11 a function knows in which columns it begins."""
+    module = imported(write(tmp_path, "f = [lambda x: x, lambda x: 2 * x]\n"))
+    if sys.version_info >= (3, 11):
+        assert [s2sad.gradient(f)(3.0) for f in module.f] == [1.0, 2.0]
+    else:
+        assert refusal(read.load, module.f[0]) == printed(
+            module.__file__, 1, "f = [lambda x: x, lambda x: 2 * x]", "lambda x: x", "S101",
+            "two lambdas with the same parameters begin in this line", "write it in a line of its own, or with def")
 
 
 @pytest.mark.parametrize("text", ["", "x = 1\n", "def made(x):\n    return 2 * x\n", "not Python"])

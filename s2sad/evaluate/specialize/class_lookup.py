@@ -145,6 +145,8 @@ def is_instance(ev: Evaluator, value: Value, made: Value, node: AST) -> bool | N
                                                            and isinstance(value.value, made.live))
     path = made.path if isinstance(made, LibraryValue) else ""
     if isinstance(value, Data):
+        if path == "numpy.ndarray" and value.shape is not None:
+            return value.shape != ()
         if not value.is_known:
             return False if path in ("builtins.str", "builtins.list", "builtins.tuple", "builtins.dict") else None
         import builtins

@@ -7,27 +7,47 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, statement
-from s2sad.evaluate.specialize.values import NONE, Data, Reference, TupleValue, Value, constant
+from s2sad.evaluate.specialize.values import NONE, Data, Iteration, Reference, TupleValue, Value, constant
 from s2sad.tree import AST
 
 
 @statement("With")
 def with_statement(ev: Evaluator, s: Any, f: Frame) -> None:
-    exits: list[Value] = []
-    for item in s.items:
-        manager = ev.value(item.context_expr, f)
-        if isinstance(manager, Reference) and ev.heap[manager].kind == "record":
-            entered = ev.call(ev.attribute_of(manager, "__enter__", s, f), [], {}, s, f)
-            exits.append(ev.attribute_of(manager, "__exit__", s, f))
-            if item.optional_vars is not None:
-                ev.store(item.optional_vars, entered, f)
-        elif not (isinstance(manager, Data) and isinstance(manager.node, tree.Call) and item.optional_vars is None):
-            raise ev.refusal(s, "this context manager is not supported in a kernel")
+    item, *others = s.items
+    body = [tree.replica(s, lambda value, name: others if name == "items" else value)] if others else s.body
+    manager = ev.value(item.context_expr, f)
+    if isinstance(manager, Iteration) and manager.kind == "yields":
+        _with_generator(ev, s, manager, body, f)
+    elif isinstance(manager, Reference) and ev.heap[manager].kind == "record":
+        entered = ev.call(ev.attribute_of(manager, "__enter__", s, f), [], {}, s, f)
+        leave = ev.attribute_of(manager, "__exit__", s, f)
+        if item.optional_vars is not None:
+            ev.store(item.optional_vars, entered, f)
+        _finally(ev, body, lambda: ev.call(leave, [NONE, NONE, NONE], {}, s, f), f)
+    elif isinstance(manager, Data) and isinstance(manager.node, tree.Call) and item.optional_vars is None:
+        ev.statements(body, f)
+    else:
+        raise ev.refusal(s, "this context manager is not supported in a kernel")
 
-    def leave() -> None:
-        for method in reversed(exits):
-            ev.call(method, [NONE, NONE, NONE], {}, s, f)
-    _finally(ev, s.body, leave if exits else None, f)
+
+def _with_generator(ev: Evaluator, s: Any, manager: Iteration, body: list[AST], f: Frame) -> None:
+    """A manager that is made of a generator: the body is evaluated where it yields."""
+    end = _return_at_the_end(ev, body)
+    slot, entered = f".with{id(s)}", []
+
+    def within(value: Value) -> None:
+        if entered:
+            raise ev.refusal(s, "a context manager yields more than once")
+        entered.append(True)
+        if s.items[0].optional_vars is not None:
+            ev.store(s.items[0].optional_vars, value, f)
+        ev.statements(body[:-1] if end is not None else body, f)
+        if end is not None:
+            found = NONE if end.value is None else ev.atoms(ev.value(end.value, f), "result", end)
+            ev.heap.put(f.reference, slot, found)
+    ev.each_item(manager, s, f, within)
+    if end is not None:
+        ev.leave_function(end, ev.heap[f.reference].items[slot], f)
 
 
 @statement("Try")
@@ -44,12 +64,8 @@ def _finally(ev: Evaluator, body: list[AST], last: Callable[[], None] | None, f:
     if last is None:
         ev.statements(body, f)
         return
-    end = body[-1] if body and type(body[-1]).__name__ == "Return" else None
+    end = _return_at_the_end(ev, body)
     body = body[:-1] if end is not None else body
-    jump = next(_jumps(body), None)
-    if jump is not None:
-        raise ev.refusal(jump, "a jump out of 'with' or 'try' is not supported in a kernel",
-                         help="keep the result under a name, and return it behind the block")
 
     def behind() -> None:
         value = ev.atoms(ev.value(end.value, f), "result", end) if end is not None and end.value is not None else NONE
@@ -62,6 +78,16 @@ def _finally(ev: Evaluator, body: list[AST], last: Callable[[], None] | None, f:
     finally:
         del ev.pending[-1]
     behind()
+
+
+def _return_at_the_end(ev: Evaluator, body: Sequence[Any]) -> Any:
+    """The return that a block ends with; refuses other jumps out of it."""
+    end = body[-1] if body and type(body[-1]).__name__ == "Return" else None
+    jump = next(_jumps(body[:-1] if end is not None else body), None)
+    if jump is not None:
+        raise ev.refusal(jump, "a jump out of 'with' or 'try' is not supported in a kernel",
+                         help="keep the result under a name, and return it behind the block")
+    return end
 
 
 def _jumps(body: Sequence[Any], inside: bool = False) -> Iterator[AST]:

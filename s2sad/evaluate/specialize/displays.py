@@ -8,7 +8,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unbound, Unevaluated, expression
-from s2sad.evaluate.specialize.values import Data, Reference, TextValue, TupleValue, Value, constant, demands_of
+from s2sad.evaluate.specialize.values import Data, Reference, OpaqueValue, TupleValue, Value, constant, demands_of
 
 
 # -- plain ones ------------------------------------------------------------------------------------------------------
@@ -93,12 +93,15 @@ def f_string(ev: Evaluator, node: Any, f: Frame) -> Value:
         shown = {114: repr, 115: str, 97: ascii}.get(part.conversion, lambda v: v)(known)
         spec = ev.known(ev.value(part.format_spec, f), part, "a format") if part.format_spec is not None else ""
         found += format(shown, spec)
-    return TextValue(demands_of(*unknown)) if unknown else constant(found)
+    return OpaqueValue(demands=demands_of(*unknown)) if unknown else constant(found)
 
 
 @expression("NamedExpr")
 def walrus(ev: Evaluator, node: Any, f: Frame) -> Value:
-    ev.bind(f, node.target.id, ev.value(node.value, f), node)
+    name, holder = node.target.id, f
+    while holder.outer is not None and name not in holder.local | holder.nonlocals:     # a comprehension has none
+        holder = holder.outer
+    ev.bind(holder, name, ev.value(node.value, f), node)
     return ev.value(tree.at(tree.name(node.target.id), node), f)
 
 

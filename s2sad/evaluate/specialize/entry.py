@@ -14,6 +14,7 @@ import inspect
 import types
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import Enum
 from typing import Any
 
 from s2sad import tree
@@ -22,6 +23,7 @@ from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.class_lookup import class_value
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Reached, Unevaluated, operation
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.unread_lists import without_unread_lists
 from s2sad.evaluate.specialize.meanings import ResidualScope
 from s2sad.evaluate.specialize.values import (
     NONE, ClassValue, Conflict, Data, FunctionValue, Reference, TupleValue, Value, alike, constant,
@@ -69,19 +71,22 @@ def unread(function: types.FunctionType, refused: S2sadError) -> Program:
 
 
 @deep_stack
-def specialize(function: types.FunctionType, forms: Mapping[str, Form], facts: Mapping[Fact, Any]) -> Residual:
-    """The residual function for arguments of these forms; raises S2sadError, DemandedFacts where facts would help."""
-    sites: frozenset[int] = frozenset()
+def specialize(function: types.FunctionType, forms: Mapping[str, Form], facts: Mapping[Fact, Any],
+               unrolls: bool = False) -> Residual:
+    """The residual function for arguments of these forms; raises S2sadError, DemandedFacts where facts would help.
+    Loops in which lists grow are written out where it `unrolls`."""
+    sites: frozenset[int | str] = frozenset()
     reached: list[tuple[str, Any, bool]] = []
     while True:
         captured = capture(function)
-        ev = Evaluator(captured.source, dict(facts), sites)
+        ev = Evaluator(captured.source, dict(facts), sites, unrolls)
         try:
             return _evaluated(ev, function, captured, forms, reached)
         except Reached as found:
             reached.append((found.name, found.value, found.is_owned))
         except Unevaluated as reason:
-            site = None if reason.site is None else id(reason.site)
+            site = None if unrolls or reason.site is None else (
+                reason.site if isinstance(reason.site, str) else id(reason.site))
             if reason.demands:
                 raise DemandedFacts(reason.demands, reason.error) from None
             if site is None or site in sites:
@@ -119,7 +124,7 @@ def _evaluated(ev: Evaluator, function: types.FunctionType, captured: Captured, 
         ev.statements(definition.body, f)
     except Leave:
         pass
-    body = ev.block or [tree.at(tree.Pass(), definition)]
+    body = without_unread_lists(ev.block) or [tree.at(tree.Pass(), definition)]
     result = _results(ev)
     function_tree = tree.at(tree.function(definition.name, list(names), body), definition)
     scope = ResidualScope(ev.outside, captured.scope)
@@ -130,7 +135,7 @@ def _evaluated(ev: Evaluator, function: types.FunctionType, captured: Captured, 
 
 def _changes(ev: Evaluator) -> tuple[frozenset[str], frozenset[str]]:
     """The arguments' objects that have other content in the end, and the parameters that are no longer in it."""
-    changed: set[str] = set()
+    changed: set[str] = {*ev.grown}
     replaced: set[str] = set()
     for objects in (ev.heap.objects, *(objects for _, _, objects in ev.returned)):
         for number, before in ev.given.items():
@@ -166,14 +171,19 @@ def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, na
     """What an argument is: names for its leaves."""
     if isinstance(form, PyTree):
         items: dict[Hashable, Value] = {
-            key: _argument(ev, item, step(form, path, key), f"{wanted}_{key}", origin, names)
+            ev.member(key) if isinstance(key, Enum) else key: _argument(
+                ev, item, step(form, path, key), f"{wanted}_{key}", origin, names)
             for key, item in zip(form.keys, form.items)}
         if form.kind in ("tuple", "named"):
             made = class_value(form.made) if form.kind == "named" and form.made is not None else None
             return TupleValue(tuple(items.values()), made)
         kind = form.kind if form.kind in ("list", "dict") else "record"
+        if kind == "list" and path in ev.sites:
+            ev.grown.add(path)
+            return _residual_list(ev, tuple(items.values()), wanted, origin)
         made = class_value(form.made) if kind == "record" and form.made is not None else None
-        reference = ev.heap.new(Object(kind, items, made, label=wanted, path=path))
+        reference = ev.heap.new(Object(kind, items, made, label=wanted, path=path,
+                                       site=path if kind == "list" else None))
         ev.given[reference.number] = ev.heap[reference]
         return reference
     if form.kind == "none":
@@ -204,6 +214,12 @@ def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, na
         return Data(tree.at(tree.name(name), origin), shape=())
     return Data(tree.at(tree.name(name), origin), origins=frozenset((path,)), shape=ev.facts.get(
         (path, "shape"), (None,) * form.rank))
+
+
+def _residual_list(ev: Evaluator, items: Sequence[Value], wanted: str, origin: AST) -> Value:
+    """A list that is given and grows in the residual program, which has one of its own."""
+    made = tree.List([ev.spelled(i, origin) for i in items], tree.Load())
+    return ev.named(Data(tree.at(made, origin), is_list=True), wanted, origin)
 
 
 # -- results ---------------------------------------------------------------------------------------------------------

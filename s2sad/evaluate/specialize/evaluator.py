@@ -17,7 +17,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError, Source
 from s2sad.diagnostics import Span as Place
 from s2sad.evaluate.specialize.heap import Heap, Object
 from s2sad.evaluate.specialize.values import (
-    ClassValue, Conflict, Data, FunctionValue, Iteration, MethodValue, Reference, SliceValue, TextValue, TupleValue,
+    ClassValue, Conflict, Data, FunctionValue, Iteration, MethodValue, Reference, SliceValue, OpaqueValue, TupleValue,
     Value, constant, parts,
 )
 from s2sad.naming import Names
@@ -27,6 +27,7 @@ from s2sad.read.outside_values import Library as LibraryMeaning
 from s2sad.tree import AST
 
 LARGEST = 20_000        # statements of a residual function
+LARGEST_UNROLLED = 4_000        # where loops are written out for want of anything better
 
 
 class Unevaluated(Exception):
@@ -127,11 +128,13 @@ class Snapshot:
 
 
 class Evaluator:
-    """The state of one evaluation; `facts` are what is known of arguments, `sites` the nodes whose lists are residual.
+    """The state of one evaluation; `facts` are what is known of arguments, `sites` the nodes whose lists are residual,
+    or the places of lists that are given. Where it `unrolls`, no list is: loops are written out.
 
     The operations that transfer functions share are methods, each defined where its subject is (`operation`).
     """
     answered: Callable[..., Any]
+    any_item: Callable[..., Any]
     assign_attribute: Callable[..., Any]
     assign_to: Callable[..., Any]
     attribute_of: Callable[..., Any]
@@ -175,6 +178,7 @@ class Evaluator:
     library_member: Callable[..., Any]
     list_method: Callable[..., Any]
     list_of: Callable[..., Any]
+    listed: Callable[..., Any]
     live_function: Callable[..., Any]
     meaning_value: Callable[..., Any]
     member: Callable[..., Any]
@@ -206,8 +210,9 @@ class Evaluator:
     tuple_method: Callable[..., Any]
     unrolled: Callable[..., Any]
 
-    def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int]):
-        self.source, self.facts, self.sites = source, facts, sites
+    def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int | str],
+                 unrolls: bool = False):
+        self.source, self.facts, self.sites, self.unrolls = source, facts, sites, unrolls
         self.heap, self.names = Heap(), Names()
         self.block: list[AST] = []
         self.effects = 0
@@ -217,13 +222,15 @@ class Evaluator:
         self.frames: dict[int, Frame] = {}
         self.loaded: dict[int, Captured] = {}                   # functions by id
         self.leaves: set[str] = set()                           # parameters that arguments' objects hold
+        self.grown: set[str] = set()                            # the places of given lists that are residual
         self.paths: dict[str, str] = {}                         # what a user calls each parameter
         self.texts: set[str] = set()                            # parameters that are texts, not known yet
         self.given: dict[int, Object] = {}                      # arguments' objects as they are given
         self.entry: Frame | None = None
         self.outset: dict[int, Object] = {}                     # objects from outside as they are before the run
-        self.live: dict[int, Reference] = {}                    # objects of modules, by id
+        self.live: dict[int, Value] = {}                    # objects of modules, by id
         self.held: list[Any] = []
+        self.loops_of: dict[AST, AST] = {}                      # the loops of comprehensions
         self.loops: list[Any] = []                              # residual loops around
         self.returned: list[tuple[AST, Value, dict[int, Object]]] = []
         self.depth = self.emitted = self.guarded = 0        # `guarded`: residual branches and loops around
@@ -241,7 +248,7 @@ class Evaluator:
     def unknown(self, node: AST, message: str, value: Value | None = None, help: str = "", site: Any = None
                 ) -> Unevaluated:
         """What must be known and is not."""
-        demands = value.demands if isinstance(value, (Data, TextValue)) else frozenset()
+        demands = value.demands if isinstance(value, (Data, OpaqueValue, Conflict)) else frozenset()
         return Unevaluated(self.refusal(node, message, help), demands, site)
 
     def change(self, reference: Reference, node: AST) -> Object:
@@ -256,8 +263,9 @@ class Evaluator:
         self.block.append(tree.at(node, origin))
         self.effects += effect
         self.emitted += 1
-        if self.emitted > LARGEST:
-            raise self.refusal(origin, f"more than {LARGEST} statements are left when what is known is evaluated",
+        largest = LARGEST_UNROLLED if self.unrolls else LARGEST
+        if self.emitted > largest:
+            raise self.refusal(origin, f"more than {largest} statements are left when what is known is evaluated",
                                help="let loops run over arrays, or make fewer objects")
 
     def library(self, path: str) -> str:
@@ -370,7 +378,7 @@ class Evaluator:
             return value.known
         if isinstance(value, TupleValue):
             return tuple(self.known(v, node, what) for v in value.items)
-        if isinstance(value, TextValue):
+        if isinstance(value, OpaqueValue):
             raise self.unknown(node, "what a text is made of must be known before the run", value)
         raise self.unknown(node, f"{what} must be known before the run", value)
 

@@ -49,6 +49,8 @@ def local_names(body: Sequence[Any]) -> tuple[frozenset[str], frozenset[str]]:
             work += node.decorator_list
             continue
         if kind in ("Lambda", "ListComp", "SetComp", "DictComp", "GeneratorExp"):
+            if kind != "Lambda":
+                bound |= {n.target.id for n in tree.walk(node) if type(n).__name__ == "NamedExpr"}
             continue
         if kind in ("Nonlocal", "Global"):
             outer |= {*node.names}

@@ -15,7 +15,7 @@ class Object:
 
     `items` go by position, key or attribute; `label` begins the names of what it holds; `site` is the node that made
     it; `path` is what a user calls it, of an argument's object; `live` is the object from outside that it is, which may
-    be changed if it is reached from the object whose method is evaluated (`is_owned`).
+    be changed if it is reached from the object whose method is evaluated (`is_owned`). A deque holds `most` items.
     """
     kind: str
     items: Mapping[Hashable, Value] = field(default_factory=dict)
@@ -25,6 +25,7 @@ class Object:
     path: str = ""
     live: Any = None
     is_owned: bool = True
+    most: int | None = None
 
 
 class Heap:

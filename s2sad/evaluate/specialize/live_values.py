@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections
+import contextlib
 import functools
 import logging
 import re
@@ -19,7 +20,7 @@ from s2sad.evaluate.specialize.class_lookup import class_value
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Reached, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import (
-    ClassValue, FunctionValue, LibraryValue, ObjectValue, TupleValue, Value, constant,
+    ClassValue, Data, FunctionValue, LibraryValue, ObjectValue, TupleValue, Value, constant,
 )
 from s2sad.live_objects.guards import ABSENT, VaryingNumber, taken
 from s2sad.live_objects.unwrap import named_function
@@ -29,7 +30,8 @@ from s2sad.read.outside_values import Captured, Library, Matrix, Namespace, kind
 from s2sad.tree import AST
 
 _STANDARD = ("functools", "itertools", "operator", "collections", "copy", "sys", "os", "logging", "typing", "abc",
-             "enum", "dataclasses", "contextlib", "warnings")
+             "enum", "dataclasses", "contextlib", "warnings", "time")
+_CONTEXT_MANAGER = contextlib.contextmanager(iter).__code__        # of what is decorated so
 
 
 @operation
@@ -60,13 +62,13 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
         return member(ev, value)
     if isinstance(value, logging.Logger):
         return LibraryValue("logging")
+    if type(value) is functools.partial:
+        return _partial(ev, value, name, node, f)
     standard = _standard(value)
     if standard:
         return LibraryValue(standard)
     if isinstance(value, types.MethodType):
         return _method(ev, value, name, node, f)
-    if type(value) is functools.partial:
-        return _partial(ev, value, name, node, f)
     if isinstance(value, (list, tuple, dict, set, frozenset)):
         plain = (list, tuple, dict, set, frozenset, collections.OrderedDict, collections.defaultdict)
         if type(value) not in plain and not hasattr(type(value), "_fields"):
@@ -79,6 +81,9 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
         return LibraryValue(path)
     if isinstance(value, type):
         return _class(ev, value, name, node, f)
+    if getattr(value, "__code__", None) is _CONTEXT_MANAGER:
+        inner = outside_value(ev, name, taken(value, "attribute", "__wrapped__"), node, f)
+        return LibraryValue("contextlib.entered", (inner,))
     function = named_function(value)
     if function is not None:
         return live_function(ev, value, node, f)
@@ -140,10 +145,18 @@ def _container(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> Val
         return ev.live[id(value)]
     if ev.guarded:
         raise Reached(name, value, ev.owning)
+    site = f"live {id(value)}"
+    if site in ev.sites and ev.owning and isinstance(value, list):
+        taken(value, "items")
+        held = [ev.spelled(outside_value(ev, f"{name}_{k}", v, node, f), node) for k, v in enumerate(value)]
+        ev.held.append(value)
+        ev.live[id(value)] = ev.named(Data(tree.at(tree.List(held, tree.Load()), node), is_list=True), name, node)
+        return ev.live[id(value)]
     kind = "list" if isinstance(value, list) else "dict" if isinstance(value, dict) else "set"
     if isinstance(value, set):
         raise ev.refusal(node, f"'{name}' is a set from outside, which may change", help="make it a frozenset")
-    reference = ev.live[id(value)] = ev.heap.new(Object(kind, {}, label=name, live=value, is_owned=ev.owning))
+    reference = ev.live[id(value)] = ev.heap.new(Object(kind, {}, label=name, live=value, is_owned=ev.owning,
+                                                       site=site if ev.owning and kind == "list" else None))
     ev.held.append(value)
     if kind == "dict":
         items: Mapping[Any, Value] = {_key(ev, k): outside_value(ev, f"{name}_{k}", taken(value, "item", k), node, f)
@@ -173,8 +186,9 @@ def _object(ev: Evaluator, name: str, value: Any) -> Value:
             raise Reached(name, value, ev.owning)
         ev.held.append(value)
         made = class_value(taken(value, "class"))
-        ev.live[id(value)] = ev.heap.new(Object("record", {}, made, label=name, live=value, is_owned=ev.owning))
-        ev.outset[ev.live[id(value)].number] = ev.heap[ev.live[id(value)]]
+        reference = ev.live[id(value)] = ev.heap.new(Object("record", {}, made, label=name, live=value,
+                                                            is_owned=ev.owning))
+        ev.outset[reference.number] = ev.heap[reference]
     return ev.live[id(value)]
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.branches import NOWHERE
 from s2sad.evaluate.specialize.sequences.cursors import Known
 from s2sad.evaluate.specialize.sequences.generators import is_lazy
+from s2sad.evaluate.specialize.sequences.known_shapes import item_like, like_items
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, operation, statement
 from s2sad.evaluate.specialize.first_iteration import Split, peeled, split_iteration
 from s2sad.evaluate.specialize.residual_loops import ResidualLoop
@@ -77,9 +79,16 @@ def rolled(ev: Evaluator, s: Any, *forms: Callable[[], Any] | None) -> None:
             ev.pending[:], ev.loops[:] = pending, loops
             ev.block, ev.guarded = outer, guarded
             ev.restore(before)
-            why = reason if why is None or why.site is None and not (why.demands and not reason.demands) else why
+            why = reason if why is None or _tells_more(ev, reason, why) else why
     assert why is not None
     raise why from None
+
+
+def _tells_more(ev: Evaluator, reason: Unevaluated, other: Unevaluated) -> bool:
+    """Which of two reasons is better acted on: a list that can be residual, facts that can be asked, the last one."""
+    if ev.unrolls or other.site is None:
+        return bool(reason.demands) or not other.demands
+    return False
 
 
 @statement("For")
@@ -125,11 +134,13 @@ def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> None:
         raise ev.unknown(s.target, "a loop over items of a structure")
     own: dict[str, str] = {}
     node = ev.spelled(through, s.iter)
+    items = like_items(s.target, item_like(through))
 
     def once() -> Callable[[list[AST]], AST]:
         for n in names:
-            own.setdefault(n, ev.fresh(n if f.is_entry else f"{n}"))
-            ev.heap.put(f.reference, n, Data(tree.at(tree.name(own[n]), s.target)))
+            own.setdefault(n, ev.fresh(n))
+            like = items.get(n, Data(tree.const(None)))
+            ev.heap.put(f.reference, n, replace(like, node=tree.at(tree.name(own[n]), s.target)))
         target = tree.rename(s.target, own)
         loop = ev.loops[-1]
         loop.make = lambda body: tree.For(tree._target(target), tree.copy(node), body, [], None)

@@ -10,7 +10,7 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, Data, LibraryValue, Reference, TextValue, TupleValue, Value, constant, demands_of,
+    UNKNOWN, Data, LibraryValue, Reference, OpaqueValue, TupleValue, Value, constant, demands_of,
 )
 from s2sad.tree import AST
 
@@ -59,12 +59,15 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
             found = _overloaded(ev, OPERATORS[type(op)][1], left, right, node, f)
             if found is not None:
                 return found
-    texts = any(isinstance(v, TextValue) or isinstance(v, Data) and isinstance(v.known, str) for v in (left, right))
+    opaque = [v for v in (left, right) if isinstance(v, OpaqueValue)]
+    if opaque and not any(isinstance(v, Data) and isinstance(v.known, str) for v in (left, right)):
+        return opaque[0]
+    texts = any(isinstance(v, OpaqueValue) or isinstance(v, Data) and isinstance(v.known, str) for v in (left, right))
     if texts and isinstance(op, (tree.Add, tree.Mod)) and (
-            isinstance(op, tree.Mod) or any(isinstance(v, TextValue) for v in (left, right))):
+            isinstance(op, tree.Mod) or any(isinstance(v, OpaqueValue) for v in (left, right))):
         known = [_text_operand(v) for v in (left, right)]
         if UNKNOWN in known:
-            return TextValue(demands_of(left, right))
+            return OpaqueValue(demands=demands_of(left, right))
     found = ev.container_operator(op, left, right, node, f)
     if found is not None:
         return found
@@ -95,7 +98,7 @@ def refuse_no_number(ev: Evaluator, value: Value, node: AST) -> None:
     """Refuses None and texts where numbers and arrays are computed with."""
     if isinstance(value, Data) and value.is_known and value.known is None:
         raise ev.refusal(node, "this is None here", code="S203", help="test it before: if ... is not None: ...")
-    if isinstance(value, TextValue) or isinstance(value, Data) and isinstance(value.known, str):
+    if isinstance(value, OpaqueValue) or isinstance(value, Data) and isinstance(value.known, str):
         raise ev.refusal(node, "this is a text here, and it is computed with", code="S203")
 
 

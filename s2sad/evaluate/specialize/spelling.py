@@ -6,7 +6,7 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.values import (
     ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference, ScopeValue,
-    SliceValue, TextValue, TupleValue, Value,
+    SliceValue, OpaqueValue, TupleValue, Value,
 )
 from s2sad.tree import AST
 
@@ -49,9 +49,11 @@ def kind_of(ev: Evaluator, value: Value) -> str:
         held = ev.heap[value]
         words = {"list": "a list", "dict": "a dict", "set": "a set", "frame": "a frame", "class": "a class"}
         return words.get(held.kind) or f"an object of class {held.made.name if held.made else '?'}"
+    if isinstance(value, OpaqueValue):
+        return value.what
     words = {FunctionValue: "a function", LibraryValue: "a function of a library", ClassValue: "a class",
              MethodValue: "a method", SliceValue: "a slice", TupleValue: "a tuple", ScopeValue: "a module",
-             Iteration: "an iterator", ObjectValue: "an object", TextValue: "a text of what only the run knows"}
+             Iteration: "an iterator", ObjectValue: "an object"}
     return words.get(type(value), "a value")
 
 

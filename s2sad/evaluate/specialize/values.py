@@ -159,9 +159,10 @@ class Iteration:
 
 
 @dataclass(frozen=True)
-class TextValue:
-    """A text made of what is not known: it may be printed."""
-    demands: frozenset[Any] = frozenset()
+class OpaqueValue:
+    """What may be carried along and printed, and nothing else: a text made of what is not known, the time of day."""
+    what: str = "a text of what only the run knows"
+    demands: frozenset[Any] = field(default=frozenset(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -172,7 +173,7 @@ class Conflict:
 
 
 Value = (Data | TupleValue | Reference | FunctionValue | LibraryValue | MethodValue | ClassValue | SuperValue
-         | ObjectValue | ScopeValue | SliceValue | Iteration | TextValue | Conflict)
+         | ObjectValue | ScopeValue | SliceValue | Iteration | OpaqueValue | Conflict)
 
 
 def constant(value: Any) -> Data:
@@ -249,4 +250,4 @@ def renamed(value: Value, name: str, new: str) -> Value:
 
 
 def demands_of(*values: Value) -> frozenset[Any]:
-    return frozenset().union(*(v.demands for v in values if isinstance(v, (Data, TextValue))))
+    return frozenset().union(*(v.demands for v in values if isinstance(v, (Data, OpaqueValue))))

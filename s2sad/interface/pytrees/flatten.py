@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from enum import Enum
-from types import BuiltinFunctionType, FunctionType
+from functools import partial
+from types import BuiltinFunctionType, FunctionType, MethodType
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,8 @@ from s2sad.dispatch.cache import ProgramVersion
 
 _NUMBERS = (int, float, np.integer, np.floating, complex)
 _PLAIN = frozenset((np.ndarray, float, complex, int, bool, np.float64, type(None), str))
-_NAMED = (str, int, np.integer, np.bool_, FunctionType, BuiltinFunctionType, np.ufunc, type, Enum)
+_NAMED = (str, int, np.integer, np.bool_, FunctionType, BuiltinFunctionType, MethodType, np.ufunc, type, Enum, partial,
+          frozenset)
 _UNNAMED = object()         # in place of what is no value to specialise for
 Holder = tuple[str, str, Any, "str | int"]
 
@@ -78,6 +80,7 @@ def _facts(state: ProgramVersion, forms: tuple[Form, ...], args: Sequence[Any]) 
         mapped(form, value, name, lambda path, _, leaf: values.update({path: leaf}))
     for name, form, value in zip(state.parameters, forms, args):
         values.update(structures(form, value, name))
+    values = {path: frozenset(v) if type(v) is set else v for path, v in values.items()}
     values.update({path: _UNNAMED for (path, what) in demanded if what == "value" and not isinstance(
         values[path], _NAMED)})
     return tuple((fact, _fact(fact, values)) for fact in demanded)

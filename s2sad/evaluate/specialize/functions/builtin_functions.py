@@ -6,8 +6,9 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.branches import NOWHERE
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, operation
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
+from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import (
     FACTORY, NONE, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference,
     SliceValue, SuperValue, TupleValue, Value, constant,
@@ -62,6 +63,15 @@ def _list(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value |
     if args and isinstance(args[0], Data) and not isinstance(args[0].known, (str, tuple)):
         return None
     return ev.list_of(ev.items_of(args[0], node, f) if args else [], node)
+
+
+@function("collections.deque")
+def _deque(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    most = [ev.known(a, node, "the length of a deque") for a in (*args[1:], *options.values())]
+    items = ev.items_of(args[0], node, f) if args else []
+    made = ev.heap.new(Object("list", {}, most=most[0] if most else None))
+    ev.replace_items(made, items, node)
+    return made
 
 
 @function("builtins.tuple")
@@ -212,7 +222,19 @@ def _any(ev: Evaluator, args: Args, _: Options, node: Any, f: Frame) -> Value | 
         return None
     stops = ev.called == "any"
     tests: list[AST] = []
-    for item in ev.items_of(args[0], node, f):
+    before = ev.snapshot()
+    try:
+        items = ev.items_of(args[0], node, f)
+    except Unevaluated:
+        if not isinstance(args[0], Iteration) or args[0].kind != "generator":
+            raise
+        ev.restore(before)
+        comprehension, frame = args[0].more
+        found = ev.truth(ev.any_item(comprehension, frame, stops), node, f)
+        if isinstance(found, bool):
+            return constant(found is stops)
+        return found if stops else Data(tree.at(tree.UnaryOp(tree.Not(), ev.spelled(found, node)), node))
+    for item in items:
         test = ev.truth(item, node, f)
         if isinstance(test, Data):
             tests.append(ev.spelled(test, node))

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unevaluated, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import of_call, origins
 from s2sad.evaluate.specialize.sequences.generators import LAZY
 from s2sad.evaluate.specialize.values import Data, Iteration, Reference, TupleValue, Value, constant
@@ -36,7 +36,16 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
     known = FUNCTIONS.get(path)
     if known is not None:
         ev.called = path.rpartition(".")[2]
-        found = known(ev, list(args), dict(keywords), node, f)
+        before = ev.snapshot()
+        try:
+            found = known(ev, list(args), dict(keywords), node, f)
+        except Unevaluated:
+            if not any(isinstance(a, Iteration) and a.kind == "generator" for a in args):
+                raise
+            ev.restore(before)
+            args = [ev.listed(a, node, f) for a in args]
+            ev.called = path.rpartition(".")[2]
+            found = known(ev, list(args), dict(keywords), node, f)
         if found is not None:
             return found
     if path.startswith(("numpy.random.", "random.")):
@@ -93,5 +102,16 @@ def _as_array(ev: Evaluator, path: str, value: Value, node: AST, f: Frame) -> Va
     lazy = isinstance(value, Iteration) and value.kind in (
         *LAZY, "map", "filter", "keys", "values", "items", "zip", "enumerate")
     if lazy and not (path.startswith("builtins.") and ev.stays_one(value)):
-        return ev.list_of(ev.items_of(value, node, f), node)
+        return ev.listed(value, node, f)
     return value
+
+
+@function("numpy.ix_")
+def _open_mesh(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
+    """The subscripts of the elements in some rows and columns."""
+    if len(args) != 2:
+        return None
+    rows, columns = (a if isinstance(a, Data) else library_call(ev, "numpy.array", [a], {}, node, f) for a in args)
+    whole, new = tree.Slice(None, None, None), tree.const(None)
+    return TupleValue((Data(tree.at(tree.index(ev.spelled(rows, node), whole, new), node)),
+                       Data(tree.at(tree.index(ev.spelled(columns, node), new, whole), node))))

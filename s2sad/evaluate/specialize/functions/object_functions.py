@@ -8,7 +8,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, Frame
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Known, Options, function
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import (
-    NONE, Data, LibraryValue, ObjectValue, Reference, TextValue, TupleValue, Value, constant, demands_of,
+    NONE, Data, LibraryValue, ObjectValue, Reference, OpaqueValue, TupleValue, Value, constant, demands_of,
 )
 from s2sad.tree import AST
 
@@ -41,7 +41,8 @@ def _text(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> V
         method = ev.special_method(args[0], name, node, f) if args else None
         if method is not None:
             return ev.call(method, args[1:], options, node, f)
-    return TextValue(demands_of(*args)) if any(not isinstance(a, Data) or not a.is_known for a in args) else None
+    known = all(isinstance(a, Data) and a.is_known for a in args)
+    return None if known else OpaqueValue(demands=demands_of(*args))
 
 
 # -- attributes and fields ---------------------------------------------------------------------------------------------
@@ -129,6 +130,26 @@ def _next(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     "debug", "info", "warning", "warn", "error", "critical", "log", "exception")))
 def _silent(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
     return NONE
+
+
+@function(*(f"time.{n}" for n in ("time", "perf_counter", "process_time", "monotonic", "perf_counter_ns", "time_ns")))
+def _clock(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return OpaqueValue("a time of the clock")
+
+
+@function("time.sleep")
+def _sleep(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return NONE
+
+
+@function("contextlib.contextmanager")
+def _context_manager(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return LibraryValue("contextlib.entered", tuple(args))
+
+
+@function("contextlib.entered")
+def _entered(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return ev.call(args[0], args[1:], options, node, f)
 
 
 @function("logging.getLogger")

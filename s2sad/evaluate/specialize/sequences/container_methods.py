@@ -2,12 +2,15 @@
 """
 from __future__ import annotations
 
+import collections
 from collections.abc import Callable, Hashable, Sequence
 from typing import Any
 
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
 from s2sad.evaluate.specialize.heap import Object
-from s2sad.evaluate.specialize.values import FACTORY, NONE, Data, Iteration, Reference, TupleValue, Value, constant
+from s2sad.evaluate.specialize.values import (
+    FACTORY, NONE, Data, Iteration, OpaqueValue, Reference, TupleValue, Value, constant,
+)
 from s2sad.tree import AST
 
 # -- methods ---------------------------------------------------------------------------------------------------------
@@ -29,7 +32,12 @@ def container_method(ev: Evaluator, base: Value, name: str, args: list[Value], k
                      f: Frame) -> Value:
     """The call of a method of a list, a dict, a set, a tuple or a text."""
     if isinstance(base, Data):
-        found = getattr(base.known, name)(*(ev.known(a, node, "an argument of a method of a text") for a in args),
+        given = [TupleValue(tuple(ev.items_of(a, node, f))) if isinstance(a, (Iteration, Reference)) else a
+                 for a in args]
+        if any(isinstance(a, OpaqueValue) for a in given) or name == "format" and not all(
+                isinstance(a, Data) and a.is_known for a in (*given, *keywords.values())):
+            return OpaqueValue()
+        found = getattr(base.known, name)(*(ev.known(a, node, "an argument of a method of a text") for a in given),
                                           **{k: ev.known(v, node, "an argument") for k, v in keywords.items()})
         return ev.list_of([constant(i) for i in found], node) if isinstance(found, list) else constant(found)
     if isinstance(base, TupleValue):
@@ -50,7 +58,9 @@ _READING = ("copy", "count", "index", "get", "items", "keys", "values", "union",
 
 @operation
 def replace_items(ev: Evaluator, base: Reference, items: Sequence[Value], node: AST) -> None:
-    """A list holds other items."""
+    """A list holds other items; a deque that holds fewer the last ones."""
+    most = ev.heap[base].most
+    items = items if most is None else items[max(len(items) - most, 0):]
     label = ev.heap[base].label or "item"
     ev.heap.set_items(base, {k: ev.atoms(v, f"{label}_{k}", node) for k, v in enumerate(items)})
 
@@ -59,6 +69,17 @@ def replace_items(ev: Evaluator, base: Reference, items: Sequence[Value], node: 
 def _append(ev: Evaluator, base: Reference, args: list[Value], _: Any, node: AST, f: Frame) -> Value:
     replace_items(ev, base, [*ev.sequence_items(base), args[0]], node)
     return NONE
+
+
+@method(LIST, "appendleft", "popleft", "rotate")
+def _at_the_left(ev: Evaluator, base: Reference, args: list[Value], _: Any, node: AST, f: Frame) -> Value:
+    items, most = collections.deque(ev.sequence_items(base)), ev.heap[base].most
+    if ev.called == "popleft" and not items:
+        raise ev.refusal(node, "popleft from a deque that has no items")
+    first = [ev.known(a, node, "how far a deque is turned") for a in args] if ev.called == "rotate" else args
+    found = getattr(items, ev.called)(*first)
+    replace_items(ev, base, list(items)[:most], node)
+    return NONE if found is None else found
 
 
 @method(LIST, "extend")

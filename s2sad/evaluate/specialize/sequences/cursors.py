@@ -6,8 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
-from s2sad.evaluate.specialize.values import FACTORY, Iteration, Reference, TupleValue, Value, constant, value_of_key
+from s2sad.evaluate.specialize.values import (
+    FACTORY, Data, Iteration, Reference, TupleValue, Value, constant, value_of_key,
+)
 from s2sad.tree import AST
 
 
@@ -87,6 +90,37 @@ class Together:
         return self.made(tuple(items)), Together(tuple(cursors), self.made)
 
 
+@dataclass(frozen=True)
+class OfArray:
+    """The elements of an array of whose length the run makes sure."""
+    ev: Evaluator
+    base: Data
+    node: AST
+    k: int = 0
+
+    def next(self) -> tuple[Value, OfArray]:
+        item = Data(tree.at(tree.index(self.ev.spelled(self.base, self.node), tree.const(self.k)), self.node),
+                    shape=self.base.shape[1:] if self.base.shape else None, origins=self.base.origins)
+        return item, OfArray(self.ev, self.base, self.node, self.k + 1)
+
+
+def _zipped(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Any:
+    """Several at once; arrays of unknown length are taken to be as long as a list beside them, which a guard checks."""
+    lengths = [len(ev.heap[p].items) for p in value.parts if isinstance(p, Reference) and ev.heap[p].kind == "list"]
+    lengths += [len(p.items) for p in value.parts if isinstance(p, TupleValue)]
+    cursors = []
+    for part in value.parts:
+        shape = ev.shape_of(part)
+        if lengths and isinstance(part, Data) and not (part.is_known or shape.is_known or shape.demands):
+            test = tree.compare(tree.call("len", ev.spelled(part, node)), tree.GtE(), tree.const(min(lengths)))
+            why = tree.const("an array has fewer items than the list that it is zipped with")
+            ev.emit(tree.Assert(test, why), node)
+            cursors.append(OfArray(ev, part, node))
+        else:
+            cursors.append(cursor_of(ev, part, node, f))
+    return Together(tuple(cursors), TupleValue)
+
+
 @operation
 def cursor_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> Any:
     """The start of a loop through a value; raises Unevaluated where the rounds are not known."""
@@ -132,4 +166,4 @@ def _mapped(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Any:
 
 
 _CURSORS: dict[str, Callable[..., Any]] = {
-    "zip": _together(lambda ev, items: TupleValue(items)), "enumerate": _enumerated, "map": _mapped}
+    "zip": _zipped, "enumerate": _enumerated, "map": _mapped}

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unevaluated, expression, operation
-from s2sad.evaluate.specialize.values import Data, Iteration, TupleValue, Value
+from s2sad.evaluate.specialize.values import Data, Iteration, TupleValue, Value, constant
 from s2sad.tree import AST
+
+FILLED = ".filled"
 
 
 @operation
@@ -39,12 +42,11 @@ class Gathered:
     """What a comprehension has made so far: held in the heap, so that its names are in use."""
 
     def __init__(self, ev: Evaluator, f: Frame, node: AST):
-        self.ev, self.holder, self.slot, self.node = ev, f.reference, f".gathered{id(node)}", node
+        self.ev, self.holder, self.slot, self.node = ev, f.reference, f".gathered{id(self)}", node
         ev.heap.put(self.holder, self.slot, TupleValue(()))      # a loop that stays cannot add to it
 
     def add(self, value: Value, wanted: str = "item") -> None:
-        items = self.ev.heap[self.holder].items[self.slot]
-        assert isinstance(items, TupleValue)
+        items = self._there(self.ev.heap[self.holder].items[self.slot])
         self.ev.heap.put(self.holder, self.slot, TupleValue((*items.items, self.ev.atoms(value, wanted, self.node))))
 
     def done(self) -> tuple[Value, ...]:
@@ -52,8 +54,12 @@ class Gathered:
         items = dict(self.ev.heap[self.holder].items)
         found = items.pop(self.slot, TupleValue(()))
         self.ev.heap.set_items(self.holder, items)
-        assert isinstance(found, TupleValue)
-        return found.items
+        return self._there(found).items
+
+    def _there(self, found: Value) -> TupleValue:
+        if not isinstance(found, TupleValue):
+            raise self.ev.unknown(self.node, "which items are given must be known before the run", found)
+        return found
 
 
 @expression("ListComp")
@@ -68,13 +74,13 @@ def list_comprehension(ev: Evaluator, node: Any, f: Frame) -> Value:
     except Unevaluated as reason:
         ev.restore(before)
         made = _residual(ev, node, f)
-        if made is None:
-            raise reason from None
-        return made
+        return _filled(ev, node, f, reason) if made is None else made
 
 
 def _residual(ev: Evaluator, node: Any, f: Frame) -> Value | None:
     """The comprehension as it stands, over numbers and arrays; None where it is about structures."""
+    if any(type(n).__name__ == "NamedExpr" for n in tree.walk(node)):
+        return None
     before = ev.snapshot()
     frame, generators = f, []
     try:
@@ -97,6 +103,61 @@ def _residual(ev: Evaluator, node: Any, f: Frame) -> Value | None:
         ev.restore(before)
         return None
     return Data(tree.at(type(node)(element, generators), node), is_list=True)
+
+
+def _filled(ev: Evaluator, node: Any, f: Frame, reason: Unevaluated) -> Value:
+    """A list of the residual program that statements fill: what is kept, or how many, only the run knows."""
+    if reason.demands and all(what == "value" for _, what in reason.demands):
+        raise reason from None      # of integers that say what there is
+    before = ev.snapshot()
+    made = ev.named(Data(tree.at(tree.List([], tree.Load()), node), is_list=True), "items", node)
+    add = tree.Call(tree.attribute(tree.name(FILLED), "append"), [node.elt], [])
+    try:
+        return _accumulated(ev, node, f, made, tree.Expr(add))
+    except Unevaluated:
+        ev.restore(before)
+        raise reason from None
+
+
+@operation
+def any_item(ev: Evaluator, node: Any, f: Frame, wanted: bool) -> Value:
+    """Whether an item of a generator is true (or false): a flag that its loops set."""
+    test = node.elt if wanted else tree.UnaryOp(tree.Not(), node.elt)
+    flag = tree.If(test, [tree.assign(FILLED, tree.const(True))], [])
+    return _accumulated(ev, node, f, constant(False), flag)
+
+
+def _accumulated(ev: Evaluator, node: Any, f: Frame, start: Value, body: AST) -> Value:
+    """What the statement does in the rounds of a comprehension with the value under FILLED."""
+    targets = frozenset(n.id for g in node.generators for n in tree.walk(g.target) if isinstance(n, tree.Name))
+    inner = replace(ev.inner_frame(f, node.generators[0]), local=targets | {FILLED})
+    ev.heap.put(inner.reference, FILLED, start)
+    ev.statements([_loops(ev, node, body)], inner)
+    return ev.heap.objects.pop(inner.reference.number).items[FILLED]
+
+
+def _loops(ev: Evaluator, node: Any, body: AST) -> AST:
+    """The statements that a comprehension stands for; the same ones each time."""
+    if node not in ev.loops_of:
+        for one in reversed(node.generators):
+            for test in reversed(one.ifs):
+                body = tree.If(test, [body], [])
+            body = tree.For(one.target, one.iter, [body], [], None)
+        ev.loops_of[node] = tree.at(body, node)
+    return ev.loops_of[node]
+
+
+@operation
+def listed(ev: Evaluator, value: Value, node: AST, f: Frame) -> Value:
+    """What is gone through as a list, one of the residual program where only the run knows how long it is."""
+    before = ev.snapshot()
+    try:
+        return ev.list_of(ev.items_of(value, node, f), node)
+    except Unevaluated as reason:
+        if not isinstance(value, Iteration) or value.kind != "generator":
+            raise
+        ev.restore(before)
+        return _filled(ev, value.more[0], value.more[1], reason)
 
 
 @expression("GeneratorExp")
