@@ -175,6 +175,9 @@ class GeneratorExp(expr):
     elt: AST
     generators: list[Any]
 
+class Yield(expr):
+    value: Any
+
 class Load(expr_context): ...
 class Store(expr_context): ...
 class Param(expr_context): ...
