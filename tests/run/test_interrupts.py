@@ -10,6 +10,14 @@ import pytest
 from s2sad.run.interrupts import interruptible
 
 
+@pytest.fixture(autouse=True)
+def heard():
+    """A shell's background jobs, and what they start, ignore Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def test_an_interrupt_is_heard_where_it_is_passed_over():
     with pytest.raises(KeyboardInterrupt):
         with interruptible():
@@ -58,8 +66,12 @@ def rounds(u, n):
 @pytest.mark.parametrize("call", ['s2sad.gradient(f, "u")(u, 300000)', "f.adjoint(u, u_bar, 300000, 1.0)",
                                   "f.primal(u, 3000000)"])
 def test_ctrl_c_in_compiled_code(call):
-    process = subprocess.Popen([sys.executable, "-c", PROGRAM.format(call=call)], stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    assert process.stdout.readline() == "ready\n"
-    process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=60)[0] == "KeyboardInterrupt\n"
+    with subprocess.Popen([sys.executable, "-c", PROGRAM.format(call=call)], stdout=subprocess.PIPE, text=True
+                          ) as process:
+        try:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "ready\n"
+            process.send_signal(signal.SIGINT)
+            assert process.communicate(timeout=60)[0] == "KeyboardInterrupt\n"
+        finally:
+            process.kill()      # it runs for ever if it has not heard
