@@ -32,6 +32,12 @@ def source_of(path: str, text: str) -> Source:
     return Source(path, text.translate(_ODD_LINE_ENDS))
 
 
+def captured_of(handle: Any) -> Captured:
+    """The definition of a function, live or of a text that is not run; raises S2sadError."""
+    is_live = isinstance(handle, types.FunctionType) or not hasattr(handle, "captured")
+    return capture(handle) if is_live else handle.captured()
+
+
 def capture(value: Any) -> Captured:
     """The definition of a live function; raises S2sadError (S101, S104)."""
     function = python_function(value)

@@ -18,7 +18,7 @@ from types import FunctionType
 from s2sad import tree
 from s2sad.diagnostics import S2sadError
 from s2sad.live_objects.guards import taken
-from s2sad.read.capture import capture
+from s2sad.read.capture import captured_of
 from s2sad.read.outside_values import AST, Captured, UserFunctionValue, Library, NotConstant, library_value
 from s2sad.read.lambda_lifting import EnclosingNames, NestedFunction
 from s2sad.live_objects.unwrap import partial_application
@@ -30,8 +30,7 @@ Handed = dict[int | str, UserFunctionValue | Library]
 
 def definition(function: UserFunctionValue) -> Captured:
     """What a function's handle gives, with a name for each variable; raises S2sadError."""
-    handle = function.handle
-    return unique_names(handle.captured() if hasattr(handle, "captured") else capture(handle))
+    return unique_names(captured_of(function.handle))
 
 
 def by_default(node: Call, callee: UserFunctionValue) -> Handed:

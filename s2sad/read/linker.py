@@ -108,7 +108,7 @@ class Linker:
                 return
             resolved = resolve(captured, report, self.identify)
         self.ignored += ignored(captured.tree, captured.source)
-        defaults = _defaults(captured, report)
+        defaults = defaults_said(captured, report)
         callers = [*callers, function]
         for callee, node in resolved.calls:
             self._call(callee, node, callers, report)
@@ -275,11 +275,16 @@ def _kernel(name: str, found: _LinkedKernel, names: dict[str, str], identify: Ca
                                                                                        str]) -> Kernel:
     definition = tree.rename(found.resolved.tree, names)
     definition.name = name
-    source, given = found.captured.source, found.captured.tree.args
-    annotations = {a.id: _annotation(a.annotation, source) for a in (*given.posonlyargs, *given.args, *given.kwonlyargs)
-                   if a.annotation is not None}
+    source, annotations = found.captured.source, annotations_said(found.captured)
     residual = names[identify(found.residual)].partition(".")[2] if found.residual is not None else ""
     return Kernel(name, definition, source, found.resolved.parameters, found.defaults, annotations, found.own, residual)
+
+
+def annotations_said(captured: Captured) -> dict[str, str]:
+    """The texts of the annotations of a function's parameters."""
+    given = captured.tree.args
+    return {a.id: _annotation(a.annotation, captured.source) for a in (
+        *given.posonlyargs, *given.args, *given.kwonlyargs) if a.annotation is not None}
 
 
 def _annotation(node: AST, source: Any) -> str:
@@ -293,7 +298,8 @@ def _annotation(node: AST, source: Any) -> str:
     return " ".join(line.strip() for line in lines)
 
 
-def _defaults(captured: Captured, report: Report) -> dict[str, Any]:
+def defaults_said(captured: Captured, report: Report | None = None) -> dict[str, Any]:
+    """The defaults of a function's parameters that are plain values; others go into the report."""
     given = captured.tree.args
     positional = [*given.posonlyargs, *given.args]
     pairs = [*zip(positional[len(positional) - len(given.defaults):], given.defaults),
@@ -303,6 +309,7 @@ def _defaults(captured: Captured, report: Report) -> dict[str, Any]:
         try:
             values[parameter.id] = captured.default(parameter.id, node)
         except NotConstant:
-            report.error("S201", f"the default of '{parameter.id}' is not a number, a string or None", node,
-                         help="write a number, or leave the default out and pass the value")
+            if report is not None:
+                report.error("S201", f"the default of '{parameter.id}' is not a number, a string or None", node,
+                             help="write a number, or leave the default out and pass the value")
     return values

@@ -35,7 +35,8 @@ from s2sad.live_objects.registry import GIVEN
 from s2sad.live_objects.unwrap import partial_application
 from s2sad.program import DemandedFacts, Fact, Kernel, Program
 from s2sad.pytree import Form, PyTree, is_held, step
-from s2sad.read.capture import capture
+from s2sad.read.capture import captured_of
+from s2sad.read.linker import annotations_said, defaults_said
 from s2sad.read.outside_values import Captured
 from s2sad.tree import AST
 
@@ -56,29 +57,31 @@ class Residual:
         return self.made
 
 
-def unread(function: types.FunctionType, refused: S2sadError) -> Program:
+def unread(function: Any, refused: S2sadError) -> Program:
     """The program of a function that waits for what it is given."""
-    captured = capture(function)
+    captured = captured_of(function)
     a = captured.tree.args
     parameters = tuple(p.id for p in (*a.posonlyargs, *a.args, *a.kwonlyargs))
-    live = inspect.signature(partial_application(function)[0]).parameters
-    defaults = {n: live[n].default for n in parameters if live[n].default is not inspect.Parameter.empty}
-    said = {n: live[n].annotation for n in parameters if live[n].annotation is not inspect.Parameter.empty}
-    annotations = {n: a.__name__ if isinstance(a, type) else str(a) for n, a in said.items()}
+    if not isinstance(function, types.FunctionType):
+        defaults, annotations = defaults_said(captured), annotations_said(captured)
+    else:
+        live = inspect.signature(partial_application(function)[0]).parameters
+        defaults = {n: live[n].default for n in parameters if live[n].default is not inspect.Parameter.empty}
+        said = {n: live[n].annotation for n in parameters if live[n].annotation is not inspect.Parameter.empty}
+        annotations = {n: a.__name__ if isinstance(a, type) else str(a) for n, a in said.items()}
     kernel = Kernel(captured.name, tree.at(tree.function(captured.name, list(parameters), []), captured.tree),
                     captured.source, parameters, defaults, annotations)
     return Program(captured.name, {captured.name: kernel}, refused=refused, function=function)
 
 
 @deep_stack
-def specialize(function: types.FunctionType, forms: Mapping[str, Form], facts: Mapping[Fact, Any],
-               unrolls: bool = False) -> Residual:
-    """The residual function for arguments of these forms; raises S2sadError, DemandedFacts where facts would help.
-    Loops in which lists grow are written out where it `unrolls`."""
+def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, Any], unrolls: bool = False) -> Residual:
+    """The residual function of a function, live or of a file, for arguments of these forms; raises S2sadError,
+    DemandedFacts where facts would help. Loops in which lists grow are written out where it `unrolls`."""
     sites: frozenset[int | str] = frozenset()
     reached: list[tuple[str, Any, bool]] = []
     while True:
-        captured = capture(function)
+        captured = captured_of(function)
         ev = Evaluator(captured.source, dict(facts), sites, unrolls)
         try:
             return _evaluated(ev, function, captured, forms, reached)
@@ -94,7 +97,7 @@ def specialize(function: types.FunctionType, forms: Mapping[str, Form], facts: M
             sites |= {site}
 
 
-def _evaluated(ev: Evaluator, function: types.FunctionType, captured: Captured, forms: Mapping[str, Form],
+def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[str, Form],
                reached: Sequence[tuple[str, Any, bool]]) -> Residual:
     definition = captured.tree
     if GIVEN.own(function) is not None:
@@ -159,7 +162,7 @@ def _no_default(parameter: str, node: AST) -> Any:
     raise KeyError(parameter)
 
 
-def _owner(function: types.FunctionType) -> ClassValue | None:
+def _owner(function: Any) -> ClassValue | None:
     """The class that a method's function is of."""
     kernel, bound = partial_application(function)
     first = next(iter(bound.values()), None)
