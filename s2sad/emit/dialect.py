@@ -1,13 +1,15 @@
 """dialect: the functions of a derivative's module in what their engine has.
 
     NumPy       `unraised`: math.sqrt(x) -> np.sqrt(x), 1.0 / n -> 1.0 / np.float64(n)
-    Numba       math.cbrt(x) -> np.cbrt(x), math.isqrt(n) -> isqrt(n) of s2sad.runtime: what Numba lacks
+    Numba       math.cbrt(x) -> np.cbrt(x), math.isqrt(n) -> isqrt(n) of s2sad.runtime: what Numba lacks;
+                names are bound above their first use
 
 Functions of any form go in, and come out in the same.
 """
 from __future__ import annotations
 
 from s2sad import rules, tree
+from s2sad.emit.bind_before_loops import bind_before_loops
 from s2sad.emit.numpy_scalars import numpy_scalars
 from s2sad.rules.transforms import TRANSFORMS
 from s2sad.tree import AST, BinOp, Call, Div, FunctionDef, attribute, call, call_name, const, copy, rebuild
@@ -28,7 +30,8 @@ _TRANSFORMS = {f: f"runtime.{f.rpartition('.')[2]}" for f in TRANSFORMS}
 def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:
     """The functions, callees first, for the units' engine."""
     if units.engine == "numba":
-        return list(map(for_numba, functions))
+        primals = {title: u.lowered_types for title, u in units.titled.items()}
+        return [bind_before_loops(for_numba(f), primals.get(f.name, {})) for f in functions]
     types = {d.function.name: d.types for d in units.derived.values()}
     types |= {title: {**u.typing.table, **dict(zip((p.id for p in u.lowered.args.args), u.types))}
               for title, u in units.titled.items()}

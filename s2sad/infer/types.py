@@ -51,6 +51,11 @@ class Type:
         return self.kind == "array"
 
     @property
+    def zero(self) -> float | int | bool:
+        """The number that this type's arrays begin with."""
+        return 0.0 if self.is_inexact else False if self.dtype == "bool" else 0
+
+    @property
     def is_number(self) -> bool:
         return self.kind == "number"
 

@@ -134,8 +134,7 @@ class _SingleAssignment:
 
     def zero(self, variable: str) -> AST:
         """The value of a variable that is not bound on this path, and so not read on it."""
-        kind = self.types[variable]
-        return const(0.0 if kind.is_inexact else False if kind.dtype == "bool" else 0)
+        return const(self.types[variable].zero)
 
     def loop(self, statement: AST, env: dict[str, str]) -> list[AST]:
         inside = [v for v in stored_names(statement.body) if self.is_number(v)]

@@ -70,7 +70,7 @@ def of_the_trip_before(x):
         k = i
 
 
-def bound_in_the_wrong_order(x):
+def read_above_its_binding(x):
     for i in range(3):
         if i > 1:
             j = m + 1  # noqa: F821
@@ -104,6 +104,6 @@ def cases():
         yield Case(kernel, (X,), ("x",), ("x",))
     # rows that may be one, and are
     for kernel in (
-            of_an_earlier_trip, of_the_trip_before, bound_in_the_wrong_order, counted_from_the_end,
+            of_an_earlier_trip, of_the_trip_before, read_above_its_binding, counted_from_the_end,
             perhaps_one_row, by_floats):
         yield Case(kernel, (X,), "x", of=("x",))
