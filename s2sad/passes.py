@@ -62,8 +62,8 @@ class Context:
         """Whether whole-array statements become loops."""
         return self.engine == "numba"
 
-    def apart(self: C) -> C:
-        """The same facts; what passes find out, and the names that they make, stay apart."""
+    def fork(self: C) -> C:
+        """A copy for passes whose findings and names may be dropped: it shares facts, but neither."""
         made = copy(self)
         made.names, made.report = self.names.copy(), Report(self.report.source)
         made.typing = self.typing.copy(made.report, self.typing.final)
@@ -143,7 +143,7 @@ def _repeated(item: Repeat, tree: FunctionDef, context: Context) -> FunctionDef:
 
 
 def _either(item: Alternative, tree: FunctionDef, context: Context) -> FunctionDef:
-    before = context.apart()
+    before = context.fork()
     try:
         return run(item.passes, tree, context)
     except S2sadError as refused:

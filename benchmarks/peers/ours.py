@@ -70,7 +70,7 @@ def restoring(adjoint: Callable[..., Any], shadowed: Sequence[Any], case: Case) 
                  for n in inspect.signature(case.function).parameters if n in case.wrt}
         return [found[n] for n in case.wrt]
 
-    tape = adjoint.held if isinstance(adjoint, TapeReuse) else 0
+    tape = adjoint.stack_bytes if isinstance(adjoint, TapeReuse) else 0
     return Run(call, gradients, tape + sum(now.nbytes for now in shadows_of(case, working).values()))
 
 

@@ -60,7 +60,7 @@ class Ours:
 
     def adjoint(self) -> Callable[[], Any]:
         values, shadows, seeds = self.reverse.bind_values(self.arguments, self.seeds)
-        outside = self.measured.state.outside(self.measured.types)
+        outside = self.measured.state.private_outside_arrays(self.measured.types)
         return partial(self.reverse.rv.function, *self.reverse.rv.assemble(values, shadows, seeds, outside))
 
 

@@ -34,7 +34,7 @@ class Shadows:
     def shadow(self, primal: str) -> str:
         if primal not in self.shadows:
             self.shadows[primal] = self.typing.declare(self.free.fresh(f"{primal}_bar"), self.typing.table[primal])
-            self.shapes.like(self.shadows[primal], primal)
+            self.shapes.note_same_shape(self.shadows[primal], primal)
         return self.shadows[primal]
 
     def private_shadows(self) -> list[tuple[str, str]]:

@@ -62,7 +62,7 @@ class _Tangent:
     def shadow(self, primal: str) -> str:
         if primal not in self.shadows:
             self.shadows[primal] = self.typing.declare(self.free.fresh(f"{primal}_dot"), self.typing.table[primal])
-            self.shapes.like(self.shadows[primal], primal)
+            self.shapes.note_same_shape(self.shadows[primal], primal)
         return self.shadows[primal]
 
     def value(self, leaf: AST) -> AST:

@@ -56,7 +56,7 @@ class ReadRecord:
     arguments are made of, the arrays from outside and the classes of structures that it makes by name, what was taken,
     where what is derived is kept, and what was warned of."""
     kernel: Kernel
-    asks: bool
+    depends_on_structure: bool
     arrays: dict[str, Any]
     records: dict[str, type]
     guards: Guards
@@ -99,7 +99,7 @@ def store_reading(reading: ReadRecord, function: FunctionType) -> None:
         return
     described, numbers = _describe_guards(reading.guards, (function,))
     held = (tuple((n, numbers[id(v)]) for n, v in part.items()) for part in (reading.arrays, reading.records))
-    entry = (described, _of_kernel(reading.kernel), reading.asks, reading.warned, *held)
+    entry = (described, _of_kernel(reading.kernel), reading.depends_on_structure, reading.warned, *held)
     others = [e for e in _readings(place) if e[0] != described]
     _put((entry, *others[:_READINGS - 1]), place)
 

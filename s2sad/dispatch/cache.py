@@ -60,10 +60,10 @@ class DerivativeCache:
     def state(self) -> ProgramVersion:
         """The state for the values that the function's constants have now."""
         last = self._current
-        if last is not None and last.holds():
+        if last is not None and last.is_current():
             return last
         with COMPILER_LOCK:
-            found = next((s for s in self._states if s.holds()), None) or self._kept() or self._read()
+            found = next((s for s in self._states if s.is_current()), None) or self._load_stored() or self._read()
             self._states = [*(s for s in self._states[-_KEPT:] if s is not found), found]
             self._current = found
             return found
@@ -75,7 +75,7 @@ class DerivativeCache:
         varies = any(isinstance(a, VaryingNumber) for a in state.arrays)
         return ProgramVersion.of(compiler().program(self.function), self.function) if varies else state
 
-    def _kept(self) -> ProgramVersion | None:
+    def _load_stored(self) -> ProgramVersion | None:
         """The state for what another process has read, if the function reads the same here."""
         known = None if self._states else artifacts.load_reading(self.function)
         return None if known is None else ProgramVersion(known, self.function)
@@ -84,7 +84,7 @@ class DerivativeCache:
         """The state for what the function reads now."""
         found = self._state_of(compiler().program(self.function, (), self._varying))
         last = self._current
-        changed = [] if last is None else found.guards.changed(last.guards)
+        changed = [] if last is None else found.guards.changed_numbers(last.guards)
         self._changes.update(changed)
         for path in changed:
             if last is not None and self._changes[path] == _CHANGES:
@@ -123,24 +123,25 @@ class RepreparedCall(Protocol):
 
 class ProgramVersion:
     """A program whose constants are known, and what was derived from it. `entries` keeps prepared calls by their
-    callers' keys. A `flat` one takes the leaves of structures; one that `asks` depends on the make of arguments."""
+    callers' keys. A `flat` one takes the leaves of structures; one that `depends_on_structure` is another for
+    arguments of another make."""
 
     def __init__(self, reading: ReadRecord, function: FunctionType, flat: bool = False,
                  read: Callable[[], Program] | None = None):
         self.reading, self.function, self.flat = reading, function, flat
-        self.asks, self.kernel = reading.asks, reading.kernel
+        self.depends_on_structure, self.kernel = reading.depends_on_structure, reading.kernel
         self.parameters = self.kernel.parameters
         self.floats = float_parameters(self.kernel)
         self.entries: dict[Any, Any] = {}
         self._variants: dict[Any, Executable] = {}
         self._summaries: dict[tuple[Type, ...], EntrySummary] = {}
         self._forms: dict[Any, Any] = {}
-        self._read, self._program = read or self._again, None
+        self._read, self._program = read or self._read_again, None
         self.registered: tuple[RegisteredRule, ...] = ()
         self._compiled_in = Guards()        # what functions with derivatives of their own read, which nobody else does
         self._frozen: list[tuple[Any, list[str]]] = []
-        self.waits = False          # for what it is given: what an integer is used for is not known
-        self._hold(reading.guards, reading.arrays)
+        self.needs_facts = False          # for what it is given: what an integer is used for is not known
+        self._set_guards(reading.guards, reading.arrays)
 
     @classmethod
     def of(cls, program: Program, function: FunctionType) -> ProgramVersion:
@@ -157,7 +158,7 @@ class ProgramVersion:
     def with_program(self, program: Program, normal: Mapping[Any, Any] = MappingProxyType({})) -> ProgramVersion:
         """The state, whose program was read, and brought to these normal forms."""
         self._forms |= normal
-        self.waits = program.refused is not None
+        self.needs_facts = program.refused is not None
         self._program, self.registered = program, compiler().registered_rules(program)
         with recording(self._compiled_in):
             self._frozen = [(g.plain, compiler().compiled_in(g.plain)) for g in self.registered
@@ -172,7 +173,7 @@ class ProgramVersion:
                 self._program = self._read()
         return self._program
 
-    def _again(self) -> Program:
+    def _read_again(self) -> Program:
         program = compiler().program(self.function)
         if artifacts.address(program.guards, self.function, (), self.kernel) != self.reading.address:
             raise S2sadError(Diagnostic("S405", f"what '{self.kernel.name}' reads from outside was changed while its "
@@ -194,13 +195,13 @@ class ProgramVersion:
 
     def adopt(self, program: Program) -> None:
         """From now on the state is for what this reading took."""
-        self._hold(program.guards, program.arrays)
+        self._set_guards(program.guards, program.arrays)
 
-    def _hold(self, guards: Guards, arrays: Mapping[str, Any]) -> None:
+    def _set_guards(self, guards: Guards, arrays: Mapping[str, Any]) -> None:
         self.guards, self.arrays = guards, tuple(arrays.values())
         self._edition = GIVEN.edition
 
-    def holds(self) -> bool:
+    def is_current(self) -> bool:
         """Whether all that was taken from outside is what it was."""
         return self._edition == GIVEN.edition and self.guards.hold() and self.unchanged()
 
@@ -226,7 +227,7 @@ class ProgramVersion:
                 try:
                     found = compiler().summary(self.program, types, self._forms)
                 except WaitingForFacts as waits:
-                    self._wait(waits)
+                    self._demand_facts(waits)
                     raise
             artifacts.store_summary(self._address, types, found)
         if types not in self._summaries:
@@ -236,11 +237,11 @@ class ProgramVersion:
                                             "of its module", help="pass the array as an argument"))
         return found
 
-    def _wait(self, waits: WaitingForFacts) -> None:
+    def _demand_facts(self, waits: WaitingForFacts) -> None:
         """From now on the program is made for what is known of the arguments."""
         made = compiler().waiting(self.function, waits, self.guards.varying)
-        self._program, self.asks, self.kernel = made, True, compiler().entry_kernel(made)
-        self.waits = True
+        self._program, self.depends_on_structure, self.kernel = made, True, compiler().entry_kernel(made)
+        self.needs_facts = True
         self.floats = float_parameters(self.kernel)
         self._forms.clear()
 
@@ -295,7 +296,7 @@ class ProgramVersion:
         values = self.arrays_by_name()
         return _with_trailing(variant.call, tuple(values[h] for h in hidden)) if hidden else variant.call
 
-    def first_run(self, values: Sequence[Any], engine: str) -> None:
+    def check_bounds(self, values: Sequence[Any], engine: str) -> None:
         """Runs the primal with bounds checks on copies, so that an index out of bounds raises before any write."""
         types = self.types(values)
         key = ("first run", types)
@@ -308,8 +309,8 @@ class ProgramVersion:
                           guards=guards)
         keep_loaded(module, self)
         function = getattr(module, variant.generated.entry)
-        copies = dict(zip(self.parameters, self.copied(values, types)))
-        arguments = variant.assemble(copies, {}, (), self.outside(types))
+        copies = dict(zip(self.parameters, self.with_private_copies(values, types)))
+        arguments = variant.assemble(copies, {}, (), self.private_outside_arrays(types))
         prepare(function, arguments, f"'{self.kernel.name}'")
         try:
             function(*arguments)
@@ -317,10 +318,10 @@ class ProgramVersion:
             raise variant.failures.meaning(error) from None
         self.entries[key] = True
 
-    def apart(self, types: tuple[Type, ...]) -> Callable[[Sequence[Any]], None] | None:
+    def overlap_check(self, types: tuple[Type, ...]) -> Callable[[Sequence[Any]], None] | None:
         """A function that refuses values whose arrays share memory, with another or in themselves, where they are
         written; None if none can."""
-        key = ("apart", types)
+        key = ("overlap", types)
         if key not in self.entries:
             places = [k for k, t in enumerate(types) if t.is_array]
             names = [*(self.parameters[k] for k in places), *self._arrays()]
@@ -330,7 +331,7 @@ class ProgramVersion:
                 lambda values: check.exact([*[values[k] for k in places], *self._arrays().values()]) and None)
         return self.entries[key]
 
-    def copied(self, values: Sequence[Any], types: tuple[Type, ...]) -> list[Any]:
+    def with_private_copies(self, values: Sequence[Any], types: tuple[Type, ...]) -> list[Any]:
         """The values, with copies of the arrays that the function may write."""
         summary = self.summary(types)
         check_contiguous(summary, dict(zip(self.parameters, values)))
@@ -345,7 +346,7 @@ class ProgramVersion:
     def _arrays(self) -> dict[str, np.ndarray]:
         return {n: a for n, a in self.arrays_by_name().items() if isinstance(a, np.ndarray)}
 
-    def outside(self, types: tuple[Type, ...]) -> dict[str, Any]:
+    def private_outside_arrays(self, types: tuple[Type, ...]) -> dict[str, Any]:
         """`arrays_by_name` with copies of what the function writes: no derivative changes its module."""
         if not self.arrays:
             return {}

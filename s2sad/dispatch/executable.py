@@ -47,7 +47,7 @@ class TapeReuse:
         return returned[:-self.count]
 
     @property
-    def held(self) -> int:
+    def stack_bytes(self) -> int:
         """The bytes of the stacks that the last call of this thread left behind."""
         return sum(stack.nbytes for stack in getattr(self._kept, "stacks", self.first))
 
@@ -117,7 +117,7 @@ class Executable:
                 arguments.append(values[p.name])
         return arguments
 
-    def checked(self, arguments: Sequence[Any]) -> tuple[int, ...]:
+    def shared_arrays(self, arguments: Sequence[Any]) -> tuple[int, ...]:
         """Raises unless shapes fit and memory lies apart; the places of shadows that need memory of their own."""
         if self._pick is None:
             return () if self._only is None else self.check((arguments[self._only],))
@@ -139,7 +139,7 @@ class Executable:
     def run(self, arguments: Sequence[Any], shared: tuple[int, ...] = ()) -> tuple[Any, ...]:
         """Calls the generated function; always a tuple, in the order of `generated.returns`."""
         try:
-            returned = self.apart(arguments, shared) if shared else self.function(*arguments)
+            returned = self.call_with_private_shadows(arguments, shared) if shared else self.function(*arguments)
         except CAUGHT as error:
             raise self.failures.meaning(error) from None
         return () if returned is None else tuple([kind(v) for kind, v in zip(self._kinds, returned)])
@@ -151,7 +151,7 @@ class Executable:
         except CAUGHT as error:
             raise self.failures.meaning(error) from None
 
-    def apart(self, arguments: Sequence[Any], shared: tuple[int, ...]) -> Any:
+    def call_with_private_shadows(self, arguments: Sequence[Any], shared: tuple[int, ...]) -> Any:
         """Calls it with private shadows for arguments that are one array, and adds these to the caller's."""
         own = list(arguments)
         for place in shared:

@@ -67,7 +67,7 @@ class _NumpyScalars:
             count = len(self.whose.converted)
             for node in filter(self.whose.raises, risky):
                 if not self.whose.is_complex(node):
-                    self.demand(node)
+                    self.convert_operand(node)
 
     def converted(self) -> FunctionDef:
         body = [self.statement(s) for s in self.tree.body]
@@ -80,7 +80,7 @@ class _NumpyScalars:
 
     # -- who is converted where it is bound -------------------------------------------------------------------------
 
-    def demand(self, node: BinOp) -> None:
+    def convert_operand(self, node: BinOp) -> None:
         """Converts what makes an operand NumPy's, if that can be."""
         operands = [node.right, node.left] if isinstance(node.op, Div) else [node.left, node.right]
         for operand in operands:
@@ -145,7 +145,7 @@ class _NumpyScalars:
             return self.operation(node)
         if call_name(node) in OF_MATH:
             return self.of_math(node)
-        if isinstance(node, UnaryOp) and isinstance(node.op, USub) and self.was_bool(node.operand):
+        if isinstance(node, UnaryOp) and isinstance(node.op, USub) and self.is_converted_bool(node.operand):
             return UnaryOp(node.op, call("builtins.int", rebuild(node.operand, self.expression)))
         return None
 
@@ -159,7 +159,7 @@ class _NumpyScalars:
 
     def operation(self, node: BinOp) -> AST | None:
         left, right = (rebuild(n, self.expression) for n in (node.left, node.right))
-        if self.was_bool(node.left) and self.was_bool(node.right):
+        if self.is_converted_bool(node.left) and self.is_converted_bool(node.right):
             left = call("builtins.int", left)
         if self.whose.raises(node) and self.whose.is_complex(node):
             made = call("numpy.divide" if isinstance(node.op, Div) else "numpy.power", left, right)
@@ -172,7 +172,7 @@ class _NumpyScalars:
         made = BinOp(left, node.op, right)
         return placed(made, node)
 
-    def was_bool(self, node: AST) -> bool:
+    def is_converted_bool(self, node: AST) -> bool:
         """Whether a conversion has made a bool NumPy's, whose arithmetic is another one."""
         return (_is_test(node, self.whose.bound, frozenset()) and self.whose.kind(node) <= NARROW
                 and self.before.kind(node) == INT)

@@ -37,7 +37,7 @@ def _commented(block: list[AST], source: Source, indent: int, last: str = "") ->
     for statement in block:
         if isinstance(statement, (Assign, AugAssign, Expr)) and getattr(statement, "lineno", None):
             origin = text_of(statement, source, _WIDTH - indent)
-            if origin != last and not _is_zero(statement) and not _speaks_for_itself(statement, origin):
+            if origin != last and not _is_zero(statement) and not _is_redundant(statement, origin):
                 made.append(at(comment(origin), statement))
                 last = origin
             made.append(statement)
@@ -54,7 +54,7 @@ def _is_zero(statement: AST) -> bool:
         value, "value", None) == 0.0
 
 
-def _speaks_for_itself(statement: AST, origin: str) -> bool:
+def _is_redundant(statement: AST, origin: str) -> bool:
     """Whether a comment would repeat the statement, or name the branch or loop around it."""
     return origin.startswith(_COMPOUND) or origin.replace(" ", "") == text(statement).replace(" ", "")
 

@@ -53,7 +53,7 @@ def recorded_by(derived: UnitDerivative) -> list[StackEntry]:
     if derived.made.tape is None or derived.plan is None:
         return []
     present = {n.id for n in walk(derived.function.body) if isinstance(n, Name)}
-    wished = derived.made.tape.free.wanted
+    wished = derived.made.tape.free.hints
     found: list[StackEntry] = []
     for key, stack in derived.made.tape.stacks.items():
         if stack.array in present or not stack.sizes and not stack.grows and wished.get(stack.array) in present:

@@ -57,7 +57,7 @@ def _only_choosing(tree: FunctionDef, others: Mapping[str, set[str]], trees: Map
     read = Counter(n.id for n in walk(tree.body) if isinstance(n, Name) and isinstance(n.ctx, Load))
     choosing: set[str] = set()
     while True:     # what is bound to a name that only chooses does as well
-        chosen = Counter(c.id for node in walk(tree.body) for c in _choices(node, others, trees, choosing)
+        chosen = Counter(c.id for node in walk(tree.body) for c in _choosing_operands(node, others, trees, choosing)
                          if isinstance(c, Name))
         more = {n for n in read if read[n] == chosen[n]} - choosing
         if not more:
@@ -65,25 +65,25 @@ def _only_choosing(tree: FunctionDef, others: Mapping[str, set[str]], trees: Map
         choosing |= more
 
 
-def _truth(node: AST) -> Iterator[AST]:
+def _truth_operands(node: AST) -> Iterator[AST]:
     """The operands of which an expression's truth is made; the value of `a or b` itself is one of them."""
     if isinstance(node, BoolOp):
         for operand in node.values:
-            yield from _truth(operand)
+            yield from _truth_operands(operand)
     else:
         yield node
 
 
-def _choices(node: AST, others: Mapping[str, set[str]], trees: Mapping[str, FunctionDef], choosing: set[str]
+def _choosing_operands(node: AST, others: Mapping[str, set[str]], trees: Mapping[str, FunctionDef], choosing: set[str]
              ) -> Iterator[AST]:
     """The operands of a node that only choose."""
     if isinstance(node, (If, IfExp, While, Assert)):
-        yield from _truth(node.test)
+        yield from _truth_operands(node.test)
     elif isinstance(node, UnaryOp) and isinstance(node.op, Not):
-        yield from _truth(node.operand)
+        yield from _truth_operands(node.operand)
     elif isinstance(node, Assign):
         if all(isinstance(t, Name) and t.id in choosing for t in node.targets):
-            yield from _truth(node.value)
+            yield from _truth_operands(node.value)
     elif isinstance(node, Compare):
         operands = [node.left, *node.comparators]
         if not any(isinstance(op, _ORDERS) for op in node.ops) and any(
@@ -94,4 +94,5 @@ def _choices(node: AST, others: Mapping[str, set[str]], trees: Mapping[str, Func
         if helper in others:
             passed = [*zip((a.id for a in trees[helper].args.args), node.args),
                      *((k.arg, k.value) for k in node.keywords)]
-            yield from (n for parameter, argument in passed if parameter in others[helper] for n in _truth(argument))
+            yield from (n for parameter, argument in passed if parameter in others[helper]
+                        for n in _truth_operands(argument))

@@ -93,10 +93,10 @@ class Typing(TypesOfCalls):
 
     def argument(self, node: AST) -> Type:
         """The type of an argument of a call, with the axes that are known to have length 1."""
-        ones = self.ones.get(node.id, ()) if isinstance(node, Name) else self.single(node)
+        ones = self.ones.get(node.id, ()) if isinstance(node, Name) else self.unit_axes_by_form(node)
         return replace(self.of(node), ones=ones) if ones else self.of(node)
 
-    def single(self, node: AST) -> tuple[int, ...]:
+    def unit_axes_by_form(self, node: AST) -> tuple[int, ...]:
         """The axes of a part of an array that have length 1 by the form of its subscripts."""
         if not isinstance(node, Subscript) or not self.of(node).is_array:
             return ()

@@ -83,7 +83,7 @@ class Shapes(RequestedShapes):
 
     def allocated(self, array: str, shape: Shape) -> None:
         """Notes the shape in which an array has been allocated; it holds as long as equal sizes are remembered."""
-        self.arrays[array] = tuple(d if d is not None and not d.terms else self.own(array, k)
+        self.arrays[array] = tuple(d if d is not None and not d.terms else self.own_symbol(array, k)
                                    for k, d in enumerate(shape))
         for own, size in zip(self.arrays[array], shape):
             if own is not None and own.terms and size is not None:
@@ -95,17 +95,17 @@ class Shapes(RequestedShapes):
                 elif symbol not in dict(known.terms):
                     self.equal[symbol] = known
 
-    def like(self, array: str, other: str) -> None:
+    def note_same_shape(self, array: str, other: str) -> None:
         """Notes that an array has the shape of another, wherever it is used."""
         if self.of(name(other)):
             self.arrays[array] = self.arrays[other]
 
-    def either(self, array: str, one: Shape, other: Shape) -> None:
+    def note_two_shapes(self, array: str, one: Shape, other: Shape) -> None:
         """An array that has been allocated in one shape or in another."""
-        if all(self.same(a, b) for a, b in zip(one, other)):
+        if all(self.are_equal(a, b) for a, b in zip(one, other)):
             self.allocated(array, one)
             return
-        self.arrays[array] = tuple(ONE if ONE == a == b else self.own(array, k)
+        self.arrays[array] = tuple(ONE if ONE == a == b else self.own_symbol(array, k)
                                    for k, (a, b) in enumerate(zip(one, other)))
         for own in self.arrays[array]:
             for symbol, _ in own.terms if own is not None else ():
@@ -137,7 +137,7 @@ class Shapes(RequestedShapes):
     def forget(self, statement: AST) -> None:
         """Forgets what is equal to sizes of arrays that a statement, or one inside it, may allocate anew."""
         for array in self.several & set(stored_names([statement])) if self.several else ():
-            symbols = {s for k in range(self.typing.table[array].rank) for s, _ in self.own(array, k).terms}
+            symbols = {s for k in range(self.typing.table[array].rank) for s, _ in self.own_symbol(array, k).terms}
             self.equal = {s: f for s, f in self.equal.items() if symbols.isdisjoint({s, *(t for t, _ in f.terms)})}
 
     def learn_single(self, statement: Assign) -> None:
@@ -152,7 +152,7 @@ class Shapes(RequestedShapes):
             return
         known = self.arrays.get(target, found)
         if found is not None and known is not None:
-            self.arrays[target] = tuple(ONE if ONE == a == b else self.own(target, k)
+            self.arrays[target] = tuple(ONE if ONE == a == b else self.own_symbol(target, k)
                                         for k, (a, b) in enumerate(zip(found, known)))
 
 

@@ -124,8 +124,8 @@ class SliceExtents(Sizes):
         if low is None or high is None or not self.is_counted(part.lower):
             return False
         rest = high.plus(low, -1)
-        return all(c > 0 and s in self.least() for s, c in rest.terms) and rest.constant + sum(
-            c * self.least()[s] for s, c in rest.terms) >= 0
+        return all(c > 0 and s in self.lower_bounds() for s, c in rest.terms) and rest.constant + sum(
+            c * self.lower_bounds()[s] for s, c in rest.terms) >= 0
 
     def span(self, part: Slice, size: Affine) -> tuple[Affine, Affine, Step] | None:
         """Start, stop and step of a slice of an axis of this size, as of a range; None if they may change."""

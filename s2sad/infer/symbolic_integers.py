@@ -55,7 +55,7 @@ class Sizes(ABC):
             rest = Affine.of({s: c for s, c in size.terms if s != found}, size.constant)
             size = rest.plus(self.equal[found], factor)
 
-    def same(self, a: Affine | None, b: Affine | None) -> bool:
+    def are_equal(self, a: Affine | None, b: Affine | None) -> bool:
         """Whether two sizes are known to be equal."""
         return a is not None and b is not None and self.reduced(a) == self.reduced(b)
 
@@ -130,12 +130,12 @@ class Sizes(ABC):
         """Whether an integer expression is known not to be negative: made of counters and sizes."""
         if isinstance(node, BinOp) and isinstance(node.op, Mod):
             return self.is_counted(node.right)
-        form, least = self.size(node), self.least()
+        form, least = self.size(node), self.lower_bounds()
         if form is None or any(c < 0 or s not in least for s, c in form.terms):
             return False
         return form.constant + sum(c * least[s] for s, c in form.terms) >= 0
 
-    def least(self) -> dict[str, int]:
+    def lower_bounds(self) -> dict[str, int]:
         """The least value of every symbol of which one is known."""
         sizes = {s: 0 for s, atom in self.atoms.items() if _is_size(atom)}
         return {**sizes, **{dump(name(c)): low for c, low in self.counters.items()}}
@@ -163,7 +163,7 @@ class Sizes(ABC):
         below = form.constant < 0 or any(c < 0 for _, c in form.terms)
         return call("builtins.max", made, const(0)) if below else made
 
-    def own(self, base: str, axis: int) -> Affine:
+    def own_symbol(self, base: str, axis: int) -> Affine:
         """The size of an array's axis, by its own name."""
         size = index(attribute(name(base), "shape"), const(axis))
         self.atoms[key := dump(size)] = size
@@ -171,7 +171,7 @@ class Sizes(ABC):
 
     def is_place(self, form: Affine) -> bool:
         """Whether a form is known not to be negative, made of sizes and counters."""
-        least = self.least()
+        least = self.lower_bounds()
         return all(c > 0 and s in least for s, c in form.terms) and form.constant + sum(
             c * least[s] for s, c in form.terms) >= 0
 

@@ -45,7 +45,7 @@ class AnnotatedCall:
             check_writable(names[k], values[k])
         noneed = {n for n, a in self.marks.items() if isinstance(a, DuplicatedNoNeed)}
         self.keeps = mode.with_primal or any(names[k] not in noneed for k in self.written)
-        self.variant = self._made()
+        self.variant = self._derive()
         self.places = () if self.variant is None else places(
             [p.primal for p in self.variant.seeds] if mode.reverse else
             [r for r in self.variant.generated.returns if r.startswith(RETURN)])
@@ -62,7 +62,7 @@ class AnnotatedCall:
         self.coercions = [(k, how) for k, (n, v) in enumerate(zip(names, primals))
                           if (how := coercion(n, v, n in floats)) is not None]
 
-    def _made(self) -> Executable | None:
+    def _derive(self) -> Executable | None:
         """The variant, or None where no selected output can depend on a selected input."""
         names, name = self.state.parameters, self.state.kernel.name
         marked = tuple(n for n in names if n in self.active or n in self.duplicated)
@@ -80,7 +80,7 @@ class AnnotatedCall:
         if lost:
             program = self.state.program
             source = program.kernels[program.entry].source
-            raise S2sadError(*(_lost(n, s, source, self.mode) for n, s in lost))
+            raise S2sadError(*(_missing_shadow(n, s, source, self.mode) for n, s in lost))
         return variant
 
     def _refuse_returned(self, wrt: tuple[str, ...]) -> None:
@@ -107,12 +107,12 @@ class AnnotatedCall:
         seeds = self._seeds(seed, by_name)
         if self.variant is None:
             self._refuse_overlap(values)
-            self.state.first_run(values, self.engine)
+            self.state.check_bounds(values, self.engine)
             primal = self._primal(values)
-            return self._answer({} if self.mode.reverse else self._zeros(primal), primal, by_name, owned)
+            return self._returned({} if self.mode.reverse else self._zeros(primal), primal, by_name, owned)
         returned = self._derived(values, by_name, owned, seeds)
         primal = self._primal(values) if self.keeps else None
-        return self._answer(dict(zip(self.variant.generated.returns if self.mode.reverse else self.places, returned)),
+        return self._returned(dict(zip(self.variant.generated.returns if self.mode.reverse else self.places, returned)),
                             primal, by_name, owned)
 
     def _derived(self, values: list[Any], by_name: dict[str, Any], shadows: dict[str, Any],
@@ -123,12 +123,12 @@ class AnnotatedCall:
         assert variant is not None
         ordered = [seeds.get(k, 0.0) for k in self.places] if self.mode.reverse else []
         arguments = variant.assemble(by_name, shadows, ordered, state.arrays_by_name())
-        shared = variant.checked(arguments)
+        shared = variant.shared_arrays(arguments)
         if not self._ready:
-            state.first_run(values, self.engine)
+            state.check_bounds(values, self.engine)
         if self.keeps or state.arrays:
-            own = dict(zip(state.parameters, state.copied(values, self.types))) if self.keeps else by_name
-            arguments = variant.assemble(own, shadows, ordered, state.outside(self.types))
+            own = dict(zip(state.parameters, state.with_private_copies(values, self.types))) if self.keeps else by_name
+            arguments = variant.assemble(own, shadows, ordered, state.private_outside_arrays(self.types))
         if not self._ready:
             variant.prepare(arguments)
             self._ready = True
@@ -144,9 +144,9 @@ class AnnotatedCall:
         return values
 
     def _refuse_overlap(self, values: list[Any]) -> None:
-        apart = self.state.apart(self.types)
-        if apart is not None:
-            apart(values)
+        check = self.state.overlap_check(self.types)
+        if check is not None:
+            check(values)
 
     def _primal(self, values: list[Any]) -> Any:
         returned = self.state.primal(self.types, self.engine)(*values)
@@ -157,7 +157,7 @@ class AnnotatedCall:
         parts = leaves(primal)
         return {k: make_zero(parts[k]) for k in self.results.own if self.results.types[k].is_array}
 
-    def _answer(self, found: dict[Any, Any], primal: Any, values: dict[str, Any], shadows: dict[str, Any]) -> Any:
+    def _returned(self, found: dict[Any, Any], primal: Any, values: dict[str, Any], shadows: dict[str, Any]) -> Any:
         if self.mode.reverse:
             derivative = tuple(found[n] if n in found else make_zero(values[n]) for n in self.active)
         else:
@@ -186,7 +186,7 @@ class AnnotatedCall:
                 else array_seed(RETURN, s, values[results.aliases[k]]) for k, s in found.items()}
 
 
-def _lost(name: str, store: Any, source: Source, mode: Mode) -> Diagnostic:
+def _missing_shadow(name: str, store: Any, source: Source, mode: Mode) -> Diagnostic:
     place = Span.of(source, store) if getattr(store, "lineno", None) else None
     message = f"the argument '{name}' is Const, but active values are stored in it and read again"
     return Diagnostic("S406", message, place,
@@ -202,7 +202,7 @@ def _admissible(name: str, mark: Any, mode: Mode) -> None:
     if not isinstance(mark, Annotation):
         if is_array or isinstance(value, (float, complex, np.floating)):
             raise _refused(f"the argument '{name}' has no annotation",
-                           f"say {_choices(name, is_array, mode)}")
+                           f"say {_fitting_marks(name, is_array, mode)}")
     elif isinstance(mark, BatchDuplicated):
         raise _refused(f"the argument '{name}' is BatchDuplicated, which is not supported",
                        f"call once for each direction with Duplicated({name}, shadow)")
@@ -210,7 +210,7 @@ def _admissible(name: str, mark: Any, mode: Mode) -> None:
         raise _refused(f"the argument '{name}' is Active, which means nothing in a forward mode",
                        f"use Duplicated({name}, {name}_dot)")
     elif isinstance(mark, Active) and not number:
-        raise _refused(f"the argument '{name}' is Active, but no float", f"say {_choices(name, is_array, mode)}")
+        raise _refused(f"the argument '{name}' is Active, but no float", f"say {_fitting_marks(name, is_array, mode)}")
     elif isinstance(mark, Duplicated):
         if number and mode.reverse:
             raise _refused(f"the argument '{name}' is a float, which cannot be Duplicated in reverse",
@@ -219,7 +219,7 @@ def _admissible(name: str, mark: Any, mode: Mode) -> None:
             raise _refused(f"the argument '{name}' is Duplicated, but holds no floats", f"use Const({name})")
 
 
-def _choices(name: str, is_array: bool, mode: Mode) -> str:
+def _fitting_marks(name: str, is_array: bool, mode: Mode) -> str:
     suffix = "bar" if mode.reverse else "dot"
     active = f"Active({name})" if mode.reverse and not is_array else f"Duplicated({name}, {name}_{suffix})"
     return f"Const({name}) or {active}"

@@ -11,7 +11,7 @@ from s2sad.dispatch.arguments import kernel_value, bind, describe
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.interface.foreign_names import unexpected_keywords
-from s2sad.interface.pytrees import flat_autodiff as with_structures, flattened, flat_call
+from s2sad.interface.pytrees import flat_autodiff as with_structures, flatten, flat_call
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import selection_of
 from s2sad.program import Request
@@ -137,17 +137,17 @@ class Differentiated(Decorated, Generic[P, R]):
         if given is not self:
             return Differentiated(given, engine=self.engine).primal(*args, **keywords)
         state = self._derivatives.state()
-        structures = flattened(state, bind(state.kernel, args, keywords))
+        structures = flatten(state, bind(state.kernel, args, keywords))
         if structures is not None:
             if self.engine == "numpy":
                 return self.__wrapped_kernel__(*args, **keywords)
             return with_structures.primal(structures, bind(state.kernel, args, keywords), self.engine)
         values = self._values(state, args, keywords)
         types = state.types(values)
-        function, apart = state.primal(types, self.engine), state.apart(types)
-        if apart is not None:
-            apart(values)
-        state.first_run(values, self.engine)
+        function, check = state.primal(types, self.engine), state.overlap_check(types)
+        if check is not None:
+            check(values)
+        state.check_bounds(values, self.engine)
         results = ReturnedValues.of(state.summary(types))
         return results.with_aliases(function(*values), dict(zip(state.parameters, values)))
 

@@ -10,7 +10,7 @@ import numpy as np
 from s2sad.dispatch.arguments import kernel_value, bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.interface.foreign_names import unexpected_keywords
-from s2sad.interface.pytrees import flat_drivers as with_structures, flattened
+from s2sad.interface.pytrees import flat_drivers as with_structures, flatten
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
 from s2sad.interface.selection import RETURN, Wrt, names_of
@@ -93,7 +93,7 @@ class _Driver(Decorated):
     def __repr__(self) -> str:
         return f"<{self._what} of {getattr(self.__wrapped__, '__name__', 'f')}>"
 
-    def _found(self, args: tuple[Any, ...], keywords: dict[str, Any]) -> tuple[Any, Any]:
+    def _value_and_gradient(self, args: tuple[Any, ...], keywords: dict[str, Any]) -> tuple[Any, Any]:
         entry, args = _prepared(self.__wrapped__, self._derivatives, self._names, args, keywords)
         return entry.value_and_gradient(args)
 
@@ -104,7 +104,7 @@ class Gradient(_Driver, Generic[P]):
 
     @public
     def __call__(self, *args: P.args, **keywords: P.kwargs) -> Any:
-        return self._found(args, keywords)[1]
+        return self._value_and_gradient(args, keywords)[1]
 
 
 class ValueAndGradient(_Driver, Generic[P, R]):
@@ -113,7 +113,7 @@ class ValueAndGradient(_Driver, Generic[P, R]):
 
     @public
     def __call__(self, *args: P.args, **keywords: P.kwargs) -> tuple[R, Any]:
-        return self._found(args, keywords)
+        return self._value_and_gradient(args, keywords)
 
 
 def _prepared(f: Any, derivatives: DerivativeCache, names: tuple[str, ...] | None, args: tuple[Any, ...],
@@ -124,9 +124,9 @@ def _prepared(f: Any, derivatives: DerivativeCache, names: tuple[str, ...] | Non
     if keywords:
         args = tuple(bind(state.kernel, args, keywords))
     args = _with_floats(state, names if names is not None else selection_of(f)[0], args)
-    apart = flattened(state, args)
-    if apart is not None:
-        return with_structures.FlatGradient(apart, f, names), tuple(bind(state.kernel, args))
+    flattened = flatten(state, args)
+    if flattened is not None:
+        return with_structures.FlatGradient(flattened, f, names), tuple(bind(state.kernel, args))
     key = ("gradient", names, describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
@@ -137,7 +137,7 @@ def _prepared(f: Any, derivatives: DerivativeCache, names: tuple[str, ...] | Non
 def _with_floats(state: ProgramVersion, names: tuple[str, ...] | None, args: tuple[Any, ...]) -> tuple[Any, ...]:
     """The arguments, with integers in place of floats, 2 for 2.0, as floats: those that a gradient is with respect
     to, so that what it returns depends on the kernel and not on how its arguments are spelled."""
-    if names is None and state.waits:
+    if names is None and state.needs_facts:
         return args
     found = state.entries.get(("floats", names))
     if found is None:
@@ -172,10 +172,10 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     """
     given, args, _ = apply_functions(f, _listed(args), {})
     state, names = derivatives_of(given).state(), names_of(wrt, given)
-    apart = flattened(state, args)
-    if apart is not None:
+    flattened = flatten(state, args)
+    if flattened is not None:
         _named(seeds, "seeds")
-        return with_structures.vjp(apart, f, bind(state.kernel, args), seeds, names)
+        return with_structures.vjp(flattened, f, bind(state.kernel, args), seeds, names)
     key = ("vjp", names, _named(seeds, "seeds"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
@@ -202,10 +202,10 @@ def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any],
     """
     given, args, _ = apply_functions(f, _listed(args), {})
     state, names = derivatives_of(given).state(), names_of(of, given, "of")
-    apart = flattened(state, args)
-    if apart is not None:
+    flattened = flatten(state, args)
+    if flattened is not None:
         _named(tangents, "tangents")
-        return with_structures.jvp(apart, f, bind(state.kernel, args), tangents, names)
+        return with_structures.jvp(flattened, f, bind(state.kernel, args), tangents, names)
     key = ("jvp", names, _named(tangents, "tangents"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:

@@ -31,8 +31,8 @@ class ShadowCall:
         self._fitted(args, by_name)
         self._coercions = self._conversions(args)
         arguments = self._arguments(args)
-        self.variant.checked(arguments)
-        state.first_run(values, self.variant.engine)
+        self.variant.shared_arrays(arguments)
+        state.check_bounds(values, self.variant.engine)
         self.variant.prepare(arguments)
         self._direct = not self._coercions and not self._hidden
         bare = self.variant.engine == "numba" and not any(p.type.is_array for p in self.variant.seeds)
@@ -41,14 +41,14 @@ class ShadowCall:
     def __call__(self, args: tuple[Any, ...]) -> Any:
         variant = self.variant
         arguments = args if self._direct else self._arguments(args)
-        shared = variant.checked(arguments)
+        shared = variant.shared_arrays(arguments)
         if self._hidden_written:
             assert isinstance(arguments, list)  # hidden arguments are never direct
-            outside = self.state.outside(self.types)
+            outside = self.state.private_outside_arrays(self.types)
             for k in self._hidden:
                 arguments[k] = outside[variant.parameters[k].name]
         try:
-            return variant.apart(arguments, shared) if shared else self._call(*arguments)
+            return variant.call_with_private_shadows(arguments, shared) if shared else self._call(*arguments)
         except CAUGHT as error:
             raise variant.failures.meaning(error) from None
 

@@ -37,12 +37,13 @@ def match_arguments(state: ProgramVersion, mode: str, args: tuple[Any, ...], sel
             except S2sadError:
                 continue
             valid = valid or request
-            if _implied(state, request) == (layout, len(args) - len(layout)) and (strict or _meant(layout, args)):
+            if _layout_of(state, request) == (layout, len(args) - len(layout)) and (
+                    strict or _shadows_are_arrays(layout, args)):
                 return state.variant(request, selection[2]), layout, values
-    raise _misread(state, mode, args, selection, valid)
+    raise _mismatch(state, mode, args, selection, valid)
 
 
-def _meant(layout: Layout, args: Sequence[Any]) -> bool:
+def _shadows_are_arrays(layout: Layout, args: Sequence[Any]) -> bool:
     """Whether no number is read as the shadow of an array: that is another argument."""
     return not any(role == "shadow" and isinstance(args[k - 1], np.ndarray) and isinstance(args[k], (int, float))
                    for k, (role, _) in enumerate(layout))
@@ -60,7 +61,7 @@ def _request(state: ProgramVersion, mode: str, types: tuple[Type, ...], selectio
     return Request(mode, types, wrt, selected_of(name, parameters, types, state.summary(types), selection[1]))
 
 
-def _implied(state: ProgramVersion, request: Request) -> tuple[Layout, int]:
+def _layout_of(state: ProgramVersion, request: Request) -> tuple[Layout, int]:
     """The layout that goes with these types, and the number of seeds."""
     layout: Layout = []
     for name, kind in zip(state.parameters, request.types):
@@ -83,9 +84,9 @@ def _layouts(state: ProgramVersion, args: Sequence[Any], mode: str, selection: S
     if len(args) - start < len(names) - done:
         return
     name = names[done]
-    may, must = _shadowed(name, args[start], mode, selection, name in state.floats)
+    may, must = _shadow_options(name, args[start], mode, selection, name in state.floats)
     following = args[start + 1] if start + 1 < len(args) else None
-    if may and start + 1 < len(args) and not (strict and not _alike(args[start], following)):
+    if may and start + 1 < len(args) and not (strict and not _could_be_shadow(args[start], following)):
         for rest in _layouts(state, args, mode, selection, strict, start + 2, done + 1):
             yield [("primal", name), ("shadow", name), *rest]
     if not (strict and must):
@@ -93,7 +94,7 @@ def _layouts(state: ProgramVersion, args: Sequence[Any], mode: str, selection: S
             yield [("primal", name), *rest]
 
 
-def _shadowed(name: str, value: Any, mode: str, selection: Selection, is_float: bool) -> tuple[bool, bool]:
+def _shadow_options(name: str, value: Any, mode: str, selection: Selection, is_float: bool) -> tuple[bool, bool]:
     """Whether an argument may, and whether it must have a shadow."""
     wrt, of, _ = selection
     varied = wrt is None or name in wrt
@@ -105,25 +106,25 @@ def _shadowed(name: str, value: Any, mode: str, selection: Selection, is_float: 
     return shadowed, shadowed
 
 
-def _alike(value: Any, following: Any) -> bool:
+def _could_be_shadow(value: Any, following: Any) -> bool:
     if isinstance(value, np.ndarray):
         return isinstance(following, np.ndarray) and (following.dtype, following.ndim) == (value.dtype, value.ndim)
     return isinstance(following, (int, float, complex, np.number))
 
 
-def _misread(state: ProgramVersion, mode: str, args: Sequence[Any], selection: Selection,
+def _mismatch(state: ProgramVersion, mode: str, args: Sequence[Any], selection: Selection,
              valid: Request | None) -> S2sadError:
     """What is wrong with a list of arguments that cannot be read: a shadow or a seed that is missing, else an argument
     of its own, else what the signature is."""
     lacking: dict[tuple[tuple[str, ...], int], Request] = {}
     first: S2sadError | None = None
-    for layout in islice(_plausible(state, args, mode, selection), _LOOSE):
+    for layout in islice(_matching_layouts(state, args, mode, selection), _LOOSE):
         try:
             request = _request(state, mode, state.types(_values(state, layout, args)), selection)
         except S2sadError as error:
             first = first or error
             continue
-        implied, seeds = _implied(state, request)
+        implied, seeds = _layout_of(state, request)
         absent = tuple(name for role, name in implied if role == "shadow" and (role, name) not in layout)
         short = seeds - (len(args) - len(layout))
         if {*layout} <= {*implied} and not (absent and short < 0):
@@ -161,7 +162,7 @@ def _argument_text(value: Any) -> str:
     return "None" if value is None else type(value).__name__
 
 
-def _plausible(state: ProgramVersion, args: Sequence[Any], mode: str, selection: Selection) -> Iterator[Layout]:
+def _matching_layouts(state: ProgramVersion, args: Sequence[Any], mode: str, selection: Selection) -> Iterator[Layout]:
     """The readings in which each shadow that is there has the shape of its primal, the fullest first."""
     for layout in islice(_layouts(state, args, mode, selection, False), _STRICT):
         if all(role == "primal" or _same_shape(args[k - 1], args[k]) for k, (role, _) in enumerate(layout)):

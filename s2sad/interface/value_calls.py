@@ -43,7 +43,7 @@ class PreparedCall:
         self.results = ReturnedValues.of(self.summary)
         self.written = [k for k, n in enumerate(self.names)
                         if n in self.summary.written and isinstance(values[k], np.ndarray)]
-        self._apart = state.apart(self.types)
+        self._apart = state.overlap_check(self.types)
         if self._apart is not None:
             self._apart(values)
         self._ready = False
@@ -65,12 +65,12 @@ class PreparedCall:
             values[k] = private_copy(values[k])
         return values
 
-    def called(self, variant: Executable, values: Mapping[str, Any], shadows: Mapping[str, Any],
+    def call(self, variant: Executable, values: Mapping[str, Any], shadows: Mapping[str, Any],
                seeds: Sequence[Any] = ()) -> tuple[Any, ...]:
         """Calls the derivative; the first time it is compiled, and the primal run with bounds checks."""
-        arguments = variant.assemble(values, shadows, seeds, self.state.outside(self.types))
+        arguments = variant.assemble(values, shadows, seeds, self.state.private_outside_arrays(self.types))
         if not self._ready:
-            self.state.first_run([values[n] for n in self.names], self.engine)
+            self.state.check_bounds([values[n] for n in self.names], self.engine)
             variant.prepare(arguments)
             self._ready = True
         return variant.run(arguments)
@@ -91,7 +91,7 @@ class ReverseCall(PreparedCall):
         if chosen is None and with_value:
             wrt = tuple(n for n in state.kernel.independents if kinds[n].is_inexact) or None
         self.wrt = selected_wrt(name, self.names, self.types, wrt if chosen is None else chosen)
-        self.alone = len(self.wrt) == 1 and (
+        self.is_single = len(self.wrt) == 1 and (
             chosen is not None or sum(kinds[n] != NONE for n in state.kernel.independents) <= 1)
         if with_value and (len(self.results.types) != 1 or not self.results.types[0].is_float
                            or self.results.types[0].is_array):
@@ -106,7 +106,7 @@ class ReverseCall(PreparedCall):
 
     def run(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[Any, ...]]:
         values, shadows, result_seeds = self.bind_values(args, seeds)
-        return shadows, self.called(self.rv, values, shadows, result_seeds)
+        return shadows, self.call(self.rv, values, shadows, result_seeds)
 
     def bind_values(self, args: Sequence[Any], seeds: Mapping[str, Any]
                  ) -> tuple[dict[str, Any], dict[str, Any], list[Any]]:
@@ -136,7 +136,7 @@ class ReverseCall(PreparedCall):
     def value_and_gradient(self, args: Sequence[Any]) -> tuple[Any, Any]:
         shadows, returned = self.run(args, _ONE)
         found = self.gradients(shadows, returned)
-        return returned[0], found[self.wrt[0]] if self.alone else found
+        return returned[0], found[self.wrt[0]] if self.is_single else found
 
     def _result_seeds(self, seed: Any) -> dict[int, Any]:
         """The seeds of the results, by position."""
@@ -174,7 +174,7 @@ class ForwardCall(PreparedCall):
 
     def jvp(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> dict[str, Any]:
         values, shadows = self.bind_values(args, tangents)
-        returned = self.called(self.fv, values, shadows)
+        returned = self.call(self.fv, values, shadows)
         found: dict[int, Any] = dict(zip(places(self.fv.generated.returns), returned))
         for place, name in self.results.aliases.items():
             found[place] = shadows[name]

@@ -95,7 +95,7 @@ class VaryingNumber:
     key: Any
     value: int | float
 
-    def now(self) -> int | float:
+    def current_value(self) -> int | float:
         """The number now; raises S2sadError if it has become another kind of thing since the guards held."""
         found = self.get(self.key, ABSENT)
         if kind(found) is not type(self.value):
@@ -116,7 +116,7 @@ def kind(value: Any) -> type | None:
 
 def current(value: Any) -> Any:
     """A value that was taken, as it is now: an array is what it is, a number that varies has another value."""
-    return value.now() if isinstance(value, VaryingNumber) else value
+    return value.current_value() if isinstance(value, VaryingNumber) else value
 
 
 class Guards:
@@ -156,7 +156,7 @@ class Guards:
             self._paths.setdefault(id(value), path)
         return self.places[place].value
 
-    def changed(self, before: Guards) -> list[Path]:
+    def changed_numbers(self, before: Guards) -> list[Path]:
         """The paths at which both took numbers of one type that are not the same."""
         numbers = {g.path: g.value for g in before.places.values() if kind(g.value)}
         return [g.path for g in self.places.values() if g.path in numbers

@@ -37,7 +37,7 @@ def side_table(function: FunctionType) -> dict[str, Any]:
     return kept
 
 
-def remembered(function: FunctionType, name: str) -> Any:
+def looked_up(function: FunctionType, name: str) -> Any:
     """What the table of a function has under a name; None if it has nothing."""
     return side_table(function).get(name) if _NAME in vars(function) else None
 

@@ -18,7 +18,7 @@ from types import CodeType, FunctionType, MethodType
 from typing import Any
 
 from s2sad.live_objects.guards import STEPS, class_attribute, reached, taken
-from s2sad.live_objects.side_table import remembered, side_table
+from s2sad.live_objects.side_table import looked_up, side_table
 
 STEPS["function"] = lambda value: lambda *_: named_function(value)
 STEPS["kernel"] = lambda function: lambda *_: partial_application(function)[0]
@@ -54,7 +54,7 @@ def named_function(value: Any) -> FunctionType | None:
 def partial_application(function: FunctionType) -> tuple[FunctionType, Mapping[str, Any]]:
     """The function whose text is read, and its bound arguments by parameter; of an object that is called what its class
     calls now."""
-    kernel, names, called = remembered(function, "given") or (function, {}, None)
+    kernel, names, called = looked_up(function, "given") or (function, {}, None)
     method = None if called is None else _method(called)
     made = None if method is None else _partially_applied(method)
     if made is not None:

@@ -38,8 +38,8 @@ class NormalContext(KernelScope):
     numbers: dict[str, str] = field(default_factory=dict)   # the arrays that were contracted to numbers
     family: dict[str, str] = field(default_factory=dict)    # the variable of each name
 
-    def apart(self) -> NormalContext:
-        made = super().apart()
+    def fork(self) -> NormalContext:
+        made = super().fork()
         made.contiguous = set(self.contiguous)
         return made
 

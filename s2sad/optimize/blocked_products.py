@@ -138,7 +138,7 @@ class BlockedLoop:
         counts_up = least is not None and least >= 0    # else a row of the block may count from the end
         if not self.before and not self.after or not counts_up or not all(
                 map(self.is_invariant, (self.bounds.start, self.bounds.stop))):
-            self.text.free.give_back(self.first, self.last)
+            self.text.free.release(self.first, self.last)
             return [self.loop]
         body = [s for s in body if not any(s is m for m in self.deferred_nests)]
         fixed = [s for s in body if isinstance(s, Assert) and self.is_invariant(s.test)]

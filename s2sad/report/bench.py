@@ -151,7 +151,7 @@ class _Measurement:
         return {n: values[n] for n in self.measured.of}
 
     def _copies(self) -> list[Any]:
-        return self.measured.state.copied(self.measured.arguments, self.measured.types)
+        return self.measured.state.with_private_copies(self.measured.arguments, self.measured.types)
 
     def _seeds(self, outputs: dict[str, Any]) -> tuple[dict[str, Any], tuple[str, Callable[[], Any]]]:
         """The seeds of the outputs, and the call as a user makes it, with its name."""
@@ -230,7 +230,7 @@ class _Measurement:
 
     def _bare(self, variant: Any, values: dict[str, Any], shadows: dict[str, Any], seeds: Sequence[Any] = ()
               ) -> Callable[[], Any]:
-        outside = self.measured.state.outside(self.measured.types)
+        outside = self.measured.state.private_outside_arrays(self.measured.types)
         return partial(variant.function, *variant.assemble(values, shadows, seeds, outside))
 
     def _differences(self, count: int) -> Callable[[], Any]:

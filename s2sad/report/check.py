@@ -172,7 +172,7 @@ class _Measurement:
         """The first statement where they part, in words."""
         def request(mode: str) -> Request:
             return Request(mode, self.measured.types, self.wrt, self.of)
-        values = {**self.values, **self.state.outside(self.measured.types)}
+        values = {**self.values, **self.state.private_outside_arrays(self.measured.types)}
         if not found.tangent_holds:
             fixed = ", ".join(g.path for g in self.state.registered if constant_result(ROOM + g.path))
             if fixed:

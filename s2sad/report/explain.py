@@ -42,7 +42,7 @@ class Explanation:
     def bytes(self) -> int | None:
         """The bytes that are recorded at one time, as far as they are known: those of the entry, and of the one among
         the derivatives that it calls that takes most. None where none are known."""
-        return _most(self.functions[0].name, {f.name: f for f in self.functions}, {})
+        return _peak_bytes(self.functions[0].name, {f.name: f for f in self.functions}, {})
 
     @property
     def tape(self) -> str:
@@ -128,14 +128,14 @@ def explain_program(program: Program, request: Request, arguments: Mapping[str, 
     return Explanation(title, found, listings(program, made, {f.name: f for f in found}))
 
 
-def _most(name: str, functions: Mapping[str, Findings], known: dict[str, int | None]) -> int | None:
+def _peak_bytes(name: str, functions: Mapping[str, Findings], known: dict[str, int | None]) -> int | None:
     """The bytes that a derivative and those it calls hold at one time, as far as they are known; a derivative's own
     last as long as its call."""
     if name not in known:
         known[name] = None
         found = functions[name]
         own = [s.bytes for s in found.recorded if s.bytes is not None and not s.grows]
-        inner = [b for n in found.calls if n in functions for b in [_most(n, functions, known)] if b is not None]
+        inner = [b for n in found.calls if n in functions for b in [_peak_bytes(n, functions, known)] if b is not None]
         known[name] = sum(own) + max(inner, default=0) if own or inner else None
     return known[name]
 

@@ -120,7 +120,7 @@ def findings(derived: UnitDerivative, sizes: SizeEvaluator | None, engine: str) 
         derived.function.name, unit.kernel.name, unit.kernel.source.path,
         tuple(dict.fromkeys([*names_wrt, *(r for r in derived.made.returns if r in unit.typing.table)])), tuple(of),
         tuple(_verdicts(derived)), tuple(_recorded(derived, sizes)),
-        tuple(_again(derived)), dropped, later, tuple(_loops(derived)),
+        tuple(_recomputed(derived)), dropped, later, tuple(_loops(derived)),
         tuple(Kink(place_of(s, unit), what) for s, what in kinks(unit, derived.activity)),
         tuple(dict.fromkeys(_interpreted(unit))) if engine == "numba" else (),
         tuple(dict.fromkeys(called.removeprefix("user.") for n in walk(derived.function.body)
@@ -197,7 +197,7 @@ def _verdict(versions: list[str], derived: UnitDerivative) -> tuple[bool, str]:
 
 def _recorded(derived: UnitDerivative, sizes: SizeEvaluator | None) -> list[RecordedValue]:
     """The stacks, the largest first, then those that grow."""
-    found = [*(_stacked(r, derived.unit, sizes) for r in recorded_by(derived)), *_kept(derived)]
+    found = [*(_stacked(r, derived.unit, sizes) for r in recorded_by(derived)), *_saved_lists(derived)]
     return sorted(found, key=lambda s: (s.grows, -(s.bytes or 0)))
 
 
@@ -207,14 +207,14 @@ def _stacked(recorded: StackEntry, unit: Unit, sizes: SizeEvaluator | None) -> R
                          recorded.formula, None if sizes is None else sizes.bytes(recorded), recorded.grows)
 
 
-def _kept(derived: UnitDerivative) -> Iterator[RecordedValue]:
+def _saved_lists(derived: UnitDerivative) -> Iterator[RecordedValue]:
     """The lists of what the first halves of a user's adjoints keep."""
     for stack, statement in derived.made.kept:
         place = place_of(statement, derived.unit)
         yield RecordedValue(stack, f"what `{place.text}` keeps", "any", place, (place,), "its own", None, True)
 
 
-def _again(derived: UnitDerivative) -> Iterator[RecomputedValue]:
+def _recomputed(derived: UnitDerivative) -> Iterator[RecomputedValue]:
     """The values that the reverse sweep computes again or reads back."""
     plan, unit = derived.plan, derived.unit
     if plan is None:
@@ -254,7 +254,7 @@ def _primal(block: list[AST], derived: UnitDerivative) -> Iterator[tuple[int, in
     """The places of the primal's own statements in a part of its derivative: no adjoints, pushes and pops."""
     unit, tape = derived.unit, derived.made.tape
     stacks = {n for s in tape.stacks.values() for n in (s.array, s.top)} if tape else set()
-    own = {*unit.typing.table, *unit.family.values(), *unit.names.wanted.values()}
+    own = {*unit.typing.table, *unit.family.values(), *unit.names.hints.values()}
     others = {*derived.made.shadows.values(), *stacks}
     for statement in walk_statements(block):
         if not isinstance(statement, (Assign, AugAssign, Expr)) or getattr(statement, "lineno", None) is None:

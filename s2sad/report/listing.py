@@ -266,7 +266,7 @@ class _Kinds:
         tape = derived.made.tape
         if tape is not None:
             made = {n for s in tape.stacks.values() for n in (s.array, s.top) if n}
-            self.stacks = made | {w for n in made if (w := tape.free.wanted.get(n))}
+            self.stacks = made | {w for n in made if (w := tape.free.hints.get(n))}
         self.adjoints = {n for n, role, _ in derived.made.parameters if role != "primal"}
         self.adjoints |= {s for s in derived.made.shadows.values()}
         flows = [({*names(s)}, {b for t in targets(s) if (b := base_name(t))}) for s in dict.fromkeys(

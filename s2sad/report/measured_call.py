@@ -10,7 +10,7 @@ import numpy as np
 
 from s2sad.dispatch.arguments import kernel_value, bind
 from s2sad.diagnostics import S2sadError
-from s2sad.interface.pytrees import Carrier, flattened, flat_call
+from s2sad.interface.pytrees import Carrier, flatten, flat_call
 from s2sad.infer.types import Type
 from s2sad.interface.value_calls import ForwardCall, ReverseCall
 from s2sad.program import Request
@@ -47,19 +47,19 @@ class MeasuredCall:
     @classmethod
     def _of_state(cls, f: Callable[..., Any], function: Any, unflattened: ProgramVersion, args: tuple[Any, ...],
                   wrt: Wrt, of: str | Iterable[str] | None, engine: str | None) -> MeasuredCall:
-        apart = flattened(unflattened, args)
+        flattened = flatten(unflattened, args)
         carrier = Carrier.with_overrides(f, names_of(wrt, f), names_of(of, f, "of"), engine)
         state, flat, carried = flat_call(unflattened, carrier, args)
         values = [kernel_value(n, v, n in state.floats) for n, v in zip(state.parameters, flat)]
         types, name = state.types(values), state.kernel.name
         single = any(getattr(v, "dtype", None) == np.float32 for v in values)
         original = by_position(state.function if single else getattr(function, "_original", function))
-        if apart is not None:
-            original = apart.flat_function(original, bind(unflattened.kernel, args))
+        if flattened is not None:
+            original = flattened.flat_function(original, bind(unflattened.kernel, args))
         inputs = selected_wrt(name, state.parameters, types, carried[0])
         outputs = selected_of(name, state.parameters, types, state.summary(types), carried[1])
         return cls(original, state, dict(zip(state.parameters, values)), types, inputs, outputs, chosen(carried[2]),
-                   single, apart is not None)
+                   single, flattened is not None)
 
     @property
     def arguments(self) -> tuple[Any, ...]:
@@ -111,4 +111,4 @@ class MeasuredCall:
             return partial(self.original, *values.values())
         types = self.state.types(list(values.values()))
         variant = self.state.variant(Request("primal", types, (), ()), self.engine)
-        return partial(variant.function, *variant.assemble(values, {}, (), self.state.outside(types)))
+        return partial(variant.function, *variant.assemble(values, {}, (), self.state.private_outside_arrays(types)))

@@ -100,7 +100,7 @@ def share_temporaries(function: FunctionDef, context: DerivativeContext) -> Func
 def _temporaries(context: DerivativeContext, kept: set[str]) -> dict[str, str]:
     """The numbers that were named for one use, by what was wished for and their type."""
     types = context.typing.table
-    return {n: f"{w} {types[n].dtype}" for n, w in context.names.wanted.items()
+    return {n: f"{w} {types[n].dtype}" for n, w in context.names.hints.items()
             if n not in kept and n in types and types[n].is_number}
 
 
@@ -202,7 +202,7 @@ def _numbered_names(function: FunctionDef, family: Mapping[str, str], fixed: set
     order = list(dict.fromkeys(n.id for n in walk(function.body) if isinstance(n, Name) and n.id in family
                                and n.id not in fixed))
     present = {n.id for n in walk(function) if isinstance(n, Name)}
-    made = set(family) | {n for n in names.wanted if n not in present}
+    made = set(family) | {n for n in names.hints if n not in present}
     taken = (present - set(order)) | fixed | (names.taken - made)
     mapping: dict[str, str] = {}
     for name in order:
@@ -263,5 +263,5 @@ def split_live_ranges(function: FunctionDef, temporaries: set[str], names: Names
     counted = {s.target.id for s in walk_statements(second) if isinstance(s, AugAssign) and isinstance(s.target, Name)}
     apart = (temporaries - counted) & set(stored_names(first))
     both = [n for n in stored_names(second) if n in apart]
-    mapping = {n: typing.declare(names.fresh(names.wanted.get(n, n)), typing.table[n]) for n in both}
+    mapping = {n: typing.declare(names.fresh(names.hints.get(n, n)), typing.table[n]) for n in both}
     return with_body(function, first + rename(second, mapping))

@@ -86,7 +86,7 @@ def wide_accumulators(function: FunctionDef, context: DerivativeContext) -> Func
 def _with_wide_sums(node: AST, shadows: set[str], typing: Typing, free: Names) -> AST | None:
     """An increment, or a seed, with the sums in it in float64."""
     is_increment = isinstance(node, AugAssign) and base_name(node.target) in shadows
-    if not is_increment and not (isinstance(node, Assign) and isinstance(node.targets[0], Name) and free.wanted.get(
+    if not is_increment and not (isinstance(node, Assign) and isinstance(node.targets[0], Name) and free.hints.get(
             node.targets[0].id) == "seed" and call_name(node.value) == "numpy.sum"):
         return None
 

@@ -79,7 +79,7 @@ class Units(NormalForms):
         """Tables of their own for one derivative, so that its names do not depend on what was made before."""
         typing = unit.typing.copy()
         names = Names(unit.names.taken | set(unit.typing.table))
-        names.wanted = dict(unit.names.wanted)
+        names.hints = dict(unit.names.hints)
         return typing, names
 
     def _differentiated(self, mode: str, unit: Unit, request: DerivativeRequest, title: str,

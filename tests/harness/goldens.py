@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 from s2sad import pipeline, read
 from s2sad.dispatch.arguments import bind
 from s2sad.emit import module_text
-from s2sad.interface.pytrees import flattened
+from s2sad.interface.pytrees import flatten
 from s2sad.infer.types import of_value
 from s2sad.program import Generated, Program, Request
 from s2sad.tree import FunctionDef
@@ -65,7 +65,7 @@ def given(case: str) -> Given:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     program, kernel, arguments = read.load(module.kernel), module.kernel, module.ARGUMENTS
-    apart = flattened(ProgramVersion.of(program, kernel), arguments)
+    apart = flatten(ProgramVersion.of(program, kernel), arguments)
     if apart is not None:
         arguments = bind(program.kernels[program.entry], arguments)
         program, kernel = apart.state.program, apart.flat_function(kernel, copy.deepcopy(arguments))

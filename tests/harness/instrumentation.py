@@ -233,7 +233,7 @@ def instrumented(function: FunctionType) -> FunctionType:
 def recorded() -> Iterator[set[str]]:
     """The constructs of the texts for Numba that Python runs inside, whatever ran before."""
     found: set[str] = set()
-    called, ran = PreparedCall.called, set()
+    called, ran = PreparedCall.call, set()
 
     def with_first_run(call: PreparedCall, *args: Any) -> tuple[Any, ...]:
         """Runs the primal, too, also where another case of the same kernel has had its first run."""
@@ -244,9 +244,9 @@ def recorded() -> Iterator[set[str]]:
             call._ready = False
         return called(call, *args)
     _recording.append(found)
-    PreparedCall.called = with_first_run
+    PreparedCall.call = with_first_run
     try:
         yield found
     finally:
-        PreparedCall.called = called
+        PreparedCall.call = called
         _recording.pop()

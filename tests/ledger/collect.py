@@ -23,7 +23,7 @@ from s2sad.dispatch import compiler
 from s2sad.dispatch import cache
 from s2sad.interface.pytrees import spelled_types
 from s2sad.program import Program, Request
-from s2sad.live_objects.side_table import remembered
+from s2sad.live_objects.side_table import looked_up
 from tests.harness import derivatives
 from tests.ledger.identity import described, digest
 from tests.ledger.registered import Registered, paths_of
@@ -71,7 +71,7 @@ class Collector:
 
 def _given(function: FunctionType | None) -> Any:
     """A function, or what a function of left arguments was made of: a partial, or an object that is called."""
-    kernel, names, called = function and remembered(function, "given") or (function, {}, None)
+    kernel, names, called = function and looked_up(function, "given") or (function, {}, None)
     return function if kernel is function else partial(kernel, **names) if called is None else called
 
 

@@ -9,7 +9,9 @@ from dataclasses import dataclass, replace
 
 from s2sad.infer.affine import Affine
 from s2sad.infer.types import UNKNOWN, Type, array, of_rank
-from s2sad.infer.signatures.norms_and_products import common_dtype, least, of_matrices, of_matrix, solution, solved
+from s2sad.infer.signatures.norms_and_products import (
+    common_dtype, least_squares, of_matrices, of_matrix, solution, solved,
+)
 from s2sad.tree import AST, Constant, List, Slice, Tuple, UnaryOp, USub
 
 Shape = tuple["Affine | None", ...]
@@ -275,7 +277,7 @@ LAWS: dict[str, Law] = {
     "triangular": _of_matrices(2, lambda args, options: (LEAST, args[0][1])),
     "square": Law(lambda args, options: array(args[0].dtype, 2), lambda args, options: (args[0][0], args[0][0])),
     "inverted": _of_matrices(2, lambda args, options: args[0][::-1]),
-    "least": Law(least, lambda args, options: args[0][1:] + args[1][1:]),
+    "least": Law(least_squares, lambda args, options: args[0][1:] + args[1][1:]),
     "factored": Law(of_matrix(2), lambda args, options: (_one_more(args[0][0]), args[0][1])),
     "unfactored": Law(of_matrix(2), lambda args, options: (args[0][1], args[0][1])),
     "gained": Law(lambda args, options: array(args[0].dtype, 2),

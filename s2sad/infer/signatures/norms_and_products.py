@@ -53,7 +53,7 @@ def of_matrices(rank: int) -> Callable[[list[Type], Options], Type]:
     return type_of
 
 
-def least(args: list[Type], options: Options) -> Type:
+def least_squares(args: list[Type], options: Options) -> Type:
     a, b = args[:2]
     return b if a.is_float and a.rank == 2 and b.dtype == a.dtype and b.rank in (1, 2) else UNKNOWN
 

@@ -19,7 +19,7 @@ from s2sad.interface.activities import Active, Annotation, Const, Duplicated, Mo
 from s2sad.dispatch.arguments import INEXACT, bind, describe
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.interface.pytrees.flat_selection import Carrier
-from s2sad.interface.pytrees.flatten import Flattened, flattened
+from s2sad.interface.pytrees.flatten import Flattened, flatten
 from s2sad.infer.types import Type
 from s2sad.interface.selection import RETURN, ReturnedValues, selected_of, selected_wrt
 from s2sad.interface.shadow_calls import ShadowCall
@@ -36,27 +36,27 @@ def flat_autodiff(state: ProgramVersion, mode: Mode, annotated: Sequence[Any], e
                   ) -> tuple[Any] | None:
     """What `autodiff` returns, in a tuple of one; None if there is nothing to take apart."""
     plain = [a.value if isinstance(a, Annotation) else a for a in annotated]
-    apart = flattened(state, plain)
-    if apart is None:
+    flattened = flatten(state, plain)
+    if flattened is None:
         return None
     values = bind(state.kernel, plain)
     marks = [*annotated, *values[len(annotated):]]
-    with apart.user_paths():
-        return (_FlatAutodiff(apart, mode, marks, values, engine).called(seed),)
+    with flattened.user_paths():
+        return (_FlatAutodiff(flattened, mode, marks, values, engine).call(seed),)
 
 
 class _FlatAutodiff:
     """One call: the flat annotated arguments, and where what comes back belongs."""
 
-    def __init__(self, apart: Flattened, mode: Mode, marks: list[Any], values: Sequence[Any], engine: str):
-        self.apart, self.mode, self.engine = apart, mode, engine
+    def __init__(self, flattened: Flattened, mode: Mode, marks: list[Any], values: Sequence[Any], engine: str):
+        self.flattened, self.mode, self.engine = flattened, mode, engine
         self.args = list(values)
         self.annotated: list[Any] = []
         self.active: list[tuple[str, Any, str | int] | None] = []   # where each Active float's adjoint is added
         self.shadowed: list[tuple[np.ndarray, str, Any, str | int]] = []
-        flat = apart.values(self.args)
-        self.flat = dict(zip(apart.paths, flat))
-        for (parameter, form), mark in zip(apart.forms.items(), marks):
+        flat = flattened.values(self.args)
+        self.flat = dict(zip(flattened.paths, flat))
+        for (parameter, form), mark in zip(flattened.forms.items(), marks):
             if isinstance(form, PyTree):
                 self._structure(parameter, form, mark)
             elif is_held(form):
@@ -67,8 +67,8 @@ class _FlatAutodiff:
     def _structure(self, parameter: str, form: PyTree, mark: Any) -> None:
         value = mark.value if isinstance(mark, Annotation) else mark
         suffix = "bar" if self.mode.reverse else "dot"
-        floats = self.apart.floats(form, parameter)
-        names = [self.apart.names[p] for p, t in leaves(form, parameter) if is_held(t)]
+        floats = self.flattened.floats(form, parameter)
+        names = [self.flattened.names[p] for p, t in leaves(form, parameter) if is_held(t)]
         if not isinstance(mark, (Const, Duplicated)) and (floats or isinstance(mark, Annotation)):
             what = "has no annotation" if not isinstance(mark, Annotation) else \
                 f"is {type(mark).__name__}, and a structure"
@@ -77,7 +77,7 @@ class _FlatAutodiff:
         if not isinstance(mark, Duplicated):
             self.annotated += [Const(self.flat[n]) for n in names]
             return
-        shadows = self.apart.flat_parts((parameter, form, parameter), mark.shadow, "shadow", self.flat)
+        shadows = self.flattened.flat_parts((parameter, form, parameter), mark.shadow, "shadow", self.flat)
         self._places(form, mark.shadow, parameter, shadows)
         for name in names:
             leaf = self.flat[name]
@@ -96,8 +96,8 @@ class _FlatAutodiff:
             if isinstance(item, PyTree):
                 self._places(item, part_of(form.kind, shadow, key), inner, shadows)
                 continue
-            name = self.apart.names.get(inner, "")
-            if name in self.apart.cells and name in shadows:
+            name = self.flattened.names.get(inner, "")
+            if name in self.flattened.cells and name in shadows:
                 self.shadowed.append((shadows[name], form.kind, shadow, key))
             elif self.mode.reverse and name in shadows and not item.is_array:
                 if form.fixed:
@@ -107,32 +107,33 @@ class _FlatAutodiff:
                                                 f"return it, or hold '{inner}' in an array"))
                 self.active.append((form.kind, shadow, key))
 
-    def called(self, seed: Any) -> Any:
-        apart = self.apart
+    def call(self, seed: Any) -> Any:
+        flattened = self.flattened
         kinds = tuple(type(a) if isinstance(a, Annotation) else None for a in self.annotated)
         values = [a.value if isinstance(a, Annotation) else a for a in self.annotated]
         shadows = [a.shadow for a in self.annotated if isinstance(a, Duplicated)]
         key = (self.mode, self.engine, kinds, describe(values), describe(shadows))
-        entry = apart.state.entries.get(key)
+        entry = flattened.state.entries.get(key)
         if entry is None:
-            entry = apart.state.entries[key] = AnnotatedCall(apart.state, self.mode, self.annotated, self.engine)
-        if seed is not None and apart.result is not None:
-            seed = apart.result_seed(seed)
+            entry = AnnotatedCall(flattened.state, self.mode, self.annotated, self.engine)
+            flattened.state.entries[key] = entry
+        if seed is not None and flattened.result is not None:
+            seed = flattened.result_seed(seed)
         found = entry(values, shadows, seed)
         derivative, primal = found if self.mode.with_primal else (found, None)
         for cell, kind, holder, key in self.shadowed:
             assign_part(kind, holder, key, cell[0].item())
         if entry.keeps:
-            apart.write_back(self.args, self.flat)
+            flattened.write_back(self.args, self.flat)
         if self.mode.reverse:
-            derivative = self._added(derivative)
-        elif apart.result is not None:
-            derivative = apart.result_of(derivative)
+            derivative = self._add_to_shadows(derivative)
+        elif flattened.result is not None:
+            derivative = flattened.result_of(derivative)
         if not self.mode.with_primal:
             return derivative
-        return derivative, primal if apart.result is None else apart.result_of(primal)
+        return derivative, primal if flattened.result is None else flattened.result_of(primal)
 
-    def _added(self, derivative: tuple[Any, ...]) -> tuple[Any, ...]:
+    def _add_to_shadows(self, derivative: tuple[Any, ...]) -> tuple[Any, ...]:
         """The derivatives of the caller's Active floats; those of numbers in structures go to their shadows."""
         left = []
         for place, value in zip(self.active, derivative):
@@ -147,9 +148,9 @@ class _FlatAutodiff:
 
 def shadowed(state: ProgramVersion, mode: str, args: Sequence[Any], f: Any) -> tuple[Any] | None:
     """What `f.adjoint` or `f.tangent` returns, in a tuple of one; None if there is nothing to take apart."""
-    if not state.asks and not any(map(is_structure, args)):
+    if not state.depends_on_structure and not any(map(is_structure, args)):
         return None
-    unmeant = not state.asks and _only_lists_as_shadows(args)
+    unmeant = not state.depends_on_structure and _only_lists_as_shadows(args)
     wrong: S2sadError | None = None
     for layout in islice(_layouts(state, mode, args, 0, 0), _READINGS):
         try:
@@ -159,7 +160,7 @@ def shadowed(state: ProgramVersion, mode: str, args: Sequence[Any], f: Any) -> t
             continue
         if found is not None:
             with found[0].user_paths():
-                return (_called(*found),)
+                return (_call(*found),)
     if unmeant:
         return None     # the list is refused as any shadow that is no array
     if wrong is not None:
@@ -171,17 +172,17 @@ def shadowed(state: ProgramVersion, mode: str, args: Sequence[Any], f: Any) -> t
 
 def _reading(state: ProgramVersion, mode: str, layout: Layout, args: Sequence[Any], f: Any) -> tuple[Any, ...] | None:
     """What a list of arguments means that is read so; None if it cannot be."""
-    apart = flattened(state, [args[k] for k, (role, _) in enumerate(layout) if role == "primal"])
-    if apart is None:
+    flattened = flatten(state, [args[k] for k, (role, _) in enumerate(layout) if role == "primal"])
+    if flattened is None:
         return None
-    with apart.user_paths():
-        carrier = apart.carried(f)[1]
-        values = apart.values([args[k] for k, (role, _) in enumerate(layout) if role == "primal"])
-        shadows = _implied(apart, mode, values, carrier)
-        roles = [(role, p) for p, form in apart.forms.items() for role in ("primal", "shadow")
+    with flattened.user_paths():
+        carrier = flattened.carrier(f)[1]
+        values = flattened.values([args[k] for k, (role, _) in enumerate(layout) if role == "primal"])
+        shadows = _shadowed_leaves(flattened, mode, values, carrier)
+        roles = [(role, p) for p, form in flattened.forms.items() for role in ("primal", "shadow")
                  if role == "primal" or any(path in shadows for path, _ in leaves(form, p))]
-        fits = roles == layout and len(args) - len(layout) == _seeds(apart, mode, values, carrier)
-    return (apart, mode, layout, args, shadows, carrier) if fits else None
+        fits = roles == layout and len(args) - len(layout) == _seeds(flattened, mode, values, carrier)
+    return (flattened, mode, layout, args, shadows, carrier) if fits else None
 
 
 def _only_lists_as_shadows(args: Sequence[Any]) -> bool:
@@ -197,14 +198,14 @@ def _layouts(state: ProgramVersion, mode: str, args: Sequence[Any], start: int, 
         return
     if start >= len(args):
         return
-    if start + 1 < len(args) and _alike(mode, args[start], args[start + 1]):
+    if start + 1 < len(args) and _could_be_shadow(mode, args[start], args[start + 1]):
         for rest in _layouts(state, mode, args, start + 2, done + 1):
             yield [("primal", names[done]), ("shadow", names[done]), *rest]
     for rest in _layouts(state, mode, args, start + 1, done + 1):
         yield [("primal", names[done]), *rest]
 
 
-def _alike(mode: str, value: Any, following: Any) -> bool:
+def _could_be_shadow(mode: str, value: Any, following: Any) -> bool:
     if is_structure(value):
         return type(value) is type(following)
     if isinstance(value, np.ndarray):
@@ -212,47 +213,49 @@ def _alike(mode: str, value: Any, following: Any) -> bool:
     return mode == "tangent" and isinstance(value, (float, int)) and isinstance(following, (float, int))
 
 
-def _implied(apart: Flattened, mode: str, values: list[Any], carrier: Carrier) -> set[str]:
+def _shadowed_leaves(flattened: Flattened, mode: str, values: list[Any], carrier: Carrier) -> set[str]:
     """The paths of the leaves that have a shadow."""
-    state = apart.state
+    state = flattened.state
     types = state.types(values)
     wrt, of, _ = carrier.__s2sad_selection__
-    wrt = selected_wrt(apart.title, state.parameters, types, wrt)
-    of = selected_of(apart.title, state.parameters, types, state.summary(types), of)
-    return {apart.paths[n] for n, t in zip(state.parameters, types)
+    wrt = selected_wrt(flattened.title, state.parameters, types, wrt)
+    of = selected_of(flattened.title, state.parameters, types, state.summary(types), of)
+    return {flattened.paths[n] for n, t in zip(state.parameters, types)
             if (n in wrt or n in of) and t.is_inexact and (t.is_array or mode == "tangent")}
 
 
-def _seeds(apart: Flattened, mode: str, values: list[Any], carrier: Carrier) -> int:
-    types = apart.state.types(values)
-    summary = apart.state.summary(types)
-    of = selected_of(apart.title, apart.state.parameters, types, summary, carrier.__s2sad_selection__[1])
+def _seeds(flattened: Flattened, mode: str, values: list[Any], carrier: Carrier) -> int:
+    types = flattened.state.types(values)
+    summary = flattened.state.summary(types)
+    of = selected_of(flattened.title, flattened.state.parameters, types, summary, carrier.__s2sad_selection__[1])
     return len(ReturnedValues.of(summary).own) if mode == "adjoint" and RETURN in of else 0
 
 
-def _called(apart: Flattened, mode: str, layout: Layout, args: Sequence[Any], shadows: set[str], carrier: Carrier
+def _call(flattened: Flattened, mode: str, layout: Layout, args: Sequence[Any], shadows: set[str], carrier: Carrier
             ) -> Any:
     own = [args[k] for k, (role, _) in enumerate(layout) if role == "primal"]
-    values = dict(zip(apart.paths, apart.values(own)))
+    values = dict(zip(flattened.paths, flattened.values(own)))
     bars: dict[str, Any] = {}
     cells: list[tuple[np.ndarray, str, Any, str | int]] = []
     for k, (role, parameter) in enumerate(layout):
         if role == "shadow":
-            form = apart.forms[parameter]
+            form = flattened.forms[parameter]
             if isinstance(form, Type):
                 bars[parameter] = args[k]
                 continue
-            found = apart.flat_parts((parameter, form, parameter), args[k], "shadow", values)
-            bars |= {n: v for n, v in found.items() if apart.paths[n] in shadows}
-            cells += [(bars[n], kind, v, i) for n, kind, v, i in apart.held(form, args[k], parameter) if n in bars]
+            found = flattened.flat_parts((parameter, form, parameter), args[k], "shadow", values)
+            bars |= {n: v for n, v in found.items() if flattened.paths[n] in shadows}
+            cells += [(bars[n], kind, v, i) for n, kind, v, i in flattened.cells_in(form, args[k], parameter)
+                      if n in bars]
     flat: list[Any] = []
     for name, value in values.items():
         flat += [value, bars[name]] if name in bars else [value]
     flat += args[len(layout):]
     key = (f"{mode} {carrier.__s2sad_selection__!r}", describe(flat))
-    entry = apart.state.entries.get(key)
+    entry = flattened.state.entries.get(key)
     if entry is None:
-        entry = apart.state.entries[key] = ShadowCall(apart.state, mode, tuple(flat), carrier.__s2sad_selection__)
+        entry = ShadowCall(flattened.state, mode, tuple(flat), carrier.__s2sad_selection__)
+        flattened.state.entries[key] = entry
     returned = entry(tuple(flat))
     for cell, kind, holder, item in cells:
         assign_part(kind, holder, item, cell[0].item())
@@ -261,17 +264,17 @@ def _called(apart: Flattened, mode: str, layout: Layout, args: Sequence[Any], sh
 
 # -- the rest of what a differentiated function has -------------------------------------------------------------------
 
-def primal(apart: Flattened, args: Sequence[Any], engine: str) -> Any:
+def primal(flattened: Flattened, args: Sequence[Any], engine: str) -> Any:
     """What the compiled primal returns; fields that it assigns are assigned."""
-    state = apart.state
-    with apart.user_paths():
-        values = apart.values(args)
+    state = flattened.state
+    with flattened.user_paths():
+        values = flattened.values(args)
         types = state.types(values)
-        function, disjoint = state.primal(types, engine), state.apart(types)
+        function, disjoint = state.primal(types, engine), state.overlap_check(types)
         if disjoint is not None:
             disjoint(values)
-        state.first_run(values, engine)
+        state.check_bounds(values, engine)
     flat = dict(zip(state.parameters, values))
     returned = ReturnedValues.of(state.summary(types)).with_aliases(function(*values), flat)
-    apart.write_back(args, flat)
-    return returned if apart.result is None else apart.result_of(returned)
+    flattened.write_back(args, flat)
+    return returned if flattened.result is None else flattened.result_of(returned)

@@ -19,117 +19,119 @@ from s2sad.interface.selection import RETURN
 class FlatGradient:
     """A `gradient` of a function that takes structures."""
 
-    def __init__(self, apart: Flattened, f: Any, names: Sequence[str] | None):
-        self.apart, self.f, self.names = apart, f, names
+    def __init__(self, flattened: Flattened, f: Any, names: Sequence[str] | None):
+        self.flattened, self.f, self.names = flattened, f, names
 
     def value_and_gradient(self, args: Sequence[Any]) -> tuple[Any, Any]:
         """The value, and the gradients as `gradient` gives them."""
-        apart = self.apart
-        with apart.user_paths():
-            paths, call, values = _reverse(apart, self.f, args, (RETURN,), self.names, True)
+        flattened = self.flattened
+        with flattened.user_paths():
+            paths, call, values = _reverse(flattened, self.f, args, (RETURN,), self.names, True)
             shadows, returned = call.run(values, {RETURN: 1.0})
-            found = _by_argument(apart, self.f, self.names, paths, call, args, call.gradients(shadows, returned))
-        return returned[0], found[paths[0][0]] if self.alone(paths) else found
+            found = _by_argument(flattened, self.f, self.names, paths, call, args, call.gradients(shadows, returned))
+        return returned[0], found[paths[0][0]] if self.is_single(paths) else found
 
-    def alone(self, paths: Sequence[Path]) -> bool:
+    def is_single(self, paths: Sequence[Path]) -> bool:
         """Whether there is one gradient, which is returned without a dictionary."""
         explicit = self.names is not None or selection_of(self.f)[0] is not None
-        return len(paths) == 1 and (explicit or len(self.apart.independents()) <= 1)
+        return len(paths) == 1 and (explicit or len(self.flattened.independents()) <= 1)
 
 
-def vjp(apart: Flattened, f: Any, args: Sequence[Any], seeds: Mapping[str, Any], names: Sequence[str] | None
+def vjp(flattened: Flattened, f: Any, args: Sequence[Any], seeds: Mapping[str, Any], names: Sequence[str] | None
         ) -> dict[str, Any]:
     """The gradients as `vjp` gives them."""
-    with apart.user_paths():
-        values = dict(zip(apart.paths, apart.values(args)))
-        flat, kept = _seeds(apart, seeds, values)
-        paths, call, ordered = _reverse(apart, f, args, tuple(flat), names, False)
+    with flattened.user_paths():
+        values = dict(zip(flattened.paths, flattened.values(args)))
+        flat, kept = _seeds(flattened, seeds, values)
+        paths, call, ordered = _reverse(flattened, f, args, tuple(flat), names, False)
         found = call.vjp(ordered, flat)
         for name, seed in kept.items():
             if name in found:
                 found[name] = found[name] + seed
-        return _by_argument(apart, f, names, paths, call, args, found)
+        return _by_argument(flattened, f, names, paths, call, args, found)
 
 
-def _seeds(apart: Flattened, seeds: Mapping[str, Any], values: Mapping[str, Any]
+def _seeds(flattened: Flattened, seeds: Mapping[str, Any], values: Mapping[str, Any]
            ) -> tuple[dict[str, Any], dict[str, Any]]:
     """The seeds of outputs that the kernel writes, by flat names, and those of the others."""
     flat: dict[str, Any] = {}
     kept: dict[str, Any] = {}
     for name, seed in seeds.items():
         if name == RETURN:
-            flat[RETURN] = seed if apart.result is None else apart.result_seed(seed)
+            flat[RETURN] = seed if flattened.result is None else flattened.result_seed(seed)
             continue
-        path = apart._selected_path(name, "seeds")
-        written = apart.written(path)
-        for leaf, value in apart.flat_parts(path, seed, "seed", values).items():
+        path = flattened._selected_path(name, "seeds")
+        written = flattened.written(path)
+        for leaf, value in flattened.flat_parts(path, seed, "seed", values).items():
             (flat if leaf in written else kept)[leaf] = value
         for leaf in written:
             flat.setdefault(leaf, seed)  # not a float: refused as any other
     return flat, kept
 
 
-def _reverse(apart: Flattened, f: Any, args: Sequence[Any], outputs: tuple[str, ...], names: Sequence[str] | None,
+def _reverse(flattened: Flattened, f: Any, args: Sequence[Any], outputs: tuple[str, ...], names: Sequence[str] | None,
              with_value: bool) -> tuple[list[Path], ReverseCall, list[Any]]:
-    values = apart.values(args)
-    inputs, carrier = apart.carried(f)
-    paths = apart.selected_paths(names, "wrt") if names is not None or inputs is None else inputs
+    values = flattened.values(args)
+    inputs, carrier = flattened.carrier(f)
+    paths = flattened.selected_paths(names, "wrt") if names is not None or inputs is None else inputs
     if with_value and names is None and inputs is None:
-        paths = [path for path in paths if path[0] in apart.independents()] or paths
-    wrt = apart.flat_names(paths, "wrt") if paths else None
+        paths = [path for path in paths if path[0] in flattened.independents()] or paths
+    wrt = flattened.flat_names(paths, "wrt") if paths else None
     key = ("reverse", with_value, outputs, wrt, carrier.__s2sad_selection__, describe(values))
-    call = apart.state.entries.get(key)
+    call = flattened.state.entries.get(key)
     if call is None:
-        call = apart.state.entries[key] = ReverseCall(apart.state, carrier, tuple(values), outputs, wrt, with_value)
+        call = ReverseCall(flattened.state, carrier, tuple(values), outputs, wrt, with_value)
+        flattened.state.entries[key] = call
         call.in_vain = ()
     return paths, call, values
 
 
-def _by_argument(apart: Flattened, f: Any, names: Sequence[str] | None, paths: list[Path], call: ReverseCall,
+def _by_argument(flattened: Flattened, f: Any, names: Sequence[str] | None, paths: list[Path], call: ReverseCall,
               args: Sequence[Any], found: Mapping[str, Any]) -> dict[str, Any]:
     lost = set(call.rv.generated.facts.get("independent", ()))
     explicit = names is not None or selection_of(f)[0] is not None
     for name, form, path in paths if explicit else ():
-        if set(apart.floats(form, path)) <= lost:
-            warn(f"no output asked for of '{apart.title}' depends on '{name}': its gradient is zero")
-    return {path[0]: apart.with_floats(path, args, found) for path in paths}
+        if set(flattened.floats(form, path)) <= lost:
+            warn(f"no output asked for of '{flattened.title}' depends on '{name}': its gradient is zero")
+    return {path[0]: flattened.with_floats(path, args, found) for path in paths}
 
 
-def jvp(apart: Flattened, f: Any, args: Sequence[Any], tangents: Mapping[str, Any], of: Sequence[str] | None
+def jvp(flattened: Flattened, f: Any, args: Sequence[Any], tangents: Mapping[str, Any], of: Sequence[str] | None
         ) -> dict[str, Any]:
     """The tangents as `jvp` gives them."""
-    with apart.user_paths():
-        values = apart.values(args)
-        by_name = dict(zip(apart.paths, values))
+    with flattened.user_paths():
+        values = flattened.values(args)
+        by_name = dict(zip(flattened.paths, values))
         flat: dict[str, Any] = {}
         for name, value in tangents.items():
-            path = apart._selected_path(name, "tangents")
-            own = apart.flat_parts(path, value, "tangent", by_name)
-            flat |= own or {apart.flat_names([path], "tangents")[0]: value}
-        _, carrier = apart.carried(f)
-        outputs = apart.outputs(of)
+            path = flattened._selected_path(name, "tangents")
+            own = flattened.flat_parts(path, value, "tangent", by_name)
+            flat |= own or {flattened.flat_names([path], "tangents")[0]: value}
+        _, carrier = flattened.carrier(f)
+        outputs = flattened.outputs(of)
         key = ("forward", tuple(flat), outputs, carrier.__s2sad_selection__, describe(values))
-        call = apart.state.entries.get(key)
+        call = flattened.state.entries.get(key)
         if call is None:
-            call = apart.state.entries[key] = ForwardCall(apart.state, carrier, tuple(values), tuple(flat), outputs)
+            call = ForwardCall(flattened.state, carrier, tuple(values), tuple(flat), outputs)
+            flattened.state.entries[key] = call
         found = call.jvp(values, flat)
-        return _tangents(apart, args, of if of is not None else selection_of(f)[1], found, flat)
+        return _tangents(flattened, args, of if of is not None else selection_of(f)[1], found, flat)
 
 
-def _tangents(apart: Flattened, args: Sequence[Any], of: Sequence[str] | None, found: dict[str, Any],
+def _tangents(flattened: Flattened, args: Sequence[Any], of: Sequence[str] | None, found: dict[str, Any],
               tangents: Mapping[str, Any]) -> dict[str, Any]:
     """The tangents of outputs: of what a structure holds and the kernel does not write, those that it had."""
     if of is None:
-        roots = {apart.paths[n].partition(".")[0].partition("[")[0] for n in found if n != RETURN}
-        of = [*(p for p in apart.forms if p in roots), *([RETURN] if RETURN in found else [])]
+        roots = {flattened.paths[n].partition(".")[0].partition("[")[0] for n in found if n != RETURN}
+        of = [*(p for p in flattened.forms if p in roots), *([RETURN] if RETURN in found else [])]
     outputs: dict[str, Any] = {}
     for name in of:
         if name == RETURN:
-            outputs[name] = found[RETURN] if apart.result is None else apart.result_of(found[RETURN])
+            outputs[name] = found[RETURN] if flattened.result is None else flattened.result_of(found[RETURN])
             continue
-        path = apart._selected_path(name, "of")
-        floats = apart.floats(path[1], path[2])
+        path = flattened._selected_path(name, "of")
+        floats = flattened.floats(path[1], path[2])
         held = {n: found.get(n, copy.copy(tangents.get(n))) for n in floats}
-        zeros = {n: make_zero(v) for n, v in zip(apart.paths, apart.values(args)) if held.get(n, 0) is None}
-        outputs[name] = apart.with_floats(path, args, {**held, **zeros})
+        zeros = {n: make_zero(v) for n, v in zip(flattened.paths, flattened.values(args)) if held.get(n, 0) is None}
+        outputs[name] = flattened.with_floats(path, args, {**held, **zeros})
     return outputs

@@ -84,7 +84,7 @@ class FlatSelection:
             found += own or [self.names.get(path, path)]
         return tuple(dict.fromkeys(found))
 
-    def carried(self, f: Any) -> tuple[list[Path] | None, Carrier]:
+    def carrier(self, f: Any) -> tuple[list[Path] | None, Carrier]:
         """What a differentiated function carries: its wrt, and all of it in flat names."""
         wrt, of, engine = selection_of(f)
         inputs = None if wrt is None else self.selected_paths(wrt, "wrt")

@@ -40,11 +40,11 @@ _UNNAMED = object()         # in place of what is no value to specialise for
 Holder = tuple[str, str, Any, "str | int"]
 
 
-def flattened(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
+def flatten(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
     """The flat form of a call with structures; None if there is none among f's arguments and f needs none."""
     if any(isinstance(d, tuple) for d in state.kernel.defaults.values()):
         args = bind(state.kernel, args)
-    if not state.asks and (_PLAIN.issuperset(map(type, args)) or not any(map(is_structure, args))):
+    if not state.depends_on_structure and (_PLAIN.issuperset(map(type, args)) or not any(map(is_structure, args))):
         return None
     args = bind(state.kernel, args)
     forms = tuple(without_lengths(form_of(v, n)) for n, v in zip(state.parameters, args))
@@ -98,10 +98,10 @@ def flat_call(state: ProgramVersion, f: Any, args: Sequence[Any], keywords: Mapp
                 ) -> tuple[ProgramVersion, list[Any], tuple[Any, Any, str]]:
     """The state and the values to work with, flat where there are structures, and what f carries in its names."""
     values = bind(state.kernel, args, keywords)
-    apart = flattened(state, values)
-    if apart is None:
+    flattened = flatten(state, values)
+    if flattened is None:
         return state, values, selection_of(f)
-    return apart.state, apart.values(values), apart.carried(f)[1].__s2sad_selection__
+    return flattened.state, flattened.values(values), flattened.carrier(f)[1].__s2sad_selection__
 
 
 class Flattened(FlatSelection):
@@ -193,20 +193,20 @@ class Flattened(FlatSelection):
     def cell_holders(self, args: Sequence[Any], every: bool = False) -> Iterator[Holder]:
         """The cells, or every leaf, each with the structure that holds it, its kind and the key there."""
         for (parameter, form), value in zip(self.forms.items(), args):
-            yield from self.held(form, value, parameter, every)
+            yield from self.cells_in(form, value, parameter, every)
 
     def write_back(self, args: Sequence[Any], flat: Mapping[str, Any]) -> None:
         """Gives the fields that the kernel assigns what their cells hold."""
         for name, kind, holder, key in self.cell_holders(args):
             assign_part(kind, holder, key, flat[name][0].item())
 
-    def held(self, form: Form, value: Any, path: str, every: bool = False) -> Iterator[Holder]:
+    def cells_in(self, form: Form, value: Any, path: str, every: bool = False) -> Iterator[Holder]:
         """The cells in one argument."""
         for key, item in zip(form.keys, form.items) if isinstance(form, PyTree) else ():
             assert isinstance(form, PyTree)
             inner = step(form, path, key)
             if isinstance(item, PyTree):
-                yield from self.held(item, part_of(form.kind, value, key), inner, every)
+                yield from self.cells_in(item, part_of(form.kind, value, key), inner, every)
             elif self.names.get(inner) in (self.names.values() if every else self.cells):
                 yield self.names[inner], form.kind, value, key
 
@@ -232,9 +232,9 @@ class Flattened(FlatSelection):
     def with_floats(self, path: Path, args: Sequence[Any], found: Mapping[str, Any]) -> Any:
         """A part of the arguments with what was found in place of its floats; everything else as it is."""
         _, form, spelling = path
-        return mapped(form, self.part(path, args), spelling, lambda p, kind, leaf: self._back(p, kind, leaf, found))
+        return mapped(form, self.part(path, args), spelling, lambda p, kind, leaf: self._new_leaf(p, kind, leaf, found))
 
-    def _back(self, path: str, kind: Type, leaf: Any, found: Mapping[str, Any]) -> Any:
+    def _new_leaf(self, path: str, kind: Type, leaf: Any, found: Mapping[str, Any]) -> Any:
         name = self.names.get(path, "")
         if name not in found or not is_held(kind):
             return leaf

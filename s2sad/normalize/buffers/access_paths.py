@@ -51,7 +51,7 @@ class AccessPaths:
             if view is None and node.id.startswith("array."):
                 return node.id, ()
             if view is None or view == AMBIGUOUS:
-                self.report.error("S201", f"'{self.free.said(node.id)}' may stand for different arrays here", node,
+                self.report.error("S201", f"'{self.free.user_name(node.id)}' may stand for different arrays here", node,
                                   help="copy into one array with x[...] = ..., or use two names")
                 return None
             return view

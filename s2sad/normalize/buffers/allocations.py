@@ -87,7 +87,7 @@ class Allocations:
         """Guards that an array expression fits into another one."""
         a, b = self.shapes.of(whole), self.shapes.of(part)
         plain = isinstance(whole, Name) and isinstance(part, Name) and len(a) == len(b)
-        unknown = [(x, y) for x, y in zip(a, b) if not self.shapes.same(x, y)] if plain else []
+        unknown = [(x, y) for x, y in zip(a, b) if not self.shapes.are_equal(x, y)] if plain else []
         if plain and len(unknown) == len(a) and all(x is not None and y is not None and ONE not in (x, y)
                                                     for x, y in unknown):
             for x, y in unknown:
@@ -103,7 +103,7 @@ class Allocations:
             if x is None or y is None:
                 self.report.error("S201", "the size of this part of an array changes", part,
                                   help="give its bounds names that are bound once")
-            elif y != ONE and not self.shapes.same(x, y):
+            elif y != ONE and not self.shapes.are_equal(x, y):
                 made.append(equal(self.shapes.extent(x), self.shapes.extent(y)))
                 self.shapes.unify(x, y)
         return made
@@ -136,7 +136,7 @@ class Allocations:
         sparse = "sparse" in rule.law
         for pair in FITTING.get(rule.law, ()) if sparse or loops else ():     # NumPy raises by itself
             first, second = (self.size_along(arguments[p], axis) for p, axis in pair)
-            if self.shapes.same(first, second):
+            if self.shapes.are_equal(first, second):
                 continue
             sizes = [copy(arguments[p]) if size is None else self.shapes.extent(size)
                      for (p, _), size in zip(pair, (first, second))]

@@ -187,7 +187,7 @@ class _Rotation:
         self.group, self.typing, self.free = group, typing, free
         self.copies = {p: typing.declare(free.fresh(f"{p}_own"), typing.table[p]) for p in arguments}
         self.places = {p: typing.declare(free.fresh(f"{p}_place"), INT) for p in arguments}
-        free.meant.update({copied: p for p, copied in self.copies.items()})
+        free.user_names.update({copied: p for p, copied in self.copies.items()})
         self.last = {id(s.statements[-1]): s for s in swaps}
         first = _first(function.body, swaps)
         start = [assign(self.copies[p], call("numpy.copy", name(p))) for p in arguments]

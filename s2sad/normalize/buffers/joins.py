@@ -95,7 +95,7 @@ class Joins(AccessPaths):
                 found[n] = (self.buffers[n], ())
                 continue
             shapes = [self.shape_in(arm, view) for arm, view in zip(arms, views)]
-            same = all(self.shapes.same(a, b) for a, b in zip(*shapes))
+            same = all(self.shapes.are_equal(a, b) for a, b in zip(*shapes))
             kept = [k for k in (0, 1) if same and views[k] == before.get(n) and self.is_own(n, views[k], near, arms)]
             made = views[kept[0]][0] if kept else self.version(n)
             for k, (arm, (base, subscripts)) in enumerate(zip(arms, views)):
@@ -107,7 +107,7 @@ class Joins(AccessPaths):
             if not kept:
                 self.depths[made] = self.depth
                 self.typing.declare(made, array(self.types[n].dtype, self.types[n].rank))
-                self.shapes.either(made, *shapes)
+                self.shapes.note_two_shapes(made, *shapes)
             found[n] = (made, ())
         return found
 
@@ -159,7 +159,7 @@ class Joins(AccessPaths):
                     self.depths.get(v) == self.depth and (v, ()) not in before.values() for v in (first, second)) \
                     and one.paths[bound] == (first, ()) and second not in found and first not in found.values():
                 found[second] = first
-                self.shapes.either(first, self.shape_in(one, (first, ())), self.shape_in(other, (second, ())))
+                self.shapes.note_two_shapes(first, self.shape_in(one, (first, ())), self.shape_in(other, (second, ())))
         return found
 
 

@@ -72,7 +72,7 @@ class LoopCarried(Joins):
             return False
         near = self.uses.after[id(statement)] - {identifier}
         shapes = self.shapes.of(name(buffer)), self.shapes.of(value)
-        return all(map(self.shapes.same, *shapes)) and not self.is_referenced(buffer, near, self.paths)
+        return all(map(self.shapes.are_equal, *shapes)) and not self.is_referenced(buffer, near, self.paths)
 
     # -- loops -------------------------------------------------------------------------------------------------------
 
@@ -248,12 +248,12 @@ class LoopCarried(Joins):
         place = index(name(buffer), const(...))
         value = index(name(view[0]), *map(copy, view[1])) if view[1] else name(view[0])
         if not all(map(self.may_be_equal, self.shapes.of(name(buffer)), self.shapes.of(value))):
-            self.report.error("S201", CHANGES.format(self.free.said(identifier)),
+            self.report.error("S201", CHANGES.format(self.free.user_name(identifier)),
                               self.bound_at.get(identifier, origin),
                               help="give arrays of different sizes different names, or copy into one: x[...] = ...")
             return []
         checks = self.allocations.store_guards(place, value)
-        said = const(CHANGES.format(self.free.said(identifier)))
+        said = const(CHANGES.format(self.free.user_name(identifier)))
         checks = [Assert(c.test, said) if isinstance(c, Assert) else c for c in checks]
         value = self.materialized(place, value, checks, origin)
         return [*checks, assign(place, value)]

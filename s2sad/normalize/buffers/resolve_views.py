@@ -211,7 +211,7 @@ class _ResolveViews(LoopCarried):
     def refuse_repeated_row(self, place: Subscript, value: AST, statement: AST) -> None:
         """Refuses what would be repeated in a row of the array in place of a list: the list holds it as it is."""
         row, made = self.shapes.of(loaded(place)), self.shapes.of(value)
-        if len(row) != len(made) or any(m == ONE and not self.shapes.same(r, m) for r, m in zip(row, made)):
+        if len(row) != len(made) or any(m == ONE and not self.shapes.are_equal(r, m) for r, m in zip(row, made)):
             self.report.error("S201", "an array of another size than the others is put into a list", statement,
                               help="give arrays of different sizes different names")
 

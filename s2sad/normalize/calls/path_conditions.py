@@ -80,7 +80,7 @@ class CallSite:
 
     def may(self, system: list[Affine]) -> bool:
         """Whether a system of forms that are not negative may have a solution here."""
-        known, least = [*self.places, *system], self.shapes.least()
+        known, least = [*self.places, *system], self.shapes.lower_bounds()
         for quotient in sorted({s for form in known for s, _ in form.terms if s in self.remainders}):
             form, divisor = self.remainders[quotient]
             known += [form, at_most(form, Affine((), divisor - 1))]

@@ -67,7 +67,7 @@ class Elements:
 
     def cell(self, base: str, axis: int, part: Slice, position: AST) -> AST:
         """The index on one axis of the element at a position of a slice; of a single one whatever the position."""
-        size = self.shapes.own(base, axis)
+        size = self.shapes.own_symbol(base, axis)
         shapes = self.shapes.for_slice(part, size)
         span = shapes.span(part, size)
         assert span is not None, "the bounds of a slice are names and numbers"
@@ -84,7 +84,7 @@ class Elements:
     def size_of(self, node: AST, axis: int) -> AST:
         """The size of an axis of an array or a part of one."""
         if isinstance(node, Name):
-            return self.shapes.expression(self.shapes.own(node.id, axis), reduced=False)
+            return self.shapes.expression(self.shapes.own_symbol(node.id, axis), reduced=False)
         size = self.shapes.of(node)[axis]
         assert size is not None
         return self.shapes.expression(size)

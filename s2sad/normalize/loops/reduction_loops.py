@@ -123,7 +123,7 @@ class Reductions:
         if self.typing.of(a).rank != 2 or self.typing.of(b).rank != 2:
             return None
         (rows, inner), (also, columns) = self.shapes.of(a), self.shapes.of(b)
-        if inner is None or not self.shapes.same(inner, also):
+        if inner is None or not self.shapes.are_equal(inner, also):
             return None
         if inner == ONE:
             product = BinOp(a, Mult(), b)

@@ -273,7 +273,7 @@ class Scalarize:
 
     def sliced(self, found: IndexedPart, base: str, cell: list[AST], entry: Slice) -> None:
         """One axis of which a slice is walked: by the index itself where the step is 1."""
-        size = self.shapes.own(base, len(cell))
+        size = self.shapes.own_symbol(base, len(cell))
         span = self.shapes.for_slice(entry, size).span(entry, size)
         assert span is not None, "the bounds of a slice are names and numbers"
         start, stop, step = span
