@@ -227,7 +227,7 @@ def conjugated(node: AST, typing: Typing) -> AST:
     if not typing.of(node).is_complex:
         return node
     if isinstance(node, Constant):
-        return UnaryOp(USub(), node)    # a literal is imaginary
+        return UnaryOp(USub(), node) if node.value.real == 0.0 else const(node.value.conjugate())
     if isinstance(node, UnaryOp):
         return UnaryOp(node.op, conjugated(node.operand, typing))
     if isinstance(node, BinOp) and isinstance(node.op, (Mult, Div)) and not all(

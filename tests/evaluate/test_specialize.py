@@ -1,14 +1,37 @@
 """The evaluator: kernels with objects, lists, dicts and functions as values have right values and derivatives."""
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
+from s2sad import S2sadError, gradient
+from tests.evaluate.test_objects import State
 from tests.harness.derivatives import check_derivatives
-from tests.evaluate.objects import control, gathered, generators, identity, loop_exits, plain_python, solvers
+from tests.evaluate.objects import control, gathered, generators, identity, laziness, loop_exits, plain_python, solvers
 
 CASES = [(f"{module.__name__.rpartition('.')[2]}.{case.kernel.__name__}", case)
-         for module in (identity, control, gathered, generators, loop_exits, plain_python, solvers)
+         for module in (identity, control, gathered, generators, laziness, loop_exits, plain_python, solvers)
          for case in module.cases()]
+
+
+def twice(x):
+    doubled = (v * 2.0 for v in State(x).u[:2])
+    return sum(doubled) * x[0] + sum(doubled)
+
+
+def once_in_each_round(x):
+    pairs = zip(State(x).u, x)
+    s = 0.0
+    for _ in range(int(x.size)):
+        for a, b in pairs:
+            s += a * b
+    return s
+
+
+@pytest.mark.parametrize("kernel", [twice, once_in_each_round])
+def test_an_iterator_has_no_items_the_second_time(kernel):
+    with pytest.raises(S2sadError, match="an iterator is gone through twice"):
+        gradient(kernel)(np.array([0.3, 0.7]))
 
 
 @pytest.mark.parametrize("engine", ["numpy", "loops"])

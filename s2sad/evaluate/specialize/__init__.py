@@ -15,13 +15,14 @@ from s2sad.evaluate.specialize import (
 from s2sad.evaluate.specialize.entry import Residual, specialize, unread
 from s2sad.evaluate.specialize.functions import builtin_functions, library_calls, object_functions, standard_library
 from s2sad.evaluate.specialize.sequences import (
-    container_methods, containers, cursors, gathering, generators, iteration,
+    container_methods, containers, cursors, gathering, generators, iteration, iterator_use,
 )
 
 __all__ = [
     "Residual", "assignment", "attributes", "branches", "builtin_functions", "choices", "class_lookup",
     "comparisons", "compound_statements", "construction", "container_methods", "containers", "cursors",
     "definitions", "displays", "frames", "function_calls", "gathering", "generators", "guard_statements", "iteration",
+    "iterator_use",
     "library_calls", "live_values", "loop_statements", "meanings", "numeric_operators", "object_functions",
     "residual_loops",
     "specialize", "spelling", "standard_library", "subscripts", "unread", "written_out_loops",

@@ -44,7 +44,10 @@ def store(ev: Evaluator, target: AST, value: Value, f: Frame) -> None:
     elif isinstance(target, tree.Starred):
         raise ev.refusal(target, "a starred target outside of a tuple")
     else:
+        at, effects, rebound = len(ev.block), ev.effects, len(ev.rebound)
         base, key = place_of(ev, target, f)
+        if ev.effects > effects:        # the value is there before its place is found
+            value = ev.held_at(value, at, {*ev.rebound[rebound:]}, target)
         assign_to(ev, base, key, value, target, f)
 
 

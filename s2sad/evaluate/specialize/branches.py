@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.specialize.choices import boolean_of
 from s2sad.evaluate.specialize.evaluator import STATEMENTS, Evaluator, Frame, Leave, operation, statement
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.state_joins import Join, Way
@@ -57,7 +58,9 @@ def truth(ev: Evaluator, value: Value, node: AST, f: Frame) -> bool | Data:
 
 @operation
 def test_of(ev: Evaluator, node: AST, f: Frame) -> bool | Data:
-    return truth(ev, ev.value(node, f), node, f)
+    """Whether an expression is true; of `and` and `or` that is known where their value is not."""
+    is_choice = isinstance(node, tree.BoolOp)
+    return truth(ev, boolean_of(ev, node, node.values, f, True) if is_choice else ev.value(node, f), node, f)
 
 
 def continued(ev: Evaluator, left: Leave | None, depth: int, target: int) -> Leave:

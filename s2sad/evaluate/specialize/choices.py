@@ -45,30 +45,64 @@ def chosen(ev: Evaluator, test: Data, arms: Sequence[Callable[[], Value]], node:
 
 @expression("BoolOp")
 def boolean(ev: Evaluator, node: Any, f: Frame) -> Value:
-    return _boolean(ev, node, list(node.values), f)
+    return boolean_of(ev, node, list(node.values), f)
 
 
-def _boolean(ev: Evaluator, node: Any, left: list[Any], f: Frame) -> Value:
+def boolean_of(ev: Evaluator, node: Any, operands: Sequence[Any], f: Frame, is_test: bool = False) -> Value:
+    """The operand that decides; where it `is_test`, what is as true as that. Operands with statements of their own are
+    evaluated where none before them decides."""
     stops = isinstance(node.op, tree.Or)
-    value = ev.value(left[0], f)
-    if len(left) == 1:
-        return value
-    test = ev.truth(value, left[0], f)
-    if not isinstance(test, Data):
-        return value if test is stops else _boolean(ev, node, left[1:], f)
-    before = ev.snapshot()
-    rest = _boolean(ev, node, left[1:], f)
-    if len(ev.block) > len(before.block):      # evaluated only where the first does not decide
-        ev.restore(before)
-        kept = ev.named(test, "test", node)
-        arms = (lambda: kept, lambda: _boolean(ev, node, left[1:], f))
-        return chosen(ev, kept, arms if stops else arms[::-1], node, f)
-    known = ev.truth(rest, node, f)
-    if not isinstance(known, Data):
-        if known is stops:
-            return constant(stops) if isinstance(value, Data) else value
-        return test
-    first = ev.spelled(test, node)
-    more = rest.node.values if isinstance(rest, Data) and isinstance(rest.node, tree.BoolOp) and type(
-        rest.node.op) is type(node.op) else [ev.spelled(rest, node)]
-    return Data(tree.at(tree.BoolOp(node.op, [first, *more]), node), demands=demands_of(test, rest))
+    found: list[Data] = []      # operands of which only the run knows whether they decide
+    for k, operand in enumerate(operands):
+        before, is_last = ev.snapshot(), k == len(operands) - 1
+        value = _test(ev, operand, f) if is_test else ev.value(operand, f)
+        test = ev.truth(value, operand, f) if is_test or not is_last else None
+        if isinstance(test, bool) and test is not stops and not (is_last and not is_test):
+            continue
+        if found and (len(ev.block) > len(before.block) or not isinstance(value, Data) or is_structural(value)):
+            ev.restore(before)
+            kept = ev.named(_joined(ev, node, found), "test", node)
+            decided = constant(stops) if is_test else kept
+            return _either(ev, node, kept, decided, lambda k=k: boolean_of(ev, node, operands[k:], f, is_test), f)
+        if test is stops and (is_test or all(is_bool(v) for v in found) and is_bool(value)):
+            return constant(stops) if found else value
+        if isinstance(test, Data) and not isinstance(value, Data):      # an object, which says whether it is true
+            kept = ev.named(test, "test", node)
+            return _either(ev, node, kept, value, lambda k=k: boolean_of(ev, node, operands[k + 1:], f, is_test), f)
+        if not isinstance(value, Data):
+            return value
+        found.append(value)
+        if test is stops:
+            break
+    return _joined(ev, node, found) if found else constant(not stops)
+
+
+def _either(ev: Evaluator, node: Any, test: Data, decided: Value, rest: Callable[[], Value], f: Frame) -> Value:
+    """What has decided where the test says so, else the rest."""
+    arms = (lambda: decided, rest)
+    return chosen(ev, test, arms if isinstance(node.op, tree.Or) else arms[::-1], node, f)
+
+
+def _joined(ev: Evaluator, node: Any, values: Sequence[Data]) -> Data:
+    """Several operands of one operator."""
+    if len(values) == 1:
+        return values[0]
+    nodes = [n for v in values for n in (v.node.values if isinstance(v.node, tree.BoolOp) and type(
+        v.node.op) is type(node.op) else [ev.spelled(v, node)])]
+    return Data(tree.at(tree.BoolOp(node.op, nodes), node), demands=demands_of(*values))
+
+
+def _test(ev: Evaluator, node: AST, f: Frame) -> Value:
+    found = ev.test_of(node, f)
+    return found if isinstance(found, Data) else constant(found)
+
+
+def is_bool(value: Value) -> bool:
+    """Whether a value is True or False, and not only as true or false as something."""
+    return isinstance(value, Data) and (isinstance(value.known, bool) or _gives_bool(value.node))
+
+
+def _gives_bool(node: Any) -> bool:
+    if isinstance(node, tree.BoolOp):
+        return all(map(_gives_bool, node.values))
+    return isinstance(node, tree.Compare) or isinstance(node, tree.UnaryOp) and isinstance(node.op, tree.Not)

@@ -8,7 +8,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.numeric_operators import computed
-from s2sad.evaluate.specialize.choices import is_structural
+from s2sad.evaluate.specialize.choices import chosen, is_structural
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression, operation
 from s2sad.evaluate.specialize.values import (
     UNKNOWN, Data, ObjectValue, Reference, TupleValue, Value, alike, constant, demands_of,
@@ -22,6 +22,8 @@ _COMPARISONS: dict[str, tuple[Callable[[Any, Any], Any], str]] = {
 
 @expression("Compare")
 def compare(ev: Evaluator, node: Any, f: Frame) -> Value:
+    if len(node.comparators) > 1 and (found := _one_by_one(ev, node, f)) is not None:
+        return found
     values = ev.values([node.left, *node.comparators], f)
     if len(values) > 2 and not all(isinstance(v, Data) for v in values):
         raise ev.refusal(node, "a chain of comparisons of structures", help="compare two at a time, joined by and")
@@ -32,6 +34,37 @@ def compare(ev: Evaluator, node: Any, f: Frame) -> Value:
         return Data(tree.at(tree.Compare(ev.spelled(values[0], node), node.ops, [
             ev.spelled(v, node) for v in values[1:]]), node), demands=demands_of(*values))
     return compared(ev, node.ops[0], values[0], values[1], node, f)
+
+
+def _one_by_one(ev: Evaluator, node: Any, f: Frame) -> Value | None:
+    """A chain whose later operands take statements, which are done only where the earlier comparisons hold; None of any
+    other."""
+    before = ev.snapshot()
+    ev.values([node.left, node.comparators[0]], f)
+    at = len(ev.block)
+    for operand in node.comparators[1:]:
+        ev.value(operand, f)
+    plain = len(ev.block) == at
+    ev.restore(before)
+    if plain:
+        return None
+    left = ev.atoms(ev.value(node.left, f), "left", node)
+    return _chain(ev, node, 0, left, f)
+
+
+def _chain(ev: Evaluator, node: Any, k: int, left: Value, f: Frame) -> Value:
+    at, effects, rebound = len(ev.block), ev.effects, len(ev.rebound)
+    right = ev.atoms(ev.value(node.comparators[k], f), "operand", node)
+    if ev.effects > effects:
+        left = ev.held_at(left, at, {*ev.rebound[rebound:]}, node)
+    found = compared(ev, node.ops[k], left, right, node, f)
+    test = ev.truth(found, node, f)
+    if k + 1 == len(node.ops) or test is False:
+        return found
+    if not isinstance(test, Data):
+        return _chain(ev, node, k + 1, right, f)
+    kept = ev.named(test, "test", node)
+    return chosen(ev, kept, (lambda: _chain(ev, node, k + 1, right, f), lambda: kept), node, f)
 
 
 @operation
@@ -175,8 +208,11 @@ def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Fr
         raise ev.refusal(node, "whether an array has an element is asked", help="write np.any(a == x)")
     equal = tree.Eq() if wanted else tree.NotEq()
     tests: list[AST] = []
+    effects = ev.effects
     for item in b.items if isinstance(b, TupleValue) else ev.items_of(b, node, f):
         found = compared(ev, equal, a, item, node, f)
+        if ev.effects > effects:
+            raise ev.refusal(node, "'in' of what changes something with each item", help="write a loop")
         if isinstance(found, Data) and found.is_known:
             if bool(found.known) is wanted:
                 return constant(wanted)

@@ -45,6 +45,7 @@ def _with_generator(ev: Evaluator, s: Any, manager: Iteration, body: list[AST], 
         if end is not None:
             found = NONE if end.value is None else ev.atoms(ev.value(end.value, f), "result", end)
             ev.heap.put(f.reference, slot, found)
+    ev.used(manager, s)
     ev.each_item(manager, s, f, within)
     if end is not None:
         ev.leave_function(end, ev.heap[f.reference].items[slot], f)

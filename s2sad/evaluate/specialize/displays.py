@@ -9,6 +9,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unbound, Unevaluated, expression
 from s2sad.evaluate.specialize.values import Data, Reference, OpaqueValue, TupleValue, Value, constant, demands_of
+from s2sad.tree import AST
 
 
 # -- plain ones ------------------------------------------------------------------------------------------------------
@@ -56,8 +57,13 @@ def set_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
 
 def starred(ev: Evaluator, nodes: Sequence[Any], f: Frame) -> list[Value]:
     """The values of a display, starred ones as their items."""
-    values = ev.values([n.value if isinstance(n, tree.Starred) else n for n in nodes], f)
-    return [i for n, v in zip(nodes, values) for i in (ev.items_of(v, n, f) if isinstance(n, tree.Starred) else [v])]
+    return flat(nodes, ev.values(nodes, f))
+
+
+def flat(nodes: Sequence[AST], values: Sequence[Value]) -> list[Value]:
+    """Values with the items of starred ones in their place."""
+    return [i for n, v in zip(nodes, values) for i in (
+        v.items if isinstance(n, tree.Starred) and isinstance(v, TupleValue) else [v])]
 
 
 @expression("Dict")

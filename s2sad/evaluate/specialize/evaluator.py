@@ -133,8 +133,8 @@ class Evaluator:
 
     The operations that transfer functions share are methods, each defined where its subject is (`operation`).
     """
+    all_items: Callable[..., Any]
     answered: Callable[..., Any]
-    any_item: Callable[..., Any]
     assign_attribute: Callable[..., Any]
     assign_to: Callable[..., Any]
     attribute_of: Callable[..., Any]
@@ -157,6 +157,8 @@ class Evaluator:
     defined: Callable[..., Any]
     dict_items: Callable[..., Any]
     each_item: Callable[..., Any]
+    first_item: Callable[..., Any]
+    first_of: Callable[..., Any]
     for_lazy: Callable[..., Any]
     frame_of: Callable[..., Any]
     generate: Callable[..., Any]
@@ -168,6 +170,7 @@ class Evaluator:
     item_key: Callable[..., Any]
     item_of: Callable[..., Any]
     items_of: Callable[..., Any]
+    iterator: Callable[..., Any]
     key_of: Callable[..., Any]
     kind_of: Callable[..., Any]
     known_place: Callable[..., Any]
@@ -206,9 +209,11 @@ class Evaluator:
     store: Callable[..., Any]
     subscripted: Callable[..., Any]
     test_of: Callable[..., Any]
+    tests_of: Callable[..., Any]
     truth: Callable[..., Any]
     tuple_method: Callable[..., Any]
     unrolled: Callable[..., Any]
+    used: Callable[..., Any]
 
     def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int | str],
                  unrolls: bool = False):
@@ -230,7 +235,7 @@ class Evaluator:
         self.outset: dict[int, Object] = {}                     # objects from outside as they are before the run
         self.live: dict[int, Value] = {}                    # objects of modules, by id
         self.held: list[Any] = []
-        self.loops_of: dict[AST, AST] = {}                      # the loops of comprehensions
+        self.loops_of: dict[Any, AST] = {}                      # the loops of comprehensions
         self.loops: list[Any] = []                              # residual loops around
         self.returned: list[tuple[AST, Value, dict[int, Object]]] = []
         self.depth = self.emitted = self.guarded = 0        # `guarded`: residual branches and loops around
@@ -335,11 +340,13 @@ class Evaluator:
         return found
 
     def values(self, nodes: Sequence[AST], f: Frame) -> list[Value]:
-        """Operands from left to right; one that a later one's effects may change is held before them."""
+        """Operands from left to right, starred ones as tuples of their items; one that a later one's effects may change
+        is held before them."""
         found: list[Value] = []
         marks: list[tuple[int, int, int]] = []
         for node in nodes:
-            found.append(self.value(node, f))
+            found.append(TupleValue(tuple(self.items_of(self.value(node.value, f), node, f))) if isinstance(
+                node, tree.Starred) else self.value(node, f))
             marks.append((len(self.block), self.effects, len(self.rebound)))
         for k in reversed(range(len(found))):
             at, effects, rebound = marks[k]

@@ -7,11 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.specialize.displays import flat
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, expression, operation
 from s2sad.evaluate.specialize.sequences.generators import is_generator
 from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
 from s2sad.evaluate.specialize.values import (
-    NONE, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, Reference, SuperValue, Value,
+    NONE, ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, SuperValue, Value,
 )
 from s2sad.live_objects.registry import GIVEN
 from s2sad.tree import AST
@@ -23,11 +24,8 @@ DEEPEST = 60        # calls within calls: beyond, recursion does not end for wha
 def call_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
     if isinstance(node.func, tree.Name) and node.func.id == "super" and not node.args:
         return _super(ev, node, f)
-    nodes = [node.func, *(a.value if isinstance(a, tree.Starred) else a for a in node.args),
-             *(k.value for k in node.keywords)]
-    function, *values = ev.values(nodes, f)
-    args = [i for n, v in zip(node.args, values) for i in (
-        ev.items_of(v, n, f) if isinstance(n, tree.Starred) else [v])]
+    function, *values = ev.values([node.func, *node.args, *(k.value for k in node.keywords)], f)
+    args = flat(node.args, values)
     keywords: dict[str, Value] = {}
     for k, v in zip(node.keywords, values[len(node.args):]):
         keywords |= {k.arg: v} if k.arg else {str(key): i for key, i in ev.dict_items(v, node, f).items()}
@@ -107,7 +105,7 @@ def inlined(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywo
     frame = ev.frame_of(function, definition)
     ev.bind_arguments(function, definition, args, keywords, node, frame)
     if is_generator(definition):
-        return Iteration("yields", (), (frame, definition))
+        return ev.iterator("yields", more=(frame, definition))
     depth, pending = ev.depth, len(ev.pending)
     ev.depth += 1
     ev.pending.append(None)

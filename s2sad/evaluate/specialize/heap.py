@@ -27,6 +27,12 @@ class Object:
     is_owned: bool = True
     most: int | None = None
 
+    def name_of(self, key: Hashable) -> str:
+        """What a residual name for the content of a slot is called."""
+        if self.kind == "frame":
+            return str(key).strip(".0123456789") if str(key).startswith(".") else str(key)
+        return f"{self.label}_{key}" if self.label else str(key)
+
 
 class Heap:
     """Objects by number; numbers are never given twice, also across forks."""

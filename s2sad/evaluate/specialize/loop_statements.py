@@ -94,6 +94,7 @@ def _tells_more(ev: Evaluator, reason: Unevaluated, other: Unevaluated) -> bool:
 @statement("For")
 def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     through = ev.atoms(ev.value(s.iter, f), "iterated", s.iter)
+    ev.used(through, s.iter)
     if is_lazy(through):
         ev.for_lazy(s, through, f)
         return

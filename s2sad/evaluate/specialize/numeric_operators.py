@@ -26,11 +26,11 @@ _TEXT_OR_NUMBER = (bool, int, float, complex, str, tuple)
 
 @expression("UnaryOp")
 def unary(ev: Evaluator, node: Any, f: Frame) -> Value:
-    value = ev.value(node.operand, f)
     if isinstance(node.op, tree.Not):
-        test = ev.truth(value, node, f)
+        test = ev.test_of(node.operand, f)
         return Data(tree.at(tree.UnaryOp(node.op, test.node), node), demands=test.demands) if isinstance(
             test, Data) else constant(not test)
+    value = ev.value(node.operand, f)
     does, word = _UNARY[type(node.op).__name__]
     if isinstance(value, Reference):
         return ev.call(ev.attribute_of(value, f"__{word}__", node, f), [], {}, node, f)

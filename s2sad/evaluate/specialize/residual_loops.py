@@ -278,9 +278,7 @@ def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Obj
                 if _shape(ev, loop.start, first) != _shape(ev, end, new):
                     error = ev.refusal(origin, f"'{key}' is another structure in each round")
                     raise Unevaluated(error, differs=isinstance(first, Data) and first.known is None)
-                label = held.label
-                wanted = str(key) if held.kind == "frame" else f"{label}_{key}" if label else str(key)
-                loop.homes[n, key] = _home(ev, loop.start, first, wanted)
+                loop.homes[n, key] = _home(ev, loop.start, first, held.name_of(key))
                 found = True
     return found
 

@@ -65,15 +65,15 @@ class Join:
         return replace(value, demands=value.demands | self.demands) if isinstance(value, Conflict) else value
 
     def _slot(self, held: Object, key: Hashable, values: list[Value | None]) -> Value:
-        wanted = key if held.kind == "frame" else f"{held.label}_{key}" if held.label else str(key)
+        wanted = held.name_of(key)
         there = [v for v in values if v is not None]
         if len(there) < len(values):
             if isinstance(key, str) and key.startswith("."):        # our own, of what is not done on the other way
                 return Conflict("something is gone through on one way only")
             if held.kind in ("dict", "record"):
                 return Conflict(f"'{wanted}' is set on one way only")
-            return self._bound_on_some(values, str(wanted))
-        return self.meet(there, str(wanted))
+            return self._bound_on_some(values, wanted)
+        return self.meet(there, wanted)
 
     def _bound_on_some(self, values: list[Value | None], wanted: str) -> Value:
         """A name that is bound on some ways only: variables of its own, bound there."""

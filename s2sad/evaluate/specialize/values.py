@@ -153,9 +153,11 @@ class SliceValue:
 
 @dataclass(frozen=True)
 class Iteration:
+    """What is gone through; `once` is the heap's object that says whether an iterator was already."""
     kind: str
     parts: tuple[Value, ...] = ()
     more: Any = field(default=None, compare=False)      # a generator's expression and frame
+    once: Reference | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -196,7 +198,7 @@ def alike(a: Value | None, b: Value | None) -> bool:
         return a.made == b.made and len(a.items) == len(b.items) and all(map(alike, a.items, b.items))
     if isinstance(a, (Iteration, SliceValue)) and isinstance(b, (Iteration, SliceValue)):
         same_kind = not isinstance(a, Iteration) or not isinstance(b, Iteration) or (
-            a.kind == b.kind and a.more is b.more)
+            a.kind == b.kind and a.more is b.more and a.once == b.once)
         return same_kind and len(a.parts) == len(b.parts) and all(map(alike, a.parts, b.parts))
     if isinstance(a, FunctionValue) and isinstance(b, FunctionValue):
         return (a.key, a.frame, a.owner) == (b.key, b.frame, b.owner) and len(a.first) == len(b.first) and all(

@@ -264,7 +264,7 @@ def _item_reduction(node: Call) -> AST:
     sums = call_name(node) == "builtins.sum"
     items = node.args[0].elts if isinstance(node.args[0], (Tuple, List)) else []
     if len(items) > (not sums) and not any(isinstance(item, Starred) for item in items):
-        joined = reduce(add, items, sum_start()) if sums else Call(node.func, items, [])
+        joined = reduce(add, items, sum_start(len(items))) if sums else Call(node.func, items, [])
         return rebuild(at(joined, node), _canonical)
     if sums:
         return rebuild(at(call("numpy.sum", node.args[0], axis=const(0)), node), _canonical)

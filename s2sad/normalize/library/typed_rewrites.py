@@ -31,18 +31,19 @@ CONJUGATING = ("conj", "conjugate")     # methods
 _REDUCING = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
 
 
-def sum_start() -> Constant:
-    """The initial 0 of Python's sum."""
-    return Constant(0, "start")
+def sum_start(items: int) -> Constant:
+    """The initial 0 of Python's sum: it makes another array of the only item, and an integer of what is True."""
+    return Constant(0, "start" if items > 1 else "alone")
 
 
 def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef:
     typing = context.typing
     def change(node: AST) -> AST | None:
         if isinstance(node, BinOp) and isinstance(node.op, Add) and isinstance(
-                node.left, Constant) and node.left.kind == "start":
-            right = rebuild(node.right, change)
-            return at(BinOp(Constant(0, None), Add(), right), node) if typing.of(node.right).dtype == "bool" else right
+                node.left, Constant) and node.left.kind in ("start", "alone"):
+            right, kind = rebuild(node.right, change), typing.of(node.right)
+            counts = kind.dtype == "bool" or node.left.kind == "alone" and kind.is_array
+            return at(BinOp(Constant(0, None), Add(), right), node) if counts else right
         if isinstance(node, Call) and isinstance(node.func, Attribute) and node.func.attr in CONJUGATING:
             kind, inner = typing.of(node.func.value), rebuild(node.func.value, change)
             return inner if kind.is_array and not kind.is_complex else at(call("numpy.conj", inner), node)

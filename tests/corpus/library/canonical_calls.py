@@ -34,6 +34,13 @@ def added(a, x, y):
     return y[0] * s ** 2 + t * y[1] + np.sum(both * y ** 2) + sum((y[0], y[1])) ** 2 + np.sum(sum([x[0], x[1]], y) ** 2)
 
 
+def alone(a, x, y):
+    """The sum of one array is another one."""
+    s = sum([y])
+    s[0] = 5.0
+    return np.sum(y ** 2) + np.sum(s * y)
+
+
 def conjugated(a, x, y):
     """The method of a real array gives itself, the function a copy."""
     r, q, f = y.conj(), x.conjugate(), np.conj(x[0])
@@ -112,7 +119,7 @@ def of_either_kind(x):
 
 def cases():
     # kernel
-    for kernel in (stepped, weighted, joined, added, conjugated):
+    for kernel in (stepped, weighted, joined, added, alone, conjugated):
         yield Case(kernel, (A, X, Y), ("a", "x", "y"))
     # weights refused
     for kernel, part in (

@@ -2,6 +2,7 @@
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
@@ -9,6 +10,7 @@ from s2sad.evaluate.specialize.branches import NOWHERE
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins
 from s2sad.evaluate.specialize.values import (
     FACTORY, NONE, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference,
     SliceValue, SuperValue, TupleValue, Value, constant,
@@ -29,27 +31,27 @@ def _range(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 
 @function("builtins.zip")
 def _zip(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
-    return Iteration("zip", tuple(args))
+    return ev.iterator("zip", *args)
 
 
 @function("builtins.enumerate")
 def _enumerate(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
-    return Iteration("enumerate", (args[0], *args[1:], *options.values()))
+    return ev.iterator("enumerate", args[0], *args[1:], *options.values())
 
 
 @function("builtins.reversed")
 def _reversed(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
-    return Iteration("reversed", (args[0],))
+    return ev.iterator("reversed", args[0])
 
 
 @function("builtins.map")
 def _map(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
-    return Iteration("map", (args[0], *(a for a in args[1:])))
+    return ev.iterator("map", *args)
 
 
 @function("builtins.filter")
 def _filter(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
-    return Iteration("filter", tuple(args))
+    return ev.iterator("filter", *args)
 
 
 @function("builtins.slice")
@@ -208,42 +210,43 @@ def _exit(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 def _sum(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
     if isinstance(args[0], Data) or isinstance(args[0], Iteration) and args[0].kind == "range":
         return None
-    start = [*args[1:], *options.values()]
+    items, start = ev.items_of(args[0], node, f), [*args[1:], *options.values()]
+    if items and all(isinstance(v, Data) and not v.is_list for v in (*items, *start)) and not all(
+            isinstance(v, Data) and v.is_known for v in (*items, *start)):
+        for v in (*items, *start):
+            ev.refuse_no_number(v, node)
+        function = tree.at(tree.name(ev.library("builtins.sum")), node)
+        made = ev.residual_call(function, [TupleValue(tuple(items)), *start], {}, node)
+        return replace(made, shape=broadcast(*items, *start), origins=origins(*items, *start))
     total = start[0] if start else constant(0)
-    for item in ev.items_of(args[0], node, f):
-        zero = isinstance(total, Data) and total.is_literal and type(total.known) is int and total.known == 0
-        total = item if zero and isinstance(item, Data) else ev.binary(tree.Add(), total, item, node, f)
+    for item in items:
+        total = ev.binary(tree.Add(), total, item, node, f)
     return total
 
 
 @function("builtins.any", "builtins.all")
 def _any(ev: Evaluator, args: Args, _: Options, node: Any, f: Frame) -> Value | None:
+    """Items are asked one after the other, until one decides."""
     if isinstance(args[0], Data):
         return None
     stops = ev.called == "any"
-    tests: list[AST] = []
     before = ev.snapshot()
     try:
-        items = ev.items_of(args[0], node, f)
+        tests = ev.tests_of(args[0], stops, node, f)
     except Unevaluated:
-        if not isinstance(args[0], Iteration) or args[0].kind != "generator":
+        if not isinstance(args[0], Iteration):
             raise
+        tests = None
+    if tests is None:
         ev.restore(before)
-        comprehension, frame = args[0].more
-        found = ev.truth(ev.any_item(comprehension, frame, stops), node, f)
-        if isinstance(found, bool):
-            return constant(found is stops)
-        return found if stops else Data(tree.at(tree.UnaryOp(tree.Not(), ev.spelled(found, node)), node))
-    for item in items:
-        test = ev.truth(item, node, f)
-        if isinstance(test, Data):
-            tests.append(ev.spelled(test, node))
-        elif test is stops:
-            return constant(stops)
-    if not tests:
-        return constant(not stops)
+        end = tree.Return(tree.const(not stops))
+        return ev.first_item(args[0], node, f, lambda item: tree.If(
+            item if stops else tree.UnaryOp(tree.Not(), item), [tree.Return(tree.const(stops))], []), end)
+    left = [ev.spelled(t, node) for t in tests if isinstance(t, Data)]
+    if stops in tests or not left:
+        return constant(stops if stops in tests else not stops)
     op = tree.Or() if stops else tree.And()
-    return Data(tree.at(tests[0] if len(tests) == 1 else tree.BoolOp(op, tests), node))
+    return Data(tree.at(left[0] if len(left) == 1 else tree.BoolOp(op, left), node))
 
 
 @function("builtins.min", "builtins.max")

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 
+from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Known, Options, function
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.sequences.iterator_use import DEFAULT
 from s2sad.evaluate.specialize.values import (
     NONE, Data, LibraryValue, ObjectValue, Reference, OpaqueValue, TupleValue, Value, constant, demands_of,
 )
@@ -106,14 +108,17 @@ def _iter(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     return ev.heap.new(Object("iterator", {"base": ev.atoms(base, "items", node), "k": constant(0)}, site=node))
 
 
+def _first(ev: Evaluator, args: Args, node: AST, f: Frame) -> Value:
+    """The first item of a generator, with which nothing else goes on."""
+    end = tree.Return(tree.name(DEFAULT)) if args[1:] else tree.Raise(tree.name("StopIteration"), None)
+    return ev.first_item(args[0], node, f, tree.Return, end, *[ev.atoms(a, "item", node) for a in args[1:]])
+
+
 @function("builtins.next")
 def _next(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     held = ev.heap[args[0]] if isinstance(args[0], Reference) else None
     if held is None or held.kind != "iterator":
-        items = ev.items_of(args[0], node, f)       # a generator that nothing else goes on with
-        if not items and not args[1:]:
-            raise ev.refusal(node, "next() of what has no items")
-        return items[0] if items else args[1]
+        return _first(ev, args, node, f)
     base, k = held.items["base"], ev.known(held.items["k"], node, "how many items were taken")
     if isinstance(base, TupleValue) and k >= len(base.items):
         if args[1:]:

@@ -139,7 +139,7 @@ def cursor_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> Any:
         inner = _CURSORS.get(value.kind)
         if inner is not None:
             return inner(ev, value, node, f)
-    return Known(tuple(ev.items_of(value, node, f)))
+    return Known(tuple(ev.all_items(value, node, f)))
 
 
 def _together(made: Callable[[Evaluator, tuple[Value, ...]], Value]) -> Callable[..., Any]:

@@ -8,34 +8,39 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unevaluated, expression, operation
-from s2sad.evaluate.specialize.values import Data, Iteration, TupleValue, Value, constant
+from s2sad.evaluate.specialize.values import Data, Iteration, TupleValue, Value
 from s2sad.tree import AST
 
-FILLED = ".filled"
+FILLED, ITERATED = ".filled", ".iterated"
 
 
 @operation
-def generate(ev: Evaluator, generators: Sequence[Any], f: Frame, add: Callable[[Frame], Any]) -> None:
-    """Every round of a comprehension whose items are known."""
+def generate(ev: Evaluator, generators: Sequence[Any], f: Frame, add: Callable[[Frame], Any],
+             first: Value | None = None) -> None:
+    """Every round of a comprehension whose items are known; `first` is what its first loop goes through."""
     if not generators:
         add(f)
         return
     one, *rest = generators
-    through = ev.atoms(ev.value(one.iter, f), "iterated", one.iter)
+    through = first or ev.atoms(ev.value(one.iter, f), "iterated", one.iter)
+    ev.used(through, one.iter)
     inner = ev.inner_frame(f, one)
-    ev.heap.put(inner.reference, ".iterated", through)
+    ev.heap.put(inner.reference, ITERATED, through)
     cursor = ev.cursor_of(through, one.iter, f)
     while (step := cursor.next()) is not None:
         item, cursor = step
         ev.store(one.target, item, inner)
-        tests = [ev.test_of(t, inner) for t in one.ifs]
-        for t, node in zip(tests, one.ifs):
-            if isinstance(t, Data):
-                raise ev.unknown(node, "which items a comprehension keeps must be known before the run", t)
-        if all(tests):
+        if all(_kept(ev, t, inner) for t in one.ifs):
             generate(ev, rest, inner, add)
     if inner.reference.number not in ev.frames:
         ev.heap.objects.pop(inner.reference.number, None)
+
+
+def _kept(ev: Evaluator, node: AST, f: Frame) -> bool:
+    test = ev.test_of(node, f)
+    if isinstance(test, Data):
+        raise ev.unknown(node, "which items a comprehension keeps must be known before the run", test)
+    return test
 
 
 class Gathered:
@@ -105,46 +110,43 @@ def _residual(ev: Evaluator, node: Any, f: Frame) -> Value | None:
     return Data(tree.at(type(node)(element, generators), node), is_list=True)
 
 
-def _filled(ev: Evaluator, node: Any, f: Frame, reason: Unevaluated) -> Value:
+def _filled(ev: Evaluator, node: Any, f: Frame, reason: Unevaluated, first: Value | None = None) -> Value:
     """A list of the residual program that statements fill: what is kept, or how many, only the run knows."""
     if reason.demands and all(what == "value" for _, what in reason.demands):
         raise reason from None      # of integers that say what there is
     before = ev.snapshot()
     made = ev.named(Data(tree.at(tree.List([], tree.Load()), node), is_list=True), "items", node)
-    add = tree.Call(tree.attribute(tree.name(FILLED), "append"), [node.elt], [])
+    one = node.generators[0]
     try:
-        return _accumulated(ev, node, f, made, tree.Expr(add))
+        first = first or ev.atoms(ev.value(one.iter, f), "iterated", one.iter)
+        inner = frame_inside(ev, f, node)
+        ev.heap.set_items(inner.reference, {FILLED: made, ITERATED: first})
+        ev.statements([loops_of(ev, node, "filled", lambda: [
+            tree.Expr(tree.Call(tree.attribute(tree.name(FILLED), "append"), [node.elt], []))])], inner)
+        return ev.heap.objects.pop(inner.reference.number).items[FILLED]
     except Unevaluated:
         ev.restore(before)
         raise reason from None
 
 
-@operation
-def any_item(ev: Evaluator, node: Any, f: Frame, wanted: bool) -> Value:
-    """Whether an item of a generator is true (or false): a flag that its loops set."""
-    test = node.elt if wanted else tree.UnaryOp(tree.Not(), node.elt)
-    flag = tree.If(test, [tree.assign(FILLED, tree.const(True))], [])
-    return _accumulated(ev, node, f, constant(False), flag)
-
-
-def _accumulated(ev: Evaluator, node: Any, f: Frame, start: Value, body: AST) -> Value:
-    """What the statement does in the rounds of a comprehension with the value under FILLED."""
+def frame_inside(ev: Evaluator, f: Frame, node: Any, *more: str) -> Frame:
+    """The frame of a comprehension that statements stand for."""
     targets = frozenset(n.id for g in node.generators for n in tree.walk(g.target) if isinstance(n, tree.Name))
-    inner = replace(ev.inner_frame(f, node.generators[0]), local=targets | {FILLED})
-    ev.heap.put(inner.reference, FILLED, start)
-    ev.statements([_loops(ev, node, body)], inner)
-    return ev.heap.objects.pop(inner.reference.number).items[FILLED]
+    return replace(ev.inner_frame(f, node.generators[0]), local=targets | {FILLED, ITERATED, *more})
 
 
-def _loops(ev: Evaluator, node: Any, body: AST) -> AST:
-    """The statements that a comprehension stands for; the same ones each time."""
-    if node not in ev.loops_of:
+def loops_of(ev: Evaluator, node: Any, use: Any, body: Callable[[], list[AST]]) -> AST:
+    """The statements that a comprehension stands for in a use, the same ones each time; what its first loop goes
+    through is there before."""
+    if (node, use) not in ev.loops_of:
+        inner = body()
         for one in reversed(node.generators):
             for test in reversed(one.ifs):
-                body = tree.If(test, [body], [])
-            body = tree.For(one.target, one.iter, [body], [], None)
-        ev.loops_of[node] = tree.at(body, node)
-    return ev.loops_of[node]
+                inner = [tree.If(test, inner, [])]
+            through = tree.name(ITERATED) if one is node.generators[0] else one.iter
+            inner = [tree.For(one.target, through, inner, [], None)]
+        ev.loops_of[node, use] = tree.at(inner[0], node)
+    return ev.loops_of[node, use]
 
 
 @operation
@@ -157,16 +159,19 @@ def listed(ev: Evaluator, value: Value, node: AST, f: Frame) -> Value:
         if not isinstance(value, Iteration) or value.kind != "generator":
             raise
         ev.restore(before)
-        return _filled(ev, value.more[0], value.more[1], reason)
+        ev.used(value, node)
+        return _filled(ev, value.more[0], value.more[1], reason, ev.first_of(value))
 
 
 @expression("GeneratorExp")
 def generator(ev: Evaluator, node: Any, f: Frame) -> Value:
+    """A generator; what its first loop goes through is evaluated now."""
     frame: Frame | None = f
     while frame is not None:        # which outlive their calls
         ev.frames.setdefault(frame.reference.number, frame)
         frame = frame.outer
-    return Iteration("generator", (), (node, f))
+    one = node.generators[0]
+    return ev.iterator("generator", more=(node, f), first=ev.atoms(ev.value(one.iter, f), "iterated", one.iter))
 
 
 @expression("DictComp")

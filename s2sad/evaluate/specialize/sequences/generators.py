@@ -19,7 +19,7 @@ from s2sad.evaluate.specialize.values import NONE, Data, Iteration, TupleValue, 
 from s2sad.tree import AST
 
 LAZY = ("generator", "yields")      # what is computed when its turn comes
-STARTED, ITEM = ".started", ".item"
+ITEM = ".item"
 
 
 def is_generator(definition: Any) -> bool:
@@ -47,7 +47,8 @@ def each_item(ev: Evaluator, through: Value, node: AST, f: Frame, each: Callable
     assert isinstance(through, Iteration)
     if through.kind == "generator":
         comprehension, frame = through.more
-        ev.generate(comprehension.generators, frame, lambda g: each(ev.value(comprehension.elt, g)))
+        ev.generate(comprehension.generators, frame, lambda g: each(ev.value(comprehension.elt, g)),
+                    ev.first_of(through))
     elif through.kind == "yields":
         _run(ev, through, node, each)
     elif through.kind == "enumerate":
@@ -59,9 +60,6 @@ def each_item(ev: Evaluator, through: Value, node: AST, f: Frame, each: Callable
 
 def _run(ev: Evaluator, through: Iteration, node: AST, each: Callable[[Value], None]) -> None:
     frame, definition = through.more
-    if STARTED in ev.heap[frame.reference].items:
-        raise ev.refusal(node, f"the generator '{definition.name}' is gone through twice", help="make it a list")
-    ev.heap.put(frame.reference, STARTED, constant(True))
     pending, loops, depth = len(ev.pending), len(ev.loops), ev.depth
     frame = replace(frame, mark=pending, loops=loops, yields=each)
     ev.depth += 1

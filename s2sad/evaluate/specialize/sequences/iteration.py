@@ -32,6 +32,13 @@ def list_of(ev: Evaluator, items: Sequence[Value], origin: AST) -> Value:
 @operation
 def items_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
     """All items that a value gives when it is gone through; raises Unevaluated."""
+    ev.used(value, node)
+    return all_items(ev, value, node, f)
+
+
+@operation
+def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
+    """The same of what is marked as used."""
     if isinstance(value, TupleValue):
         own = ev.special_method(value, "__iter__", node, f)
         return list(value.items) if own is None else items_of(ev, ev.call(own, [], {}, node, f), node, f)
@@ -77,7 +84,7 @@ def _backwards(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
     if isinstance(value, TupleValue) or isinstance(value, Reference) and ev.heap[value].kind == "record":
         size = ev.known(length(ev, value, node, f), node, "how many items there are")
         return [ev.item_of(value, constant(k), node, f) for k in reversed(range(size))]
-    return items_of(ev, value, node, f)[::-1]
+    return all_items(ev, value, node, f)[::-1]
 
 
 def _views(ev: Evaluator, base: Any, kind: str) -> list[Value]:
@@ -121,7 +128,7 @@ def shape_of(ev: Evaluator, value: Value) -> Data:
 
 def _filtered(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> list[Value]:
     found = []
-    for item in items_of(ev, value.parts[1], node, f):
+    for item in all_items(ev, value.parts[1], node, f):
         plain = isinstance(value.parts[0], Data) and value.parts[0].known is None
         kept = ev.truth(item if plain else ev.call(value.parts[0], [item], {}, node, f), node, f)
         if isinstance(kept, Data):

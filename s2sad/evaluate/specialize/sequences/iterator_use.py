@@ -1,0 +1,113 @@
+"""Iterators: each is gone through once, and not further than it is asked.
+
+    if any(f(x, k) for k in range(n)):         for k in range(n):
+                                         ->        if f(x, k): found = True; break
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import replace
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, operation
+from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.sequences.gathering import frame_inside, loops_of
+from s2sad.evaluate.specialize.sequences.generators import ITEM, LAZY
+from s2sad.evaluate.specialize.values import NONE, Data, Iteration, Value, constant
+from s2sad.tree import AST
+
+STARTED, ITERATED, DEFAULT = ".started", ".iterated", ".default"
+
+
+@operation
+def iterator(ev: Evaluator, kind: str, *items: Value, more: Any = None, first: Value | None = None) -> Iteration:
+    """An iterator; the heap knows whether it is used up, and what the first loop of a generator goes through."""
+    held: dict[Hashable, Value] = {STARTED: constant(False)}
+    if first is not None:
+        held[ITERATED] = first
+    return Iteration(kind, items, more, ev.heap.new(Object("iterator", held)))
+
+
+@operation
+def first_of(ev: Evaluator, value: Iteration) -> Value:
+    """What the first loop of a generator's expression goes through."""
+    assert value.once is not None
+    return ev.heap[value.once].items[ITERATED]
+
+
+@operation
+def used(ev: Evaluator, value: Value, node: AST) -> None:
+    """Something is gone through, with what it goes through itself."""
+    if not isinstance(value, Iteration):
+        return
+    if value.once is not None:
+        started = ev.heap[value.once].items[STARTED]
+        if not (isinstance(started, Data) and started.known is False):
+            raise ev.refusal(node, "an iterator is gone through twice, and has no items the second time",
+                             help="make it a list: list(...)")
+        ev.heap.put(value.once, STARTED, constant(True))
+    for part in value.parts:
+        used(ev, part, node)
+
+
+@operation
+def tests_of(ev: Evaluator, through: Value, stops: bool, node: AST, f: Frame) -> list[bool | Data] | None:
+    """Whether each item is true, up to the first that decides; None where that takes statements, of which Python does
+    no more than it needs to."""
+    if not isinstance(through, Iteration):
+        return [ev.truth(item, node, f) for item in ev.items_of(through, node, f)]
+    if through.kind in LAZY:
+        return _of_generator(ev, through, node) if through.kind == "generator" else None
+    used(ev, through, node)
+    found: list[bool | Data] = []
+    at, cursor = len(ev.block), ev.cursor_of(through, node, f)
+    while stops not in found and (step := cursor.next()) is not None:
+        item, cursor = step
+        found.append(ev.truth(item, node, f))
+    return found if len(ev.block) == at else None
+
+
+def _of_generator(ev: Evaluator, through: Iteration, node: AST) -> list[bool | Data] | None:
+    used(ev, through, node)
+    comprehension, frame = through.more
+    found: list[bool | Data] = []
+    at = len(ev.block)
+    ev.generate(comprehension.generators, frame, lambda g: found.append(ev.test_of(comprehension.elt, g)),
+                first_of(ev, through))
+    return found if len(ev.block) == at else None
+
+
+@operation
+def first_item(ev: Evaluator, through: Value, node: AST, f: Frame, body: Callable[[AST], AST], end: AST,
+               default: Value = NONE) -> Value:
+    """What the statement returns that is done with each item; where it never returns, what `end` does, which may read
+    DEFAULT."""
+    if isinstance(through, Iteration) and through.kind == "generator":
+        used(ev, replace(through, parts=()), node)
+        comprehension, outer = through.more
+        inner = frame_inside(ev, outer, comprehension, DEFAULT, ITEM)
+        ev.heap.put(inner.reference, ITERATED, first_of(ev, through))
+        loops = loops_of(ev, comprehension, ("first", id(node)), lambda: [
+            tree.assign(ITEM, comprehension.elt), body(tree.name(ITEM))])
+    else:
+        inner = replace(f, reference=ev.heap.new(Object("frame", {ITERATED: through})), outer=f, is_entry=False,
+                        local=frozenset({ITEM, ITERATED, DEFAULT}), nonlocals=frozenset())
+        loops = ev.loops_of.get((node, "first")) or tree.at(tree.For(
+            tree._target(tree.name(ITEM)), tree.name(ITERATED), [body(tree.name(ITEM))], [], None), node)
+        ev.loops_of[node, "first"] = loops
+    ev.heap.put(inner.reference, DEFAULT, default)
+    depth = len(ev.pending)
+    inner = replace(inner, mark=depth, loops=len(ev.loops), yields=None)
+    ev.pending.append(None)
+    try:
+        ev.statements([loops, tree.at(end, node)], inner)
+        raise AssertionError("what follows a return")
+    except Leave as leave:
+        if leave.mark != depth:
+            raise
+        assert leave.value is not None
+        return leave.value
+    finally:
+        del ev.pending[depth:]
+        del ev.loops[inner.loops:]
