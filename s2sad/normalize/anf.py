@@ -73,11 +73,11 @@ class _Anf:
         if isinstance(statement, If):
             return self.branch(statement)
         if isinstance(statement, Assign):
-            root = self.root(statement, before)
+            root = self.right_side(statement, before)
             target = self.indexed(statement.targets[0], before)
             return [*before, assign(target, root)]
         if isinstance(statement, AugAssign):
-            value = self.inner(statement.value, before) if self.is_float(statement.value) else statement.value
+            value = self.operand(statement.value, before) if self.is_float(statement.value) else statement.value
             target = self.indexed(statement.target, before)
             return [*before, augment(target, statement.op, value)]
         if isinstance(statement, Return):
@@ -103,7 +103,7 @@ class _Anf:
             test = name(self.bind("taken", test, before, BOOL))
         return [*before, If(test, self.block(statement.body), self.block(statement.orelse))]
 
-    def root(self, statement: Assign, before: list[AST]) -> AST:
+    def right_side(self, statement: Assign, before: list[AST]) -> AST:
         value, target = statement.value, statement.targets[0]
         if not self.is_float(value) or is_function(value):
             return value
@@ -116,7 +116,7 @@ class _Anf:
                 return self.children(value, before)
         elif user_call(value):
             return self.call(value, before)
-        return self.inner(value, before)
+        return self.operand(value, before)
 
     def call(self, node: Call, before: list[AST]) -> Call:
         args = [self.simple(a, before, "argument") if self.is_float(a) and not self.typing.of(a).is_array else
@@ -128,9 +128,9 @@ class _Anf:
             return node
         if self.typing.of(node).is_array:
             return node
-        return name(self.bind(wanted, self.root(assign(name("_"), node), before), before))
+        return name(self.bind(wanted, self.right_side(assign(name("_"), node), before), before))
 
-    def inner(self, node: AST, before: list[AST]) -> AST:
+    def operand(self, node: AST, before: list[AST]) -> AST:
         """The expression in A-normal form, left to right."""
         kind, node = self.typing.of(node), self.named_property(node, before)
         if isinstance(node, (Compare, BoolOp)) or not (kind.is_inexact or kind.dtype):
@@ -150,11 +150,11 @@ class _Anf:
 
     def children(self, node: AST, before: list[AST]) -> AST:
         if isinstance(node, BinOp):
-            return BinOp(self.inner(node.left, before), node.op, self.inner(node.right, before))
+            return BinOp(self.operand(node.left, before), node.op, self.operand(node.right, before))
         if isinstance(node, UnaryOp):
-            return UnaryOp(node.op, self.inner(node.operand, before))
+            return UnaryOp(node.op, self.operand(node.operand, before))
         if isinstance(node, Call):
-            return Call(node.func, [self.inner(a, before) for a in node.args], node.keywords)
+            return Call(node.func, [self.operand(a, before) for a in node.args], node.keywords)
         return node
 
     def indexed(self, node: AST, before: list[AST]) -> AST:

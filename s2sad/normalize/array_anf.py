@@ -75,7 +75,7 @@ def is_function(node: AST) -> bool:
 class _ArrayAnf:
     def __init__(self, typing: Typing, free: Names, loops: bool, added: bool):
         self.typing, self.free, self.loops, self.added = typing, free, loops, added
-        self.kept = ""  # the array of bools that the statement's target is picked by
+        self.target_mask = ""  # the array of bools that the statement's target is picked by
         self.depth = 0
 
     def block(self, block: list[AST]) -> list[AST]:
@@ -90,22 +90,22 @@ class _ArrayAnf:
 
     def statement(self, statement: AST) -> list[AST]:
         before: list[AST] = []
-        self.kept = ""
+        self.target_mask = ""
         if isinstance(statement, For):
-            bounds = self.moved(statement.iter, before)
+            bounds = self.hoisted(statement.iter, before)
             return [*before, For(statement.target, bounds, self.repeated(statement.body), [], None)]
         if isinstance(statement, While):
             return self.loop(statement)
         if isinstance(statement, If):
-            test = self.moved(statement.test, before)
+            test = self.hoisted(statement.test, before)
             return [*before, If(test, self.block(statement.body), self.block(statement.orelse))]
         if isinstance(statement, (Assign, AugAssign)):
             return self.assignment(statement, before)
         if isinstance(statement, Return) and statement.value is not None:
-            value = self.moved(statement.value, before)
+            value = self.hoisted(statement.value, before)
             return [*before, Return(value)]
         if isinstance(statement, Expr) and (called := statement.value) is not None and user_call(called):
-            value = self.moved(called, before)
+            value = self.hoisted(called, before)
             return [*before, Expr(value)]
         return [statement]
 
@@ -115,26 +115,26 @@ class _ArrayAnf:
                 isinstance(target, Name) and isinstance(statement, Assign)):
             statement = copy(statement)
             statement.value = at(call("numpy.array", statement.value), statement)
-        if isinstance(target, Subscript) and self.arrays(target):
-            target = self.named(target, before)
-            masks = [dump(s) for s in self.arrays(target) if self.typing.of(s).dtype == "bool"]
-            self.kept = masks[0] if masks else ""
+        if isinstance(target, Subscript) and self.index_arrays(target):
+            target = self.with_named_arrays(target, before)
+            masks = [dump(s) for s in self.index_arrays(target) if self.typing.of(s).dtype == "bool"]
+            self.target_mask = masks[0] if masks else ""
             if isinstance(statement, AugAssign) and not masks:  # NumPy reads all elements before it fills one
                 statement = at(assign(target, BinOp(copy(target), statement.op, statement.value)), statement)
         elif isinstance(target, Subscript):
-            target = self.moved(target, before)
+            target = self.hoisted(target, before)
         if isinstance(statement, AugAssign):
             alone = self.added and moves(statement.value) and base_name(target) not in names(statement.value)
-            value = self.operands(statement.value, before) if alone else self.moved(statement.value, before)
+            value = self.operands(statement.value, before) if alone else self.hoisted(statement.value, before)
             return [*before, augment(target, statement.op, value)]
-        if self.grows(statement.value):
-            made = name(self.bind(statement.value, self.root(statement.value, before), before))
+        if self.grows_in_loop(statement.value):
+            made = name(self.bind(statement.value, self.right_side(statement.value, before), before))
             return [*before, assign(target, call("numpy.copy", made) if isinstance(target, Name) else made)]
         binds = isinstance(target, Name) or is_function(statement.value)
-        value = self.root(statement.value, before) if binds else self.moved(statement.value, before)
+        value = self.right_side(statement.value, before) if binds else self.hoisted(statement.value, before)
         return [*before, assign(target, value)]
 
-    def grows(self, node: AST) -> bool:
+    def grows_in_loop(self, node: AST) -> bool:
         """Whether a call in a loop is a sum of rows, whose elements grow side by side."""
         rule = rules.find_array(call_name(node))
         if not self.loops or not self.depth or rule is None or rule.law not in _SUMMED or not isinstance(node, Call):
@@ -145,90 +145,90 @@ class _ArrayAnf:
 
     def loop(self, statement: While) -> list[AST]:
         before: list[AST] = []
-        test = self.moved(statement.test, before)
+        test = self.hoisted(statement.test, before)
         body = self.repeated(statement.body)
         if not before:
             return [While(statement.test, body, [])]
         return [While(const(True), [*before, If(test, body, [at(Break(), statement)])], [])]
 
-    def moved(self, node: AST, before: list[AST]) -> AST:
+    def hoisted(self, node: AST, before: list[AST]) -> AST:
         """The expression with its functions of whole arrays bound to names before."""
         def change(n: AST) -> AST | None:
-            if isinstance(n, Subscript) and self.arrays(n):
-                return self.picked(n, before)
+            if isinstance(n, Subscript) and self.index_arrays(n):
+                return self.gathered(n, before)
             if isinstance(n, Subscript) and self.typing.of(n.value).is_array and (
-                    not isinstance(n.value, (Name, Subscript)) or self.picks(n.value)):
-                inner = name(self.bind(n.value, self.root(n.value, before), before))
-                return at(Subscript(inner, self.moved(n.slice, before), n.ctx), n)
+                    not isinstance(n.value, (Name, Subscript)) or self.is_gather(n.value)):
+                inner = name(self.bind(n.value, self.right_side(n.value, before), before))
+                return at(Subscript(inner, self.hoisted(n.slice, before), n.ctx), n)
             if call_name(n) in _MADE:
                 return name(self.bind(n, self.allocated(n, before), before))
             if call_name(n) == "numpy.size" and (sized := self.sized(n.args[0])) is not None:
-                return at(attribute(self.moved(sized, before), "size"), n)
+                return at(attribute(self.hoisted(sized, before), "size"), n)
             if user_call(n):
-                return at(Call(n.func, [self.given(a, before) for a in n.args], n.keywords), n)
+                return at(Call(n.func, [self.named_argument(a, before) for a in n.args], n.keywords), n)
             if rules.find_array(call_name(n)) is None:
                 return None
-            kept, self.kept = self.kept, ""  # it does not walk what a mask of the statement picks
+            kept, self.target_mask = self.target_mask, ""  # it does not walk what a mask of the statement picks
             made = self.operands(n, before)
-            self.kept = kept
+            self.target_mask = kept
             return name(self.bind(n, made, before)) if is_function(n) else made
         return rebuild(node, change)
 
     def sized(self, node: AST) -> AST | None:
         """An array in an expression over numbers and arrays with one axis, whose size is the expression's."""
         plain = isinstance(node, (BinOp, UnaryOp)) and self.typing.of(node).rank == 1 and not any(
-            isinstance(n, Call) or self.picks(n) for n in walk(node))
+            isinstance(n, Call) or self.is_gather(n) for n in walk(node))
         parts = [n for n in walk(node) if isinstance(n, (Name, Subscript)) and self.typing.of(n).rank == 1
                  and not self.typing.argument(n).ones] if plain else []
         inside = {id(m) for n in parts for m in walk(n) if m is not n}
         return next((n for n in parts if id(n) not in inside), None)
 
-    def given(self, argument: AST, before: list[AST]) -> AST:
+    def named_argument(self, argument: AST, before: list[AST]) -> AST:
         """An argument of a kernel's call: an array that is computed has a name."""
-        inner = self.moved(argument, before)
+        inner = self.hoisted(argument, before)
         computed = self.typing.of(inner).is_array and not isinstance(inner, (Name, Subscript))
         return name(self.bind(argument, inner, before)) if computed else inner
 
-    def arrays(self, node: Subscript) -> list[AST]:
+    def index_arrays(self, node: Subscript) -> list[AST]:
         """The arrays among the subscripts."""
         return [s for s in indices(node) if not isinstance(s, Slice) and self.typing.of(s).is_array]
 
-    def picks(self, node: AST) -> bool:
+    def is_gather(self, node: AST) -> bool:
         """Whether an expression is elements that arrays pick, which are a copy."""
-        return isinstance(node, Subscript) and bool(self.arrays(node))
+        return isinstance(node, Subscript) and bool(self.index_arrays(node))
 
-    def picked(self, node: Subscript, before: list[AST]) -> AST:
+    def gathered(self, node: Subscript, before: list[AST]) -> AST:
         """The elements that arrays pick: the arrays have names, and what a mask picks has one."""
-        place = self.named(node, before)
-        mask = next((s for s in self.arrays(place) if self.typing.of(s).dtype == "bool"), None)
-        if mask is None or dump(mask) == self.kept:
+        place = self.with_named_arrays(node, before)
+        mask = next((s for s in self.index_arrays(place) if self.typing.of(s).dtype == "bool"), None)
+        if mask is None or dump(mask) == self.target_mask:
             return place
         return name(self.bind(node, place, before, "picked"))
 
-    def named(self, node: Subscript, before: list[AST]) -> Subscript:
+    def with_named_arrays(self, node: Subscript, before: list[AST]) -> Subscript:
         """The subscript with names for the arrays in it."""
-        arrays = self.arrays(node)
-        base = self.moved(node.value, before)
+        arrays = self.index_arrays(node)
+        base = self.hoisted(node.value, before)
         if not isinstance(base, (Name, Subscript)):
             base = name(self.bind(node.value, base, before))
-        parts = [self.places(s, before) if s in arrays else self.moved(s, before) for s in indices(node)]
+        parts = [self.named_index_array(s, before) if s in arrays else self.hoisted(s, before) for s in indices(node)]
         return at(Subscript(base, index(node.value, *parts).slice, node.ctx), node)
 
-    def places(self, array: AST, before: list[AST]) -> AST:
+    def named_index_array(self, array: AST, before: list[AST]) -> AST:
         """A name for an array of subscripts; a part of an array is copied."""
         if isinstance(array, Name):
             return array
-        made = self.moved(array, before)
+        made = self.hoisted(array, before)
         value = call("numpy.copy", made) if isinstance(made, Subscript) else made
         return name(self.bind(array, value, before, "mask" if self.typing.of(array).dtype == "bool" else "places"))
 
-    def root(self, node: AST, before: list[AST]) -> AST:
+    def right_side(self, node: AST, before: list[AST]) -> AST:
         """The right side of a statement that binds a name."""
         if call_name(node) in _MADE:
             return self.allocated(node, before)
-        if isinstance(node, Subscript) and self.arrays(node):
-            return self.named(node, before)
-        return self.operands(node, before) if is_function(node) else self.moved(node, before)
+        if isinstance(node, Subscript) and self.index_arrays(node):
+            return self.with_named_arrays(node, before)
+        return self.operands(node, before) if is_function(node) else self.hoisted(node, before)
 
     def allocated(self, node: AST, before: list[AST]) -> AST:
         """An allocation, with names for the functions in what it is filled with, item by item."""
@@ -239,7 +239,7 @@ class _ArrayAnf:
 
     def items(self, node: AST, before: list[AST]) -> AST:
         if not isinstance(node, (List, Tuple)):
-            return self.moved(node, before)
+            return self.hoisted(node, before)
         return at(type(node)([self.items(item, before) for item in node.elts], node.ctx), node)
 
     def operands(self, node: Call, before: list[AST]) -> Call:
@@ -248,15 +248,15 @@ class _ArrayAnf:
         assert rule is not None
         made: list[AST] = []
         for operand in node.args:
-            inner = self.moved(operand, before)
-            plain = isinstance(inner, (Name, Subscript, Constant)) and not self.picks(inner) or not self.typing.of(
+            inner = self.hoisted(operand, before)
+            plain = isinstance(inner, (Name, Subscript, Constant)) and not self.is_gather(inner) or not self.typing.of(
                 inner).is_array
             summed = rule.law in _SUMMED and any(isinstance(n, (Name, Subscript)) and self.typing.of(n).is_array
                                                  for n in walk(inner))
             converted = self.converted(inner, operand, node)
             made.append(inner if converted is inner and (plain or summed)
                         else name(self.bind(operand, converted, before)))
-        options = [at(keyword(k.arg, self.moved(k.value, before)), node) for k in node.keywords]
+        options = [at(keyword(k.arg, self.hoisted(k.value, before)), node) for k in node.keywords]
         return at(Call(node.func, made, options), node)
 
     def converted(self, operand: AST, origin: AST, node: Call) -> AST:

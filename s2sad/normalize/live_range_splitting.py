@@ -6,9 +6,10 @@ for the other.
         r = np.sum(r * r)           r_2 = np.sum(r * r)
         return r                    return r_2
 
-Requires structured form; establishes one type for each name. A binding and all that may read it are one life; the first
-one keeps the name. What is bound to several types in one life is left for `infer` to refuse, but for numbers that
-become arrays in a loop (first_trips) and for arrays of float32 and of float64, which are of float64.
+Requires structured form; establishes one type for each name. A binding and all uses that it reaches are one live range;
+the first one keeps the name. What is bound to several types in one live range is left for `infer` to refuse, but for
+numbers that become arrays in a loop (`control/peel_first_iteration.py`) and for arrays of float32 and of float64, which
+are of float64.
 """
 from __future__ import annotations
 
@@ -44,7 +45,7 @@ def split_live_ranges(function: FunctionDef, types: Mapping[str, Type], call_typ
     while True:
         said, conflicting = Report(report.source), set[str]()
         table = inference(function, types, call_types, said, constants, conflicting, wider)
-        new = _LiveRanges(function, conflicting).apart(free) if conflicting else None
+        new = _LiveRanges(function, conflicting).split(free) if conflicting else None
         if new is None and conflicting and not begun:
             new, begun = peel_first_iteration(function, conflicting, free), True
         if new is None and (wider or not conflicting):
@@ -55,7 +56,7 @@ def split_live_ranges(function: FunctionDef, types: Mapping[str, Type], call_typ
 
 
 class _LiveRanges:
-    """The lives of some names: each binding is known by its node, `joined` leads to one of the same life."""
+    """The live ranges of some names: each binding is known by its node, `joined` leads to one of the same range."""
 
     def __init__(self, function: FunctionDef, conflicting: set[str]):
         self.function = function
@@ -65,20 +66,22 @@ class _LiveRanges:
         self.conflicting = conflicting
         self.block(function.body, given)
 
-    def apart(self, free: Names) -> FunctionDef | None:
-        """The function with a name for each life; None if there is one for each name."""
-        first: dict[str, int] = {p.id: self.life(id(p)) for p in self.function.args.args if p.id in self.conflicting}
+    def split(self, free: Names) -> FunctionDef | None:
+        """The function with a name for each live range; None if each name has one alone."""
+        first: dict[str, int] = {
+            p.id: self.live_range(id(p)) for p in self.function.args.args if p.id in self.conflicting}
         called: dict[int, str] = {}
         for node in walk(self.function.body):
             if isinstance(node, Name) and node.id in self.conflicting:
-                life = self.life(id(node))
-                if first.setdefault(node.id, life) != life and life not in called:
-                    called[life] = free.numbered(node.id)
+                live_range = self.live_range(id(node))
+                if first.setdefault(node.id, live_range) != live_range and live_range not in called:
+                    called[live_range] = free.numbered(node.id)
         if not called:
             return None
 
         def change(node: AST) -> AST | None:
-            new = called.get(self.life(id(node))) if isinstance(node, Name) and node.id in self.conflicting else None
+            is_split = isinstance(node, Name) and node.id in self.conflicting
+            new = called.get(self.live_range(id(node))) if is_split else None
             if new is None:
                 return None
             made = rebuild(node, lambda n: None)
@@ -86,15 +89,15 @@ class _LiveRanges:
             return made
         return rebuild(self.function, change)
 
-    def life(self, binding: int) -> int:
+    def live_range(self, binding: int) -> int:
         while self.joined.get(binding, binding) != binding:
             binding = self.joined[binding]
         return binding
 
     def join(self, node: Name, bindings: frozenset[int]) -> None:
-        """A name and the bindings that it may read are of one life."""
+        """A use of a name and the bindings that reach it are of one live range."""
         for binding in bindings:
-            self.joined[self.life(binding)] = self.life(id(node))
+            self.joined[self.live_range(binding)] = self.live_range(id(node))
 
     def read(self, node: AST | None, state: State) -> None:
         for n in walk(node) if node is not None else ():

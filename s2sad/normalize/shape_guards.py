@@ -25,33 +25,33 @@ ELEMENTS = "an array is reshaped to another number of elements: give np.reshape 
 SPARSE = "a sparse matrix and what it meets differ in size"
 
 
-def matching(a: AST, b: AST) -> Assert:
+def sparse_size_matches(a: AST, b: AST) -> Assert:
     """The guard that a size is that of a sparse matrix."""
     return Assert(compare(a, Eq(), b), const(SPARSE))
 
 
-def equal(a: AST, b: AST) -> Assert:
+def shapes_equal(a: AST, b: AST) -> Assert:
     """The guard that two shapes, or two sizes, are equal."""
     return Assert(compare(a, Eq(), b), const(EQUAL))
 
 
-def as_many(a: AST, b: AST) -> Assert:
+def same_element_count(a: AST, b: AST) -> Assert:
     """The guard that a reshape leaves the number of elements as it is."""
     return Assert(compare(a, Eq(), b), const(ELEMENTS))
 
 
-def of_one_size(guard: AST) -> AST:
+def same_size_in_list(guard: AST) -> AST:
     """A guard that two sizes are equal, where an array is put into a list."""
     same = isinstance(guard, Assert) and isinstance(guard.msg, Constant) and guard.msg.value == EQUAL
     return Assert(guard.test, const(ROWS)) if same else guard
 
 
-def trips(start: AST, stop: AST, step: int) -> Assert:
+def has_iteration(start: AST, stop: AST, step: int) -> Assert:
     """The guard that a loop has a trip."""
     return Assert(compare(copy(start), Lt() if step > 0 else Gt(), copy(stop)), const(TRIPS))
 
 
-def inside(room: AST, text: str) -> Assert:
+def slice_in_bounds(room: AST, text: str) -> Assert:
     """The guard that there is room in an array for a slice of a statement, with the first line of its text."""
     return Assert(compare(room, GtE(), const(0)), const(f"{INSIDE}: {text}"))
 
@@ -61,12 +61,12 @@ def contiguous(array: AST) -> Assert:
     return Assert(attribute(attribute(array, "flags"), "c_contiguous"), const(CONTIGUOUS))
 
 
-def forwards(rest: AST) -> Assert:
+def positive_step(rest: AST) -> Assert:
     """The guard that the step of a slice is positive."""
     return Assert(compare(rest, GtE(), const(0)), const(FORWARDS))
 
 
-def counts(size: AST) -> Assert:
+def nonnegative(size: AST) -> Assert:
     """The guard that what the bounds of slices are made of is not negative: parts of an array lie side by side then."""
     return Assert(compare(copy(size), GtE(), const(0)), const(COUNTS))
 

@@ -59,7 +59,7 @@ class AccessPaths:
             inner = self.access_path(node.value)
             if inner is None:
                 return None
-            if self.picks_from_part(node, inner):
+            if self.gathers_from_part(node, inner):
                 inner = (self.copied_part(node.value), ())
             added = [self.resolved_subscript(s) for s in indices(node)]
             if self.loops and not self.testing and self.typing.of(node).is_array:
@@ -72,7 +72,7 @@ class AccessPaths:
         return not isinstance(subscript, Slice) and self.typing.of(subscript).is_number and any(
             isinstance(n, Call) and any(self.typing.of(a).is_array for a in n.args) for n in walk(subscript))
 
-    def picks_from_part(self, node: Subscript, view: AccessPath) -> bool:
+    def gathers_from_part(self, node: Subscript, view: AccessPath) -> bool:
         """Whether arrays pick elements of a part of an array that slices take: it is copied first."""
         picks = any(self.typing.of(s).is_array for s in indices(node) if not isinstance(s, (Slice, Constant)))
         return picks and any(isinstance(s, Slice) or is_new(s) for s in view[1])

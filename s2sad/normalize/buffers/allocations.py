@@ -18,7 +18,7 @@ from s2sad.infer.signatures.laws import FITTING, INNER, ONE, Shape
 from s2sad.infer.shapes import Shapes, shape_expression
 from s2sad.infer.types import Type
 from s2sad.normalize.array_anf import is_function
-from s2sad.normalize.shape_guards import equal, matching, written
+from s2sad.normalize.shape_guards import shapes_equal, sparse_size_matches, written
 from s2sad.tree import (
     AST, Assign, Attribute, Call, Constant, List, Name, Slice, Subscript, Tuple, assign, attribute, call, call_name,
     children, const, copy, dump, index, indices, name, tuple_of, walk,
@@ -93,7 +93,7 @@ class Allocations:
             for x, y in unknown:
                 if x is not None and y is not None:
                     self.shapes.unify(x, y)
-            return [equal(attribute(whole, "shape"), attribute(part, "shape"))]
+            return [shapes_equal(attribute(whole, "shape"), attribute(part, "shape"))]
         return self.fits(a, part)
 
     def fits(self, shape: Shape, part: AST) -> list[AST]:
@@ -104,7 +104,7 @@ class Allocations:
                 self.report.error("S201", "the size of this part of an array changes", part,
                                   help="give its bounds names that are bound once")
             elif y != ONE and not self.shapes.are_equal(x, y):
-                made.append(equal(self.shapes.extent(x), self.shapes.extent(y)))
+                made.append(shapes_equal(self.shapes.extent(x), self.shapes.extent(y)))
                 self.shapes.unify(x, y)
         return made
 
@@ -141,7 +141,7 @@ class Allocations:
             sizes = [copy(arguments[p]) if size is None else self.shapes.extent(size)
                      for (p, _), size in zip(pair, (first, second))]
             if not any(self.typing.of(w).is_array for w in sizes):
-                made.append((matching if sparse else equal)(sizes[0], sizes[1]))
+                made.append((sparse_size_matches if sparse else shapes_equal)(sizes[0], sizes[1]))
             if first is not None and second is not None:
                 self.shapes.unify(first, second)
         return made

@@ -38,7 +38,7 @@ class Joins(AccessPaths):
     uses: UpcomingUses
     aliases: Aliases
     buffers: dict[str, str]             # of the loop here, by their names
-    ended: dict[str, Affine]            # what was known of sizes at the end of the last block
+    equalities_at_end: dict[str, Affine]            # what was known of sizes at the end of the last block
 
     @abstractmethod
     def statement(self, statement: AST) -> list[AST]:
@@ -73,16 +73,16 @@ class Joins(AccessPaths):
         second.block = [rename(s, one) for s in second.block] if one else second.block
         second.paths = {n: (one.get(base, base), subscripts) for n, (base, subscripts) in second.paths.items()}
         self.tuples = {n: rename(t, one) for n, t in self.tuples.items()}
-        self.aliases.renamed(one)
-        met = self.joined(statement, (first, second), before, older)
+        self.aliases.note_binding(one)
+        met = self.join_buffers(statement, (first, second), before, older)
         self.paths = merged(first.paths, second.paths, self.depth > 0) | met
         return [If(test, first.block, second.block)]
 
     def arm(self, block: list[AST]) -> _Arm:
         made = self.block(block)
-        return _Arm(made, self.paths, self.ended)
+        return _Arm(made, self.paths, self.equalities_at_end)
 
-    def joined(self, statement: If, arms: tuple[_Arm, _Arm], before: dict[str, AccessPath],
+    def join_buffers(self, statement: If, arms: tuple[_Arm, _Arm], before: dict[str, AccessPath],
                older: set[str]) -> dict[str, AccessPath]:
         """The names that are bound to different arrays after the two branches get one buffer in both."""
         found: dict[str, AccessPath] = {}
@@ -102,7 +102,7 @@ class Joins(AccessPaths):
                 if k not in kept:
                     value = index(name(base), *map(copy, subscripts)) if subscripts else name(base)
                     arm.block += [at(s, statement) for s in self.copied_into(n, made, value, bool(kept), statement)]
-                self.aliases.copied(base, made, self.aliases.may_be_stored_again(base, older)
+                self.aliases.note_copy(base, made, self.aliases.may_be_stored_again(base, older)
                                     or self.is_referenced(base, near - {n}, arm.paths))
             if not kept:
                 self.depths[made] = self.depth
@@ -124,7 +124,7 @@ class Joins(AccessPaths):
                 known, self.shapes.equal = self.shapes.equal, arm.equal
                 arm.block += [at(s, origin) for s in self.fill(identifier, buffer, view, origin)]
                 self.shapes.equal = known
-                self.aliases.copied(view[0], buffer, self.aliases.may_be_stored_again(view[0], older)
+                self.aliases.note_copy(view[0], buffer, self.aliases.may_be_stored_again(view[0], older)
                                     or self.is_referenced(view[0], near - {identifier}, arm.paths))
         return True
 

@@ -26,7 +26,7 @@ from s2sad.infer.types import array
 from s2sad.normalize.buffers.allocations import ALLOCATING, dtype_of
 from s2sad.normalize.buffers.joins import Joins, merged
 from s2sad.evaluate.completion import FALL, endless, completion
-from s2sad.normalize.shape_guards import forwards, inside
+from s2sad.normalize.shape_guards import positive_step, slice_in_bounds
 from s2sad.normalize.buffers.access_paths import AMBIGUOUS, AccessPath
 from s2sad.normalize.single_assignment import breaks
 from s2sad.tree import (
@@ -41,7 +41,7 @@ CHANGES = "'{}' may change its size from one iteration to the next"
 class LoopCarried(Joins):
     """The access paths of names in and after loops."""
     unset: set[str]                     # names of arrays whose flags say that they are bound before they are read
-    late: dict[str, Shape | None]       # buffers of such names in the loops here, and their shapes
+    late_allocated: dict[str, Shape | None]       # buffers of such names in the loops here, and their shapes
     bound_at: dict[str, AST]            # the statement that has last bound a name of an array
     writes: Callable[[Call], Sequence[int]]
     stored_in_loop: set[str]            # names whose arrays the loop here stores into
@@ -58,7 +58,7 @@ class LoopCarried(Joins):
         statements = self.allocations.allocate(made, array(kind.dtype, kind.rank), value, origin)
         self.depths[made] = self.depth
         self.typing.declare(made, kind)
-        self.aliases.copied(base, made, True)
+        self.aliases.note_copy(base, made, True)
         return made, statements
 
     def fills_buffer(self, identifier: str, value: AST, statement: AST) -> bool:
@@ -94,13 +94,13 @@ class LoopCarried(Joins):
         outer_buffers, self.buffers = self.buffers, buffers
         outer_altered, self.stored_in_loop = self.stored_in_loop, self.stored_into(statement)
         late = {n: self.version(n) for n in dict.fromkeys(inside) if n in self.unset & after}
-        outer, self.late = self.late, dict.fromkeys(late.values())
+        outer, self.late_allocated = self.late_allocated, dict.fromkeys(late.values())
         outer_left, self.at_breaks = self.at_breaks, []
         self.depth += 1
         new = self.loop_statement(statement, bounds, buffers | late)
         self.depth -= 1
         start += self.late_allocations(late, statement)
-        self.late, self.buffers, self.stored_in_loop = outer, outer_buffers, outer_altered
+        self.late_allocated, self.buffers, self.stored_in_loop = outer, outer_buffers, outer_altered
         self.paths = _agreed([*self.at_breaks, *([] if endless(statement) else [self.paths])])
         self.at_breaks = outer_left
         self.aliases.end_loop()
@@ -133,7 +133,7 @@ class LoopCarried(Joins):
         """The allocations of arrays that a loop may bind, and that are used after it, in the sizes that they have."""
         made: list[AST] = []
         for n, buffer in list(late.items()):
-            shape = self.late[buffer]
+            shape = self.late_allocated[buffer]
             if shape is None:
                 del late[n]
             elif all(d is not None and self.is_loop_invariant(d) for d in shape):
@@ -182,7 +182,7 @@ class LoopCarried(Joins):
             made = self.fill_buffers(tail, block[-1])
             new += [at(s, block[-1]) for s in [*self.preceding, *self.required(block[-1]), *made]]
             self.preceding = outer
-        self.ended, self.shapes.equal = self.shapes.equal, known
+        self.equalities_at_end, self.shapes.equal = self.shapes.equal, known
         return new
 
     def required(self, origin: AST) -> list[AST]:
@@ -190,8 +190,8 @@ class LoopCarried(Joins):
         needed, self.shapes.required = self.shapes.required, []
         text = self.report.source.line(origin.lineno).strip() if needed else ""
         steps, self.shapes.positive_steps = self.shapes.positive_steps, []
-        guards = [*(forwards(self.shapes.expression(form)) for form in steps),
-                  *(inside(self.shapes.expression(form), text) for form in needed)]
+        guards = [*(positive_step(self.shapes.expression(form)) for form in steps),
+                  *(slice_in_bounds(self.shapes.expression(form), text) for form in needed)]
         return list({dump(g): g for g in guards}.values())
 
     def exit_branch(self, statement: If, tail: Tail) -> If:
@@ -211,16 +211,16 @@ class LoopCarried(Joins):
         """The buffers take the content of their names, all at once."""
         moves: list[tuple[str, str, AccessPath]] = []
         for n, made in buffers.items():
-            if made in self.late and n not in self.paths:
+            if made in self.late_allocated and n not in self.paths:
                 continue
             view = self.paths.get(n, AMBIGUOUS)
             if view == AMBIGUOUS:
                 self.access_path(at(name(n), self.bound_at.get(n, origin)))
                 continue
-            self.aliases.moved(made, view[0])
-            if made in self.late and self.late[made] is None:
+            self.aliases.note_fill(made, view[0])
+            if made in self.late_allocated and self.late_allocated[made] is None:
                 shape = self.shapes.of(index(name(view[0]), *map(copy, view[1])) if view[1] else name(view[0]))
-                self.late[made] = tuple(d and self.shapes.reduced(d) for d in shape)
+                self.late_allocated[made] = tuple(d and self.shapes.reduced(d) for d in shape)
                 self.typing.declare(made, array(self.types[n].dtype, self.types[n].rank))
                 self.shapes.allocated(made, shape)
             if view != (made, ()):

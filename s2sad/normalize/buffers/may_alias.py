@@ -33,7 +33,7 @@ class Aliases:
         self._stores: list[tuple[str, AST, frozenset[str]]] = []
         self._loops: list[_Loop] = []
 
-    def copied(self, base: str, buffer: str, lasts: bool) -> None:
+    def note_copy(self, base: str, buffer: str, lasts: bool) -> None:
         """A buffer is made from an array; both may be one if that `lasts`, and the buffer may be what the array was."""
         if base != buffer:
             self._flows.add((base, buffer))
@@ -60,7 +60,7 @@ class Aliases:
     def end_loop(self) -> None:
         self._loops.pop()
 
-    def moved(self, buffer: str, base: str) -> None:
+    def note_fill(self, buffer: str, base: str) -> None:
         """At the end of an iteration the buffer is filled from an array."""
         self._loops[-1].moves.append((buffer, base))
 
@@ -68,20 +68,20 @@ class Aliases:
         """The iteration ends: buffers that take one array share it, what is older than the loop stays what it is."""
         loop = self._loops[-1]
         for place, (buffer, base) in enumerate(loop.moves):
-            self.copied(base, buffer, base in loop.known - loop.buffers)
+            self.note_copy(base, buffer, base in loop.known - loop.buffers)
             for other, same in loop.moves[:place]:
                 if same == base:
-                    self.copied(other, buffer, True)
+                    self.note_copy(other, buffer, True)
         loop.moves = []
 
-    def renamed(self, one: dict[str, str]) -> None:
+    def note_binding(self, one: dict[str, str]) -> None:
         """Arrays go under other names."""
         if one:
             self._pairs = {(one.get(a, a), one.get(b, b)) for a, b in self._pairs}
             self._flows = {(one.get(a, a), one.get(b, b)) for a, b in self._flows}
             self._stores = [(one.get(a, a), s, frozenset(one.get(n, n) for n in near)) for a, s, near in self._stores]
 
-    def stored(self, base: str, statement: AST, near: Iterable[str]) -> None:
+    def note_store(self, base: str, statement: AST, near: Iterable[str]) -> None:
         """A statement writes an array; the arrays that are used later."""
         self._stores.append((base, statement, frozenset(near)))
 

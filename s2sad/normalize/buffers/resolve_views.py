@@ -29,7 +29,7 @@ from s2sad.normalize.buffers.store_hazards import overlaps
 from s2sad.normalize.buffers.loop_carried import LoopCarried
 from s2sad.normalize.buffers.access_paths import AMBIGUOUS, AccessPath, is_whole_place
 from s2sad.normalize.context import NormalContext
-from s2sad.normalize.shape_guards import equal, of_one_size
+from s2sad.normalize.shape_guards import shapes_equal, same_size_in_list
 from s2sad.normalize.loops.reduction_loops import is_reduction
 from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.tree import (
@@ -51,11 +51,11 @@ def resolve_views(function: FunctionDef, context: NormalContext) -> FunctionDef:
     pass_.paths = {p.id: (p.id, ()) for p in function.args.args if typing.table[p.id].is_array}
     pass_.parameters = set(pass_.paths)
     pass_.loops, pass_.writes, pass_.lists = context.in_loops, context.written, context.lists
-    pass_.bound_at, pass_.unset, pass_.late, pass_.buffers, pass_.stored_in_loop = {}, set(), {}, {}, set()
+    pass_.bound_at, pass_.unset, pass_.late_allocated, pass_.buffers, pass_.stored_in_loop = {}, set(), {}, {}, set()
     pass_.at_breaks = []
     pass_.uses, pass_.aliases = UpcomingUses(function), Aliases(pass_.parameters)
     new = with_body(function, function.body)
-    lengths = [equal(index(attribute(name(p.id), "shape"), const(k)), const(1))
+    lengths = [shapes_equal(index(attribute(name(p.id), "shape"), const(k)), const(1))
                for p in function.args.args for k in typing.ones.get(p.id, ())]
     new.body = [*(at(test, function) for test in lengths), *pass_.block(function.body)]
     context.shared = pass_.aliases.check(report)
@@ -93,7 +93,7 @@ class _ResolveViews(LoopCarried):
         if isinstance(target, Subscript):
             return self.store(target, value, statement)
         if isinstance(target, Tuple) or self.types.get(target.id, None) is None:
-            return [assign(target, self.called(value, statement))]
+            return [assign(target, self.resolved_call(value, statement))]
         kind = self.types[target.id]
         if is_unset(value):
             self.unset |= {target.id} if kind.is_array else set()
@@ -103,7 +103,7 @@ class _ResolveViews(LoopCarried):
             self.refuse_changing_tuple(self.tuples[target.id], statement)
             return []
         if not kind.is_array:
-            return [assign(target, self.number(target.id, self.called(value, statement)))]
+            return [assign(target, self.number(target.id, self.resolved_call(value, statement)))]
         self.bound_at[target.id] = statement
         return self.bind_array(target.id, value, statement)
 
@@ -122,7 +122,7 @@ class _ResolveViews(LoopCarried):
             self.shapes.values = {**self.shapes.values, identifier: value}
         return value
 
-    def called(self, value: AST, statement: AST) -> AST:
+    def resolved_call(self, value: AST, statement: AST) -> AST:
         """The value resolved; notes the arrays that a call stores into."""
         if isinstance(value, Call) and (call_name(value) or "").startswith("user."):
             for position in self.writes(value):
@@ -131,10 +131,10 @@ class _ResolveViews(LoopCarried):
 
     def note_store(self, base: str, statement: AST) -> None:
         near = self.uses.after.get(id(statement), set())
-        self.aliases.stored(base, statement, {self.paths[n][0] for n in near if n in self.paths})
+        self.aliases.note_store(base, statement, {self.paths[n][0] for n in near if n in self.paths})
 
     def bind_array(self, target: str, value: AST, statement: AST) -> list[AST]:
-        if isinstance(value, (Name, Subscript)) and not self.picks(value) and self.access_path(value):
+        if isinstance(value, (Name, Subscript)) and not self.is_gather(value) and self.access_path(value):
             base, prefix = self.access_path(value) or AMBIGUOUS
             self.paths[target] = (base, tuple(self.frozen(s, f"{target}_at") for s in prefix))
             return []
@@ -155,9 +155,9 @@ class _ResolveViews(LoopCarried):
         self.typing.declare(new, self.types[target])
         return made
 
-    def picks(self, value: AST) -> bool:
+    def is_gather(self, value: AST) -> bool:
         """Whether an expression is a copy of elements that an array picks."""
-        return isinstance(value, Subscript) and (self.picks(value.value) or any(
+        return isinstance(value, Subscript) and (self.is_gather(value.value) or any(
             self.typing.of(s).is_array for s in indices(value) if not isinstance(s, Slice)))
 
     def version(self, target: str) -> str:
@@ -168,8 +168,8 @@ class _ResolveViews(LoopCarried):
 
     def augmented(self, statement: AugAssign) -> list[AST]:
         target = statement.target
-        if (view := self.picked_part(target)) is not None:
-            return self.through_copy(target, view, statement,
+        if (view := self.gathered_part(target)) is not None:
+            return self.store_through_copy(target, view, statement,
                                      lambda place: augment(place, statement.op, statement.value))
         if isinstance(target, Name) and not self.typing.of(target).is_array:
             return [augment(target, statement.op, self.resolve(statement.value))]
@@ -182,29 +182,30 @@ class _ResolveViews(LoopCarried):
             return [*checks, augment(place, statement.op, value)]
         return [*checks, assign(place, BinOp(loaded(place), statement.op, value))]
 
-    def picked_part(self, target: AST) -> AccessPath | None:
+    def gathered_part(self, target: AST) -> AccessPath | None:
         """What a target's array is a part of, where arrays pick elements of that part."""
-        if not isinstance(target, Subscript) or not self.picks(target):
+        if not isinstance(target, Subscript) or not self.is_gather(target):
             return None
         view = self.access_path(target.value)
-        return view if view is not None and self.picks_from_part(target, view) else None
+        return view if view is not None and self.gathers_from_part(target, view) else None
 
-    def through_copy(self, target: Subscript, part: AccessPath, origin: AST, stored: Callable[[AST], AST]) -> list[AST]:
+    def store_through_copy(self, target: Subscript, part: AccessPath, origin: AST, stored: Callable[[AST], AST]
+                           ) -> list[AST]:
         """A store to elements that are picked from a part of an array: to a copy of the part, which is put back."""
         held = self.copied_part(target.value)
         made = self.statement(stored(index(name(held), *indices(target))))
         return [*made, *self.store(index(index(name(part[0]), *part[1]), const(...)), name(held), origin)]
 
     def store(self, target: Subscript, value: AST, statement: AST) -> list[AST]:
-        if (view := self.picked_part(target)) is not None:
-            return self.through_copy(target, view, statement, lambda place: assign(place, value))
+        if (view := self.gathered_part(target)) is not None:
+            return self.store_through_copy(target, view, statement, lambda place: assign(place, value))
         place, new = self.store_target(target), self.resolve(value)
         self.note_store(base_name(place), statement)
         listed = self.is_region(place) and stored_into(target, self.lists)
         if listed:
             self.refuse_repeated_row(place, new, statement)
         checks = self.allocations.store_guards(place, new) if self.is_region(place) else []
-        checks = list(map(of_one_size, checks)) if listed else checks
+        checks = list(map(same_size_in_list, checks)) if listed else checks
         new = self.materialized(place, new, checks, target)
         return [*checks, assign(place, new)]
 
@@ -264,7 +265,7 @@ class _ResolveViews(LoopCarried):
                 return self.store(index(value.func.value, const(...)), value.args[0], statement)
             self.report.error("S201", f"the method '{value.func.attr}'", statement, help="write it as a loop")
             return []
-        return [Expr(self.called(value, statement))]
+        return [Expr(self.resolved_call(value, statement))]
 
     def returned(self, value: AST) -> tuple[list[AST], AST]:
         """What is returned: numbers, and arrays by name; a part of an array, or what is only made here, gets one."""

@@ -139,7 +139,7 @@ class _TailDuplication:
         self.contents, self.left = ListContents(function, typing, writes), _MOST
 
     def block(self, block: list[AST]) -> list[AST]:
-        block = self.joined(block)
+        block = self.merge_branches(block)
         for position, statement in enumerate(block):
             if isinstance(statement, If) and (end := self.end(statement, block, position + 1)) is not None:
                 moved = block[position + 1:end]
@@ -150,7 +150,7 @@ class _TailDuplication:
                         *self.block(block[end:])]
         return [self.statement(s) for s in block]
 
-    def joined(self, block: list[AST]) -> list[AST]:
+    def merge_branches(self, block: list[AST]) -> list[AST]:
         """A block in which two such branches after one another that ask the same are one."""
         made: list[AST] = []
         for s in block:

@@ -70,8 +70,8 @@ def destination_passing(kernel: Kernel, found: OwnedResults, types: tuple[Type, 
     inlined. `types` are those of the results."""
     known, filled = [s for s in found.shapes if s is not None], found.filled()
     names = [v.id for v in found.values if isinstance(v, Name)]
-    if len(known) < len(types) or len(set(names)) < len(names) or not all(t.is_array for t in types) or not _is_worth(
-            kernel, found.tree, program) or _reshapes(found.tree):
+    if len(known) < len(types) or len(set(names)) < len(names) or not all(t.is_array for t in types) or (
+            not _is_worthwhile(kernel, found.tree, program) or _reshapes(found.tree)):
         return None
     title = f"{kernel.name}_into"
     while title in program.kernels:
@@ -91,7 +91,7 @@ def destination_passing(kernel: Kernel, found: OwnedResults, types: tuple[Type, 
     return DestinationVersion(title, tuple(zip(words, made)))
 
 
-def _is_worth(kernel: Kernel, tree: FunctionDef, program: Program) -> bool:
+def _is_worthwhile(kernel: Kernel, tree: FunctionDef, program: Program) -> bool:
     """Whether a function is called more than once, and long."""
     if len(program.once(calls).get(kernel.name, ())) < 2:
         return False

@@ -61,10 +61,11 @@ class Helpers:
         """The function that writes what this one returns, if it stays a function."""
         if (kernel, types) not in self._destinations:
             self._destinations[kernel, types] = destination_passing(
-                self.program.kernels[kernel], self.own(kernel, types), self.results(kernel, types), self.program)
+                self.program.kernels[kernel], self.owned_results(kernel, types), self.results(kernel, types),
+                self.program)
         return self._destinations[kernel, types]
 
-    def own(self, kernel: str, types: tuple[Type, ...]) -> OwnedResults:
+    def owned_results(self, kernel: str, types: tuple[Type, ...]) -> OwnedResults:
         """What a function returns of its own."""
         if (kernel, types) not in self._own:
             tree = self.tree(kernel)
@@ -78,7 +79,7 @@ class Helpers:
         kernel = self.program.kernels[_called(called)]
         if kernel.own is not None:
             return []
-        found = self.own(kernel.name, tuple(map(typing.argument, called.args)))
+        found = self.owned_results(kernel.name, tuple(map(typing.argument, called.args)))
         arguments = dict(zip((p.id for p in found.tree.args.args), called.args))
         return [None if s is None else with_arguments(s, arguments) for s in found.shapes]
 
@@ -89,7 +90,7 @@ class Helpers:
 
     def typing(self, tree: FunctionDef, types: Mapping[str, Type], source: Source,
                free: Names) -> tuple[FunctionDef, Typing]:
-        """The function with a name for each life of one, and the types of its names, as far as they are known; what is
+        """The function with a name for each live range, and the types of its names, as far as they are known; what is
         wrong is said when it is prepared."""
         values = {**self.program.constants, **self.program.arrays}
         tree, table = split_live_ranges(tree, types, self.results, Report(source), values, free)
@@ -130,7 +131,7 @@ def inline(tree: FunctionDef, context: NormalContext) -> FunctionDef:
         tree = new
     context.kernel = replace(context.kernel, source=pass_.source)
     context.report = Report(pass_.source)
-    return _handed_back(tree, pass_.held)
+    return _without_parameter_aliases(tree, pass_.held)
 
 
 def returned(tree: FunctionDef) -> list[AST]:
@@ -211,7 +212,7 @@ class _Inline:
                 before.append(at(assign(held, argument), statement))
         local = [n for n in dict.fromkeys([*bound, *names(tree.body)]) if n not in substitution]
         substitution |= {n: name(self.free.numbered(n)) for n in sorted(local, key=_first_place(tree))}
-        body = _decided([_renamed(s, substitution) for s in tree.body])
+        body = _without_dead_branches([_renamed(s, substitution) for s in tree.body])
         last = body.pop()
         assert isinstance(last, Return)  # it returns an array
         return [*before, *body, *self.results(statement, last)]
@@ -245,7 +246,7 @@ class _Inline:
         return [at(s, last) for s in made]
 
 
-def _handed_back(tree: FunctionDef, held: Mapping[str, str]) -> FunctionDef:
+def _without_parameter_aliases(tree: FunctionDef, held: Mapping[str, str]) -> FunctionDef:
     """The function without the names of parameters that are only bound to an argument, which takes the result: inside
     them nothing else binds the argument."""
     stored = [n.id for n in walk(tree.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
@@ -279,20 +280,20 @@ def _renamed(node: AST, substitution: Mapping[str, AST]) -> AST:
     return rebuild(node, change)
 
 
-def _decided(block: list[AST]) -> list[AST]:
+def _without_dead_branches(block: list[AST]) -> list[AST]:
     """The block without branches that constant arguments rule out: `"x" == "z"`."""
     made: list[AST] = []
     for statement in block:
-        taken = _truth(statement.test) if isinstance(statement, If) else None
-        made += [with_blocks(statement, _decided)] if taken is None else _decided(
+        taken = _constant_truth(statement.test) if isinstance(statement, If) else None
+        made += [with_blocks(statement, _without_dead_branches)] if taken is None else _without_dead_branches(
             statement.body if taken else statement.orelse)
     return made
 
 
-def _truth(test: AST) -> bool | None:
+def _constant_truth(test: AST) -> bool | None:
     """What a test of written numbers and strings says."""
     if isinstance(test, UnaryOp) and isinstance(test.op, Not):
-        inner = _truth(test.operand)
+        inner = _constant_truth(test.operand)
         return None if inner is None else not inner
     if not isinstance(test, Compare) or len(test.ops) != 1 or not isinstance(test.ops[0], (Eq, NotEq)):
         return test.value if isinstance(test, Constant) and isinstance(test.value, bool) else None

@@ -58,7 +58,8 @@ class ResultShapes:
         if isinstance(target, Name):
             return {target.id: self.shape(value) if is_made(value) else None}
         if isinstance(target, Tuple) and user_call(value):
-            return {t.id: s for t, s in zip(target.elts, map(self.placed, self.called(value))) if isinstance(t, Name)}
+            shapes = map(self.shape_in_parameters, self.called(value))
+            return {t.id: s for t, s in zip(target.elts, shapes) if isinstance(t, Name)}
         return {}
 
     def shape(self, node: AST) -> AST | None:
@@ -72,13 +73,13 @@ class ResultShapes:
             return self.shape(node.args[0]) if called.endswith("_like") else self.size(node.args[0])
         if called.startswith("user."):
             found = self.called(node)
-            return self.placed(found[0]) if len(found) == 1 else None
+            return self.shape_in_parameters(found[0]) if len(found) == 1 else None
         parts = _parts(node)
         rank = self.typing.of(node).rank
         found = [s for p in parts if self.typing.of(p).rank == rank and (s := self.shape(p)) is not None]
         return found[0] if found else None
 
-    def placed(self, shape: AST | None) -> AST | None:
+    def shape_in_parameters(self, shape: AST | None) -> AST | None:
         return None if shape is None else self.size(shape)
 
     def size(self, node: AST) -> AST | None:

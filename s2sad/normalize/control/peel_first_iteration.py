@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from s2sad.infer.signatures.laws import whole_number
 from s2sad.naming import Names
-from s2sad.normalize.shape_guards import trips
+from s2sad.normalize.shape_guards import has_iteration
 from s2sad.tree import (
     AST, Assign, AugAssign, Break, Constant, For, FunctionDef, If, Name, While, add, assign, at, binary, call,
     call_name, const, copy, name, names, stored_names, substitute,
@@ -64,7 +64,8 @@ class _FirstIterations:
         if isinstance(loop, For) and bounds is not None:
             self.changed = True
             held, (start, stop, step) = bounds
-            guard = [] if isinstance(start, Constant) and isinstance(stop, Constant) else [trips(start, stop, step)]
+            known = isinstance(start, Constant) and isinstance(stop, Constant)
+            guard = [] if known else [has_iteration(start, stop, step)]
             first = substitute(loop.body, {loop.target.id: start})   # a counter is bound by its loop alone
             before = [*held, *guard, *self.block(first, numbers)]
             rest = call("builtins.range", add(copy(start), const(step)) if not isinstance(start, Constant) else

@@ -85,7 +85,7 @@ class ReturnVariables:
         value = None if not values else tuple_of(*values) if self._is_tuple else values[0]
         return at(Return(value), node)
 
-    def started(self, body: list[AST], parameters: list[str], node: AST) -> list[AST]:
+    def with_initial_values(self, body: list[AST], parameters: list[str], node: AST) -> list[AST]:
         """The body; a result that the structure alone does not show to be bound starts as zero.
 
         Every path binds it before it is returned (else the function would return None there), so the zero is

@@ -34,13 +34,13 @@ def single_exit(tree: FunctionDef, scope: KernelScope) -> FunctionDef:
 
 
 class _Nesting:
-    """One function's control flow; `_armed` says that the flag of returns is certainly bound at this point."""
+    """One function's control flow; `_flag_is_bound` says that the flag of returns is certainly bound at this point."""
 
     def __init__(self, tree: FunctionDef, scope: KernelScope):
         self._scope = scope
         self._results = ReturnVariables(tree, scope)
         self._returned = ""
-        self._armed = False
+        self._flag_is_bound = False
 
     def function_body(self, tree: FunctionDef, parameters: list[str]) -> list[AST]:
         last = tree.body[-1] if tree.body else tree
@@ -49,7 +49,7 @@ class _Nesting:
         body = self._replace(self._nest(tree.body), {Return: self._results.store})
         body = self._clean(_without_unread(body, self._returned))
         end = self._results.end(last)
-        return [*self._results.started(body, parameters, body[0] if body else end), end]
+        return [*self._results.with_initial_values(body, parameters, body[0] if body else end), end]
 
     # -- nesting: every jump into tail position -----------------------------------------------------------------------
 
@@ -94,14 +94,14 @@ class _Nesting:
         if CONTINUE in kinds:
             change[Continue] = lambda jump: [at(assign(flags[CONTINUE], const(True)), jump)]
         if RETURN in kinds:
-            change[Return] = self._leave
-        armed = self._arm(RETURN in kinds, node, new)
+            change[Return] = self._set_flag
+        armed = self._initialize_flag(RETURN in kinds, node, new)
         [nested] = self._replace([self._if(node, node.body, node.orelse)], change)
-        self._armed = armed
+        self._flag_is_bound = armed
         asked = [at(If(name(flags[kind]), [jump], []), node) for kind, jump in
                  ((BREAK, Break()), (CONTINUE, Continue())) if kind in flags]
         if RETURN in kinds:
-            asked.append(self._ask(node))
+            asked.append(self._return_if_flagged(node))
         return [*new, nested, *self._nest(asked + rest)]
 
     # -- loops --------------------------------------------------------------------------------------------------------
@@ -114,10 +114,10 @@ class _Nesting:
         broken = self._scope.fresh("broken") if orelse and BREAK in inside else ""
         if broken:
             new.append(at(assign(broken, const(False)), node))
-        armed = self._arm(RETURN in inside and not self._only_returns(node, inside), node, new)
+        armed = self._initialize_flag(RETURN in inside and not self._only_returns(node, inside), node, new)
         body = self._nest(node.body)
-        self._armed = armed
-        change = {Continue: lambda jump: [], Return: lambda jump: [*self._leave(jump), at(Break(), jump)]}
+        self._flag_is_bound = armed
+        change = {Continue: lambda jump: [], Return: lambda jump: [*self._set_flag(jump), at(Break(), jump)]}
         if broken:
             change[Break] = lambda jump: [at(assign(broken, const(True)), jump), jump]
         body = self._clean(self._replace(body, change))
@@ -125,7 +125,8 @@ class _Nesting:
                       else While(node.test, body, []), node))
         after: list[AST] = []
         if RETURN in inside:
-            after.append(at(Return(name(DONE)), node) if self._only_returns(node, inside) else self._ask(node))
+            after.append(at(Return(name(DONE)), node) if self._only_returns(node, inside) else
+                         self._return_if_flagged(node))
         if broken:
             after.append(at(If(UnaryOp(Not(), name(broken)), orelse, []), node))
         else:
@@ -141,18 +142,18 @@ class _Nesting:
         self._returned = self._returned or self._scope.fresh("returned")
         return self._returned
 
-    def _arm(self, needed: bool, node: AST, before: list[AST]) -> bool:
-        """Binds the flag of returns before a statement, unless it is bound; what `_armed` was."""
-        armed = self._armed
-        if needed and not armed:
+    def _initialize_flag(self, needed: bool, node: AST, before: list[AST]) -> bool:
+        """Binds the flag of returns before a statement, unless it is bound; whether it was bound."""
+        was_bound = self._flag_is_bound
+        if needed and not was_bound:
             before.append(at(assign(self._flag(), const(False)), node))
-            self._armed = True
-        return armed
+            self._flag_is_bound = True
+        return was_bound
 
-    def _ask(self, node: AST) -> If:
+    def _return_if_flagged(self, node: AST) -> If:
         return at(If(name(self._flag()), [at(Return(name(DONE)), node)], []), node)
 
-    def _leave(self, jump: Return) -> list[AST]:
+    def _set_flag(self, jump: Return) -> list[AST]:
         if isinstance(jump.value, Name) and jump.value.id == DONE:
             return []
         return [*self._results.store(jump), at(assign(self._flag(), const(True)), jump)]

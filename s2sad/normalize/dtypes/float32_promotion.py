@@ -68,7 +68,7 @@ class _Promotion:
 
     def change(self, node: AST) -> AST | None:
         if isinstance(node, BinOp) and self.is_wider(node, [node.left, node.right]):
-            return self.noted(node, BinOp(self.wide(node.left), node.op, self.wide(node.right)))
+            return self.replaced(node, BinOp(self.wide(node.left), node.op, self.wide(node.right)))
         called = call_name(node)
         if called is None or not isinstance(node, Call):
             return None
@@ -77,7 +77,7 @@ class _Promotion:
         if called == "numpy.array" and len(node.args) == 1 and not node.keywords:
             return self.spelled_out(node)
         if called == "numpy.linspace" and self.strong.joined(node.args[:2]) == "float32":
-            return self.noted(node, call("numpy.astype", copy(node), dtype=name("numpy.float32")))
+            return self.replaced(node, call("numpy.astype", copy(node), dtype=name("numpy.float32")))
         places = self.places(called, node)
         return self.promoted_dtype(node, places, called in _LISTS) if places else None
 
@@ -89,7 +89,7 @@ class _Promotion:
         made = copy(node)
         made.args = [self.wide(a) if k in places else rebuild(a, self.change) for k, a in enumerate(node.args)]
         made.keywords = [at(keyword(k.arg, rebuild(k.value, self.change)), node) for k in node.keywords]
-        return self.noted(node, made)
+        return self.replaced(node, made)
 
     def places(self, called: str, node: Call) -> list[int]:
         """The arguments of a call that NumPy makes one dtype of."""
@@ -128,8 +128,8 @@ class _Promotion:
                 node.args[0], (List, Tuple)):
             return None
         made = call("numpy.array", rebuild(node.args[0], self.change), dtype=name("numpy.float64"))
-        return self.noted(node, made)
+        return self.replaced(node, made)
 
-    def noted(self, old: AST, new: AST) -> AST:
+    def replaced(self, old: AST, new: AST) -> AST:
         self.found.append(old)
         return at(new, old) if getattr(old, "lineno", None) else new

@@ -65,12 +65,12 @@ class _Overflow:
 
     def statement(self, node: AST, looped: bool) -> AST:
         if isinstance(node, For):
-            return at(For(node.target, self.changed(node.iter), self.block(node.body, True), [], None), node)
+            return at(For(node.target, self.rewritten(node.iter), self.block(node.body, True), [], None), node)
         if isinstance(node, While):
-            return at(While(self.changed(node.test), self.block(node.body, True), []), node)
+            return at(While(self.rewritten(node.test), self.block(node.body, True), []), node)
         if isinstance(node, If):
             sides = self.block(node.body, looped), self.block(node.orelse, looped)
-            return at(If(self.changed(node.test), *sides), node)
+            return at(If(self.rewritten(node.test), *sides), node)
         target = node.target if isinstance(node, AugAssign) else node.targets[0] if isinstance(node, Assign) else None
         if isinstance(target, Name) and self.is_integer(target):
             word = target.id
@@ -78,7 +78,7 @@ class _Overflow:
                 node = at(assign(word, BinOp(name(word), node.op, node.value)), node)
             if isinstance(node, Assign) and looped and word in names(node.value):
                 node = at(assign(word, self.products(node.value)), node)
-        return self.changed(node)
+        return self.rewritten(node)
 
     def is_integer(self, node: AST) -> bool:
         kind = self.typing.of(node)
@@ -92,7 +92,7 @@ class _Overflow:
         kind = self.typing.of(node)
         return kind.is_array and kind.dtype == "bool"
 
-    def changed(self, node: AST) -> AST:
+    def rewritten(self, node: AST) -> AST:
         """An expression, or a simple statement, with calls for its powers, and masks joined as NumPy joins them."""
         def change(part: AST) -> AST | None:
             self.refuse_overflow(part)

@@ -56,23 +56,23 @@ class WeakResults:
 
     def results(self, node: Call, given: list[str]) -> tuple[str, ...]:
         """The dtypes of the numbers that a call returns, `WEAK` for a weak one."""
-        found = self.called(node)
+        found = self.callee(node)
         if found is None:
             return (WEAK,) * len(self.typing.call_results(node))
         tree, typing = found
         key = (*self.key(node), tuple(given))
         if key not in self.known.results:
-            strong = StrongDtypes(tree, typing, self.inside(typing).results, _parameter_dtypes(tree, given))
+            strong = StrongDtypes(tree, typing, self.for_typing(typing).results, _parameter_dtypes(tree, given))
             self.known.results[key] = tuple(map(strong.of, returned(tree)))
         return self.known.results[key]
 
-    def inside(self, typing: Typing) -> WeakResults:
+    def for_typing(self, typing: Typing) -> WeakResults:
         return WeakResults(self.helpers, typing, self.known)
 
     def key(self, node: Call) -> tuple[str, tuple[Type, ...]]:
         return (call_name(node) or "").partition(".")[2], tuple(map(self.typing.argument, node.args))
 
-    def called(self, node: Call) -> Read | None:
+    def callee(self, node: Call) -> Read | None:
         """The function that a call calls, and its types; None if it is not read."""
         kernel, types = key = self.key(node)
         given = self.helpers.program.kernels.get(kernel)
@@ -92,10 +92,10 @@ class WeakResults:
             if not user_call(node):
                 continue
             numbers = [WEAK if self.typing.of(a).is_array else strong.of(a) for a in node.args]
-            found = self.called(node) if promoted_dtype([*numbers, "float32"]) == "float64" else None
+            found = self.callee(node) if promoted_dtype([*numbers, "float32"]) == "float64" else None
             if found is None or not has_singles(*found):
                 continue
-            inner = self.inside(found[1]).results
+            inner = self.for_typing(found[1]).results
             if mixtures(*found, inner, _parameter_dtypes(found[0], numbers)) > mixtures(*found, inner, {}):
                 report.error("S201", "a number of NumPy's with 64 bits makes float64 of float32 arrays in "
                              f"'{found[0].name}'", node, help="give it a Python number: float(p[0]), int(k[0])")

@@ -116,7 +116,7 @@ class _TupleResults:
             return []
         target = statement.targets[0] if isinstance(statement, Assign) else None
         if isinstance(target, Name) and target.id in self.held:
-            value = self.changed(statement.value)
+            value = self.rewritten(statement.value)
             return [at(assign(self.names[target.id][part], _item_call(value, part, made)), statement)
                     for part, made in self.held[target.id].items()]
         if hasattr(statement, "body"):
@@ -126,18 +126,18 @@ class _TupleResults:
                 if field in ("body", "orelse"):
                     setattr(new, field, self.block(inner))
                 elif isinstance(inner, AST):
-                    setattr(new, field, self.changed(inner))
+                    setattr(new, field, self.rewritten(inner))
             return [new]
-        return [self.changed(statement)]
+        return [self.rewritten(statement)]
 
-    def changed(self, node: AST) -> AST:
+    def rewritten(self, node: AST) -> AST:
         return rebuild(node, self.part)
 
     def part(self, node: AST) -> AST | None:
         if _only_singular_values(node):
-            return at(call("runtime.singular_values", self.changed(node.args[0])), node)
+            return at(call("runtime.singular_values", self.rewritten(node.args[0])), node)
         if _only_triangle(node):
-            return at(call("runtime.triangular_part", self.changed(node.args[0])), node)
+            return at(call("runtime.triangular_part", self.rewritten(node.args[0])), node)
         items = _item_of(node)
         if items is None:
             return None
@@ -153,11 +153,11 @@ class _TupleResults:
             part = _item_name(known, key)
             if not part:
                 return None
-            called = self.changed(value)
+            called = self.rewritten(value)
             pair = _gives_index_pair(value, key)
             found = tuple_of(*(_item_call(called, p, known[p]) for p in list(known)[:2])) if pair else _item_call(
                 called, part, known[part])
-        return at(Subscript(self.changed(node.value), found, node.ctx) if key == _MASK else found, node)
+        return at(Subscript(self.rewritten(node.value), found, node.ctx) if key == _MASK else found, node)
 
 
 def _gives_index_pair(node: AST, key: int | str) -> bool:

@@ -169,47 +169,47 @@ def is_shared(value: AST, typing: Typing) -> bool:
 def is_stored_into_later(function: FunctionDef, store: AST, value: AST, stores: Sequence[AST], memory: Memory) -> bool:
     """Whether an array that is put into a list may be stored into later under a name of its own."""
     appended = {id(s) for s in stores}
-    every = [p for p in _not_before(function.body, store) if id(p) not in appended]
-    made = {id(p) for p in own_parts(_made(function.body, store, value))}
+    every = [p for p in _statements_after(function.body, store) if id(p) not in appended]
+    made = {id(p) for p in own_parts(_statements_since_creation(function.body, store, value))}
     outside = memory.written([p for p in every if id(p) not in made])
     own = {value.id: f"{value.id}."} if isinstance(value, Name) else {}
     by_others = memory.written([rename(p, own) for p in every if id(p) in made])
     return memory.affected(index(value, const(0)), outside | by_others)
 
 
-def _not_before(block: list[AST], store: AST) -> list[AST]:
+def _statements_after(block: list[AST], store: AST) -> list[AST]:
     """What of the statements may come after a store; none if it is not here."""
     for position, statement in enumerate(block):
         if not any(n is store for n in walk(statement)):
             continue
         inside = [statement] if not isinstance(statement, If) else [
-            n for arm in (statement.body, statement.orelse) for n in _not_before(arm, store)]
+            n for arm in (statement.body, statement.orelse) for n in _statements_after(arm, store)]
         return [*(own_parts(inside) if not isinstance(statement, If) else inside), *own_parts(block[position + 1:])]
     return []
 
 
-def _made(block: list[AST], store: AST, value: AST) -> list[AST]:
+def _statements_since_creation(block: list[AST], store: AST, value: AST) -> list[AST]:
     """The statements from the one that makes an array anew to its store, in one turn; none if it is not made so."""
-    found = _before(block, store, value.id) if isinstance(value, Name) else None
+    found = _statements_since_binding(block, store, value.id) if isinstance(value, Name) else None
     return found[1] if found is not None and found[0] else []
 
 
-def _before(block: list[AST], store: AST, identifier: str) -> tuple[bool, list[AST]] | None:
+def _statements_since_binding(block: list[AST], store: AST, identifier: str) -> tuple[bool, list[AST]] | None:
     """Whether what binds the array's name was found, and the statements since then; None if the store is not here."""
     for position, statement in enumerate(block):
         if statement is store:
-            return _since(block[:position], identifier)
+            return _suffix_from_binding(block[:position], identifier)
         for field in ("body", "orelse"):
-            found = _before(getattr(statement, field, []), store, identifier)
+            found = _statements_since_binding(getattr(statement, field, []), store, identifier)
             if found is not None and (found[0] or not isinstance(statement, If)):
                 return found if found[0] else (True, [])
             if found is not None:
-                bound, statements = _since(block[:position], identifier)
+                bound, statements = _suffix_from_binding(block[:position], identifier)
                 return (bound, [*statements, *found[1]]) if statements or not bound else (True, [])
     return None
 
 
-def _since(before: list[AST], identifier: str) -> tuple[bool, list[AST]]:
+def _suffix_from_binding(before: list[AST], identifier: str) -> tuple[bool, list[AST]]:
     for position in range(len(before) - 1, -1, -1):
         statement = before[position]
         if _binds(statement, identifier):
@@ -256,12 +256,12 @@ def row_aliases(function: FunctionDef, appended: Appended) -> list[AST]:
     lists = {n for n, s in bound if isinstance(s.value, List) or call_name(s.value) == LISTED}
     stored = [n for n in nodes if isinstance(n, Subscript) and isinstance(n.ctx, Store)]
     found = []
-    for store, outer, value, several in ((s, *put) for s in nodes for put in _puts(s, appended, spelled)):
+    for store, outer, value, several in ((s, *put) for s in nodes for put in _list_insertions(s, appended, spelled)):
         before = [order[id(s)] for n, s in bound if n == value and order[id(s)] < order[id(store)]]
         if outer not in lists or value not in spelled or not before:
             continue
         own = {id(n) for n in walk(store)}
-        again = _again(store, [n for n in nodes if isinstance(n, (For, While)) and order[id(n)] > max(before)])
+        again = _repeated_nodes(store, [n for n in nodes if isinstance(n, (For, While)) and order[id(n)] > max(before)])
         ends = min((order[id(s)] for n, s in bound if n == value and order[id(s)] > order[id(store)]),
                    default=len(order))
         later = {id(n) for n in nodes if isinstance(n, Name) and n.id == value and id(n) not in own and (
@@ -274,7 +274,7 @@ def row_aliases(function: FunctionDef, appended: Appended) -> list[AST]:
     return found
 
 
-def _puts(store: AST, appended: Appended, spelled: set[str]) -> list[tuple[str, str, bool]]:
+def _list_insertions(store: AST, appended: Appended, spelled: set[str]) -> list[tuple[str, str, bool]]:
     """The names of a list and of those that a statement puts into it, and whether it does so more than once."""
     outer, target = appended(store), store.targets[0] if isinstance(store, Assign) else None
     value = store.value.args[0] if outer else getattr(store, "value", None)
@@ -285,7 +285,7 @@ def _puts(store: AST, appended: Appended, spelled: set[str]) -> list[tuple[str, 
     return [(outer, value.id, False)] if outer and isinstance(value, Name) else []
 
 
-def _again(store: AST, loops: list[AST]) -> set[int]:
+def _repeated_nodes(store: AST, loops: list[AST]) -> set[int]:
     """What is in the loops around a store that a list is there before."""
     return {id(n) for loop in loops if any(m is store for m in walk(loop.body)) for n in walk(loop.body)}
 

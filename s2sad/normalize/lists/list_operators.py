@@ -42,7 +42,7 @@ def list_operators(function: FunctionDef, context: NormalContext) -> FunctionDef
     return _ListOperators(function, typing, helpers, report, {}, ()).function()
 
 
-def _joined(a: Levels, b: Levels) -> Levels:
+def _join(a: Levels, b: Levels) -> Levels:
     """What a value is that is one of two."""
     for k, (x, y) in enumerate(zip((*a, ""), (*b, ""))):
         if x != y:
@@ -66,15 +66,15 @@ class _ListOperators:
             before = dict(self.table)
             for node in walk_statements(function.body):
                 if isinstance(node, Assign):
-                    self.learn(node.targets[0], node.value)
+                    self.note_binding(node.targets[0], node.value)
 
-    def learn(self, target: AST, value: AST) -> None:
+    def note_binding(self, target: AST, value: AST) -> None:
         """Takes note of what a statement binds, or puts into an array in place of a list."""
         found = self.of(value)
         if listed := stored_into(target, self.made):
             target, found = name(listed), None if found is None else ("list", *found)
         if isinstance(target, Name) and found is not None and call_name(value) != LISTED:
-            self.table[target.id] = _joined(self.table.get(target.id, found), found)
+            self.table[target.id] = _join(self.table.get(target.id, found), found)
 
     def of(self, node: AST) -> Levels | None:
         """What a value is; None if that is not known yet."""
@@ -87,7 +87,7 @@ class _ListOperators:
             return self.part(node)
         if isinstance(node, IfExp):
             either = self.of(node.body), self.of(node.orelse)
-            return either[0] if either[1] is None else either[1] if either[0] is None else _joined(either[0], either[1])
+            return either[0] if either[1] is None else either[1] if either[0] is None else _join(either[0], either[1])
         if isinstance(node, BinOp):
             return self.of_operator(node, self.of(node.left), self.of(node.right))
         if call_name(node) == "numpy.copy" and isinstance(node, Call):     # or a list's own method
@@ -102,7 +102,7 @@ class _ListOperators:
         if left is None or right is None:
             return None
         if isinstance(node.op, Add):
-            return _joined(left, right) if left and right else ()
+            return _join(left, right) if left and right else ()
         return self.repeated(node, left, right) or () if isinstance(node.op, Mult) else ()
 
     def part(self, node: Subscript) -> Levels | None:

@@ -58,13 +58,13 @@ def _compound(statement: AST, bound: set[str], freed: list[AST], several: set[st
         new: list[AST] = []
         for item in _block(block, inner, several):
             gone = {f.targets[0].id for f in freed}
-            if not is_allocation(item) or item.targets[0].id in several or not _may_leave(
+            if not is_allocation(item) or item.targets[0].id in several or not _is_hoistable(
                     item, bound | gone, changed - gone, written):
                 new.append(item)
                 continue
             target = item.targets[0].id
             zeros = "zeros" in (call_name(item.value) or "")
-            freed.append(at(_possible(_emptied(item) if looping and zeros else item), item))
+            freed.append(at(_with_nonnegative_sizes(_uninitialized(item) if looping and zeros else item), item))
             if looping and zeros:
                 new.append(at(assign(index(name(target), const(...)), const(0.0)), item))
         return new
@@ -83,7 +83,7 @@ def is_allocation(statement: AST) -> bool:
             and call_name(statement.value) in ALLOCATIONS)
 
 
-def _may_leave(item: Assign, bound: set[str], changed: set[str], written: set[str]) -> bool:
+def _is_hoistable(item: Assign, bound: set[str], changed: set[str], written: set[str]) -> bool:
     needed = set(names(item.value))
     loads = any(isinstance(n, Subscript) and isinstance(n.value, Name) for n in walk(item.value))
     divides = any(isinstance(n, BinOp) and isinstance(n.op, (FloorDiv, Mod)) and not isinstance(n.right, Constant)
@@ -99,7 +99,7 @@ def _written(statement: AST) -> set[str]:
     return stored | given
 
 
-def _possible(item: Assign) -> Assign:
+def _with_nonnegative_sizes(item: Assign) -> Assign:
     """The allocation where its block may not run: a size that a difference makes negative there is zero."""
     shape, allocation = item.value.args[0], call_name(item.value) or ""
     if "like" in allocation:
@@ -111,6 +111,6 @@ def _possible(item: Assign) -> Assign:
     return assign(item.targets[0], call(allocation, new, *item.value.args[1:]))
 
 
-def _emptied(item: Assign) -> Assign:
+def _uninitialized(item: Assign) -> Assign:
     start = "numpy.empty_like" if "like" in (call_name(item.value) or "") else "numpy.empty"
     return assign(item.targets[0], call(start, *item.value.args))

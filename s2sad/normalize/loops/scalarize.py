@@ -27,7 +27,7 @@ from s2sad.naming import Names
 from s2sad.normalize.buffers.allocations import array_operands, dtype_of
 from s2sad.normalize.loops.element_of import Elements, moves
 from s2sad.normalize.array_anf import is_function
-from s2sad.normalize.shape_guards import as_many
+from s2sad.normalize.shape_guards import same_element_count
 from s2sad.normalize.loops.reduction_loops import Reductions, is_reduction
 from s2sad.normalize.buffers.compose_subscripts import is_new
 from s2sad.passes import Context
@@ -47,7 +47,7 @@ class IndexedPart:
     bounds: list[list[AST]]
     cell: AST
     positions: list[AST]
-    taken: str = ""
+    taken_count: str = ""
     first: int = 0
     masked: int = 0
 
@@ -58,14 +58,14 @@ class IndexedPart:
         self.bounds += bounds
         return list(map(name, made))
 
-    def around(self, body: list[AST], test: AST | None = None, counted: bool = False) -> list[AST]:
+    def loops_around(self, body: list[AST], test: AST | None = None, counted: bool = False) -> list[AST]:
         """The loops around statements; inside those of a mask its `test`, where elements are counted if `counted`."""
         for k in range(len(self.counters), 0, -1):
             if test is not None and k == self.masked:
-                body = [If(test, [*body, augment(self.taken, Add(), const(1))] if counted else body, [])]
+                body = [If(test, [*body, augment(self.taken_count, Add(), const(1))] if counted else body, [])]
             body = [counted_for(self.counters[k - 1], self.bounds[k - 1], body)]
             if counted and k - 1 == self.first:
-                body = [assign(self.taken, const(0)), *body]
+                body = [assign(self.taken_count, const(0)), *body]
         return body
 
 
@@ -182,7 +182,7 @@ class Scalarize:
         """The guards that what is reshaped has as many elements as the shape; NumPy itself looks, loops do not."""
         found = [self.shapes.numbers_of_elements(self.shapes.of(n.args[0]), self.shapes.of(n)) for n in walk(value)
                  if isinstance(n, Call) and call_name(n) == "numpy.reshape"]
-        return [as_many(*both) for both in found if both is not None]
+        return [same_element_count(*both) for both in found if both is not None]
 
     def function(self, statement: Assign | AugAssign, target: AST) -> list[AST]:
         """A function of whole arrays that does more than move elements."""
@@ -218,16 +218,16 @@ class Scalarize:
                            else augment(found.cell, statement.op, inner)]
         mask = self.mask_of(target)
         if mask is None:
-            return found.around(body)
-        counted = any(isinstance(n, Name) and n.id == found.taken for n in walk(inner))
-        return found.around(body, self.mask_element(mask), counted)
+            return found.loops_around(body)
+        counted = any(isinstance(n, Name) and n.id == found.taken_count for n in walk(inner))
+        return found.loops_around(body, self.mask_element(mask), counted)
 
     def masked_fill(self, target: Subscript, value: Subscript) -> list[AST]:
         """An array filled with what a mask selects, one element after the other."""
         source, mask = self.indexed_part(value), self.mask_of(value)
         assert mask is not None
         store = assign(self.elements.element(target.value, source.positions), source.cell)
-        return source.around([store], self.mask_element(mask), counted=True)
+        return source.loops_around([store], self.mask_element(mask), counted=True)
 
     def mask_element(self, mask: Name) -> AST:
         """The element of the mask where the loops stand."""
@@ -260,8 +260,8 @@ class Scalarize:
                 self.elements.walked = {entry.id: counters}
                 cell += map(copy, counters)
                 found.masked = len(found.counters)
-                found.taken = self.number("taken", INT)
-                found.positions.append(name(found.taken))
+                found.taken_count = self.number("taken", INT)
+                found.positions.append(name(found.taken_count))
             else:
                 if picked is None:
                     sizes = [self.shapes.expression(d) for d in self.shapes.gathered(target) if d is not None]

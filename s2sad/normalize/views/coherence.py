@@ -23,7 +23,7 @@ from s2sad.liveness import base_name
 from s2sad.naming import Names
 from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.normalize.context import NormalContext
-from s2sad.normalize.shape_guards import counts
+from s2sad.normalize.shape_guards import nonnegative
 from s2sad.normalize.views.contiguity import Contiguity, requested_order
 from s2sad.normalize.views.inverse_views import InverseView, through_operand, inverse_views, splits
 from s2sad.normalize.views.view_aliases import (
@@ -95,11 +95,11 @@ class _CoherentView:
 
     def rewritten(self, contiguity: Contiguity) -> tuple[FunctionDef, frozenset[str]] | None:
         """The function without the view, and the parameters that must be contiguous for it; None if it cannot be."""
-        needed = self.needed(contiguity)
+        needed = self.required_order(contiguity)
         if needed is None or self.aliases.ambiguous:
             return None
         if self.called in _IDENTITIES:
-            return self.replaced([at(assign(self.target, self.operand), self.binding)], None), needed
+            return self.with_binding_replaced([at(assign(self.target, self.operand), self.binding)], None), needed
         block, place = _place(self.function.body, self.binding)
         rest = block[place + 1:]
         mentions = [sum(isinstance(n, Name) and n.id in self.aliases.view for n in walk(where))
@@ -111,18 +111,18 @@ class _CoherentView:
         before, part = self.part(rest)
         if self.called in _PERMUTATIONS and (
                 plain := through_operand(self.binding, part, rest, self.typing)) is not None:
-            return self.replaced(before, plain), needed
+            return self.with_binding_replaced(before, plain), needed
         inverse = inverse_views(self.binding, part, self.typing)
         assert inverse is not None       # `needed` has asked
         coherent = self.with_copies(part, inverse, rest)
         if coherent is not None:
             own = assign(self.target, call("numpy.copy", inverse.view))
-            guards = [at(counts(n), self.binding) for n in self.aliases.nonnegative]
-            return self.replaced([*guards, *before, at(own, self.binding)], coherent), needed
+            guards = [at(nonnegative(n), self.binding) for n in self.aliases.nonnegative]
+            return self.with_binding_replaced([*guards, *before, at(own, self.binding)], coherent), needed
         plain = through_operand(self.binding, part, rest, self.typing)
-        return None if plain is None else (self.replaced(before, plain), needed)
+        return None if plain is None else (self.with_binding_replaced(before, plain), needed)
 
-    def needed(self, contiguity: Contiguity) -> frozenset[str] | None:
+    def required_order(self, contiguity: Contiguity) -> frozenset[str] | None:
         order, several = requested_order(self.binding.value), self.typing.of(self.operand).rank > 1
         asks = self.called in _OF_CONTIGUOUS or order != "K" or self.called == "numpy.reshape" and several
         if inverse_views(self.binding, self.operand, self.typing) is None and self.called not in _IDENTITIES:
@@ -149,7 +149,7 @@ class _CoherentView:
         made = pass_.live_range(rest)
         return None if pass_.costly else made
 
-    def replaced(self, own: list[AST], rest: list[AST] | None) -> FunctionDef:
+    def with_binding_replaced(self, own: list[AST], rest: list[AST] | None) -> FunctionDef:
         """The function with these statements in place of the binding and, unless None, of what follows it."""
         def block(body: list[AST]) -> list[AST]:
             places = [k for k, s in enumerate(body) if s is self.binding]

@@ -66,14 +66,14 @@ class Contiguity:
             plain = isinstance(node, (BinOp, UnaryOp))
             return self._elementwise(node) if plain else None
         if called in _ALLOCATING or called in _LIKE or called in _SAME_MEMORY:
-            return self._made(called, node)
+            return self._allocation_order(called, node)
         if called == "numpy.matmul":    # of stacks, and what einsum becomes, is ordered as the operands are
             return frozenset() if self.typing.of(node).rank < 2 else self._elementwise(node)
         if called in _PERMUTING or called.startswith("user."):
             return None
         return self._elementwise(node) if rules.find_array(called) is None else self._fresh(node)
 
-    def _made(self, called: str, node: Call) -> frozenset[str] | None:
+    def _allocation_order(self, called: str, node: Call) -> frozenset[str] | None:
         """A new array lies in the order that is requested, else in NumPy's, or in that of what it is made from."""
         order = requested_order(node)
         if order == "C" or called == "numpy.ascontiguousarray" or called in _ALLOCATING and order == "K":
