@@ -95,9 +95,9 @@ class _Nesting:
             change[Continue] = lambda jump: [at(assign(flags[CONTINUE], const(True)), jump)]
         if RETURN in kinds:
             change[Return] = self._set_flag
-        armed = self._initialize_flag(RETURN in kinds, node, new)
+        was_bound = self._initialize_flag(RETURN in kinds, node, new)
         [nested] = self._replace([self._if(node, node.body, node.orelse)], change)
-        self._flag_is_bound = armed
+        self._flag_is_bound = was_bound
         asked = [at(If(name(flags[kind]), [jump], []), node) for kind, jump in
                  ((BREAK, Break()), (CONTINUE, Continue())) if kind in flags]
         if RETURN in kinds:
@@ -114,9 +114,9 @@ class _Nesting:
         broken = self._scope.fresh("broken") if orelse and BREAK in inside else ""
         if broken:
             new.append(at(assign(broken, const(False)), node))
-        armed = self._initialize_flag(RETURN in inside and not self._only_returns(node, inside), node, new)
+        was_bound = self._initialize_flag(RETURN in inside and not self._only_returns(node, inside), node, new)
         body = self._nest(node.body)
-        self._flag_is_bound = armed
+        self._flag_is_bound = was_bound
         change = {Continue: lambda jump: [], Return: lambda jump: [*self._set_flag(jump), at(Break(), jump)]}
         if broken:
             change[Break] = lambda jump: [at(assign(broken, const(True)), jump), jump]
