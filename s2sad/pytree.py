@@ -46,7 +46,7 @@ class PyTree:
     kind: str
     keys: tuple[str | int, ...]
     items: tuple[Form, ...]
-    made: type | None = None
+    made: Any = None                # a class, live or of a file
     fixed: bool = False
 
     @property

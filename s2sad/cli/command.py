@@ -17,10 +17,11 @@ from s2sad import pipeline, read
 from s2sad.dispatch.arguments import float_parameters
 from s2sad.cli.parser import COMMANDS, RUNNING, command_parser
 from s2sad.deep_stack import deep_stack
-from s2sad.diagnostics import Diagnostic, Report, S2sadError
-from s2sad.interface.pytrees.spelled_types import parse_form, split_list, flat_names, flat_spelled
-from s2sad.infer.assumed_types import Assumed, assumed_types
-from s2sad.program import Program, Request
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.infer.assumed_types import Assumed
+from s2sad.interface.pytrees.file_programs import Said, file_program, flat_spelled
+from s2sad.interface.pytrees.spelled_types import flat_names, parse_form, split_list
+from s2sad.program import Fact, Program, Request
 from s2sad.report.argument_literals import evaluate_arguments, flat_values, form_of_literal
 from s2sad.report.bench import bench
 from s2sad.report.cache_contents import clear_cache, describe_cache
@@ -82,7 +83,7 @@ def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
     if not path or not function.isidentifier():
         parser.error(_no_target(options))
     types = _types_option(parser, options.types or "")
-    program = read.load_file(path, function)
+    program = file_program(path, function)
     check_output(options.output, program.files)
     check_output(getattr(options, "picture", None), program.files, "--picture")
     return _execute(program, parser, options, types)
@@ -90,12 +91,12 @@ def _run(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int:
 
 @deep_stack
 def _execute(program: Program, parser: argparse.ArgumentParser, options: argparse.Namespace,
-             types: dict[str, Form]) -> int:
+             said: Said) -> int:
     """Runs the command on a program that has been read, and writes its output."""
     path, _, function = options.target.rpartition(":")
     values = _values(program, options)
-    program, request, found, paths = _request(parser, program, options, {
-        **{name: form_of_literal(v) for name, v in values.items()}, **types})
+    program, request, found, paths = _request(parser, program, options, Said({
+        **{name: form_of_literal(v) for name, v in values.items()}, **said.forms}, said.facts))
     if options.command in RUNNING:
         return _run_file(path, function, options, found, request, paths)
     if options.command == "explain":
@@ -162,20 +163,16 @@ def _no_target(options: argparse.Namespace) -> str:
 
 
 def _request(parser: argparse.ArgumentParser, program: Program, options: argparse.Namespace,
-             spelled: dict[str, Form]) -> tuple[Program, Request, dict[str, Assumed], dict[str, str]]:
+             said: Said) -> tuple[Program, Request, dict[str, Assumed], dict[str, str]]:
     """The program without structures, the request, the types of its parameters by name, and the paths of these in
     structures."""
     kernel = program.kernels[program.entry]
-    for name in spelled:
+    for name in said.forms:
         if name not in kernel.parameters:
             parser.error(f"--types names '{name}', which is no parameter of '{program.entry}': its parameters are "
                          f"{', '.join(kernel.parameters)}")
-    program, leaves, paths = flat_spelled(program, spelled)
+    program, found, paths = flat_spelled(program, said)
     kernel = program.kernels[program.entry]
-    report = Report(kernel.source)
-    found = assumed_types(program.entry, {n: k.tree for n, k in program.kernels.items()}, kernel.parameters,
-                    kernel.annotations, kernel.defaults, leaves, report)
-    report.finish()
     types = tuple(found[p].type for p in kernel.parameters)
     wrt, of = (flat_names(_listed(names), paths) for names in (options.wrt, options.of))
     wrt = selected_wrt(program.entry, kernel.parameters, types, wrt)
@@ -199,20 +196,21 @@ def _listed(names: str | None) -> tuple[str, ...] | None:
     return None if names is None else tuple(n.strip() for n in names.split(",") if n.strip())
 
 
-def _types_option(parser: argparse.ArgumentParser, text: str) -> dict[str, Form]:
-    """The types of `--types "u: float64[:, :], n: int64"`."""
+def _types_option(parser: argparse.ArgumentParser, text: str) -> Said:
+    """What `--types "u: float64[:, :], n: int64, order: 2"` says."""
     found: dict[str, Form] = {}
+    facts: dict[Fact, Any] = {}
     for part in split_list(text):
         name, colon, spelling = part.partition(":")
         if not colon or not name.strip().isidentifier():
             parser.error(f"--types: '{part.strip()}' is not NAME: TYPE, as u: float64[:, :]")
-        kind = parse_form(spelling)
+        kind = parse_form(spelling, name.strip(), facts)
         if kind is None:
             parser.error(f"--types: '{spelling.strip()}' is no type for '{name.strip()}'; use float64, float32, "
                          "complex128, int64 or bool, an array of these, as float64[:, :], or a structure, as "
                          "{u: float64[:], t: float}")
         found[name.strip()] = kind
-    return found
+    return Said(found, facts)
 
 
 def _stages(parser: argparse.ArgumentParser, program: Program, request: Request, after: str | None) -> str:

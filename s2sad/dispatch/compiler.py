@@ -106,6 +106,8 @@ def _in_normal_form(found: tuple[Flat, list[Any], Guards], parameters: Sequence[
     flat, methods, guards = found
     program = flat.program
     types = {path: t for p, form in zip(parameters, forms) for path, t in leaves(form, p)}
+    if UNKNOWN in types.values():
+        return found
     normal: dict[Any, Any] = {}
     given = [(n, types[flat.paths[n]]) for n in program.kernels[program.entry].parameters]
     pipeline.entry(program, tuple(array(t.dtype, 1) if n in flat.cells else t for n, t in given), "numpy", forms=normal)

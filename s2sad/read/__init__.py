@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -29,7 +29,7 @@ from s2sad.read.outside_values import UserFunctionValue
 from s2sad.read.file_module import FileModule
 from s2sad.live_objects.registry import GIVEN
 
-__all__ = ["functions", "load", "load_file", "of_captured", "python_function"]
+__all__ = ["function_in_file", "functions", "load", "load_file", "load_meaning", "of_captured", "python_function"]
 
 
 @deep_stack
@@ -65,19 +65,32 @@ def _live(function: Any) -> UserFunctionValue:
     return UserFunctionValue(name_of(function), ("live", id(function)), "", function)
 
 
-@deep_stack
 def load_file(path: str | os.PathLike[str], function: str) -> Program:
     """The program of a function in a file, which is read and not run.
 
     Raises S2sadError: S101 if the file cannot be read, S102 if it is not Python, S103 if the function is not in it, and
     as `load`.
     """
+    meaning, files = function_in_file(path, function)
+    return replace(load_meaning(meaning), files=tuple(files))
+
+
+@deep_stack
+def function_in_file(path: str | os.PathLike[str], function: str) -> tuple[UserFunctionValue, Mapping[str, FileModule]]:
+    """A function in a file, which is not run, and the files that are read for it, more of them later; raises S2sadError
+    as `load_file`."""
     files: dict[str, FileModule] = {}
     module = FileModule(os.fspath(path), files)
     meaning = module.meanings.get(function) and module.lookup(function)
     if not isinstance(meaning, UserFunctionValue):
         raise S2sadError(_no_function(module, function))
-    return replace(Linker().program(meaning), files=tuple(files))
+    return meaning, files
+
+
+@deep_stack
+def load_meaning(function: UserFunctionValue) -> Program:
+    """The program of a function; raises S2sadError."""
+    return Linker().program(function)
 
 
 def functions(path: str | os.PathLike[str]) -> list[str]:

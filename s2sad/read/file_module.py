@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import builtins
 import os
+from dataclasses import dataclass
 from typing import Any
 
 from s2sad import tree
@@ -33,16 +34,21 @@ class FileModule:
         self.source = source_of(path, text)
         self.meanings: dict[str, Meaning | _Member] = {}
         self.definitions: list[str] = []
-        module = parsed(self.source, text)
+        self.origins: dict[str, AST | _Member] = {}
+        self.tree = module = parsed(self.source, text)
+        self.often = _bound_twice(module.body)
         for statement in module.body:
             self._follow(statement)
         for node in tree.walk(module):
             if type(node).__name__ == "Global":
                 for name in node.names:
                     self.meanings[name] = Unusable("changed by a function through 'global'", _PASS_IT)
+                    self.origins.pop(name, None)
             word = _changed(node)
-            if isinstance(self.meanings.get(word), (Namespace, NumberTable, Numbers)):
+            if isinstance(self.meanings.get(word), (Namespace, NumberTable, Numbers)) or isinstance(
+                    self.origins.get(word), AST):
                 self.meanings[word] = Unusable("changed after it was made", _PASS_IT)
+                self.origins.pop(word, None)
 
     def lookup(self, name: str) -> Meaning | None:
         meaning = self.meanings.get(name)
@@ -51,6 +57,39 @@ class FileModule:
         if meaning is None and hasattr(builtins, name):
             return Library(f"builtins.{name}")
         return meaning
+
+    def origin(self, name: str) -> tuple[FileModule, str, AST] | None:
+        """The file and the class, the function or the expression that a name means; None for anything else."""
+        found = self.origins.get(name)
+        if isinstance(found, _Member):
+            space = found.importer.space(found.module, found.level).scope
+            return space.origin(found.name) if found.name is not None and isinstance(space, PackageScope) else None
+        return None if found is None else (self, name, found)
+
+    def class_meant(self, node: AST) -> FileClass | None:
+        """The class of a file that an annotation or a base names."""
+        if isinstance(node, tree.Constant) and isinstance(node.value, str):
+            try:
+                return self.class_meant(tree.expression(node.value))
+            except SyntaxError:
+                return None
+        base = self.path_meaning(node.value) if isinstance(node, tree.Attribute) else None
+        scope = base.scope if isinstance(base, ModuleValue) else None
+        found = self.origin(node.id) if isinstance(node, tree.Name) else scope.origin(node.attr) if isinstance(
+            scope, PackageScope) else None
+        if found is None:
+            return None
+        module, _, definition = found
+        by_call = isinstance(definition, tree.Call) and len(definition.args) > 1 and dotted(
+            module.path_meaning(definition.func)) == "collections.namedtuple"
+        return FileClass(*found) if by_call or type(definition).__name__ == "ClassDef" else None
+
+    def uses(self, name: str) -> list[AST]:
+        """The calls at module level that are given what a name means."""
+        calls = [n for s in self.tree.body if type(s).__name__ in ("Expr", "Assign", "AnnAssign", "If", "For", "With")
+                 for n in tree.walk(s) if isinstance(n, tree.Call)]
+        return [n for n in calls if any(isinstance(a, tree.Name) and a.id == name for p in (*n.args, *(
+            k.value for k in n.keywords)) for a in tree.walk(p)) and not isinstance(self.path_meaning(n.func), Library)]
 
     def known(self) -> list[str]:
         return list(self.meanings)
@@ -73,16 +112,20 @@ class FileModule:
             self.meanings[statement.name] = UserFunctionValue(statement.name, ("file", self.path, statement.lineno),
                                                               f"{self.name}.{statement.name}", FileFunction(self,
                                                                                                             statement))
+            self.origins[statement.name] = statement
             if any(self._gives(d) for d in statement.decorator_list):
                 self.meanings[statement.name] = _GIVEN
+                del self.origins[statement.name]
         elif kind == "Expr" and isinstance(statement.value, tree.Call) and self._gives(statement.value):
             first = statement.value.args[0] if statement.value.args else None
             text = first.value if isinstance(first, tree.Constant) and isinstance(first.value, str) else ""
             name = first.id if isinstance(first, tree.Name) else text.partition("(")[0].rpartition(".")[2]
             if name in self.meanings:
                 self.meanings[name] = _GIVEN
+                self.origins.pop(name, None)
         elif kind == "ClassDef":
             self.meanings[statement.name] = Unusable("a class", "pass its fields as arguments, numbers and arrays")
+            self.origins[statement.name] = statement
         elif kind == "Import":
             self._import(statement)
         elif kind == "ImportFrom":
@@ -114,18 +157,20 @@ class FileModule:
         for name in _bound(node):
             if name not in except_for:
                 self.meanings[name] = Unusable(why, _PASS_IT)
+                self.origins.pop(name, None)
 
     def _assign(self, targets: list[AST], value: AST) -> None:
         for target in targets:
             if isinstance(target, (tree.Tuple, tree.List)) and isinstance(value, (tree.Tuple, tree.List)) \
                     and len(target.elts) == len(value.elts):
                 meanings = [self._value(item, each) for item, each in zip(target.elts, value.elts)]
-                pairs = list(zip(target.elts, meanings))
+                pairs = list(zip(target.elts, meanings, value.elts))
             else:
-                pairs = [(target, self._value(target, value))]
-            for item, meaning in pairs:
+                pairs = [(target, self._value(target, value), value)]
+            for item, meaning, node in pairs:
                 if isinstance(item, tree.Name):
                     self.meanings[item.id] = meaning
+                    self.origins[item.id] = node
                 else:
                     self._unclear(item, "not set by a plain assignment")
 
@@ -177,21 +222,23 @@ class FileModule:
     def _import(self, statement: AST) -> None:
         for alias in statement.names:
             if alias.asname:
-                self.meanings[alias.asname] = _Member(self, alias.name, 0, None)
+                self._bind_member(alias.asname, alias.name, 0, None)
             else:
                 # `import a.b` binds a, from which b is reached
-                self.meanings[alias.name.partition(".")[0]] = _Member(self, alias.name.partition(".")[0], 0, None)
+                self._bind_member(alias.name.partition(".")[0], alias.name.partition(".")[0], 0, None)
+
+    def _bind_member(self, name: str, module: str, level: int, member: str | None) -> None:
+        self.meanings[name] = self.origins[name] = _Member(self, module, level, member)
 
     def _import_from(self, statement: AST) -> None:
         for alias in statement.names:
             if alias.name != "*":
-                self.meanings[alias.asname or alias.name] = _Member(self, statement.module or "", statement.level or 0,
-                                                                    alias.name)
+                self._bind_member(alias.asname or alias.name, statement.module or "", statement.level or 0, alias.name)
                 continue
             space = self.space(statement.module or "", statement.level or 0)
             for name in space.scope.known():
                 if not name.startswith("_"):
-                    self.meanings[name] = _Member(self, statement.module or "", statement.level or 0, name)
+                    self._bind_member(name, statement.module or "", statement.level or 0, name)
 
     def space(self, module: str, level: int) -> ModuleValue:
         """An imported module: a library's, a file beside this one (or in its package), or a foreign one."""
@@ -236,6 +283,10 @@ class PackageScope:
                 return ModuleValue(name, PackageScope(cache.get(os.path.realpath(path)) or FileModule(path, cache)))
         return None
 
+    def origin(self, name: str) -> tuple[FileModule, str, AST] | None:
+        """What `FileModule.origin` gives."""
+        return self.module.origin(name) if self.lookup(name) is not None else None
+
     def known(self) -> list[str]:
         return self.module.known()
 
@@ -262,11 +313,60 @@ class _Member:
             self.is_under_way = False
 
 
+@dataclass(frozen=True)
+class FileClass:
+    """A class of a file that is not run: its definition, or the call that makes it."""
+    module: FileModule
+    name: str
+    definition: AST
+
+    @property
+    def __name__(self) -> str:
+        return self.name
+
+    @property
+    def kind(self) -> str:
+        """What its objects are to a kernel: "record", "named" or "dict"."""
+        bases = {dotted(c.module.path_meaning(b)) for c in self.classes() for b in getattr(c.definition, "bases", ())}
+        return "named" if isinstance(self.definition, tree.Call) or "typing.NamedTuple" in bases else \
+            "dict" if "typing.TypedDict" in bases else "record"
+
+    def classes(self) -> list[FileClass]:
+        """The class and those that it is derived from, as far as files define them."""
+        found = [c for b in getattr(self.definition, "bases", ()) if (c := self.module.class_meant(b)) is not None]
+        return [self, *(inner for c in found for inner in c.classes())]
+
+    def fields(self) -> dict[str, tuple[FileModule, AST] | None]:
+        """The annotations in its body and those of its bases, each with the file that it is in."""
+        if isinstance(self.definition, tree.Call):
+            said = self.definition.args[1]
+            names = said.elts if isinstance(said, (tree.List, tree.Tuple)) else [said]
+            text = " ".join(str(getattr(n, "value", "")) for n in names)
+            return dict.fromkeys(text.replace(",", " ").split())
+        return {s.target.id: (c.module, s.annotation) for c in reversed(self.classes()) for s in getattr(
+            c.definition, "body", ()) if isinstance(s, tree.AnnAssign) and isinstance(s.target, tree.Name)
+            and "ClassVar" not in str([getattr(n, "id", getattr(n, "attr", "")) for n in tree.walk(s.annotation)])}
+
+    def has_functions(self) -> bool:
+        """Whether it has functions of its own or from a base, one that no file defines included."""
+        known = ("typing.NamedTuple", "typing.TypedDict", "builtins.object")
+        return any(isinstance(s, tree.FunctionDef) for c in self.classes() for s in getattr(c.definition, "body", ())) \
+            or any(self.module.class_meant(b) is None and dotted(c.module.path_meaning(b)) not in known
+                   for c in self.classes() for b in getattr(c.definition, "bases", ()))
+
+
 class FileFunction:
     """A definition in a file that is not run."""
 
     def __init__(self, module: FileModule, definition: AST):
-        self.module, self.definition = module, definition
+        self.module, self.definition, self.__name__ = module, definition, definition.name
+
+    @property
+    def decorators(self) -> list[AST]:
+        """The decorators that may make another function of it."""
+        def path(node: AST) -> str:
+            return dotted(self.module.path_meaning(node.func if isinstance(node, tree.Call) else node)) or ""
+        return [d for d in self.definition.decorator_list if not dropped_decorator(path(d))]
 
     def captured(self) -> Captured:
         def default(parameter: str, node: AST) -> Any:
@@ -299,6 +399,12 @@ def _changed(node: AST) -> str:
     while isinstance(base, (tree.Subscript, tree.Attribute)):
         base = base.value
     return base.id if isinstance(base, tree.Name) else ""
+
+
+def _bound_twice(body: list[AST]) -> frozenset[str]:
+    """The names that statements may bind more than once."""
+    found = [n for s in body for n in _bound(s)]
+    return frozenset(n for n in found if found.count(n) > 1)
 
 
 def _binds(statement: AST, name: str) -> bool:

@@ -283,11 +283,11 @@ def _kernel(name: str, found: _LinkedKernel, names: dict[str, str], identify: Ca
 def annotations_said(captured: Captured) -> dict[str, str]:
     """The texts of the annotations of a function's parameters."""
     given = captured.tree.args
-    return {a.id: _annotation(a.annotation, captured.source) for a in (
+    return {a.id: annotation_text(a.annotation, captured.source) for a in (
         *given.posonlyargs, *given.args, *given.kwonlyargs) if a.annotation is not None}
 
 
-def _annotation(node: AST, source: Any) -> str:
+def annotation_text(node: AST, source: Any) -> str:
     """An annotation's text; a string's is what it says."""
     if isinstance(node, tree.Constant) and isinstance(node.value, str):
         return node.value

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 # the tables of transfer functions and operations are filled by these
 from s2sad.evaluate.specialize import (
-    assignment, attributes, branches, choices, class_lookup, comparisons, compound_statements,
-    construction, definitions, displays, frames, function_calls, guard_statements, live_values, loop_statements,
-    meanings, numeric_operators, residual_loops, spelling, subscripts, written_out_loops,
+    assignment, attributes, branches, choices, comparisons, compound_statements, definitions, displays, file_values,
+    frames, function_calls, guard_statements, live_values, loop_statements, meanings, numeric_operators,
+    residual_loops, spelling, subscripts, written_out_loops,
 )
+from s2sad.evaluate.specialize.classes import class_layout, class_lookup, construction
 from s2sad.evaluate.specialize.entry import Residual, specialize, unread
 from s2sad.evaluate.specialize.functions import builtin_functions, library_calls, object_functions, standard_library
 from s2sad.evaluate.specialize.sequences import (
@@ -19,10 +20,10 @@ from s2sad.evaluate.specialize.sequences import (
 )
 
 __all__ = [
-    "Residual", "assignment", "attributes", "branches", "builtin_functions", "choices", "class_lookup",
+    "Residual", "assignment", "attributes", "branches", "builtin_functions", "choices", "class_layout", "class_lookup",
     "comparisons", "compound_statements", "construction", "container_methods", "containers", "cursors",
-    "definitions", "displays", "frames", "function_calls", "gathering", "generators", "guard_statements", "iteration",
-    "iterator_use",
+    "definitions", "displays", "file_values", "frames", "function_calls", "gathering", "generators",
+    "guard_statements", "iteration", "iterator_use",
     "library_calls", "live_values", "loop_statements", "meanings", "numeric_operators", "object_functions",
     "residual_loops",
     "specialize", "spelling", "standard_library", "subscripts", "unread", "written_out_loops",

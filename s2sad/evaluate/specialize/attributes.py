@@ -33,10 +33,9 @@ def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> 
     if isinstance(base, SuperValue):
         return _of_super(ev, base, name, node, f)
     if isinstance(base, ScopeValue):
-        meaning = base.scope.lookup(name)
-        if meaning is None:
+        if base.scope.lookup(name) is None:
             raise ev.refusal(node, f"'{base.name}' has no '{name}'", code="S202")
-        return ev.meaning_value(name, meaning, node, f)
+        return ev.scope_value(base.scope, name, node, f)
     if isinstance(base, LibraryValue):
         return _of_library(ev, base, name, node)
     if isinstance(base, ObjectValue):
@@ -130,7 +129,7 @@ def has_attribute(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) ->
 
 def _of_tuple(ev: Evaluator, base: TupleValue, name: str, node: AST, f: Frame) -> Value:
     if base.made is not None:
-        fields = taken(base.made.live, "attribute", "_fields")
+        fields = ev.layout_of(base.made).names
         if name in fields:
             return base.items[fields.index(name)]
         found = ev.class_item(base.made, name, node, f)
@@ -144,7 +143,7 @@ def tuple_method(ev: Evaluator, base: TupleValue, name: str, args: list[Value], 
                  f: Frame) -> Value:
     if name in ("index", "count"):
         return ev.list_method(ev.list_of(base.items, node), name, args, node)  # pyright: ignore
-    fields = taken(base.made.live, "attribute", "_fields") if base.made is not None else ()
+    fields = ev.layout_of(base.made).names if base.made is not None else ()
     if name == "_replace":
         return dataclasses.replace(base, items=tuple(keywords.get(k, v) for k, v in zip(fields, base.items)))
     if name == "_asdict":
@@ -186,6 +185,8 @@ def _own_item(ev: Evaluator, made: ClassValue, name: str, node: AST, f: Frame) -
 
 
 def _of_library(ev: Evaluator, base: LibraryValue, name: str, node: AST) -> Value:
+    if base.path == "builtins.property" and base.first and name in ("getter", "setter", "deleter"):
+        return LibraryValue(f"builtins.property.{name}", base.first)
     if base.path.startswith("builtins.") and name == "__name__":
         return constant(base.path.rpartition(".")[2])
     return ev.library_member(base.path, name, node)
@@ -200,25 +201,20 @@ def assign_attribute(ev: Evaluator, base: Reference, name: str, value: Value, no
         raise ev.refusal(node, f"an attribute of a {held.kind} is assigned")
     found = ev.class_item(held.made, name, node, f)
     if found is not None and isinstance(found[1], LibraryValue) and found[1].path == "builtins.property":
-        setter = taken(found[0].live, "own", name).fset if found[0].live is not None else None
-        if setter is None:
+        if len(found[1].first) < 2:
             raise ev.refusal(node, f"the property '{name}' is assigned, which has no setter")
-        ev.call(ev.live_function(setter, node, f, found[0]), [base, value], {}, node, f)
+        ev.call(found[1].first[1], [base, value], {}, node, f)
         return
     if found is not None and isinstance(found[1], ObjectValue) and hasattr(type(found[1].value), "__set__"):
         raise ev.refusal(node, "a descriptor is assigned", help="write it as a property with a setter")
     if ev.class_item(held.made, "__setattr__", node, f) is not None:
         raise ev.refusal(node, "an attribute is assigned, and the class says how: '__setattr__'",
                          help="write what it does")
-    if _is_frozen(held.made):
+    layout = ev.layout_of(held.made)
+    if layout is not None and layout.is_frozen:
         raise ev.refusal(node, f"an attribute of an object of class {held.made.name if held.made else '?'} is "
                          "assigned, which is frozen")
     label = f"{held.label}_{name}" if held.label else name
     if isinstance(value, Reference) and not ev.heap[value].label:
         ev.heap.objects[value.number] = dataclasses.replace(ev.heap[value], label=label)
     ev.assign_slot(base, name, value, label, node)
-
-
-def _is_frozen(made: ClassValue | None) -> bool:
-    live = made.live if made is not None else None
-    return live is not None and getattr(getattr(live, "__dataclass_params__", None), "frozen", False)

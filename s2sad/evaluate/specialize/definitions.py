@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.specialize.classes.class_layout import ENUMERATIONS
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation, statement
 from s2sad.evaluate.specialize.frames import local_names
 from s2sad.evaluate.specialize.heap import Object
@@ -41,29 +42,61 @@ def function_definition(ev: Evaluator, s: Any, f: Frame) -> None:
 
 @statement("ClassDef")
 def class_definition(ev: Evaluator, s: Any, f: Frame) -> None:
-    if s.decorator_list or s.keywords:
-        raise ev.refusal(s, "a class with decorators or keywords inside a kernel", help="define it outside")
+    ev.bind(f, s.name, class_of_definition(ev, s, f), s)
+
+
+def class_of_definition(ev: Evaluator, s: Any, f: Frame) -> Value:
+    """The class that a definition makes: its body is evaluated in a namespace, then the decorators are called."""
     bases = [ev.value(b, f) for b in s.bases]
-    bases = [b for b in bases if not (isinstance(b, LibraryValue) and b.path == "builtins.object")]
-    if not all(isinstance(b, ClassValue) for b in bases):
-        raise ev.refusal(s, f"a base of '{s.name}' is no class of the user's")
+    kinds = {b.path for b in bases if isinstance(b, LibraryValue)} - _NO_BASES
+    own = [b for b in bases if isinstance(b, ClassValue)]
+    is_abstract = all(k.arg == "metaclass" and _path(ev.value(k.value, f)) == "abc.ABCMeta" for k in s.keywords)
+    if len(kinds) > 1 or kinds - {*ENUMERATIONS, "typing.NamedTuple"} or kinds and own or not is_abstract or len(
+            own) + sum(isinstance(b, LibraryValue) for b in bases) < len(bases):
+        raise ev.refusal(s, f"a base of '{s.name}' is no class of the user's" if is_abstract else
+                         f"'{s.name}' is made by a class of its own")
     reference = ev.heap.new(Object("class", {}, label=s.name))
-    made = ClassValue(s.name, None, reference.number, tuple(bases))  # pyright: ignore
+    made = ClassValue(s.name, None, reference.number, tuple(own))
+    _namespace(ev, s, made, reference, f)
+    if kinds == {"typing.NamedTuple"}:
+        ev.lay_out(made, "named", {}, s)
+    elif kinds:
+        made = ev.enumeration(s.name, kinds.pop(), ev.heap[reference].items, s)
+    found: Value = made
+    for decorator in reversed(s.decorator_list):
+        found = ev.call(ev.value(decorator, f), [found], {}, decorator, f)
+    return found
+
+
+_NO_BASES = {"builtins.object", "abc.ABC", "typing.Protocol", "typing.Generic"}
+
+
+def _path(value: Value) -> str:
+    return value.path if isinstance(value, LibraryValue) else ""
+
+
+def _namespace(ev: Evaluator, s: Any, made: ClassValue, reference: Reference, f: Frame) -> None:
+    """The names that a class's body binds, and its annotations."""
     body = replace(f, reference=reference, outer=f, owner=made, local=local_names(s.body)[0], is_entry=False)
+    ev.annotated[made.number] = {p.target.id: p.annotation for p in s.body if isinstance(p, tree.AnnAssign)
+                                 and isinstance(p.target, tree.Name)}
     for part in s.body:
         if isinstance(part, tree.FunctionDef):
             value: Value = defined(ev, part, f, made)
             for decorator in reversed(part.decorator_list):
                 value = _decorated(ev, value, decorator, body)
             ev.heap.put(reference, part.name, value)
+        elif isinstance(part, tree.Expr) and isinstance(part.value, tree.Constant):
+            continue        # its documentation
         else:
             ev.statements([part], body)
-    ev.bind(f, s.name, made, s)
 
 
 def _decorated(ev: Evaluator, value: Value, decorator: AST, f: Frame) -> Value:
     """A function of a class as property, staticmethod or classmethod make it."""
     meant = ev.value(decorator, f)
+    if isinstance(meant, LibraryValue) and meant.path == "builtins.property.setter":
+        return LibraryValue("builtins.property", (meant.first[0], value))
     if isinstance(meant, LibraryValue) and meant.path in ("builtins.property", "builtins.staticmethod",
                                                           "builtins.classmethod", "functools.cached_property"):
         return LibraryValue(meant.path, (value,))

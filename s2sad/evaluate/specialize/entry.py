@@ -20,7 +20,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import S2sadError
-from s2sad.evaluate.specialize.class_lookup import class_value
+from s2sad.evaluate.specialize.classes.class_lookup import class_value
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Reached, Unevaluated, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.unread_lists import without_unread_lists
@@ -102,6 +102,9 @@ def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[
     definition = captured.tree
     if GIVEN.own(function) is not None:
         raise ev.refusal(definition, f"'{captured.name}' has a derivative of its own")
+    for decorator in getattr(function, "decorators", ()):
+        raise ev.refusal(decorator, f"'{captured.name}' has a decorator, and is read without being run",
+                         help="take it off, and wrap the kernel elsewhere under another name")
     f = ev.frame_of(FunctionValue(captured, ("entry",), handle=function), definition, True)
     f = replace(f, owner=_owner(function))
     ev.entry = f
@@ -178,13 +181,13 @@ def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, na
                 ev, item, step(form, path, key), f"{wanted}_{key}", origin, names)
             for key, item in zip(form.keys, form.items)}
         if form.kind in ("tuple", "named"):
-            made = class_value(form.made) if form.kind == "named" and form.made is not None else None
+            made = _class(ev, form.made, origin) if form.kind == "named" and form.made is not None else None
             return TupleValue(tuple(items.values()), made)
         kind = form.kind if form.kind in ("list", "dict") else "record"
         if kind == "list" and path in ev.sites:
             ev.grown.add(path)
             return _residual_list(ev, tuple(items.values()), wanted, origin)
-        made = class_value(form.made) if kind == "record" and form.made is not None else None
+        made = _class(ev, form.made, origin) if kind == "record" and form.made is not None else None
         reference = ev.heap.new(Object(kind, items, made, label=wanted, path=path,
                                        site=path if kind == "list" else None))
         ev.given[reference.number] = ev.heap[reference]
@@ -209,6 +212,8 @@ def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, na
     if path != name:
         ev.leaves.add(name)
     fact = (path, "value")
+    if form == UNKNOWN:         # an array or a number
+        return Data(tree.at(tree.name(name), origin), demands=frozenset((fact,)), origins=frozenset((path,)))
     if form.is_number and form.dtype in ("int64", "bool"):
         known = ev.facts.get(fact, NOT_KNOWN)
         return Data(tree.at(tree.name(name), origin), known, frozenset() if fact in ev.facts else frozenset((fact,)),
@@ -217,6 +222,11 @@ def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, na
         return Data(tree.at(tree.name(name), origin), shape=())
     return Data(tree.at(tree.name(name), origin), origins=frozenset((path,)), shape=ev.facts.get(
         (path, "shape"), (None,) * form.rank))
+
+
+def _class(ev: Evaluator, made: Any, origin: AST) -> ClassValue:
+    """The class of an argument, live or of a file."""
+    return class_value(made) if isinstance(made, type) else ev.file_class(made, origin, ev.entry)
 
 
 def _residual_list(ev: Evaluator, items: Sequence[Value], wanted: str, origin: AST) -> Value:
@@ -261,7 +271,7 @@ def _leaves(ev: Evaluator, value: Value, node: AST) -> Any:
 
 def _results(ev: Evaluator) -> PyTree | None:
     """What structure is returned: the same at each return; None for arrays, numbers and tuples of these."""
-    forms = [_form(objects, value) for _, value, objects in ev.returned]
+    forms = [_form(ev, objects, value) for _, value, objects in ev.returned]
     if any(f != forms[0] for f in forms[1:]):
         raise ev.refusal(ev.returned[-1][0], "returns that are structures of different makes",
                          help="return the same structure on every path")
@@ -270,17 +280,17 @@ def _results(ev: Evaluator) -> PyTree | None:
     return found if isinstance(found, PyTree) and not plain else None
 
 
-def _form(objects: Mapping[int, Object], value: Value) -> Any:
+def _form(ev: Evaluator, objects: Mapping[int, Object], value: Value) -> Any:
     """What is returned, of what its items are."""
     if isinstance(value, Data):
         return NONE_TYPE if value.is_known and value.known is None else UNKNOWN
     if isinstance(value, TupleValue):
-        items = tuple(_form(objects, v) for v in value.items)
+        items = tuple(_form(ev, objects, v) for v in value.items)
         made = value.made.live if value.made is not None else None
-        fields = made._fields if made is not None else tuple(range(len(items)))
-        return PyTree("named" if made is not None else "tuple", fields, items, made, True)
+        fields = ev.layout_of(value.made).names if value.made is not None else tuple(range(len(items)))
+        return PyTree("named" if value.made is not None else "tuple", fields, items, made, True)
     assert isinstance(value, Reference)
     held = objects[value.number]
-    items = tuple(_form(objects, v) for v in held.items.values())
+    items = tuple(_form(ev, objects, v) for v in held.items.values())
     return PyTree(held.kind, tuple(held.items), items,  # pyright: ignore[reportArgumentType]
                   held.made.live if held.made is not None else None)

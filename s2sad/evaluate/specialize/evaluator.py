@@ -149,16 +149,22 @@ class Evaluator:
     compared: Callable[..., Any]
     compared_fields: Callable[..., Any]
     compares_fields: Callable[..., Any]
+    constant_array: Callable[..., Any]
     constructed: Callable[..., Any]
     container_method: Callable[..., Any]
     container_operator: Callable[..., Any]
     cursor_of: Callable[..., Any]
     default_of: Callable[..., Any]
+    declares_layout: Callable[..., Any]
     defined: Callable[..., Any]
     dict_items: Callable[..., Any]
     each_item: Callable[..., Any]
     first_item: Callable[..., Any]
     first_of: Callable[..., Any]
+    enumeration: Callable[..., Any]
+    file_class: Callable[..., Any]
+    file_default: Callable[..., Any]
+    file_function: Callable[..., Any]
     for_lazy: Callable[..., Any]
     frame_of: Callable[..., Any]
     generate: Callable[..., Any]
@@ -174,6 +180,8 @@ class Evaluator:
     key_of: Callable[..., Any]
     kind_of: Callable[..., Any]
     known_place: Callable[..., Any]
+    lay_out: Callable[..., Any]
+    layout_of: Callable[..., Any]
     leave: Callable[..., Any]
     leave_function: Callable[..., Any]
     length: Callable[..., Any]
@@ -184,6 +192,7 @@ class Evaluator:
     listed: Callable[..., Any]
     live_function: Callable[..., Any]
     meaning_value: Callable[..., Any]
+    met_in_advance: Callable[..., Any]
     member: Callable[..., Any]
     method_named: Callable[..., Any]
     mro: Callable[..., Any]
@@ -199,6 +208,7 @@ class Evaluator:
     residual_loop: Callable[..., Any]
     residual_object: Callable[..., Any]
     return_from_entry: Callable[..., Any]
+    scope_value: Callable[..., Any]
     sequence_items: Callable[..., Any]
     shape_of: Callable[..., Any]
     sorted_items: Callable[..., Any]
@@ -232,7 +242,12 @@ class Evaluator:
         self.texts: set[str] = set()                            # parameters that are texts, not known yet
         self.given: dict[int, Object] = {}                      # arguments' objects as they are given
         self.entry: Frame | None = None
+        self.modules: dict[str, Frame] = {}                     # the frames of files that are not run
+        self.of_files: dict[Any, Any] = {}                      # what is evaluated there
+        self.evaluates_module = False
         self.outset: dict[int, Object] = {}                     # objects from outside as they are before the run
+        self.layouts: dict[int, Any] = {}                   # of classes that are defined here, by number
+        self.annotated: dict[int, dict[str, AST]] = {}      # the annotations in their bodies
         self.live: dict[int, Value] = {}                    # objects of modules, by id
         self.held: list[Any] = []
         self.loops_of: dict[Any, AST] = {}                      # the loops of comprehensions

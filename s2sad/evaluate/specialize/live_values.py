@@ -16,7 +16,8 @@ from typing import Any
 import numpy
 
 from s2sad import tree
-from s2sad.evaluate.specialize.class_lookup import class_value
+from s2sad.diagnostics import Source
+from s2sad.evaluate.specialize.classes.class_lookup import class_value
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Reached, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import (
@@ -24,12 +25,12 @@ from s2sad.evaluate.specialize.values import (
 )
 from s2sad.live_objects.guards import ABSENT, VaryingNumber, taken
 from s2sad.live_objects.unwrap import named_function
-from s2sad.read.capture import capture
+from s2sad.read.capture import captured_of
 from s2sad.read.live_module import LiveScope, live_meaning
 from s2sad.read.outside_values import Captured, Library, Matrix, Namespace, kind_of, library_path
 from s2sad.tree import AST
 
-_STANDARD = ("functools", "itertools", "operator", "collections", "copy", "sys", "os", "logging", "typing", "abc",
+STANDARD = ("functools", "itertools", "operator", "collections", "copy", "sys", "os", "logging", "typing", "abc",
              "enum", "dataclasses", "contextlib", "warnings", "time")
 _CONTEXT_MANAGER = contextlib.contextmanager(iter).__code__        # of what is decorated so
 
@@ -44,15 +45,15 @@ def outside_name(ev: Evaluator, name: str, node: AST, f: Frame) -> Value:
         except KeyError:
             raise ev.refusal(node, f"'{name}' is not defined", code="S202") from None
         return outside_value(ev, name, value, node, f)
-    meaning = scope.lookup(name)
-    if meaning is None:
-        raise ev.refusal(node, f"'{name}' is not defined", code="S202")
-    return ev.meaning_value(name, meaning, node, f)
+    return ev.scope_value(scope, name, node, f)
 
 
 @operation
 def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> Value:
     """A live value."""
+    met = ev.met_in_advance(value, node, f)
+    if met is not None:
+        return met
     if isinstance(value, VaryingNumber) or value is None or isinstance(value, (bool, int, float, complex, str)) and (
             not isinstance(value, Enum)):
         return _plain(ev, name, value, node, f)
@@ -102,7 +103,7 @@ def _standard(value: Any) -> str:
     if isinstance(home, str) and callable(value) and not isinstance(value, types.MethodType):
         root = {"_functools": "functools", "_operator": "operator", "_collections": "collections",
                 "_warnings": "warnings"}.get(home, home)
-        if root.partition(".")[0] in _STANDARD:
+        if root.partition(".")[0] in STANDARD:
             return f"{root}.{name}"
         if home == "builtins" and (isinstance(value, type) or isinstance(value, types.BuiltinFunctionType)) and (
                 getattr(__import__("builtins"), name, None) is value):
@@ -221,29 +222,36 @@ def live_function(ev: Evaluator, value: Any, node: AST, f: Frame, owner: ClassVa
     return FunctionValue(load(ev, function), ("live", id(function)), None, owner, handle=function)
 
 
-def load(ev: Evaluator, function: types.FunctionType) -> Captured:
-    """The definition of a live function, whose places are in the source of the whole."""
+def load(ev: Evaluator, function: Any) -> Captured:
+    """The definition of a function, whose places are in the source of the whole."""
     if id(function) not in ev.loaded:
-        captured = capture(function)
-        ev.source, added = ev.source.holding(captured.source)
-        if added:
-            definition = tree.copy(captured.tree)
-            for n in tree.walk(definition):
-                for place in ("lineno", "end_lineno"):
-                    if getattr(n, place, None) is not None:
-                        setattr(n, place, getattr(n, place) + added)
-            captured = replace(captured, tree=definition)
+        captured = captured_of(function)
         ev.held.append(function)
-        ev.loaded[id(function)] = captured
+        ev.loaded[id(function)] = replace(captured, tree=placed(ev, captured.source, captured.tree))
     return ev.loaded[id(function)]
+
+
+def placed(ev: Evaluator, source: Source, definition: Any) -> Any:
+    """A part of a text with its places in the source of the whole."""
+    ev.source, added = ev.source.holding(source)
+    if not added:
+        return definition
+    definition = tree.copy(definition)
+    for n in tree.walk(definition):
+        for place in ("lineno", "end_lineno"):
+            if getattr(n, place, None) is not None:
+                setattr(n, place, getattr(n, place) + added)
+    return definition
 
 
 @operation
 def default_of(ev: Evaluator, function: FunctionValue, name: str, node: AST, f: Frame) -> Value | None:
-    """The default of a live function's parameter."""
+    """The default of a parameter of a function that was defined outside."""
     handle = function.handle
     if handle is None:
         return None
+    if not isinstance(handle, types.FunctionType):
+        return ev.file_default(function, name, node)
     code = taken(handle, "code")
     positional = code.co_varnames[:code.co_argcount]
     defaults = taken(handle, "attribute", "__defaults__") or ()

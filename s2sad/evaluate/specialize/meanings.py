@@ -2,20 +2,23 @@
 """
 from __future__ import annotations
 
+import importlib
 import types
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.class_lookup import class_value
+from s2sad.evaluate.specialize.classes.class_lookup import class_value
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
 from s2sad.evaluate.specialize.values import Data, FunctionValue, LibraryValue, ObjectValue, ScopeValue, Value, constant
+from s2sad.evaluate.specialize.live_values import STANDARD
 from s2sad.live_objects.guards import ABSENT, taken
 from s2sad.read.outside_values import (
-    Array, Library, Matrix, Meaning, ModuleValue, Namespace, Number, NumberTable, Record, StringValue, Surroundings,
-    UserFunctionValue, library_value,
+    Array, Library, LibraryScope, Matrix, Meaning, ModuleValue, Namespace, Number, NumberTable, Record, StringValue,
+    Surroundings, UserFunctionValue, library_value,
 )
+from s2sad.rules.spellings import is_scipy
 from s2sad.tree import AST
 
 
@@ -31,6 +34,8 @@ def meaning_value(ev: Evaluator, name: str, meaning: Meaning, node: AST, f: Fram
         return constant(meaning.value)
     if isinstance(meaning, UserFunctionValue) and isinstance(meaning.handle, types.FunctionType):
         return ev.live_function(meaning.handle, node, f)
+    if isinstance(meaning, UserFunctionValue):
+        return ev.file_function(meaning.handle)
     if isinstance(meaning, Number):
         return Data(tree.at(tree.name(_named(ev, meaning)), node), meaning.value)
     if isinstance(meaning, (Array, Matrix)) and not isinstance(meaning, NumberTable):
@@ -39,10 +44,26 @@ def meaning_value(ev: Evaluator, name: str, meaning: Meaning, node: AST, f: Fram
         return class_value(meaning.value)
     if isinstance(meaning, ModuleValue) and not isinstance(meaning, Namespace):
         module = getattr(meaning.scope, "module", None)
-        return ScopeValue(meaning.name, _Members(module) if module is not None else meaning.scope)
+        if isinstance(meaning.scope, LibraryScope):
+            return _member_of_library(ev, name, meaning, node, f)
+        return ScopeValue(meaning.name, _Members(module) if isinstance(module, types.ModuleType) else meaning.scope)
     what = getattr(meaning, "what", "")
     raise ev.outside_error(node, f"'{name}' is {what or 'of a kind that is not supported in a kernel'}",
                            getattr(meaning, "help", ""))
+
+
+def _member_of_library(ev: Evaluator, name: str, meaning: ModuleValue, node: AST, f: Frame) -> Value:
+    """A library's module, or something of it that was not looked up there; Python's own library is there always."""
+    root, *rest = meaning.name.split(".")
+    if root in STANDARD and rest:
+        found: Any = importlib.import_module(root)
+        for part in rest:
+            found = getattr(found, part, None)
+        return ScopeValue(meaning.name, meaning.scope) if isinstance(found, types.ModuleType) else ev.outside_value(
+            name, found, node, f)
+    if rest and root in ("numba", "s2sad") or is_scipy(meaning.name):
+        return LibraryValue(meaning.name)
+    return ScopeValue(meaning.name, meaning.scope)
 
 
 @dataclass(frozen=True)
@@ -97,8 +118,12 @@ def residual_function(ev: Evaluator, function: FunctionValue, node: AST) -> str:
         raise ev.unknown(node, f"the function '{function.captured.name}' is given to what is computed at run time")
     name = f"function.{function.captured.name}.{id(function.handle)}"
     handle = function.handle
-    path = f"{handle.__module__}.{handle.__qualname__}"
-    ev.outside[name] = UserFunctionValue(handle.__name__, ("live", id(handle)), path, handle)
+    if isinstance(handle, types.FunctionType):
+        path = f"{handle.__module__}.{handle.__qualname__}"
+        ev.outside[name] = UserFunctionValue(handle.__name__, ("live", id(handle)), path, handle)
+    else:
+        ev.outside[name] = UserFunctionValue(handle.__name__, function.key, f"{handle.module.name}.{handle.__name__}",
+                                             handle)
     return name
 
 

@@ -48,6 +48,9 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
             found = known(ev, list(args), dict(keywords), node, f)
         if found is not None:
             return found
+    array = ev.constant_array(path, args, keywords) if ev.evaluates_module else None
+    if array is not None:
+        return array
     if path.startswith(("numpy.random.", "random.")):
         raise ev.outside_error(node, f"'{path}' draws random numbers", "draw them before, and give them to the kernel "
                                "as an argument")

@@ -2,15 +2,16 @@
 """
 from __future__ import annotations
 
-import dataclasses
+from types import SimpleNamespace
 
 from s2sad import tree
+from s2sad.evaluate.specialize.classes.class_layout import ClassField, Layout, always
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Known, Options, function
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.iterator_use import DEFAULT
 from s2sad.evaluate.specialize.values import (
-    NONE, Data, LibraryValue, ObjectValue, Reference, OpaqueValue, TupleValue, Value, constant, demands_of,
+    NONE, ClassValue, Data, LibraryValue, ObjectValue, Reference, OpaqueValue, TupleValue, Value, constant, demands_of,
 )
 from s2sad.tree import AST
 
@@ -57,11 +58,10 @@ def _vars(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 
 
 def _fields(ev: Evaluator, value: Value, node: AST, f: Frame) -> dict[str, Value]:
-    made = ev.class_of(value)
-    live = made.live if made is not None else None
-    if live is None or not dataclasses.is_dataclass(live):
+    layout = ev.layout_of(ev.class_of(value))
+    if layout is None or layout.kind != "dataclass":
         raise ev.refusal(node, f"{ev.kind_of(value)} is no object of a dataclass")
-    return {d.name: ev.attribute_of(value, d.name, node, f) for d in dataclasses.fields(live)}
+    return {d.name: ev.attribute_of(value, d.name, node, f) for d in layout.fields}
 
 
 @function("dataclasses.replace")
@@ -69,7 +69,7 @@ def _replace(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -
     made = ev.class_of(args[0])
     held = _fields(ev, args[0], node, f)
     assert made is not None
-    init = {d.name for d in dataclasses.fields(made.live) if d.init}
+    init = {d.name for d in ev.layout_of(made).fields if d.is_given}
     return ev.constructed(made, [], {**{k: v for k, v in held.items() if k in init}, **options}, node, f)
 
 
@@ -85,10 +85,46 @@ def _asdict(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value
 @function("dataclasses.fields")
 def _names(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     made = args[0] if not isinstance(args[0], (Reference, TupleValue)) else ev.class_of(args[0])
-    live = getattr(made, "live", None)
-    if live is None or not dataclasses.is_dataclass(live):
+    layout = ev.layout_of(made) if isinstance(made, ClassValue) else None
+    if layout is None or layout.kind != "dataclass":
         raise ev.refusal(node, "fields of what is no dataclass")
-    return TupleValue(tuple(ObjectValue(d, ("field", id(d))) for d in dataclasses.fields(live)))
+    return TupleValue(tuple(ObjectValue(SimpleNamespace(name=n), ("field", n)) for n in layout.names))
+
+
+@function("dataclasses.dataclass")
+def _dataclass(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    if not args:
+        return LibraryValue("dataclasses.dataclass", (), tuple(options.items()))
+    if not isinstance(args[0], ClassValue) or args[0].live is not None:
+        raise ev.refusal(node, f"{ev.kind_of(args[0])} is made a dataclass")
+    ev.lay_out(args[0], "dataclass", options, node)
+    return args[0]
+
+
+@function("dataclasses.field")
+def _field(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return LibraryValue("dataclasses.field", (), tuple((k, ev.atoms(v, k, node)) for k, v in options.items()))
+
+
+@function("collections.namedtuple")
+def _named_tuple(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    title = ev.known(args[0], node, "the name of a named tuple")
+    said = ev.known(args[1], node, "the fields of a named tuple") if isinstance(args[1], Data) else [
+        ev.known(i, node, "the fields of a named tuple") for i in ev.items_of(args[1], node, f)]
+    names = said.replace(",", " ").split() if isinstance(said, str) else said
+    defaults = ev.items_of(options.pop("defaults"), node, f) if "defaults" in options else []
+    if options or args[2:]:
+        raise ev.refusal(node, "a named tuple with options", help="write it as a class")
+    made = ClassValue(title, None, ev.heap.new(Object("class", {}, label=title)).number)
+    given = dict(zip(reversed(names), reversed(defaults)))
+    ev.layouts[made.number] = Layout("named", tuple(
+        ClassField(n, always(given[n]) if n in given else None) for n in names))
+    return made
+
+
+@function("enum.auto")
+def _auto(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return LibraryValue("enum.auto")
 
 
 @function("builtins.dict.fromkeys")

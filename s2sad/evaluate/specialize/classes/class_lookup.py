@@ -83,8 +83,9 @@ def _descriptor(ev: Evaluator, owner: ClassValue, name: str, found: Any, node: A
              classmethod: ("builtins.classmethod", "__func__")}
     for kind, (path, attribute) in kinds.items():
         if isinstance(found, kind):
-            inner = ev.live_function(getattr(found, attribute), node, f, owner)
-            return LibraryValue(path, (inner,))
+            setter = getattr(found, "fset", None)
+            parts = (getattr(found, attribute), setter) if setter is not None else (getattr(found, attribute),)
+            return LibraryValue(path, tuple(ev.live_function(p, node, f, owner) for p in parts))
     if type(found).__name__ == "cached_property":
         return LibraryValue("functools.cached_property", (ev.live_function(found.func, node, f, owner),))
     return ev.live_function(found, node, f, owner) if isinstance(found, types.FunctionType) else None
@@ -108,7 +109,8 @@ def special_method(ev: Evaluator, value: Value, name: str, node: AST, f: Frame) 
 @operation
 def is_sequence(ev: Evaluator, made: ClassValue | None, node: AST, f: Frame) -> bool:
     """Whether NumPy would take an object for the array of its items."""
-    if made is None or made.live is not None and issubclass(made.live, tuple):
+    layout = ev.layout_of(made)
+    if made is None or layout is not None and layout.kind == "named":
         return made is not None
     return all(class_item(ev, made, name, node, f) is not None for name in ("__len__", "__getitem__"))
 

@@ -2,14 +2,13 @@
 """
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from enum import Enum
 
+from s2sad.evaluate.specialize.classes.class_layout import Layout
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import ClassValue, Reference, TupleValue, Value
-from s2sad.live_objects.guards import taken
 from s2sad.tree import AST
 
 
@@ -21,8 +20,9 @@ def constructed(ev: Evaluator, made: ClassValue, args: Sequence[Value], keywords
     live = made.live
     if isinstance(live, type) and issubclass(live, Enum):
         return _enum_member(ev, made, args, node)
-    if isinstance(live, type) and issubclass(live, tuple):
-        return _named_tuple(ev, made, args, keywords, node, f)
+    layout = ev.layout_of(made)
+    if layout is not None and layout.kind == "named":
+        return _named_tuple(ev, made, layout, args, keywords, node, f)
     if isinstance(live, type) and type(live).__call__ is not type.__call__ and type(live).__module__ != "abc":
         raise ev.refusal(node, f"'{made.name}' is made by a class of its own: {type(live).__name__}")
     if isinstance(live, type) and any(c.__module__ != "builtins" and c.__flags__ & (1 << 9) == 0 for c in live.__mro__):
@@ -32,12 +32,12 @@ def constructed(ev: Evaluator, made: ClassValue, args: Sequence[Value], keywords
     if ev.class_item(made, "__new__", node, f) is not None:
         raise ev.refusal(node, f"'{made.name}' has a __new__ of its own")
     reference = ev.heap.new(Object("record", {}, made, label=ev.label, site=node))
-    init = ev.method_named(made, "__init__", reference, node, f)
+    init = None if _is_filled(ev, made, node, f) else ev.method_named(made, "__init__", reference, node, f)
     ev.heap.put(Reference(f.reference.number), f".made{reference.number}", reference)
     if init is not None:
         ev.call(init, args, keywords, node, f)
-    elif _is_dataclass(ev, made):
-        _fill(ev, made, reference, args, keywords, node, f)
+    elif layout is not None:
+        _fill(ev, made, layout, reference, args, keywords, node, f)
     elif args or keywords:
         raise ev.refusal(node, f"'{made.name}' takes no arguments")
     items = dict(ev.heap[f.reference].items)
@@ -51,58 +51,56 @@ def _enum_member(ev: Evaluator, made: ClassValue, args: Sequence[Value], node: A
     return ev.member(made.live(known))
 
 
-def _named_tuple(ev: Evaluator, made: ClassValue, args: Sequence[Value], keywords: Mapping[str, Value], node: AST,
-                 f: Frame) -> Value:
-    fields = taken(made.live, "attribute", "_fields")
-    defaults = taken(made.live, "attribute", "_field_defaults")
-    given = {**dict(zip(fields, args)), **keywords}
+def _named_tuple(ev: Evaluator, made: ClassValue, layout: Layout, args: Sequence[Value], keywords: Mapping[str, Value],
+                 node: AST, f: Frame) -> Value:
+    given = {**dict(zip(layout.names, args)), **keywords}
     items = []
-    for k in fields:
-        if k not in given and k not in defaults:
-            raise ev.refusal(node, f"'{made.name}' is not given '{k}'")
-        items.append(ev.atoms(given[k] if k in given else ev.outside_value(k, defaults[k], node, f), k, node))
-    if len(args) > len(fields) or any(k not in fields for k in keywords):
-        raise ev.refusal(node, f"'{made.name}' has the fields {', '.join(fields)}")
+    for d in layout.fields:
+        if d.name not in given and d.default is None:
+            raise ev.refusal(node, f"'{made.name}' is not given '{d.name}'")
+        items.append(ev.atoms(given[d.name] if d.default is None or d.name in given else d.default(node, f), d.name,
+                              node))
+    if len(args) > len(items) or any(k not in layout.names for k in keywords):
+        raise ev.refusal(node, f"'{made.name}' has the fields {', '.join(layout.names)}")
     return TupleValue(tuple(items), made)
 
 
 @operation
 def compares_fields(ev: Evaluator, value: Value) -> bool:
     """Whether an object is of a dataclass whose `==` compares fields."""
-    made = ev.class_of(value)
-    live = made.live if made is not None and isinstance(value, Reference) else None
-    return bool(getattr(getattr(live, "__dataclass_params__", None), "eq", False))
+    layout = ev.layout_of(ev.class_of(value)) if isinstance(value, Reference) else None
+    return layout is not None and layout.is_equal
 
 
 @operation
 def compared_fields(ev: Evaluator, value: Value, node: AST, f: Frame) -> tuple[Value, ...]:
     """What `==` of a dataclass compares."""
-    made = ev.class_of(value)
-    assert made is not None
-    return tuple(ev.attribute_of(value, d.name, node, f) for d in dataclasses.fields(made.live) if d.compare)
+    return tuple(ev.attribute_of(value, d.name, node, f) for d in ev.layout_of(ev.class_of(value)).fields
+                 if d.is_compared)
 
 
-def _is_dataclass(ev: Evaluator, made: ClassValue) -> bool:
-    return made.live is not None and dataclasses.is_dataclass(made.live)
+def _is_filled(ev: Evaluator, made: ClassValue, node: AST, f: Frame) -> bool:
+    """Whether an object's fields are filled as a dataclass does it: no class in front of it has an `__init__`."""
+    classes = ev.mro(made)
+    first = next((k for k, c in enumerate(classes) if ev.declares_layout(c)), len(classes))
+    own = ev.class_item(made, "__init__", node, f)
+    return first < len(classes) and (own is None or classes.index(own[0]) > first)
 
 
-def _fill(ev: Evaluator, made: ClassValue, reference: Reference, args: Sequence[Value], keywords: Mapping[str, Value],
-          node: AST, f: Frame) -> None:
+def _fill(ev: Evaluator, made: ClassValue, layout: Layout, reference: Reference, args: Sequence[Value],
+          keywords: Mapping[str, Value], node: AST, f: Frame) -> None:
     """The fields of a dataclass, in order."""
-    fields = dataclasses.fields(made.live)
-    names = [d.name for d in fields if d.init and not d.kw_only]
-    known = {d.name for d in fields if d.init}
+    names = [d.name for d in layout.fields if d.is_given and not d.by_name]
+    known = {d.name for d in layout.fields if d.is_given}
     if len(args) > len(names) or not {*keywords} <= known:
         raise ev.refusal(node, f"'{made.name}' has the fields {', '.join(names)}")
     given = {**dict(zip(names, args)), **keywords}
-    for d in fields:
+    for d in layout.fields:
         if d.name in given:
             value = given[d.name]
-        elif d.default is not dataclasses.MISSING:
-            value = ev.outside_value(d.name, d.default, node, f)
-        elif d.default_factory is not dataclasses.MISSING:
-            value = ev.call(ev.outside_value(d.name, d.default_factory, node, f), [], {}, node, f)
-        elif d.init:
+        elif d.default is not None:
+            value = d.default(node, f)
+        elif d.is_given:
             raise ev.refusal(node, f"'{made.name}' is not given '{d.name}'")
         else:
             continue

@@ -1,0 +1,1 @@
+"""Classes: where their names are found, what decorators and bases make of them, their objects."""

@@ -1,0 +1,144 @@
+"""Programs of functions of files, which are read and not run, without structures.
+
+What the parameters are made of is said: by a text (`--types`), or by annotations whose classes the files define. Where
+reading does not know what the program is, or where an object has methods, the evaluator computes it.
+"""
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from s2sad import pipeline, read
+from s2sad.diagnostics import Diagnostic, Report, S2sadError
+from s2sad.dispatch.deferred import compiler
+from s2sad.evaluate.specialize import unread
+from s2sad.evaluate.structures.fields import Flat, asks, fields
+from s2sad.infer.assumed_types import Assumed, assumed_types
+from s2sad.infer.types import NONE, TEXT, UNKNOWN, Type, array
+from s2sad.interface.pytrees.annotated_forms import annotated, has_methods, mapped_types, unnamed
+from s2sad.program import DemandedFacts, Fact, Kernel, Program
+from s2sad.pytree import Form, PyTree, form_of, is_held, leaves
+from s2sad.tree import AST, Attribute, Constant, Name, Subscript, walk
+
+_OF_ARRAYS = ("shape", "size", "ndim", "dtype", "T", "copy", "fill", "sum", "mean", "min", "max", "dot", "reshape",
+              "ravel", "flatten", "transpose", "astype", "prod", "std", "var", "real", "item", "argmax", "argmin",
+              "cumsum", "clip", "sort", "any", "all", "nonzero", "squeeze", "swapaxes", "repeat", "take", "tolist")
+
+
+@dataclass(frozen=True)
+class Said:
+    """What is said of parameters: what they are made of, and what values or shapes some have, by their paths."""
+    forms: Mapping[str, Form] = field(default_factory=dict)
+    facts: Mapping[Fact, Any] = field(default_factory=dict)
+
+
+def file_program(path: str | os.PathLike[str], function: str) -> Program:
+    """The program of a function of a file; where reading refuses it, one that waits for what it is given."""
+    meaning, files = read.function_in_file(path, function)
+    try:
+        return replace(read.load_meaning(meaning), files=tuple(files), function=meaning.handle)
+    except S2sadError as refused:
+        if refused.diagnostics[0].code.startswith("S1"):
+            raise
+        return replace(unread(meaning.handle, refused), files=tuple(files))
+
+
+def flat_spelled(program: Program, said: Said) -> tuple[Program, dict[str, Assumed], dict[str, str]]:
+    """The program without structures, the types of its parameters, assumed where they are not said, and the paths of
+    its parameters in structures; raises S2sadError where a parameter has parts that are unknown."""
+    kernel = program.kernels[program.entry]
+    forms = _forms(program, kernel, said)
+    _known(kernel, program.function.captured().tree.body, forms)
+    if program.refused is None and not asks(program) and not any(isinstance(f, PyTree) for f in forms.values()):
+        known = {p: t for p, t in forms.items() if p in said.forms and isinstance(t, Type)}
+        return program, _assumed(program, known), {}
+    refused = program.refused
+    if refused is None and not any(map(has_methods, forms.values())):
+        try:
+            flat = fields(program, tuple(map(unnamed, forms.values())))
+            found = _assumed(flat.program, _leaves(flat, forms))
+            pipeline.summary(flat.program, tuple(a.type for a in found.values()))
+            return flat.program, found, flat.paths
+        except S2sadError as error:
+            refused = error
+    flat = _evaluated(program, forms, said, refused)
+    found = _assumed(flat.program, _leaves(flat, forms))
+    if any(t == UNKNOWN for p, f in forms.items() for _, t in leaves(f, p)):
+        types = {path: found[name].type for name, path in flat.paths.items()}
+        forms = {p: mapped_types(f, p, types.get) for p, f in forms.items()}
+        flat = _evaluated(program, forms, said, refused)
+        again = _assumed(flat.program, _leaves(flat, forms))
+        found = {n: replace(a, reason=found[n].reason) if n in found else a for n, a in again.items()}
+    values = {path: value for (path, what), value in said.facts.items() if what == "value"}
+    found = {n: replace(a, reason=f"made for {flat.paths[n]} = {values[flat.paths[n]]!r}")
+             if flat.paths[n] in values else a for n, a in found.items()}
+    return flat.program, found, {n: p for n, p in flat.paths.items()}
+
+
+def _forms(program: Program, kernel: Kernel, said: Said) -> dict[str, Form]:
+    """What the parameters are made of, as far as it is known."""
+    defaults = {p: NONE if d is None else TEXT if isinstance(d, str) else form_of(d, p)
+                for p, d in kernel.defaults.items() if d is None or isinstance(d, (tuple, str))}
+    forms = {p: said.forms.get(p, defaults.get(p, UNKNOWN)) for p in kernel.parameters}
+    return annotated(program.function, forms)
+
+
+_NOTHING = S2sadError(Diagnostic("S201", "an object has methods"))
+
+
+def _evaluated(program: Program, forms: Mapping[str, Form], said: Said, refused: S2sadError | None) -> Flat:
+    """The residual program; raises S2sadError, also where more must be said of the arguments."""
+    try:
+        return compiler().evaluated(program, tuple(forms.values()), (), said.facts, refused or _NOTHING)[0]
+    except DemandedFacts as demanded:
+        path, what = sorted(demanded.facts)[0]
+        help = {"value": f'say which \'{path}\' is, as --types "{_spelled(path, "3")}"',
+                "shape": f'say what shape \'{path}\' has, as --types "{_spelled(path, "float64[4]")}"'}.get(
+                    what, "call it in Python, where the arguments are at hand")
+        raise S2sadError(*(replace(d, help=help) for d in demanded.error.diagnostics)) from None
+
+
+def _spelled(path: str, what: str) -> str:
+    """A parameter, or a part of one, in the words of `--types`."""
+    name, _, rest = path.partition(".")
+    return f"{name}: {what}" if not rest else f"{name}: {{{rest}: {what}}}"
+
+
+def _leaves(flat: Flat, forms: Mapping[str, Form]) -> dict[str, Type]:
+    """The types of the flat parameters that are known."""
+    kinds = {path: kind for p, form in forms.items() for path, kind in leaves(form, p) if is_held(kind)}
+    return {name: array(kinds[path].dtype, 1) if name in flat.cells else kinds[path]
+            for name, path in flat.paths.items() if kinds[path] != UNKNOWN}
+
+
+def _assumed(program: Program, known: Mapping[str, Type]) -> dict[str, Assumed]:
+    kernel = program.kernels[program.entry]
+    report = Report(kernel.source)
+    found = assumed_types(program.entry, {n: k.tree for n, k in program.kernels.items()}, kernel.parameters,
+                          kernel.annotations, kernel.defaults, known, report)
+    report.finish()
+    return found
+
+
+def _known(kernel: Kernel, body: list[AST], forms: Mapping[str, Form]) -> None:
+    """Refuses a parameter that is read by field or key and has no type."""
+    report, parts = Report(kernel.source), {}
+    for node in walk(body):
+        if isinstance(node, (Attribute, Subscript)) and isinstance(node.value, Name) and forms.get(
+                node.value.id) == UNKNOWN and _part(node):
+            parts.setdefault(node.value.id, []).append(node)
+    for name, nodes in parts.items():
+        found = ", ".join(f"{k}: float64" for k in dict.fromkeys(map(_part, nodes)))
+        report.error("S203", f"'{name}' has parts, whose types are not known", nodes[0],
+                     help=f'say what it is made of, as --types "{name}: {{{found}}}"')
+    report.finish()
+
+
+def _part(node: AST) -> str:
+    """The field or key that a part is read by; empty if it is an attribute or an element of an array."""
+    if isinstance(node, Attribute):
+        return "" if node.attr in _OF_ARRAYS else node.attr
+    key = node.slice.value if isinstance(node.slice, Constant) else None
+    return key if isinstance(key, str) else ""
