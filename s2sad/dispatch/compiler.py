@@ -21,7 +21,7 @@ from s2sad.evaluate.structures.call_values import Unread
 from s2sad.evaluate.structures.fields import Flat, fields, has_sparse, is_sparse
 from s2sad.evaluate.structures.fields import asks as structures_matter
 from s2sad.evaluate.structures.groups import StructureValue, nothing
-from s2sad.program import EntrySummary, Fact, Generated, Kernel, Program, Request
+from s2sad.program import DemandedFacts, EntrySummary, Fact, Generated, Kernel, Program, Request
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.read.capture import not_a_function
 from s2sad.run.user_functions_in_numba import checked_constants, compiled_in, registered_rules, uncompiled
@@ -35,15 +35,37 @@ __all__ = ["asks", "checked_constants", "checked_derivatives", "compiled_in", "d
 
 
 def program(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path] = ()) -> Program:
-    """The program of a live function; where reading refuses it, one that waits for what it is given."""
+    """The program of a live function; where reading refuses it, its residual program for arguments that are arrays and
+    numbers, or one that waits for what it is given."""
+    plain = python_function(function)
     try:
-        found = read.load(function, methods, varying)
-        return replace(found, function=python_function(function))
+        return replace(read.load(function, methods, varying), function=plain)
     except S2sadError as refused:
-        plain = python_function(function)
         if plain is None or refused.diagnostics[0].code.startswith("S1"):
             raise
-        return waiting(plain, refused, varying)
+        try:
+            return residual_program(plain, varying)
+        except S2sadError as refused:
+            return waiting(plain, refused, varying)
+
+
+def residual_program(function: FunctionType, varying: Collection[Path]) -> Program:
+    """The residual program of a function for arguments that are arrays and numbers, of types that are not known;
+    raises S2sadError."""
+    with recording(Guards(varying)) as guards:
+        reached(None, "root", 0, function)
+        outline = unread(function)
+        kernel = outline.kernels[outline.entry]
+        try:
+            residual = specialize(function, dict.fromkeys(kernel.parameters, UNKNOWN), {})
+        except DemandedFacts as demanded:
+            raise demanded.error from None
+        if residual.result is not None or residual.paths != {p: p for p in kernel.parameters}:
+            raise S2sadError(Diagnostic("S201", "what is returned is made of more than arrays and numbers"))
+        made = read.of_captured(residual, function)
+    entry = replace(made.kernels[made.entry], defaults=kernel.defaults, annotations=kernel.annotations)
+    return replace(made, kernels={**made.kernels, made.entry: entry}, guards=guards, replaced=residual.replaced,
+                   function=function)
 
 
 def waiting(function: FunctionType, refused: S2sadError, varying: Collection[Path]) -> Program:

@@ -35,12 +35,12 @@ def bind(ev: Evaluator, f: Frame, name: str, value: Value, origin: AST) -> None:
 
 
 @operation
-def store(ev: Evaluator, target: AST, value: Value, f: Frame) -> None:
-    """The value to a target of any form."""
+def store(ev: Evaluator, target: AST, value: Value, f: Frame, statement: AST | None = None) -> None:
+    """The value to a target of any form; `statement` is where it comes from."""
     if isinstance(target, tree.Name):
-        bind(ev, f, target.id, value, target)
+        bind(ev, f, target.id, value, statement or target)
     elif isinstance(target, (tree.Tuple, tree.List)):
-        _unpack(ev, target, value, f)
+        _unpack(ev, target, value, f, statement or target)
     elif isinstance(target, tree.Starred):
         raise ev.refusal(target, "a starred target outside of a tuple")
     else:
@@ -48,10 +48,10 @@ def store(ev: Evaluator, target: AST, value: Value, f: Frame) -> None:
         base, key = place_of(ev, target, f)
         if ev.effects > effects:        # the value is there before its place is found
             value = ev.held_at(value, at, {*ev.rebound[rebound:]}, target)
-        assign_to(ev, base, key, value, target, f)
+        assign_to(ev, base, key, value, target, f, statement)
 
 
-def _unpack(ev: Evaluator, target: Any, value: Value, f: Frame) -> None:
+def _unpack(ev: Evaluator, target: Any, value: Value, f: Frame, statement: AST) -> None:
     targets = target.elts
     star = next((k for k, t in enumerate(targets) if isinstance(t, tree.Starred)), None)
     if isinstance(value, Data) and not value.is_known:
@@ -59,9 +59,9 @@ def _unpack(ev: Evaluator, target: Any, value: Value, f: Frame) -> None:
             raise ev.unknown(target, "how many values a starred target takes is not known before the run", value,
                              help="take the rest by a slice: rest = x[1:]")
         shape = isinstance(value.node, tree.Attribute) and value.node.attr == "shape"
-        value = value if shape else ev.named(value, "unpacked", target)
+        value = value if shape else ev.named(value, "unpacked", statement)
         items = [ev.item_of(value, constant(k), target, f) for k in range(len(targets))]
-        items = [ev.atoms(i, t.id if isinstance(t, tree.Name) else "item", target) for i, t in zip(items, targets)]
+        items = [ev.atoms(i, t.id if isinstance(t, tree.Name) else "item", statement) for i, t in zip(items, targets)]
     else:
         items = ev.items_of(value, target, f)
     if star is not None and len(items) >= len(targets) - 1:
@@ -71,24 +71,25 @@ def _unpack(ev: Evaluator, target: Any, value: Value, f: Frame) -> None:
     if len(items) != len(targets):
         raise ev.refusal(target, f"{len(items)} values for {len(targets)} targets")
     for t, item in zip(targets, items):
-        store(ev, t, item, f)
+        store(ev, t, item, f, statement)
 
 
 def place_of(ev: Evaluator, target: Any, f: Frame) -> tuple[Value, Any]:
     """What a target is in, and its key there: an attribute's name, or an index."""
     if isinstance(target, tree.Attribute):
-        return ev.atoms(ev.value(target.value, f), "base", target), target.attr
+        return ev.value(target.value, f), target.attr
     base, key = ev.values([target.value, target.slice], f)
-    return ev.atoms(base, "base", target), ev.atoms(key, "place", target)
+    return base, key
 
 
 @operation
-def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f: Frame) -> None:
-    """The value becomes an item or an attribute."""
+def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f: Frame, statement: AST | None = None
+              ) -> None:
+    """The value becomes an item or an attribute; `origin` is the target, in `statement`."""
     if isinstance(base, Data):
         place = tree.attribute(base.node, key) if isinstance(key, str) else ev.subscripted(base, key, origin)
         ev.refuse_no_number(value, origin)
-        ev.emit(tree.assign(place, ev.spelled(value, origin)), origin, True)
+        ev.emit(tree.assign(place, ev.spelled(value, origin)), statement or origin, True)
     elif isinstance(base, Reference) and isinstance(key, str):
         ev.assign_attribute(base, key, value, origin, f)
     elif isinstance(base, Reference) and ev.heap[base].kind == "record":
@@ -129,7 +130,7 @@ def assign(ev: Evaluator, s: Any, f: Frame) -> None:
     if len(s.targets) > 1 or isinstance(first, (tree.Tuple, tree.List)):
         value = _held_items(ev, value, s)
     for target in s.targets:
-        store(ev, target, value, f)
+        store(ev, target, value, f, s)
 
 
 def _held_items(ev: Evaluator, value: Value, s: Any) -> Value:
@@ -152,7 +153,7 @@ def _held_items(ev: Evaluator, value: Value, s: Any) -> Value:
 @statement("AnnAssign")
 def annotated_assign(ev: Evaluator, s: Any, f: Frame) -> None:
     if s.value is not None:
-        store(ev, s.target, ev.value(s.value, f), f)
+        store(ev, s.target, ev.value(s.value, f), f, s)
 
 
 @statement("AugAssign")

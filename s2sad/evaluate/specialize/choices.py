@@ -7,6 +7,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression
+from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.values import Data, Value, constant, demands_of
 from s2sad.tree import AST
 
@@ -32,7 +33,7 @@ def is_structural(value: Value) -> bool:
 
 def chosen(ev: Evaluator, test: Data, arms: Sequence[Callable[[], Value]], node: AST, f: Frame) -> Value:
     """What one of two ways gives, which have statements of their own."""
-    slot = f".choice{id(node)}"
+    slot = Temporary("choice", id(node))
 
     def arm(way: Callable[[], Value]) -> Callable[[], None]:
         return lambda: ev.heap.put(f.reference, slot, ev.atoms(way(), "choice", node))

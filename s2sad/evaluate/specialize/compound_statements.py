@@ -7,6 +7,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, statement
+from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.values import NONE, Data, Iteration, Reference, TupleValue, Value, constant
 from s2sad.tree import AST
 
@@ -33,7 +34,7 @@ def with_statement(ev: Evaluator, s: Any, f: Frame) -> None:
 def _with_generator(ev: Evaluator, s: Any, manager: Iteration, body: list[AST], f: Frame) -> None:
     """A manager that is made of a generator: the body is evaluated where it yields."""
     end = _return_at_the_end(ev, body)
-    slot, entered = f".with{id(s)}", []
+    slot, entered = Temporary("result", id(s)), []
 
     def within(value: Value) -> None:
         if entered:

@@ -57,7 +57,7 @@ class Residual:
         return self.made
 
 
-def unread(function: Any, refused: S2sadError) -> Program:
+def unread(function: Any, refused: S2sadError | None = None) -> Program:
     """The program of a function that waits for what it is given."""
     captured = captured_of(function)
     a = captured.tree.args

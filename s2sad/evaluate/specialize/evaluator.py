@@ -294,7 +294,7 @@ class Evaluator:
         return path
 
     def fresh(self, wanted: str) -> str:
-        wanted = re.sub(r"\W+", "_", wanted).strip("_") or "value"
+        wanted = wanted if wanted.isidentifier() else re.sub(r"\W+", "_", wanted).strip("_") or "value"
         if wanted[0].isdigit() or keyword.iskeyword(wanted):
             wanted = f"value_{wanted}"
         return self.names.numbered(wanted)

@@ -10,6 +10,16 @@ from s2sad.evaluate.specialize.values import ClassValue, Reference, Value, count
 
 
 @dataclass(frozen=True)
+class Temporary:
+    """The key of a slot that no name of the user's has: what an expression or a statement needs for itself."""
+    what: str
+    node: int       # the id of the node that it is for
+
+    def __str__(self) -> str:
+        return self.what
+
+
+@dataclass(frozen=True)
 class Object:
     """A list, a dict, a set, an object of a class ("record"), a namespace of a class or a frame of a call.
 

@@ -259,6 +259,4 @@ def default_of(ev: Evaluator, function: FunctionValue, name: str, node: AST, f: 
     value = given[name] if name in given else taken(handle, "keyword", name)
     if value is ABSENT:
         return None
-    if isinstance(value, (list, dict, set)):
-        return outside_value(ev, name, value, node, f)
-    return outside_value(ev, name, value, node, f)
+    return constant(value) if type(value) in (int, float, bool) else outside_value(ev, name, value, node, f)

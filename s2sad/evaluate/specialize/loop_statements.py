@@ -12,9 +12,10 @@ from s2sad.evaluate.specialize.sequences.cursors import Known
 from s2sad.evaluate.specialize.sequences.generators import is_lazy
 from s2sad.evaluate.specialize.sequences.known_shapes import item_like, like_items
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, operation, statement
+from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.first_iteration import Split, peeled, split_iteration
 from s2sad.evaluate.specialize.residual_loops import ResidualLoop
-from s2sad.evaluate.specialize.values import NONE, Data, TupleValue, Value
+from s2sad.evaluate.specialize.values import NONE, Data, Iteration, TupleValue, Value
 from s2sad.evaluate.specialize.written_out_loops import WhileCursor
 from s2sad.tree import AST
 
@@ -93,32 +94,38 @@ def _tells_more(ev: Evaluator, reason: Unevaluated, other: Unevaluated) -> bool:
 
 @statement("For")
 def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
-    through = ev.atoms(ev.value(s.iter, f), "iterated", s.iter)
-    ev.used(through, s.iter)
-    if is_lazy(through):
-        ev.for_lazy(s, through, f)
+    whole = ev.value(s.iter, f)
+    if not isinstance(whole, Iteration) or whole.kind != "range":       # a range that stays is read as it is
+        whole = ev.atoms(whole, "iterated", s.iter)
+    ev.used(whole, s.iter)
+    if is_lazy(whole):
+        ev.for_lazy(s, whole, f)
         return
-    slot = f".{id(s)}"
-    ev.heap.put(f.reference, slot, through)      # its names are in use
+    slot = Temporary("iterated", id(s))
 
     def bind(item: Value) -> None:
         ev.store(s.target, item, f)
 
+    def held() -> Value:
+        through = ev.atoms(whole, "iterated", s.iter)
+        ev.heap.put(f.reference, slot, through)      # its names are in use
+        return through
+
     def unroll() -> None:
-        cursor = ev.cursor_of(through, s.iter, f)
+        cursor = ev.cursor_of(held(), s.iter, f)
         if isinstance(cursor, Known):       # the names of what is to come are in use
             ev.heap.put(f.reference, slot, TupleValue(cursor.items))
         ev.unrolled(s, cursor, f, bind)
 
     def peel() -> None:
-        split = split_iteration(ev, through, s.iter)
+        split = split_iteration(ev, held(), s.iter)
         if split is None:
             raise ev.unknown(s, "the first round of a loop differs from the others")
         ev.heap.put(f.reference, slot, TupleValue((split.first, split.rest)))
         peeled(ev, s, f, split, lambda: rolled(ev, s, lambda: for_stays(ev, s, split.rest, f)), bind)
 
-    if ev.stays_one(through):
-        rolled(ev, s, lambda: for_stays(ev, s, through, f), peel, unroll)
+    if ev.stays_one(whole):
+        rolled(ev, s, lambda: for_stays(ev, s, whole, f), peel, unroll)
     else:
         unroll()
     items = dict(ev.heap[f.reference].items)
@@ -139,7 +146,7 @@ def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> None:
 
     def once() -> Callable[[list[AST]], AST]:
         for n in names:
-            own.setdefault(n, ev.fresh(n))
+            own.setdefault(n, before.get(n) or ev.fresh(n))
             like = items.get(n, Data(tree.const(None)))
             ev.heap.put(f.reference, n, replace(like, node=tree.at(tree.name(own[n]), s.target)))
         target = tree.rename(s.target, own)
@@ -148,6 +155,8 @@ def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> None:
         ev.statements(s.body, f)
         return loop.make
     held = ev.heap[f.reference].items
+    before = {n: v.name for n in names if isinstance(v := held.get(n), Data) and ev.owns(v.name)}
+    ev.rebound += before.values()
     ev.heap.set_items(f.reference, {k: v for k, v in held.items() if k not in names})
     ev.residual_loop(s, once, f)
 

@@ -96,7 +96,10 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
             del ev.pending[depth[0]:], ev.loops[depth[1]:]
         body = ev.block
         ends = [*([ev.heap.objects] if falls else []), *(objects for _, _, objects in loop.exits)]
+        names, ev.names = ev.names, before.names.copy()
+        ev.names.taken |= {n for home in loop.homes.values() for n in _names(home)}
         if not _settle(ev, loop, head, ends, origin):
+            ev.names = names
             break
         ev.block = outer
         ev.restore(before)

@@ -14,7 +14,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator
-from s2sad.evaluate.specialize.heap import Object, uses
+from s2sad.evaluate.specialize.heap import Object, Temporary, uses
 from s2sad.evaluate.specialize.values import UNKNOWN, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike
 from s2sad.program import Fact
 from s2sad.tree import AST
@@ -68,7 +68,7 @@ class Join:
         wanted = held.name_of(key)
         there = [v for v in values if v is not None]
         if len(there) < len(values):
-            if isinstance(key, str) and key.startswith("."):        # our own, of what is not done on the other way
+            if isinstance(key, Temporary) or str(key).startswith("."):     # what is not done on the other way
                 return Conflict("something is gone through on one way only")
             if held.kind in ("dict", "record"):
                 return Conflict(f"'{wanted}' is set on one way only")

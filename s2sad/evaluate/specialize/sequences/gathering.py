@@ -8,6 +8,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unevaluated, expression, operation
+from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.values import Data, Iteration, TupleValue, Value
 from s2sad.tree import AST
 
@@ -47,7 +48,7 @@ class Gathered:
     """What a comprehension has made so far: held in the heap, so that its names are in use."""
 
     def __init__(self, ev: Evaluator, f: Frame, node: AST):
-        self.ev, self.holder, self.slot, self.node = ev, f.reference, f".gathered{id(self)}", node
+        self.ev, self.holder, self.slot, self.node = ev, f.reference, Temporary("items", id(self)), node
         ev.heap.put(self.holder, self.slot, TupleValue(()))      # a loop that stays cannot add to it
 
     def add(self, value: Value, wanted: str = "item") -> None:

@@ -15,6 +15,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, expression, operation
+from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.values import NONE, Data, Iteration, TupleValue, Value, constant
 from s2sad.tree import AST
 
@@ -76,7 +77,7 @@ def _run(ev: Evaluator, through: Iteration, node: AST, each: Callable[[Value], N
 
 
 def _enumerated(ev: Evaluator, through: Iteration, node: AST, f: Frame, each: Callable[[Value], None]) -> None:
-    slot = f".count{id(node)}"
+    slot = Temporary("number", id(node))
     ev.heap.put(f.reference, slot, through.parts[1] if through.parts[1:] else constant(0))
 
     def with_number(item: Value) -> None:
