@@ -66,13 +66,13 @@ class Program:
     function: Any = field(default=None, compare=False, repr=False)
     replaced: frozenset[str] = field(default=frozenset(), compare=False, repr=False)    # parameters that objects lose
     evaluated: dict[tuple[Type, ...], S2sadError] = field(default_factory=dict, compare=False, repr=False)
-    tables: dict[Any, tuple[int, Any]] = field(default_factory=dict, init=False, compare=False, repr=False)
+    _tables: dict[Any, tuple[int, Any]] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def once(self, make: Callable[[Program], T]) -> T:
         """The table that `make` makes of all kernels, made once; where kernels have been added, once more."""
-        found = self.tables.get(make)
+        found = self._tables.get(make)
         if found is None or found[0] != len(self.kernels):
-            found = self.tables[make] = len(self.kernels), make(self)
+            found = self._tables[make] = len(self.kernels), make(self)
         return found[1]
 
     @property

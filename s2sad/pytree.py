@@ -279,7 +279,7 @@ def steps(text: str) -> tuple[str | int, ...] | None:
     return (name[0], *found) if name else None
 
 
-def reached(form: Form, path: str, keys: tuple[str | int, ...]) -> tuple[Form, str] | None:
+def subtree(form: Form, path: str, keys: tuple[str | int, ...]) -> tuple[Form, str] | None:
     """What a path of keys leads to in a structure, with its path in one spelling; None if it leads nowhere."""
     for key in keys:
         if isinstance(form, Type) or key not in form.keys:
@@ -290,11 +290,11 @@ def reached(form: Form, path: str, keys: tuple[str | int, ...]) -> tuple[Form, s
 
 # -- values ---------------------------------------------------------------------------------------------------------
 
-def mapped(form: Form, value: Any, path: str, change: Callable[[str, Type, Any], Any]) -> Any:
+def map_leaves(form: Form, value: Any, path: str, change: Callable[[str, Type, Any], Any]) -> Any:
     """A structure like `value` in which every leaf is what `change(path, type, leaf)` gives."""
     if isinstance(form, Type):
         return change(path, form, value)
-    items = [mapped(item, part_of(form.kind, value, key), step(form, path, key), change)
+    items = [map_leaves(item, part_of(form.kind, value, key), step(form, path, key), change)
              for key, item in zip(form.keys, form.items)]
     return rebuilt(form, value, items)
 
@@ -335,7 +335,7 @@ def _with_entries(like: Any, data: Any) -> Any:
     return new
 
 
-def fits(form: Form, value: Any) -> bool:
+def matches_form(form: Form, value: Any) -> bool:
     """Whether a value is made as the description says, whatever its leaves are."""
     if isinstance(form, Type):
         return not is_structure(value)
@@ -345,7 +345,7 @@ def fits(form: Form, value: Any) -> bool:
     keys = _keys(kind, value)
     if len(keys) != len(form.keys) or set(keys) != set(form.keys):
         return False
-    return all(fits(item, part_of(kind, value, key)) for key, item in zip(form.keys, form.items))
+    return all(matches_form(item, part_of(kind, value, key)) for key, item in zip(form.keys, form.items))
 
 
 def without_lengths(form: Form) -> Form:

@@ -35,8 +35,8 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_finish(session):
-    from tests.harness.garbage import seldom
-    seldom()
+    from tests.harness.garbage import collect_rarely
+    collect_rarely()
 
 
 def pytest_configure(config):

@@ -8,7 +8,8 @@ import pytest
 from benchmarks.kernels.cases import ARRAYS, CASES
 from tests.harness.documents import ROOT
 from tests.harness.passes import (
-    PASSES, ROUNDING, SAME, Task, apart, changes_rounding, derivatives, differing, of_function, of_program, tasks,
+    PASSES, ROUNDING, SAME, Task, changes_rounding, derivatives, differing, of_function, of_program,
+    relative_difference, tasks,
 )
 from tests.programs import random_kernel
 from tests.harness.seeds import seeded
@@ -30,7 +31,7 @@ def compared(task: Task, engine: str) -> None:
     assert one != other
     for name in same:
         np.testing.assert_array_equal(same[name], bare[name])
-    assert apart(whole, same) <= BOUND
+    assert relative_difference(whole, same) <= BOUND
 
 
 @pytest.mark.parametrize(("name", "engine"), KERNELS)
@@ -56,7 +57,7 @@ def test_a_pass_that_changes_a_digit_is_found(monkeypatch):
     task = of_program(random_kernel(500))
     one, _ = derivatives(task, "numpy", ())
     other = {n: np.nextafter(v, np.inf) for n, v in one.items()}
-    assert 0.0 < apart(one, other) < 1e-15
+    assert 0.0 < relative_difference(one, other) < 1e-15
 
 
 def test_the_document_says_which_passes_may_change_rounding():

@@ -57,4 +57,4 @@ def _independent(loop: For, problem: RecordingProblem, recorded: set[int]) -> bo
     stored, loaded, summed = (by_key(found, lambda r: r.array) for found in (stores, loads, sums))
     pairs = [(s, x) for s in stores for them in (stored, loaded, summed) for x in them.get(s.array, ())]
     pairs += [(s, x) for s in sums for x in loaded.get(s.array, ())]
-    return not any(dependence.carried(a, b, loop) or dependence.carried(b, a, loop) for a, b in pairs)
+    return not any(dependence.is_carried(a, b, loop) or dependence.is_carried(b, a, loop) for a, b in pairs)

@@ -187,16 +187,16 @@ class Dependence:
             return False
         key = first, later, id(within), same
         if key not in self._known:
-            self._known[key] = self._may(first, later, within, same)
+            self._known[key] = self._may_overwrite(first, later, within, same)
         return self._known[key]
 
-    def carried(self, first: ArrayReference, later: ArrayReference, loop: AST) -> bool:
+    def is_carried(self, first: ArrayReference, later: ArrayReference, loop: AST) -> bool:
         """Whether `later` may be to a cell of `first` in a later iteration of a loop around both."""
         common = [x for x, y in zip(self.structure.place(first.statement).loops,
                                     self.structure.place(later.statement).loops) if x is y]
         return self._overlap(first, later, common, next(k for k, x in enumerate(common) if x is loop))
 
-    def _may(self, first: ArrayReference, later: ArrayReference, within: AST | None, same: bool) -> bool:
+    def _may_overwrite(self, first: ArrayReference, later: ArrayReference, within: AST | None, same: bool) -> bool:
         a, b = self.structure.place(first.statement), self.structure.place(later.statement)
         common = [x for x, y in zip(a.loops, b.loops) if x is y]
         fixed = common.index(within) + 1 if within is not None and within in common else 0
@@ -244,12 +244,12 @@ class Dependence:
         """The case in which the common loops are equal up to `level` and the next one is further on."""
         a, b = self._reference_class(first), self._reference_class(later)
         if common or not a.counters.isdisjoint(b.free):
-            return self._meet(first, later, common, level)
+            return self._has_common_cell(first, later, common, level)
         if (a.number, b.number) not in self._met:     # many statements have the same question
-            self._met[a.number, b.number] = self._meet(first, later, common, level)
+            self._met[a.number, b.number] = self._has_common_cell(first, later, common, level)
         return self._met[a.number, b.number]
 
-    def _meet(self, first: ArrayReference, later: ArrayReference, common: list[AST], level: int) -> bool:
+    def _has_common_cell(self, first: ArrayReference, later: ArrayReference, common: list[AST], level: int) -> bool:
         primed = _LaterInstance(self.structure, common[:level], later)
         cells: list[list[tuple[Affine, Affine, list[Affine]]]] = []
         for axis in range(min(len(first.subscripts), len(later.subscripts))):
@@ -263,11 +263,11 @@ class Dependence:
                 cells.append(options)
         system = self.bounds(first) + [f.renamed(primed) for f in self.bounds(later)]
         if level < len(common):
-            system += self._further(common[level], primed)
+            system += self._in_later_iteration(common[level], primed)
         return any(feasible(system + [f for x, y, held in choice for f in [*equals(x, y), *held]])
                    for choice in product(*cells))
 
-    def _further(self, loop: AST, primed: dict[str, str]) -> list[Affine]:
+    def _in_later_iteration(self, loop: AST, primed: dict[str, str]) -> list[Affine]:
         if not isinstance(loop, For):
             return []
         step = range_parts(loop)[2]

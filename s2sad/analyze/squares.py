@@ -65,7 +65,7 @@ class Squares:
             return True
         if isinstance(node, BinOp) and isinstance(node.op, Mult):
             factors = _factors(node)
-            single = factors if self.typing.of(node).is_complex else _single(node)
+            single = factors if self.typing.of(node).is_complex else _unpaired_factors(node)
             flat = [self.flat(f) for f in single]
             return (any(flat) or len(single) < len(factors)) and all(
                 known or not is_active(f, self.typing, self.active) for f, known in zip(single, flat))
@@ -87,7 +87,7 @@ class Squares:
                 return False
             return exponent >= 2 and exponent % 2 == 0 or exponent > 0 and self.square(node.left)
         if isinstance(node.op, Mult):
-            return all(map(self.square, _single(node)))
+            return all(map(self.square, _unpaired_factors(node)))
         if isinstance(node.op, Div) and self._is_count(node.right):
             return self.square(node.left)
         return isinstance(node.op, (Add, Div)) and self.square(node.left) and self.square(node.right)
@@ -118,7 +118,7 @@ def _factors(node: AST) -> list[AST]:
     return [node]
 
 
-def _single(node: AST) -> list[AST]:
+def _unpaired_factors(node: AST) -> list[AST]:
     """The factors of a product without those that make squares of two, as x does in 2.0 * x * x."""
     found: dict[str, AST] = {}
     for factor in _factors(node):

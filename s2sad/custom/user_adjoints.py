@@ -166,7 +166,7 @@ def rule_text(function: Any) -> RuleText:
     kept = [e for v in returns if v is not None for e in _parts(v)]
     return RuleText(frozenset(n.id for n in walk(definition.body) if isinstance(n, Name)),
                     frozenset(written_parameters(definition)),
-                    tuple(map(_count, returns)), frozenset(b for b in map(_kept, kept) if b))
+                    tuple(map(_count, returns)), frozenset(b for b in map(_stored_array, kept) if b))
 
 
 def _parts(value: AST) -> list[AST]:
@@ -180,7 +180,7 @@ def _count(value: AST | None) -> int:
     return len(value.elts) if isinstance(value, Tuple) else -1
 
 
-def _kept(value: AST) -> str | None:
+def _stored_array(value: AST) -> str | None:
     """The name of the array that a value is, all of it or a slice."""
     if isinstance(value, Subscript) and not any(isinstance(s, Slice) for s in indices(value)):
         return None

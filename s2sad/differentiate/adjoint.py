@@ -85,7 +85,7 @@ class _Adjoint(Shadows):
         local = arrays and not context.in_loops and context.unbounded.has_steep_roots_alone
         return self.typing.declare(self.free.fresh("steep"), BOOL) if local else ""
 
-    def flagged(self, reverse: list[AST]) -> list[AST]:
+    def with_flag(self, reverse: list[AST]) -> list[AST]:
         """The reverse sweep with its flag, where that is read."""
         law = self.pullback.zero_law
         if law.flagged:
@@ -104,7 +104,7 @@ class _Adjoint(Shadows):
         self.find_scopes()
         added = self.private_shadows()
         forward = [*empty_at_first(self.structure), *self.sweeps.forward(self.structure.function.body)]
-        reverse = self.flagged(self.sweeps.reverse(self.structure.function.body))
+        reverse = self.with_flag(self.sweeps.reverse(self.structure.function.body))
         last = [augment(index(name(p), const(...)), Add(), name(s)) for p, s in added]
         returned = [p for p in self.request.wrt if self.typing.table[p].is_number]
         values: list[AST] = [name(self.shadow(p)) for p in returned]

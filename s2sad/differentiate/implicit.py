@@ -37,7 +37,7 @@ class Residual:
     written: frozenset[str]
     derive: Callable[[str, tuple[str, ...], tuple[str, ...]], CalleeDerivative]
 
-    def called(self, callee: CalleeDerivative, arguments: Mapping[str, AST], shadows: Mapping[str, AST],
+    def call(self, callee: CalleeDerivative, arguments: Mapping[str, AST], shadows: Mapping[str, AST],
                *seeds: AST) -> Call:
         """The call of a derivative with these arguments and shadows, by parameter."""
         passed: list[AST] = []
@@ -119,7 +119,7 @@ class Implicit:
             body += [assign(seed, self.zeros()), assign(gain, call("numpy.copy", name(vector)))]
         mode = "adjoint" if ending == "bar" else "tangent"
         callee = self.residual.derive(mode, (self.solution,), (self.filled,))
-        made = self.residual.called(callee, {self.filled: name(filled)}, {
+        made = self.residual.call(callee, {self.filled: name(filled)}, {
             self.filled: name(seed), self.solution: name(gain)})
         body += [Expr(made), Return(name(gain if ending == "bar" else seed))]
         return function(self.product, [vector, operands], body)
@@ -149,7 +149,7 @@ class Implicit:
         if not self.active:
             return body[1:]
         callee = self.residual.derive("adjoint", self.active, (self.filled,))
-        made = self.residual.called(callee, {self.filled: name(filled)}, {**self.shadows, self.filled: name(seed)})
+        made = self.residual.call(callee, {self.filled: name(filled)}, {**self.shadows, self.filled: name(seed)})
         return [*body, assign(filled, self.zeros()), self.gains(callee, made)]
 
     def number_adjoint(self) -> list[AST]:
@@ -163,9 +163,9 @@ class Implicit:
         at = {self.filled: name(value)}
         of_x = self.residual.derive("adjoint", (self.filled,), ("return 0",))
         of_p = self.residual.derive("adjoint", self.active, ("return 0",))
-        return [assign(tuple_of(name(slope)), self.residual.called(of_x, at, {}, const(1.0))),
+        return [assign(tuple_of(name(slope)), self.residual.call(of_x, at, {}, const(1.0))),
                 assign(seed, quotient(name(bar), name(slope))),
-                self.gains(of_p, self.residual.called(of_p, at, self.shadows, name(seed)))]
+                self.gains(of_p, self.residual.call(of_p, at, self.shadows, name(seed)))]
 
     def gains(self, callee: CalleeDerivative, made: Call) -> AST:
         returned = [name(self.wrapper.shadows[self.residual.parameters[k]]) for k in callee.returns]
@@ -199,7 +199,7 @@ class Implicit:
     def array_tangent(self, place: AST) -> list[AST]:
         filled, right = self.free.fresh("residual"), self.free.fresh("residual_dot")
         callee = self.residual.derive("tangent", self.active, (self.filled,))
-        made = self.residual.called(callee, {self.filled: name(filled)}, {**self.shadows, self.filled: name(right)})
+        made = self.residual.call(callee, {self.filled: name(filled)}, {**self.shadows, self.filled: name(right)})
         return [assign(filled, self.zeros()), assign(right, self.zeros()), Expr(made),
                 assign(place, self.solved(negate(name(right))))]
 
@@ -211,9 +211,9 @@ class Implicit:
         unread, slope, right = (self.free.fresh(w) for w in ("unread", "slope", "residual_dot"))
         of_x = self.residual.derive("tangent", (self.filled,), ("return 0",))
         of_p = self.residual.derive("tangent", self.active, ("return 0",))
-        along = self.residual.called(of_x, at, {self.filled: const(1.0)})
+        along = self.residual.call(of_x, at, {self.filled: const(1.0)})
         return [assign(tuple_of(name(unread), name(slope)), along),
-                assign(tuple_of(name(unread), name(right)), self.residual.called(of_p, at, self.shadows)),
+                assign(tuple_of(name(unread), name(right)), self.residual.call(of_p, at, self.shadows)),
                 assign(dot, quotient(name(right), name(slope)))]
 
 

@@ -78,7 +78,7 @@ class Sweeps(Recording):
         body = self.forward(loop.body)
         before: list[AST] = []
         after: list[AST] = []
-        if id(loop) in self.plan.reversed and self.counting.counts(loop):
+        if id(loop) in self.plan.reversed and self.counting.is_counted_at_run_time(loop):
             trips = self.counting.count(loop)
             before = [assign(trips, const(0))]
             counted = augment(trips, Add(), const(1))
@@ -102,7 +102,7 @@ class Sweeps(Recording):
         """The reverse sweep of a block; `loop` if it is a loop's body, whose carried numbers come back first."""
         made: list[AST] = self.zeros(block)
         put_back = self.tape.read if id(loop) in self.plan.rerun else self.tape.pop
-        made += self.carried(loop, put_back)
+        made += self.loop_carried_values(loop, put_back)
         made += [assign(self.plan.values[key].name,
                         self.tape.previous(self.store_stack(shift.store), name(shift.start)))
                  for key, shift in self.plan.shifted.items() if shift.loop is loop]
@@ -116,7 +116,7 @@ class Sweeps(Recording):
             made += self.reverse_segment(cut[number], (id(block), number))
         return made
 
-    def carried(self, loop: AST | None, put_back: Callable[[Stack, AST], list[AST]]) -> list[AST]:
+    def loop_carried_values(self, loop: AST | None, put_back: Callable[[Stack, AST], list[AST]]) -> list[AST]:
         """The numbers that a loop carries as they are where its iteration begins."""
         return [s for key, value in self.plan.recorded.items() if value.kind == "carried" and value.home is loop
                 for s in put_back(self.value_stack(key, value), name(value.name))]
@@ -209,15 +209,15 @@ class Sweeps(Recording):
             saved = [s for snapshot in self.snapshots_of(loop) for s in self.tape.read(
                 self.snapshot_stack(snapshot), index(name(snapshot.array), const(...)))]
             stored = self.stored_arrays(loop)
-            body = [*([forget(stored)] if stored else []), *saved, *self.carried(loop, self.tape.pop),
+            body = [*([forget(stored)] if stored else []), *saved, *self.loop_carried_values(loop, self.tape.pop),
                     *self.forward(loop.body), *body]
             before += self.tape.allocations.pop(id(loop), [])
-        if self.counting.counts(loop) and self.counting.in_loop(loop):
+        if self.counting.is_counted_at_run_time(loop) and self.counting.in_loop(loop):
             before += self.tape.pop(self.trip_stack(loop), name(self.counting.count(loop)))
         if isinstance(loop, While):
             return [*before, self.reverse_while(loop, body)]
         assert isinstance(loop, For)
-        trips = name(self.counting.count(loop)) if self.counting.counts(loop) else None
+        trips = name(self.counting.count(loop)) if self.counting.is_counted_at_run_time(loop) else None
         forwards = id(loop) in self.plan.forwards and not any(
             stack.top and any(x is loop for x in stack.loops) for stack in self.tape.stacks.values())
         bounds = list(map(copy, loop.iter.args)) if forwards else reversed_bounds(loop, trips)

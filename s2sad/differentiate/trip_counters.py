@@ -29,7 +29,7 @@ class TripCounters:
     trips: dict[int, str] = field(default_factory=dict)
     iterations: dict[int, str] = field(default_factory=dict)
 
-    def counts(self, loop: AST) -> bool:
+    def is_counted_at_run_time(self, loop: AST) -> bool:
         """Whether the trips of a loop are known only when it has run."""
         return isinstance(loop, While) or has_break(loop)
 

@@ -11,7 +11,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, misfit_of, of_value
 from s2sad.program import Kernel
 from s2sad.run.overlap import Slot, folded, self_overlap, shape_mismatch
-from s2sad.pytree import PyTree, form_of, mapped
+from s2sad.pytree import PyTree, form_of, map_leaves
 
 FLOATS = ("float64", "float32")
 INEXACT = (*FLOATS, "complex128")   # the dtypes of what has shadows
@@ -185,7 +185,7 @@ def make_zero(x: Any) -> Any:
     """
     form = form_of(x, "x", sys.maxsize)
     if isinstance(form, PyTree):
-        return mapped(form, x, "x", lambda path, kind, leaf: leaf if kind.kind == "other" else make_zero(leaf))
+        return map_leaves(form, x, "x", lambda path, kind, leaf: leaf if kind.kind == "other" else make_zero(leaf))
     value = kernel_value("x", x)
     if isinstance(value, np.ndarray):
         return np.zeros_like(value) if value.dtype.name in INEXACT else value

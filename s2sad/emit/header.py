@@ -70,7 +70,7 @@ def _reads(statement: AST, array: str, units: Units) -> bool:
 
 def _read(value: AST, array: str, units: Units) -> bool:
     """Whether an expression reads elements; an array passed to a kernel is read if that reads it."""
-    unit = units.called(value) if isinstance(value, Call) and (call_name(value) or "").startswith("user.") else None
+    unit = units.callee(value) if isinstance(value, Call) and (call_name(value) or "").startswith("user.") else None
     if unit is None:
         return array in read_names(value)
     parameters = [p.id for p in unit.function.args.args]

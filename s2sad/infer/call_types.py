@@ -33,12 +33,12 @@ _FLOATS = ("math.pow", "math.fmod", "numpy.float_power", "numpy.rint")    # of i
 _COMPARED = ("numpy.allclose", "numpy.array_equal")
 
 
-def live(listed: AST, count: AST) -> AST:
+def filled_part(listed: AST, count: AST) -> AST:
     """The live part of the array in place of a list, of which a store writes an element."""
     return index(listed, Slice(None, count, None))
 
 
-def stored_into(target: AST, listed: Iterable[str]) -> str:
+def stored_list(target: AST, listed: Iterable[str]) -> str:
     """The list that a store appends to, or of which it writes an element; "" for any other."""
     inner = target.value if isinstance(target, Subscript) else None
     inner = inner.value if isinstance(inner, Subscript) and isinstance(inner.slice, Slice) else inner

@@ -16,7 +16,7 @@ from s2sad.diagnostics import Report
 from s2sad.infer.signatures.laws import constant_slice, of_rank
 from s2sad.infer.promotion import RANKS, join, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, TEXT, UNKNOWN, Type, array, of_value
-from s2sad.infer.call_types import LISTED, CallTypes, TypesOfCalls, stored_into
+from s2sad.infer.call_types import LISTED, CallTypes, TypesOfCalls, stored_list
 from s2sad.infer.subscript_forms import is_single, keeps_axis
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
@@ -297,7 +297,7 @@ class _Inference(Typing):
         elif isinstance(statement, AugAssign) and isinstance(statement.target, Name):
             if not self.table.get(statement.target.id, UNKNOWN).is_array:
                 self.bind(statement.target.id, self._BinOp(_operation(statement)), statement)
-        elif isinstance(statement, AugAssign) and (listed := stored_into(statement.target, self.listed)):
+        elif isinstance(statement, AugAssign) and (listed := stored_list(statement.target, self.listed)):
             self.bind_item(listed, self._BinOp(_operation(statement)))
         elif isinstance(statement, For):
             self.bind(statement.target.id, INT, statement)
@@ -314,7 +314,7 @@ class _Inference(Typing):
         target = statement.targets[0]
         if isinstance(target, Name) and call_name(statement.value) == LISTED:
             self.listed.add(target.id)
-        if listed := stored_into(target, self.listed):
+        if listed := stored_list(target, self.listed):
             self.bind_item(listed, self.of(statement.value))
         elif isinstance(target, Name):
             self.bind(target.id, self.of(statement.value), statement)

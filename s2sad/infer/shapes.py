@@ -111,7 +111,7 @@ class Shapes(RequestedShapes):
             for symbol, _ in own.terms if own is not None else ():
                 self.equal.pop(symbol, None)
 
-    def learn(self, statement: AST) -> None:
+    def note_statement(self, statement: AST) -> None:
         """Notes what an allocation or a guard says of shapes."""
         if isinstance(statement, Assign) and getattr(statement.targets[0], "id", "") in self.several:
             self.learn_single(statement)
@@ -181,7 +181,7 @@ def _learn_block(shapes: Shapes, block: list[AST], top: bool = False) -> None:
                 shapes.equal = known
         elif isinstance(statement, Assert) or top:
             shapes.equal = dict(shapes.equal)
-            shapes.learn(statement)
+            shapes.note_statement(statement)
         elif isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
             shapes.learn_single(statement)
 

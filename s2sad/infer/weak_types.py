@@ -44,9 +44,9 @@ class StrongDtypes:
         while before != self.table:
             before = dict(self.table)
             for node in walk(function.body):
-                self.learn(node)
+                self.note_bindings(node)
 
-    def learn(self, node: AST) -> None:
+    def note_bindings(self, node: AST) -> None:
         """Enters what a statement binds; of several bindings one with a dtype decides."""
         target = node.targets[0] if isinstance(node, Assign) else node.target if isinstance(node, AugAssign) else None
         if isinstance(target, Name) and self.typing.of(target).is_number:
@@ -74,13 +74,13 @@ class StrongDtypes:
         if isinstance(node, UnaryOp):
             return WEAK if isinstance(node.op, Not) else self.of(node.operand)
         if isinstance(node, BinOp):
-            return self.joined([node.left, node.right], isinstance(node.op, Div))
+            return self.of_operands([node.left, node.right], isinstance(node.op, Div))
         if isinstance(node, (IfExp, BoolOp)):
             values = [node.body, node.orelse] if isinstance(node, IfExp) else node.values
             return promoted_dtype(list(map(self.of, values)))
         return self.of_number(node) if isinstance(node, Call) else WEAK
 
-    def joined(self, nodes: list[AST], floats: bool = False) -> str:
+    def of_operands(self, nodes: list[AST], floats: bool = False) -> str:
         """The dtype of a result of these operands: a weak float makes floats of strong integers."""
         found = promoted_dtype(list(map(self.of, nodes)))
         weak = any(self.typing.of(n).is_float and not self.of(n) for n in nodes)
@@ -98,7 +98,7 @@ class StrongDtypes:
             return CASTS[called]
         if called in _ONE_OF:
             return promoted_dtype(list(map(self.of, node.args)))
-        strong = self.joined(node.args) if not any(self.typing.of(a).is_array for a in node.args) else WEAK
+        strong = self.of_operands(node.args) if not any(self.typing.of(a).is_array for a in node.args) else WEAK
         same = rules.result_kind(called) in ("same", "float") and strong.startswith("float")
         return strong if same else kind.dtype
 

@@ -247,7 +247,7 @@ class _Measurement:
         slopes = self.slopes
         some = f" {slopes.places.size} of" if slopes.places.size < slopes.size else ""
         of = f"the largest of{some} the {slopes.size} derivatives"
-        single = ["differences and the complex step are taken in float64"] if self.measured.single else []
+        single = ["differences and the complex step are taken in float64"] if self.measured.is_single_precision else []
         return [f"error: {of}, as a fraction of the largest; against {reference.source}", *single]
 
     def _memory(self) -> list[str]:

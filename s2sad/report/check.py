@@ -104,7 +104,7 @@ class _Measurement:
         self.measured, self.state, self.values, self.wrt, self.of = measured, measured.state, values, wrt, of
         self.function_of_x = VectorFunction(measured.original, values, wrt, of)
         self.outputs = self.function_of_x.narrowed(values)
-        self.dot_tolerance, self.tolerance = (1e-4, 2e-3) if measured.single else (1e-12, 1e-6)
+        self.dot_tolerance, self.tolerance = (1e-4, 2e-3) if measured.is_single_precision else (1e-12, 1e-6)
         rng = np.random.default_rng(seed)
         wished = rng.standard_normal(self.function_of_x.x.size) * self.function_of_x.scales()
         self.x_dot = split(values, wrt, wished)

@@ -33,7 +33,7 @@ class MeasuredCall:
     wrt: tuple[str, ...]
     of: tuple[str, ...]
     engine: str
-    single: bool
+    is_single_precision: bool
     structured: bool
 
     @classmethod

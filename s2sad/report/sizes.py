@@ -92,7 +92,7 @@ def sizes_of(units: Units, entry: Unit, arguments: Mapping[str, Any]) -> dict[st
     while waiting:
         unit = waiting.pop(0)
         for node in walk(unit.function.body):
-            called = units.called(node) if isinstance(node, Call) and (call_name(node) or "").startswith("user.") \
+            called = units.callee(node) if isinstance(node, Call) and (call_name(node) or "").startswith("user.") \
                 else None
             if called is not None and called.title not in found:
                 found[called.title] = SizeEvaluator(called, _passed(found[unit.title], called, node), constants)

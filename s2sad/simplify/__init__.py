@@ -31,11 +31,11 @@ from s2sad.simplify.wide_accumulators import is_real, wide_accumulators, wide_nu
 
 
 def in_single_precision(context: DerivativeContext) -> bool:
-    return context.single
+    return context.has_float32
 
 
 def in_single_arrays(context: DerivativeContext) -> bool:
-    return context.single and not context.in_loops and is_real(context.typing)
+    return context.has_float32 and not context.in_loops and is_real(context.typing)
 
 
 LOWERED: Passes = (

@@ -19,9 +19,9 @@ class DerivativeContext(Context):
     adjoint: bool
     family: Mapping[str, str] = field(default_factory=dict)     # the names that stand for versions of a variable
     kernel_names: Mapping[str, str] = field(default_factory=dict)   # those of the kernel's own
-    kept: Set[str] = frozenset()                                # the names that are not folded away
+    kept_names: Set[str] = frozenset()                                # the names that are not folded away
     shadows: Mapping[str, str] = field(default_factory=dict)    # of every shadow the primal
-    single: bool = False                                        # an adjoint with numbers of float32
+    has_float32: bool = False                                        # an adjoint with numbers of float32
     renamed: dict[str, str] = field(default_factory=dict)       # the names that versions have in the end
     sums: Set[str] = frozenset()        # arrays that sum in float64 what arrays of float32 gain
     stacks: Set[str] = frozenset()      # the arrays of the tape

@@ -35,7 +35,7 @@ Writes = Callable[[Call], list[str]]
 
 def forward_substitution(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
     """The function with such names folded; the user's stay."""
-    kept = context.parameters(function) | {context.renamed.get(n, n) for n in context.kept}
+    kept = context.parameters(function) | {context.renamed.get(n, n) for n in context.kept_names}
     pass_ = _ForwardSubstitution(function, kept, context.effects.writes)
     return with_body(function, pass_.block(function.body))
 

@@ -12,34 +12,34 @@ class Calls:
     """Calls of units, by their titles."""
     titled: dict[str, Unit]
 
-    def called(self, node: Call) -> Unit | None:
+    def callee(self, node: Call) -> Unit | None:
         room, _, title = (call_name(node) or "").partition(".")
         return self.titled.get(title) if room == "user" else None
 
     def runs_once(self, node: Call) -> bool:
         """Whether a kernel's call is not run again by a reverse sweep: its derivative is the user's own."""
-        unit = self.called(node)
-        return unit is not None and unit.once
+        unit = self.callee(node)
+        return unit is not None and unit.runs_once
 
     def call_writes(self, node: Call) -> list[str]:
         """The arrays that a call may store to."""
-        unit = self.called(node)
+        unit = self.callee(node)
         return [] if unit is None else [base_name(node.args[p]) for p in unit.summary.written]
 
     def call_edges(self, node: Call) -> list[tuple[int, int | str]]:
-        unit = self.called(node)
+        unit = self.callee(node)
         return [] if unit is None else list(unit.summary.edges)
 
     def writes(self, statement: AST) -> list[AST]:
         """The array references that a statement itself stores to."""
         found: list[AST] = [t for t in targets(statement) if isinstance(t, Subscript)]
-        if is_kernel_call(statement) and (unit := self.called(statement.value)) is not None:
+        if is_kernel_call(statement) and (unit := self.callee(statement.value)) is not None:
             found += [statement.value.args[p] for p in unit.summary.written]
         return found
 
     def adjoint_after(self, statement: AST) -> bool:
         """Whether a statement's adjoint runs in the state that it leaves: it solves for what it stores."""
-        unit = self.called(statement.value) if is_kernel_call(statement) else None
+        unit = self.callee(statement.value) if is_kernel_call(statement) else None
         return reads_own_result(statement) if unit is None else bool(unit.kernel.residual)
 
 

@@ -93,7 +93,7 @@ class NormalForms(Calls):
         typing = context.typing.copy(runs_once=self.runs_once)      # without what it remembers of trees that are gone
         once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
         return Unit(kernel, title, types, tree, typing, dict(context.family), context.names, lowered,
-                    structure_of(tree, typing), self._summary(tree, typing, kernel), context.guarded, once=once,
+                    structure_of(tree, typing), self._summary(tree, typing, kernel), context.guarded, runs_once=once,
                     numbers=context.numbers, lowered_types=_types_of_single_bindings(context.lowered_types, lowered),
                     contiguous=tuple(k for k, p in enumerate(tree.args.args) if p.id in context.contiguous))
 
@@ -112,7 +112,7 @@ class NormalForms(Calls):
         written = tuple(k for k, p in enumerate(parameters) if p in own.writes)
         summary = UnitSummary(written, results, {}, tuple(edges), True)
         return Unit(kernel, title, types, tree, typing, {}, Names(table), tree, structure_of(tree, typing), summary,
-                    once=True)
+                    runs_once=True)
 
     def _summary(self, tree: FunctionDef, typing: Typing, kernel: Kernel) -> UnitSummary:
         parameters = [p.id for p in tree.args.args]

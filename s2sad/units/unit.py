@@ -38,7 +38,7 @@ class Unit:
     summary: UnitSummary
     guarded: bool = False
     pairs: tuple[tuple[int, int], ...] = ()
-    once: bool = False
+    runs_once: bool = False
     numbers: dict[str, str] = field(default_factory=dict)
     lowered_types: dict[str, Type] = field(default_factory=dict)
     contiguous: tuple[int, ...] = ()            # the parameters that must be

@@ -95,7 +95,7 @@ class Units(NormalForms):
 
     def unbounded(self, called: Call) -> UnboundedValues | None:
         """What can be infinite or nan in a callee, whatever is active there."""
-        unit = self.called(called)
+        unit = self.callee(called)
         if unit is None:
             return None
         if unit.title not in self.unbounded_tables:
@@ -105,7 +105,7 @@ class Units(NormalForms):
 
     def unsupported(self, called: Call, pattern: ActivityPattern, mode: str) -> str:
         """What a derivative of the user's own lacks for a call, in words; empty if nothing."""
-        unit = self.called(called)
+        unit = self.callee(called)
         if unit is None or unit.kernel.own is None:
             return ""
         if not (pattern.arguments or pattern.results or self.solves_nothing(unit)):
@@ -168,9 +168,9 @@ class Units(NormalForms):
         context = DerivativeContext(
             program=self.program, kernel=unit.kernel, names=found.names, engine=self.engine, watch=self.watch,
             types=typing.table, effects=self.effects, live_out=self._live_out(made, typing, plan is None),
-            adjoint=plan is not None, kernel_names=unit.family, single=plan is not None and uses_float32(typing),
+            adjoint=plan is not None, kernel_names=unit.family, has_float32=plan is not None and uses_float32(typing),
             shadows={s: p for p, s in made.shadows.items()},
-            kept=set(unit.family) | {made.shadows[v] for v in unit.family if v in made.shadows})
+            kept_names=set(unit.family) | {made.shadows[v] for v in unit.family if v in made.shadows})
         context.typing = typing
         function = run(simplify.LOWERED, function, context)
         context.family = {**unit.family, **{s: f"{unit.family.get(p, p)}_{'bar' if plan else 'dot'}"

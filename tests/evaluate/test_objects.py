@@ -10,7 +10,7 @@ import pytest
 
 from s2sad import S2sadError, differentiate, gradient, jvp, value_and_gradient, vjp
 from tests.evaluate.objects.solvers import Grid, Solver, given_object, subclass
-from tests.harness.engines import running, said
+from tests.harness.engines import running, one_line
 
 X = np.array([0.3, 0.7, 1.1, 1.9])
 
@@ -92,7 +92,7 @@ def test_attributes_that_are_replaced():
     np.testing.assert_array_equal(state.u, X)
     with pytest.raises(S2sadError) as caught:
         vjp(f, (state, X), {"state.u": np.ones(4)})
-    assert said(caught.value).startswith("'state.u' is no output of 'rebinds', which does not write it")
+    assert one_line(caught.value).startswith("'state.u' is no output of 'rebinds', which does not write it")
     assert f(state, X) == np.sum(X * X) * 0.3 and state.t == 0.3
 
 
@@ -128,19 +128,19 @@ def test_functions_that_objects_hold(engine):
         np.testing.assert_allclose(found(Parts(halved, None, Parts, 3.0), X), 0.5 * np.ones(4) + first)
         with pytest.raises(S2sadError) as caught:
             found(Parts(object(), Kind.DOUBLE, Parts, 3.0), X)
-    assert said(caught.value).startswith("'parts.f' is an object")
+    assert one_line(caught.value).startswith("'parts.f' is an object")
 
 
 def test_what_is_written_and_replaced():
     with pytest.raises(S2sadError) as caught:
         gradient(differentiate(writes_and_rebinds), wrt="x")(State(X.copy()), X)
-    assert said(caught.value) == ("'state.u' is written in place, and replaced by another array in the object that has "
-                                  "it: do either of them")
+    assert one_line(caught.value) == ("'state.u' is written in place, and replaced by another array in the object that "
+                                      "has it: do either of them")
 
 
 def test_an_object_that_is_given_twice():
     us = [X.copy()]
     with pytest.raises(S2sadError) as caught:
         gradient(differentiate(grown), wrt="x")(us, us, X)
-    assert said(caught.value) == "'us' and 'vs' are one object, which is changed: pass a copy"
+    assert one_line(caught.value) == "'us' and 'vs' are one object, which is changed: pass a copy"
     np.testing.assert_array_equal(gradient(differentiate(grown), wrt="x")([X], [X.copy()], X), X)

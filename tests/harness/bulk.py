@@ -26,7 +26,7 @@ import numpy as np
 
 import s2sad
 from tests.harness.derivatives import UnreliableDifferences, check_derivatives, check_value
-from tests.harness.garbage import seldom
+from tests.harness.garbage import collect_rarely
 from tests.harness.poison import poisoned
 from tests.programs import Program, random_kernel
 
@@ -196,7 +196,7 @@ def _work(task: tuple[int, str, frozenset[str]]) -> Outcome:
 
 
 def _begin(poison: bool) -> None:
-    seldom()
+    collect_rarely()
     if poison:
         _MODE.enter_context(poisoned())
 

@@ -39,7 +39,7 @@ def running(engine: str) -> Iterator[str]:
         compiled._jit, compiled._key, compiled._runtime = before
 
 
-def said(error: S2sadError) -> str:
+def one_line(error: S2sadError) -> str:
     """What an error says in one line, with what to do."""
     (found,) = error.diagnostics
     return f"{found.message}: {found.help}" if found.help else found.message

@@ -4,7 +4,7 @@ from __future__ import annotations
 import gc
 
 
-def seldom() -> None:
+def collect_rarely() -> None:
     """Python looks through all objects after 200,000 new ones, not after 700, which took a fifth of the time."""
     gc.collect()
     gc.freeze()

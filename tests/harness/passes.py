@@ -63,7 +63,7 @@ ROUNDING = frozenset(PASSES) - SAME - {"vectorize"}
 
 
 @contextmanager
-def told(texts: list[str]) -> Iterator[None]:
+def recorded_loads(texts: list[str]) -> Iterator[None]:
     """Every text that is loaded inside is put on the list."""
     loaded = module_loader.load
 
@@ -75,7 +75,7 @@ def told(texts: list[str]) -> Iterator[None]:
 
 
 @contextmanager
-def without(names: Collection[str]) -> Iterator[None]:
+def without_passes(names: Collection[str]) -> Iterator[None]:
     """Whatever is derived inside is derived without these passes."""
     with ExitStack() as changed:
         for room, held in LISTS:
@@ -130,7 +130,7 @@ def derivatives(task: Task, engine: str, left_out: Collection[str]) -> tuple[dic
         returned = kernel(*task.arguments()) if "return" in task.of else None
     values = dict(zip(kernel.__code__.co_varnames, given))
     seeds = {n: _seed(returned if n == "return" else values[n]) for n in task.of}
-    with told(texts), without(left_out), running(engine) as run_under, np.errstate(all="ignore"):
+    with recorded_loads(texts), without_passes(left_out), running(engine) as run_under, np.errstate(all="ignore"):
         found = s2sad.vjp(s2sad.differentiate(kernel, engine=run_under), given, seeds, wrt=task.wrt)
     return {n: np.asarray(v) for n, v in found.items()}, "\n".join(texts)
 
@@ -141,7 +141,7 @@ def _seed(value: Any) -> Any:
     return 0.75 * np.ones_like(value) if isinstance(value, np.ndarray) else 0.75
 
 
-def apart(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> float:
+def relative_difference(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> float:
     """0 if they are the same bit for bit; else the largest difference over the largest element."""
     if all(np.array_equal(one[n], other[n], equal_nan=True) for n in one):
         return 0.0
@@ -155,14 +155,14 @@ def differing(task: Task, engine: str, passes: Collection[str]) -> Iterator[tupl
     if not passes:
         same, _ = derivatives(task, engine, ROUNDING)
         bare, _ = derivatives(task, engine, ROUNDING | SAME)
-        if not apart(same, bare):
+        if not relative_difference(same, bare):
             return
-        yield "all together", apart(same, bare), True
+        yield "all together", relative_difference(same, bare), True
     whole, text = derivatives(task, engine, ())
     for name in passes or SAME:
         other, left = derivatives(task, engine, (name,))
-        if passes or apart(whole, other):
-            yield name, apart(whole, other), left != text
+        if passes or relative_difference(whole, other):
+            yield name, relative_difference(whole, other), left != text
 
 
 def main() -> int:

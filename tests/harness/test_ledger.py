@@ -13,7 +13,7 @@ import pytest
 import s2sad
 from s2sad import S2sadError, pipeline
 from tests.ledger.collect import Collector, collecting
-from tests.ledger.compare import is_hash, moved
+from tests.ledger.compare import is_hash, compare
 from tests.ledger.identity import described, digest
 from tests.ledger.replay import Replay, Row
 from tests.ledger.store import Kernel, Store, pickled, unpickled
@@ -147,12 +147,12 @@ def test_a_store_takes_what_another_process_has_collected(tmp_path):
 def test_what_moved_is_said():
     row = Row("0" * 12, "f", "adjoint(x -> return)", ("0" * 12,) * 6, "here:1")
     another, lost = replace(row, cells=("1" * 12, *row.cells[1:])), replace(row, cells=("S201",) * 6)
-    assert not moved([row], [replace(row, places="there:2")]).kinds
-    assert list(moved([row], [another]).kinds) == ["another text"]
-    assert list(moved([row], [lost]).kinds) == ["refused (S201)"]
-    assert list(moved([lost], [row]).kinds) == ["accepted"]
-    assert list(moved([], [row]).kinds) == ["added"] and list(moved([row], []).kinds) == ["lost"]
-    assert "[numpy structured]" in str(moved([row], [another]))
+    assert not compare([row], [replace(row, places="there:2")]).kinds
+    assert list(compare([row], [another]).kinds) == ["another text"]
+    assert list(compare([row], [lost]).kinds) == ["refused (S201)"]
+    assert list(compare([lost], [row]).kinds) == ["accepted"]
+    assert list(compare([], [row]).kinds) == ["added"] and list(compare([row], []).kinds) == ["lost"]
+    assert "[numpy structured]" in str(compare([row], [another]))
 
 
 def test_what_the_package_has_moved_is_found_where_it_is():

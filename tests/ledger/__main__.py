@@ -9,8 +9,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from tests.ledger import __doc__ as description
-from tests.ledger.compare import is_hash, moved
-from tests.ledger.replay import Row, replayed
+from tests.ledger.compare import is_hash, compare
+from tests.ledger.replay import Row, replay_all
 from tests.ledger.store import Store
 
 
@@ -53,7 +53,7 @@ def _collect(path: str, arguments: list[str]) -> int:
 
 def _replay(options: argparse.Namespace) -> int:
     rows, times = [], []
-    for identity, found, seconds in replayed(Store.read(options.store), options.sample, options.jobs):
+    for identity, found, seconds in replay_all(Store.read(options.store), options.sample, options.jobs):
         rows += found
         times.append((seconds, identity, found[0].name))
     text = "".join(sorted(f"{row}\n" for row in rows))
@@ -70,7 +70,7 @@ def _replay(options: argparse.Namespace) -> int:
         return 0
     wanted = {identity for _, identity, _ in times} if options.sample > 1 else None
     before = [Row.of(line) for line in Path(options.against).read_text().splitlines()]
-    changes = moved((r for r in before if wanted is None or r.identity in wanted), rows)
+    changes = compare((r for r in before if wanted is None or r.identity in wanted), rows)
     print(changes)
     return 1 if changes.kinds else 0
 

@@ -69,7 +69,7 @@ class Collector:
         kernel.places.add(_place(function))
 
 
-def _given(function: FunctionType | None) -> Any:
+def _innermost_function(function: FunctionType | None) -> Any:
     """A function, or what a function of left arguments was made of: a partial, or an object that is called."""
     kernel, names, called = function and looked_up(function, "given") or (function, {}, None)
     return function if kernel is function else partial(kernel, **names) if called is None else called
@@ -103,7 +103,7 @@ def _from(program: Program, origin: Origin | None) -> Program:
 def reading(collector: Collector, inner: Callable[..., Program]) -> Callable[..., Program]:
     @wraps(inner)
     def load(function: Any, methods: tuple[Any, ...] = (), varying: Any = ()) -> Program:
-        origin = (_given(read.python_function(function)), "", tuple(varying), None)
+        origin = (_innermost_function(read.python_function(function)), "", tuple(varying), None)
         try:
             return _from(inner(function, methods, varying), origin)
         except S2sadError:
@@ -187,7 +187,7 @@ class _Enough(BaseException):
     """A derivative was asked for, and is not needed."""
 
 
-def only_asked(collector: Collector, function: Any, subject: derivatives.VectorFunction) -> derivatives.Measured:
+def record_requests(collector: Collector, function: Any, subject: derivatives.VectorFunction) -> derivatives.Measured:
     """What `check_derivatives` asks for, in place of what it measures."""
     differentiated, args = s2sad.differentiate(function, engine="numpy"), tuple(subject.given.values())
     tangents = derivatives._split(subject.given, subject.wrt, subject.x)
@@ -203,10 +203,10 @@ def only_asked(collector: Collector, function: Any, subject: derivatives.VectorF
 
 
 @contextmanager
-def hurried(collector: Collector) -> Iterator[None]:
+def measuring_nothing(collector: Collector) -> Iterator[None]:
     """Derivatives are for NumPy alone, and not compared with differences: both take most of the time of tests."""
     before = derivatives._measured, cache.chosen
-    derivatives._measured = lambda function, subject, *_: only_asked(collector, function, subject)
+    derivatives._measured = lambda function, subject, *_: record_requests(collector, function, subject)
     cache.chosen = lambda engine: "numpy"
     try:
         yield
@@ -226,7 +226,7 @@ def pytest_configure(config: pytest.Config) -> None:
         return
     collector, kept = Collector(), ExitStack()
     kept.enter_context(collecting(collector))
-    kept.enter_context(hurried(collector))
+    kept.enter_context(measuring_nothing(collector))
 
     def write() -> None:
         kept.close()

@@ -18,7 +18,7 @@ def is_hash(cell: str) -> bool:
 
 
 @dataclass
-class Moved:
+class Changes:
     """The rows that moved, by how."""
     kinds: dict[str, list[str]] = field(default_factory=dict)
 
@@ -31,10 +31,10 @@ class Moved:
         return "\n".join([*listed, *counted] or ["nothing moved"])
 
 
-def moved(before: Iterable[Row], after: Iterable[Row]) -> Moved:
+def compare(before: Iterable[Row], after: Iterable[Row]) -> Changes:
     """What moved from one ledger to the other; both have one row for an identity and what was asked."""
     old, new = ({(r.identity, r.asked): r for r in rows} for rows in (before, after))
-    found = Moved()
+    found = Changes()
     for key, row in old.items():
         if key not in new:
             found.add("lost", _place(row))
@@ -46,7 +46,7 @@ def moved(before: Iterable[Row], after: Iterable[Row]) -> Moved:
     return found
 
 
-def _cells(old: Row, new: Row, found: Moved) -> None:
+def _cells(old: Row, new: Row, found: Changes) -> None:
     """The most that is to be said of a row whose cells differ, and of which columns."""
     kinds: dict[str, list[str]] = {}
     for column, a, b in zip_longest(COLUMNS, old.cells, new.cells, fillvalue="-"):

@@ -22,7 +22,7 @@ from s2sad.emit.module import module_text
 from s2sad.program import Program, Request
 from s2sad.interface.selection import selected_of
 from s2sad.tree import AST, FunctionDef, Pass, copy, forgotten
-from tests.harness.garbage import seldom
+from tests.harness.garbage import collect_rarely
 from tests.ledger.identity import digest
 from tests.ledger.registered import register
 from tests.ledger.store import ANYTHING, Asked, Kernel, Store, unpickled
@@ -166,7 +166,7 @@ def _code(error: Exception) -> str:
 _STORE: list[Store] = []
 
 
-def _one(identity: str) -> tuple[str, list[Row], float]:
+def _replay_kernel(identity: str) -> tuple[str, list[Row], float]:
     kernel = _STORE[0].kernels[identity]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -178,13 +178,13 @@ def _one(identity: str) -> tuple[str, list[Row], float]:
         return identity, made.rows(), made.seconds
 
 
-def replayed(store: Store, sample: int = 1, jobs: int | None = None) -> Iterator[tuple[str, list[Row], float]]:
+def replay_all(store: Store, sample: int = 1, jobs: int | None = None) -> Iterator[tuple[str, list[Row], float]]:
     """The rows of every `sample`-th kernel with the seconds of each: those with derivatives of the user's come last,
     each in a process that knows no others."""
     _STORE[:] = [store]
     gc.collect()
-    seldom()
+    collect_rarely()
     wanted = sorted(store.kernels)[::sample]
     for registers, chunk, tasks in ((False, 4, 100), (True, 1, 1)):
         with multiprocessing.get_context("fork").Pool(jobs or os.cpu_count(), maxtasksperchild=tasks) as pool:
-            yield from pool.imap(_one, [i for i in wanted if store.kernels[i].registers is registers], chunk)
+            yield from pool.imap(_replay_kernel, [i for i in wanted if store.kernels[i].registers is registers], chunk)

@@ -7,7 +7,7 @@ from numpy.polynomial import polynomial
 
 import s2sad
 from tests.harness.derivatives import check_derivatives
-from tests.harness.engines import each, running, said
+from tests.harness.engines import each, running, one_line
 
 X = np.array([-1.2, 0.7, 1.4, 0.3])
 A = np.array([[0.3, -0.9, 0.7], [0.5, 0.2, -0.6]])
@@ -132,7 +132,7 @@ def between(x, c):
 def test_guards(kernel, message):
     with pytest.raises(s2sad.S2sadError) as guarded:
         s2sad.gradient(s2sad.differentiate(kernel, engine="numpy"), wrt="x")(X, 0.0)
-    assert said(guarded.value) == message
+    assert one_line(guarded.value) == message
 
 
 def freely(x):

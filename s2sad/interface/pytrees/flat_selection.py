@@ -12,7 +12,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import FLOAT, NONE, Type, array
 from s2sad.interface.value_calls import selection_of
 from s2sad.interface.selection import RETURN
-from s2sad.pytree import Form, PyTree, is_held, leaves, reached, steps
+from s2sad.pytree import Form, PyTree, is_held, leaves, subtree, steps
 from s2sad.dispatch.cache import ProgramVersion
 
 Path = tuple[str, Form, str]            # what the caller asked for, what it is, its path in one spelling
@@ -62,7 +62,7 @@ class FlatSelection:
         if keys is None or root not in self.forms:
             raise _refused(f"{what} names '{name}', which is no parameter of '{self.title}'",
                            f"its parameters are {', '.join(self.forms)}")
-        found = reached(self.forms[root], root, keys[1:])
+        found = subtree(self.forms[root], root, keys[1:])
         if found is None:
             parts = [path for path, _ in leaves(self.forms[root], root)]
             raise _refused(f"{what} names '{name}', and '{root}' has no such part",

@@ -27,8 +27,8 @@ from s2sad.interface.value_calls import selection_of
 from s2sad.interface.selection import RETURN
 from s2sad.program import DemandedFacts, Fact
 from s2sad.pytree import (
-    Form, PyTree, assign_part, fits, form_of, is_held, is_structure, leaves, mapped, part_of, places_of, step, steps,
-    structures, without_lengths,
+    Form, PyTree, assign_part, form_of, is_held, is_structure, leaves, map_leaves, matches_form, part_of, places_of,
+    step, steps, structures, without_lengths,
 )
 from s2sad.dispatch.cache import ProgramVersion
 
@@ -77,7 +77,7 @@ def _facts(state: ProgramVersion, forms: tuple[Form, ...], args: Sequence[Any]) 
         return ()
     values: dict[str, Any] = {}
     for name, form, value in zip(state.parameters, forms, args):
-        mapped(form, value, name, lambda path, _, leaf: values.update({path: leaf}))
+        map_leaves(form, value, name, lambda path, _, leaf: values.update({path: leaf}))
     for name, form, value in zip(state.parameters, forms, args):
         values.update(structures(form, value, name))
     values = {path: frozenset(v) if type(v) is set else v for path, v in values.items()}
@@ -167,7 +167,7 @@ class Flattened(FlatSelection):
                 value = float(leaf) if kind == FLOAT else leaf
                 found.append(np.array([value]) if self.names[path] in self.cells else value)
         for (parameter, form), value in zip(self.forms.items(), args):
-            mapped(form, value, parameter, add)
+            map_leaves(form, value, parameter, add)
         return found
 
     def _apart(self, args: Sequence[Any]) -> None:
@@ -232,7 +232,8 @@ class Flattened(FlatSelection):
     def with_floats(self, path: Path, args: Sequence[Any], found: Mapping[str, Any]) -> Any:
         """A part of the arguments with what was found in place of its floats; everything else as it is."""
         _, form, spelling = path
-        return mapped(form, self.part(path, args), spelling, lambda p, kind, leaf: self._new_leaf(p, kind, leaf, found))
+        return map_leaves(form, self.part(path, args), spelling,
+                          lambda p, kind, leaf: self._new_leaf(p, kind, leaf, found))
 
     def _new_leaf(self, path: str, kind: Type, leaf: Any, found: Mapping[str, Any]) -> Any:
         name = self.names.get(path, "")
@@ -252,7 +253,7 @@ class Flattened(FlatSelection):
     def flat_parts(self, path: Path, value: Any, what: str, values: Mapping[str, Any]) -> dict[str, Any]:
         """A shadow, seed or tangent of something, by flat names; it must be of the same make."""
         name, form, spelling = path
-        if not fits(form, value):
+        if not matches_form(form, value):
             what_form = "an array or a number" if isinstance(form, Type) else str(form)
             raise misfit(f"the {what} of '{name}' is of type {type(value).__name__} or has other parts: '{name}' is "
                          f"{what_form}", f"make one with s2sad.make_zero({name})")
@@ -266,7 +267,7 @@ class Flattened(FlatSelection):
                              f"make one with s2sad.make_zero({name})")
             if flat in floats:
                 found[flat] = _cell_seed(leaf, values[flat], name, path) if flat in self.cells else leaf
-        mapped(form, value, spelling, add)
+        map_leaves(form, value, spelling, add)
         return found
 
     # -- results -------------------------------------------------------------------------------------------------------
@@ -280,11 +281,11 @@ class Flattened(FlatSelection):
     def result_leaves(self, seed: Any) -> Any:
         """A structure that is like what the kernel returns, as a tuple."""
         assert self.result is not None
-        if not fits(self.result, seed):
+        if not matches_form(self.result, seed):
             raise misfit(f"the seed of 'return' is of type {type(seed).__name__} or has other parts: the result is "
                          f"{self.result}", "give a structure of the same make")
         found: list[Any] = []
-        mapped(self.result, seed, RETURN, lambda path, kind, leaf: found.append(leaf) if is_held(kind) else None)
+        map_leaves(self.result, seed, RETURN, lambda path, kind, leaf: found.append(leaf) if is_held(kind) else None)
         return found[0] if len(found) == 1 else tuple(found)
 
     def result_of(self, returned: Any) -> Any:

@@ -22,7 +22,7 @@ from s2sad.infer.signatures.laws import ONE
 from s2sad.infer.shapes import Shapes, single_values
 from s2sad.infer.slice_extents import scattered
 from s2sad.infer.types import array
-from s2sad.infer.call_types import stored_into
+from s2sad.infer.call_types import stored_list
 from s2sad.normalize.buffers.allocations import loaded
 from s2sad.normalize.buffers.may_alias import Aliases
 from s2sad.normalize.buffers.store_hazards import overlaps
@@ -201,7 +201,7 @@ class _ResolveViews(LoopCarried):
             return self.store_through_copy(target, view, statement, lambda place: assign(place, value))
         place, new = self.store_target(target), self.resolve(value)
         self.note_store(base_name(place), statement)
-        listed = self.is_region(place) and stored_into(target, self.lists)
+        listed = self.is_region(place) and stored_list(target, self.lists)
         if listed:
             self.refuse_repeated_row(place, new, statement)
         checks = self.allocations.store_guards(place, new) if self.is_region(place) else []

@@ -76,7 +76,7 @@ class _Promotion:
             return node     # it has been made so
         if called == "numpy.array" and len(node.args) == 1 and not node.keywords:
             return self.spelled_out(node)
-        if called == "numpy.linspace" and self.strong.joined(node.args[:2]) == "float32":
+        if called == "numpy.linspace" and self.strong.of_operands(node.args[:2]) == "float32":
             return self.replaced(node, call("numpy.astype", copy(node), dtype=name("numpy.float32")))
         places = self.places(called, node)
         return self.promoted_dtype(node, places, called in _LISTS) if places else None

@@ -16,7 +16,7 @@ be known where it is made (`Capacity`): else it is refused.
 """
 from __future__ import annotations
 
-from s2sad.infer.call_types import LISTED, MARKS, live
+from s2sad.infer.call_types import LISTED, MARKS, filled_part
 from s2sad.evaluate.loops.comprehensions import HELP, comprehensions, marked
 from s2sad.evaluate.loops.negative_indices import negative_indices, place as index_of
 from s2sad.evaluate.expressions.hoist import impure
@@ -227,7 +227,8 @@ class _GrowingLists:
             found = self.read(place)
             if not self.intervals.is_nonnegative(place):
                 found = index_of(found, copy(count)) if impure(found) else negative_indices(found, copy(count))
-        return at(index(live(node.value, copy(count)) if isinstance(node.ctx, Store) else node.value, found), node)
+        array = filled_part(node.value, copy(count)) if isinstance(node.ctx, Store) else node.value
+        return at(index(array, found), node)
 
 
 def _as_arrays(tree: FunctionDef) -> set[int]:

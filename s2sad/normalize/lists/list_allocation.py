@@ -28,7 +28,7 @@ from s2sad import rules
 from s2sad.diagnostics import Report
 from s2sad.evaluate.effects import Memory
 from s2sad.infer.affine import Affine
-from s2sad.infer.call_types import LISTED, stored_into
+from s2sad.infer.call_types import LISTED, stored_list
 from s2sad.infer.inference import Typing
 from s2sad.infer.shapes import Shapes, bare_shapes
 from s2sad.infer.signatures.laws import Shape, whole_number
@@ -77,14 +77,14 @@ class _ListAllocation:
         self.bound = [s for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
         self.made = {s.targets[0].id: s for s in self.bound if call_name(s.value) == LISTED}
         self.computed = RowShapes(function, typing)
-        self.stores = [s for s in nodes if isinstance(s, Assign) and stored_into(s.targets[0], self.made)]
+        self.stores = [s for s in nodes if isinstance(s, Assign) and stored_list(s.targets[0], self.made)]
 
     def change(self, node: AST) -> AST | None:
         if not isinstance(node, Assign) or call_name(node.value) != LISTED:
             return None
         listed, kind = node.targets[0].id, self.typing.of(node.targets[0])
         count = node.value.args[0]
-        first = next((s.value for s in self.stores if stored_into(s.targets[0], [listed])), None)
+        first = next((s.value for s in self.stores if stored_list(s.targets[0], [listed])), None)
         sizes = None if first is None else self.sizes(first, kind.rank - 1, node, 0)
         if sizes is None and first is not None and self.typing.of(first).rank == kind.rank - 1:
             sizes = self.computed.of(first, lambda n: self.is_bound(n, node))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 from s2sad.evaluate.effects import Memory, bindings, fresh_value
-from s2sad.infer.call_types import LISTED, stored_into
+from s2sad.infer.call_types import LISTED, stored_list
 from s2sad.infer.inference import Typing
 from s2sad.liveness import base_name
 from s2sad.normalize.buffers.may_alias import UpcomingUses
@@ -41,7 +41,7 @@ class ListContents:
                      and call_name(s.value) == LISTED}
         self.stores: dict[str, list[Assign]] = {n: [] for n in self.made}
         for s in nodes:
-            if isinstance(s, Assign) and (listed := stored_into(s.targets[0], self.made)):
+            if isinstance(s, Assign) and (listed := stored_list(s.targets[0], self.made)):
                 self.stores[listed].append(s)
         self.links: dict[str, set[str]] = {}        # a name and what it may be a view of
         for s in nodes:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
-from s2sad.infer.call_types import LISTED, MARKS, stored_into
+from s2sad.infer.call_types import LISTED, MARKS, stored_list
 from s2sad.naming import Names
 from s2sad.normalize.calls.inline import Helpers
 from s2sad.normalize.context import NormalContext
@@ -71,7 +71,7 @@ class _ListOperators:
     def note_binding(self, target: AST, value: AST) -> None:
         """Takes note of what a statement binds, or puts into an array in place of a list."""
         found = self.of(value)
-        if listed := stored_into(target, self.made):
+        if listed := stored_list(target, self.made):
             target, found = name(listed), None if found is None else ("list", *found)
         if isinstance(target, Name) and found is not None and call_name(value) != LISTED:
             self.table[target.id] = _join(self.table.get(target.id, found), found)
@@ -212,7 +212,7 @@ class _ListOperators:
         """Refuses a float in a list of integers, which is an array of integers."""
         target = node.targets[0] if isinstance(node, Assign) else node.target
         inexact = self.typing.of(node.value).is_inexact or isinstance(node, AugAssign) and isinstance(node.op, Div)
-        if isinstance(target, Subscript) and inexact and not self.typing.of(target).is_inexact and not stored_into(
+        if isinstance(target, Subscript) and inexact and not self.typing.of(target).is_inexact and not stored_list(
                 target, self.made):
             self.refuse_if(target.value, node, "a float is put among the integers of", "start with floats: 0.0, not 0")
 

@@ -135,7 +135,7 @@ class Scalarize:
             self.shapes.serial += 1
             new += [at(made, statement) if getattr(statement, "lineno", None) else made
                     for made in self.statement(statement)]
-            self.shapes.learn(statement)
+            self.shapes.note_statement(statement)
         self.shapes.equal = known
         return new
 
