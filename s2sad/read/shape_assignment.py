@@ -17,7 +17,7 @@ from s2sad.tree import (
 )
 
 # functions of NumPy that make an array, with how many arguments come before the place of `out`
-_MAKING = {**dict.fromkeys("zeros ones empty full zeros_like ones_like empty_like full_like arange linspace copy array"
+MAKING = {**dict.fromkeys("zeros ones empty full zeros_like ones_like empty_like full_like arange linspace copy array"
                            .split(), 9), **dict.fromkeys("sin cos exp log sqrt tanh abs".split(), 1),
            **dict.fromkeys("maximum minimum outer concatenate stack".split(), 2), "where": 3, "cumsum": 3}
 _REDUCING = {"sum": 3, "prod": 3, "mean": 3, "dot": 2, "max": 2, "min": 2, "any": 2, "all": 2}
@@ -65,7 +65,7 @@ def _is_new(value: AST, captured: Captured) -> bool:
     """Whether an expression makes an array, as far as its text shows it."""
     if isinstance(value, Call) and isinstance(value.func, Attribute) and value.func.attr == "copy":
         return not value.keywords
-    return isinstance(value, (BinOp, UnaryOp)) or _calls(value, captured, _MAKING)
+    return isinstance(value, (BinOp, UnaryOp)) or _calls(value, captured, MAKING)
 
 
 def _calls(node: AST, captured: Captured, functions: dict[str, int]) -> bool:
@@ -86,7 +86,7 @@ def _held(captured: Captured) -> set[str]:
             harmless.add(id(node.value))
         elif isinstance(node, (BinOp, UnaryOp, Compare)):
             harmless |= {id(n) for n in children(node)}
-        elif _calls(node, captured, {**_MAKING, **_REDUCING}):
+        elif _calls(node, captured, {**MAKING, **_REDUCING}):
             harmless |= {id(a) for a in node.args}
         elif isinstance(node, Expr) and isinstance(node.value, Call) and isinstance(node.value.func, Name):
             harmless |= {id(a) for a in node.value.args}

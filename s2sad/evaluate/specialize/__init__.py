@@ -10,7 +10,7 @@ from __future__ import annotations
 from s2sad.evaluate.specialize import (
     assignment, attributes, branches, choices, comparisons, compound_statements, definitions, displays, file_values,
     frames, function_calls, guard_statements, live_values, loop_statements, meanings, numeric_operators,
-    residual_loops, spelling, subscripts, written_out_loops,
+    residual_loops, shape_changes, spelling, subscripts, written_out_loops,
 )
 from s2sad.evaluate.specialize.classes import class_layout, class_lookup, construction
 from s2sad.evaluate.specialize.entry import Residual, specialize, unread
@@ -25,6 +25,6 @@ __all__ = [
     "definitions", "displays", "file_values", "frames", "function_calls", "gathering", "generators",
     "guard_statements", "iteration", "iterator_use",
     "library_calls", "live_values", "loop_statements", "meanings", "numeric_operators", "object_functions",
-    "residual_loops",
+    "residual_loops", "shape_changes",
     "specialize", "spelling", "standard_library", "subscripts", "unread", "written_out_loops",
 ]

@@ -9,7 +9,7 @@ from s2sad import tree
 from s2sad.evaluate.specialize.numeric_operators import OPERATORS
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation, statement
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, ClassValue, Data, LibraryValue, ObjectValue, Reference, ScopeValue, SliceValue, TupleValue, Value,
+    NONE, UNKNOWN, ClassValue, Data, LibraryValue, ObjectValue, Reference, ScopeValue, SliceValue, TupleValue, Value,
     constant,
 )
 from s2sad.tree import AST
@@ -54,10 +54,9 @@ def store(ev: Evaluator, target: AST, value: Value, f: Frame, statement: AST | N
 def _unpack(ev: Evaluator, target: Any, value: Value, f: Frame, statement: AST) -> None:
     targets = target.elts
     star = next((k for k, t in enumerate(targets) if isinstance(t, tree.Starred)), None)
-    if isinstance(value, Data) and not value.is_known:
-        if star is not None:
-            raise ev.unknown(target, "how many values a starred target takes is not known before the run", value,
-                             help="take the rest by a slice: rest = x[1:]")
+    if isinstance(value, Data) and not value.is_known and star is not None:
+        items = _all_items(ev, target, value, targets[star], f)
+    elif isinstance(value, Data) and not value.is_known:
         shape = isinstance(value.node, tree.Attribute) and value.node.attr == "shape"
         value = value if shape else ev.named(value, "unpacked", statement)
         items = [ev.item_of(value, constant(k), target, f) for k in range(len(targets))]
@@ -74,6 +73,24 @@ def _unpack(ev: Evaluator, target: Any, value: Value, f: Frame, statement: AST) 
         store(ev, t, item, f, statement)
 
 
+def _all_items(ev: Evaluator, target: AST, value: Data, rest: Any, f: Frame) -> list[Value]:
+    """The items of an array or of a tuple of the residual program, of which a starred target takes some."""
+    shape = ev.shape_of(value)
+    if value.count is None and not (shape.is_known and shape.known):
+        raise ev.unknown(target, "how many values a starred target takes is not known before the run", shape,
+                         help="take the rest by a slice: rest = x[1:]")
+    n = value.count if value.count is not None else shape.known[0]
+    is_read = any(isinstance(m, tree.Name) and m.id == rest.value.id and isinstance(m.ctx, tree.Load)
+                  for m in tree.walk(f.captured.tree)) if isinstance(rest.value, tree.Name) else True
+    shape_itself = isinstance(value.node, tree.Attribute) and value.node.attr == "shape"
+    value = value if shape_itself else ev.named(value, "unpacked", target)
+    items: list[Value] = [ev.item_of(value, constant(k), target, f) for k in range(n)]
+    first = target.elts.index(rest)  # pyright: ignore[reportAttributeAccessIssue]
+    last = n - (len(target.elts) - first - 1)  # pyright: ignore[reportAttributeAccessIssue]
+    return items if is_read else [NONE if first <= k < last else ev.atoms(i, "item", target)
+                                  for k, i in enumerate(items)]
+
+
 def place_of(ev: Evaluator, target: Any, f: Frame) -> tuple[Value, Any]:
     """What a target is in, and its key there: an attribute's name, or an index."""
     if isinstance(target, tree.Attribute):
@@ -86,6 +103,9 @@ def place_of(ev: Evaluator, target: Any, f: Frame) -> tuple[Value, Any]:
 def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f: Frame, statement: AST | None = None
               ) -> None:
     """The value becomes an item or an attribute; `origin` is the target, in `statement`."""
+    base = ev.indexed(base, origin)
+    if isinstance(base, Data) and key == "shape" and ev.reshape_in_place(base, value, origin):
+        return
     if isinstance(base, Data):
         place = tree.attribute(base.node, key) if isinstance(key, str) else ev.subscripted(base, key, origin)
         ev.refuse_no_number(value, origin)
@@ -166,15 +186,9 @@ def augmented_assign(ev: Evaluator, s: Any, f: Frame) -> None:
             bind(ev, f, s.target.id, new, s)
         return
     base, key = place_of(ev, s.target, f)
+    base = ev.indexed(base, s)
     if isinstance(base, Data):
-        effects = ev.effects
-        (value,) = ev.values([s.value], f)
-        if ev.effects > effects and not isinstance(key, (str, SliceValue)):
-            raise ev.refusal(s, "what is added to an element changes something first",
-                             help="give it a name in a statement of its own before")
-        place = tree.attribute(base.node, key) if isinstance(key, str) else ev.subscripted(base, key, s)
-        ev.refuse_no_number(value, s)
-        ev.emit(tree.augment(place, s.op, ev.spelled(value, s)), s, True)
+        _augmented_part(ev, s, base, key, f)
         return
     old = ev.attribute_of(base, key, s.target, f) if isinstance(key, str) else ev.item_of(base, key, s.target, f)
     at, rebound, effects = len(ev.block), len(ev.rebound), ev.effects
@@ -186,6 +200,36 @@ def augmented_assign(ev: Evaluator, s: Any, f: Frame) -> None:
     new = in_place(ev, old, value, s, f, f"{label}_{wanted}" if label else wanted)
     if new is not None or _stores_otherwise(ev, base, key, s, f):
         assign_to(ev, base, key, old if new is None else new, s, f)
+
+
+def _augmented_part(ev: Evaluator, s: Any, base: Data, key: Any, f: Frame) -> None:
+    """`base[key] op= value` of an array: an element is read before the value is computed, a part behind that."""
+    at, effects, rebound = len(ev.block), ev.effects, len(ev.rebound)
+    value = ev.value(s.value, f)
+    place = tree.attribute(base.node, key) if isinstance(key, str) else ev.subscripted(base, key, s)
+    ev.refuse_no_number(value, s)
+    is_part = isinstance(key, (str, SliceValue))
+    if ev.effects > effects and not is_part:
+        if not base.shape or _rank(key) > len(base.shape):
+            raise ev.refusal(s, "what is added to an element changes something first",
+                             help="give it a name in a statement of its own before")
+        is_part = _rank(key) < len(base.shape)
+    if ev.effects > effects and not is_part:
+        old = ev.held_at(ev.item_of(base, key, s.target, f), at, {*ev.rebound[rebound:]}, s)
+        ev.emit(tree.assign(place, ev.spelled(ev.binary(s.op, old, value, s, f), s)), s, True)
+    elif isinstance(s.op, tree.MatMult) and not base.is_list and not isinstance(key, str):
+        whole = Data(ev.subscripted(base, key, s))
+        ev.emit(tree.assign(place, ev.spelled(ev.binary(s.op, whole, value, s, f), s)), s, True)
+    else:
+        ev.emit(tree.augment(place, s.op, ev.spelled(value, s)), s, True)
+
+
+def _rank(key: Value) -> int:
+    """How many axes an index of numbers takes away; more than there are where it may have others."""
+    items = key.items if isinstance(key, TupleValue) else (key,)
+    if all(isinstance(i, Data) and (type(i.known) is int or i.shape == ()) for i in items):
+        return len(items)
+    return 99
 
 
 def _stores_otherwise(ev: Evaluator, base: Value, key: Any, s: AST, f: Frame) -> bool:
@@ -206,6 +250,10 @@ def _extended(ev: Evaluator, old: Data, value: Value, s: Any, f: Frame) -> None:
         ev.emit(tree.Expr(added.node), s, True)
 
 
+def _is_list(ev: Evaluator, value: Value) -> bool:
+    return isinstance(value, Reference) and ev.heap[value].kind == "list"
+
+
 def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: str) -> Value | None:
     """What `old op= value` leaves: an array keeps being the one that it is. None where the target is the same still."""
     if isinstance(old, Reference):
@@ -218,7 +266,8 @@ def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: 
             return ev.binary(s.op, old, value, s, f) if method is None else ev.call(method, [value], {}, s, f)
     if isinstance(old, Data) and old.is_list:
         return _extended(ev, old, value, s, f)
-    if not isinstance(old, Data) or old.is_known and old.is_literal or not isinstance(value, (Data, TupleValue)):
+    if not isinstance(old, Data) or old.is_known and old.is_literal or not isinstance(
+            value, (Data, TupleValue)) and not _is_list(ev, value):
         return ev.binary(s.op, old, value, s, f)
     ev.refuse_no_number(value, s)
     if old.name and old.shape:      # an array under a name of its own

@@ -64,13 +64,21 @@ def _of_data(ev: Evaluator, base: Data, name: str, node: AST) -> Value:
         for n in shape.known if shape.is_known else ():
             size *= n
         known = {"shape": shape.known, "size": size, "ndim": len(shape.known)}[name] if shape.is_known else UNKNOWN
+        if base.shape is not None and name != "size":
+            rank = len(base.shape)
+            return Data(made, known, shape.demands, count=rank) if name == "shape" else Data(made, rank)
         return Data(made, known, shape.demands)
     if name == "T":
         whole = base.shape
         return Data(made, shape=None if whole is None else whole[::-1], origins=base.origins)
-    if name in ("real", "imag", "dtype", "flat", "itemsize", "nbytes", "value"):
+    if name in ("real", "imag", "dtype", "itemsize", "nbytes", "value", "mT") or _is_of_type(base.node):
         return Data(made)
     return MethodValue(base, name)
+
+
+def _is_of_type(node: AST) -> bool:
+    """Whether a call gives what a type is like: `np.finfo(float)`."""
+    return tree.call_name(node) in ("numpy.finfo", "numpy.iinfo")
 
 
 def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AST, f: Frame) -> Value:

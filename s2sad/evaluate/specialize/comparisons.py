@@ -9,7 +9,8 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.numeric_operators import computed
 from s2sad.evaluate.specialize.choices import chosen, is_structural
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression, operation
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unevaluated, expression, operation
+from s2sad.evaluate.specialize.sequences.known_shapes import broadcast
 from s2sad.evaluate.specialize.values import (
     UNKNOWN, Data, ObjectValue, Reference, TupleValue, Value, alike, constant, demands_of,
 )
@@ -84,10 +85,15 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
                 raise ev.unknown(node, "what is compared with a text must be known before the run", other)
             return constant(kind == "NotEq")        # a number or an array is no text
         return Data(tree.at(tree.Compare(ev.spelled(a, node), [op], [ev.spelled(b, node)]), node),
-                    demands=demands_of(a, b))
+                    demands=demands_of(a, b), shape=broadcast(a, b) or None)
     found = _overloaded_comparison(ev, word, a, b, node, f)
     if found is not None:
         return found
+    a, b = (TupleValue(tuple(map(constant, v.known))) if isinstance(v, Data) and isinstance(
+        v.known, tuple) else v for v in (a, b))
+    if any(isinstance(v, Data) and v.shape for v in (a, b)) and any(map(ev.is_spelled_out, (a, b))):
+        return Data(tree.at(tree.Compare(ev.spelled(a, node), [op], [ev.spelled(b, node)]), node),
+                    demands=demands_of(a, b), shape=broadcast(a, b))
     if isinstance(a, TupleValue) and isinstance(b, TupleValue):
         return _tuples(ev, op, a, b, node, f)
     if kind in ("Eq", "NotEq"):
@@ -99,7 +105,15 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
             return _containers(ev, op, a, b, node, f)
         same = _identical(ev, a, b, node)
         return constant(same is (kind == "Eq"))
-    raise ev.refusal(node, f"{ev.kind_of(a)} and {ev.kind_of(b)} are compared")
+    refused = ev.refusal(node, f"{ev.kind_of(a)} and {ev.kind_of(b)} are compared")
+    raise Unevaluated(refused, demands_of(a, b)) if demands_of(a, b) else refused
+
+
+@operation
+def is_spelled_out(ev: Evaluator, value: Value) -> bool:
+    """Whether a value is a list or a tuple."""
+    return isinstance(value, TupleValue) and value.made is None or isinstance(
+        value, Reference) and ev.heap[value].kind == "list"
 
 
 def _overloaded_comparison(ev: Evaluator, word: str, a: Value, b: Value, node: AST, f: Frame) -> Value | None:

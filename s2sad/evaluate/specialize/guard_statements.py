@@ -70,7 +70,7 @@ def raise_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     else:
         name = meant.path
     text = [_message(ev, exc.args[0], f)] if isinstance(exc, tree.Call) and exc.args else []
-    if not ev.guarded:
+    if not ev.guarded and not ev.returned:
         raise ev.refusal(s, "this is raised whenever the kernel runs so far")
     ev.emit(tree.Raise(tree.call(ev.library(name), *[t for t in text if t is not None]), None), s, True)
     raise Leave(NOWHERE)

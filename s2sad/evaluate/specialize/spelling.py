@@ -34,8 +34,13 @@ def spelled(ev: Evaluator, value: Value, origin: AST) -> AST:
         return tree.at(tree.call("slice", *(spelled(ev, v, origin) for v in value.parts)), origin)
     if isinstance(value, Iteration) and value.kind in ("range", "zip", "enumerate", "reversed"):
         return tree.at(tree.call(value.kind, *(spelled(ev, v, origin) for v in value.parts)), origin)
+    if isinstance(value, Iteration) and value.kind.startswith("numpy."):
+        called = tree.at(tree.name(ev.library(value.kind)), origin)
+        return tree.at(tree.Call(called, [spelled(ev, v, origin) for v in value.parts], []), origin)
     if isinstance(value, FunctionValue):
         return tree.at(tree.name(ev.residual_function(value, origin)), origin)
+    if isinstance(value, MethodValue) and value.name == "flat" and isinstance(value.base, Data):
+        return spelled(ev, ev.indexed(value, origin), origin)
     if isinstance(value, ObjectValue):
         return tree.at(tree.name(ev.residual_object(value, origin)), origin)
     raise ev.unknown(origin, f"{kind_of(ev, value)} is used as a whole by what is computed at run time",

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import of_part, origins
-from s2sad.evaluate.specialize.values import NONE, Data, Reference, SliceValue, Value, constant
+from s2sad.evaluate.specialize.values import (
+    NONE, Data, LibraryValue, MethodValue, Reference, SliceValue, TupleValue, Value, constant,
+)
 from s2sad.tree import AST
+
+
+GRIDS = tuple(f"numpy.{n}" for n in ("mgrid", "ogrid", "r_", "c_"))
 
 
 # -- items -----------------------------------------------------------------------------------------------------------
@@ -27,6 +33,7 @@ def subscript(ev: Evaluator, node: Any, f: Frame) -> Value:
 @operation
 def item_of(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Value:
     """`base[place]`."""
+    base = indexed(ev, base, node)
     if isinstance(base, Data):
         if base.is_known and base.known is None:
             raise ev.refusal(node, "this is None here", code="S203", help="test it before: if ... is not None: ...")
@@ -39,10 +46,22 @@ def item_of(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Va
                     is_list=base.is_list and isinstance(place, SliceValue))
     if isinstance(base, Reference) and ev.heap[base].kind == "record":
         return ev.call(ev.attribute_of(base, "__getitem__", node, f), [place], {}, node, f)
+    if isinstance(base, LibraryValue) and base.path in ("numpy.s_", "numpy.index_exp"):
+        return place if base.path == "numpy.s_" or isinstance(place, TupleValue) else TupleValue((place,))
     own = ev.special_method(base, "__getitem__", node, f)
     if own is not None:
         return ev.call(own, [place], {}, node, f)
     return ev.picked(base, place, node, f)
+
+
+@operation
+def indexed(ev: Evaluator, base: Value, node: AST) -> Value:
+    """What is indexed: `x.flat` and `np.mgrid` by expressions of their own."""
+    if isinstance(base, MethodValue) and base.name == "flat" and isinstance(base.base, Data):
+        return Data(tree.at(tree.attribute(ev.spelled(base.base, node), "flat"), node))
+    if isinstance(base, LibraryValue) and base.path in GRIDS:
+        return Data(ev.spelled(base, node))
+    return base
 
 
 @operation

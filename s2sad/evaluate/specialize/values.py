@@ -51,6 +51,7 @@ class Data:
     may_be_unbound: bool = field(default=False, compare=False)
     is_list: bool = field(default=False, compare=False)     # of the residual program
     shape: tuple[int | None, ...] | None = field(default=None, compare=False)       # lengths of axes, as far as known
+    count: int | None = field(default=None, compare=False)      # of a tuple's items
 
     @property
     def is_known(self) -> bool:

@@ -281,6 +281,7 @@ class Flattened(FlatSelection):
     def result_leaves(self, seed: Any) -> Any:
         """A structure that is like what the kernel returns, as a tuple."""
         assert self.result is not None
+        seed = _as_result(self.result, seed)
         if not matches_form(self.result, seed):
             raise misfit(f"the seed of 'return' is of type {type(seed).__name__} or has other parts: the result is "
                          f"{self.result}", "give a structure of the same make")
@@ -305,6 +306,17 @@ class Flattened(FlatSelection):
                 by_name[name][0] = part_of(kind, holder, key)
             return returned if self.result is None else self.result_leaves(returned)
         return called
+
+
+def _as_result(form: Form, value: Any) -> Any:
+    """A seed with lists and tuples as in a result, and a None for each item of what is None as a whole."""
+    if not isinstance(form, PyTree) or form.kind not in ("list", "tuple"):
+        return value
+    if value is None:
+        value = (None,) * len(form.items)
+    if type(value) not in (list, tuple) or len(value) != len(form.items):
+        return value
+    return (list if form.kind == "list" else tuple)(map(_as_result, form.items, value))
 
 
 def _unflatten(form: Form, remaining: Iterator[Any]) -> Any:

@@ -18,6 +18,10 @@ _OBJECT = ("__init__", "__new__", "__setattr__", "__getattribute__", "__eq__", "
            "__str__", "__init_subclass__", "__class_getitem__")
 
 
+NONE_TYPE = "types.NoneType"
+_NO_NUMBERS = ("builtins.str", "builtins.list", "builtins.tuple", "builtins.dict")
+
+
 @operation
 def class_of(ev: Evaluator, value: Value) -> ClassValue | None:
     """The class of the user's that an object or a named tuple is of."""
@@ -147,10 +151,12 @@ def is_instance(ev: Evaluator, value: Value, made: Value, node: AST) -> bool | N
                                                            and isinstance(value.value, made.live))
     path = made.path if isinstance(made, LibraryValue) else ""
     if isinstance(value, Data):
+        if path == NONE_TYPE:
+            return value.is_known and value.known is None
         if path == "numpy.ndarray" and value.shape is not None:
             return value.shape != ()
         if not value.is_known:
-            return False if path in ("builtins.str", "builtins.list", "builtins.tuple", "builtins.dict") else None
+            return False if value.shape or path in _NO_NUMBERS else None
         import builtins
         kind = getattr(builtins, path.removeprefix("builtins."), None)
         return isinstance(value.known, kind) if isinstance(kind, type) else False

@@ -7,6 +7,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.branches import NOWHERE
+from s2sad.evaluate.specialize.class_lookup import NONE_TYPE
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
 from s2sad.evaluate.specialize.heap import Object
@@ -52,6 +53,11 @@ def _map(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 @function("builtins.filter")
 def _filter(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     return ev.iterator("filter", *args)
+
+
+@function("numpy.ndindex", "numpy.ndenumerate", "numpy.nditer")
+def _indices(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
+    return None if options else ev.iterator(f"numpy.{ev.called}", *args)
 
 
 @function("builtins.slice")
@@ -136,6 +142,16 @@ def _isinstance(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> V
     return None if found is None else constant(found)
 
 
+@function("numpy.isscalar")
+def _isscalar(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value | None:
+    value = args[0]
+    if not isinstance(value, Data):
+        return constant(False)
+    if value.is_known:
+        return constant(value.known is not None and not isinstance(value.known, tuple))
+    return None if value.shape is None else constant(value.shape == ())
+
+
 @function("builtins.issubclass")
 def _issubclass(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value | None:
     if not all(isinstance(a, ClassValue) for a in args):
@@ -146,6 +162,8 @@ def _issubclass(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> V
 @function("builtins.type")
 def _type(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     made = ev.class_of(args[0])
+    if isinstance(args[0], Data) and (args[0].is_known and args[0].known is None or args[0].shape):
+        return LibraryValue("numpy.ndarray" if args[0].shape else NONE_TYPE)
     if made is None:
         raise ev.refusal(node, "type of an array or a number is not supported in a kernel", help="write isinstance")
     return made
@@ -199,7 +217,7 @@ def _id(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 
 @function("sys.exit", "builtins.exit", "builtins.quit", "os._exit")
 def _exit(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
-    if not ev.guarded:
+    if not ev.guarded and not ev.returned:
         raise ev.refusal(node, "the kernel ends here whenever it runs")
     text = [tree.const(args[0].known)] if args and isinstance(args[0], Data) and isinstance(args[0].known, str) else []
     ev.emit(tree.Raise(tree.call(ev.library("builtins.RuntimeError"), *text), None), node, True)

@@ -10,7 +10,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unevaluated, operation
-from s2sad.evaluate.specialize.sequences.known_shapes import of_call, origins
+from s2sad.evaluate.specialize.sequences.known_shapes import of_call, origins, shape
 from s2sad.evaluate.specialize.sequences.generators import LAZY
 from s2sad.evaluate.specialize.values import Data, Iteration, Reference, TupleValue, Value, constant
 from s2sad.tree import AST
@@ -60,8 +60,29 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
             return constants
     args = [_as_array(ev, path, a, node, f) for a in args]
     made = ev.residual_call(tree.at(tree.name(ev.library(path)), node), args, keywords, node)
-    return replace(made, shape=of_call(path, args, keywords), origins=origins(*args),
+    of_list = path in ("numpy.array", "numpy.asarray") and args and ev.is_spelled_out(args[0])
+    found = _of_list(ev, args[0]) if of_list else of_call(path, args, keywords)
+    return replace(made, shape=found, origins=origins(*args), count=_results(path, args, keywords),
                    is_list=path in ("builtins.list", "builtins.sorted"))
+
+
+def _of_list(ev: Evaluator, value: Value) -> tuple[int | None, ...] | None:
+    """The shape of an array that is made of a list."""
+    if not ev.is_spelled_out(value):
+        return shape(value)
+    shapes = {_of_list(ev, v) for v in ev.sequence_items(value)}
+    inner = shapes.pop() if len(shapes) == 1 else None
+    return None if inner is None else (len(ev.sequence_items(value)), *inner)
+
+
+_RESULTS = {"lstsq": 4, "qr": 2, "svd": 3, "slogdet": 2, "eigh": 2, "eig": 2}      # of numpy.linalg
+
+
+def _results(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> int | None:
+    """How many results a function gives whose result is a tuple."""
+    root, _, name = path.rpartition(".")
+    plain = name == "lstsq" or len(args) == 1 and not keywords
+    return _RESULTS.get(name) if root == "numpy.linalg" and plain else None
 
 
 _PURE = ("abs", "min", "max", "round", "float", "int", "bool", "pow", "divmod", "complex", "str", "repr", "chr", "ord",

@@ -111,7 +111,7 @@ def container_operator(ev: Evaluator, op: AST, left: Value, right: Value, node: 
         return ev.list_of([*sequence_items(ev, left), *sequence_items(ev, right)], node)
     if isinstance(op, tree.Mult) and any(k in ("list", "tuple") for k in kinds):
         sequence, times = (left, right) if kinds[0] in ("list", "tuple") else (right, left)
-        if isinstance(times, Data) and (not times.is_known or type(times.known) is int):
+        if isinstance(times, Data) and (not times.is_known and not times.shape or type(times.known) is int):
             n = ev.known(times, node, "how often a list is repeated")
             items = [ev.atoms(i, "item", node) for i in sequence_items(ev, sequence)]
             return ev.list_of(items * n, node) if isinstance(sequence, Reference) else TupleValue(tuple(items * n))

@@ -2,6 +2,7 @@
 """
 from __future__ import annotations
 
+import itertools
 from collections.abc import Hashable, Sequence
 from enum import Enum
 from typing import Any
@@ -12,7 +13,7 @@ from s2sad.evaluate.specialize.sequences.gathering import Gathered
 from s2sad.evaluate.specialize.sequences.generators import LAZY
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import (
-    FACTORY, UNKNOWN, ClassValue, Data, Iteration, Reference, TupleValue, Value, constant, value_of_key,
+    FACTORY, UNKNOWN, ClassValue, Data, Iteration, MethodValue, Reference, TupleValue, Value, constant, value_of_key,
 )
 from s2sad.tree import AST
 
@@ -67,6 +68,8 @@ def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
         gathered = Gathered(ev, f, node)
         ev.each_item(value, node, f, gathered.add)
         return list(gathered.done())
+    if value.kind.startswith("numpy."):
+        return _indices(ev, value, node)
     if value.kind == "filter":
         return _filtered(ev, value, node, f)
     gathered, cursor = Gathered(ev, f, node), ev.cursor_of(value, node, f)
@@ -74,6 +77,16 @@ def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
         gathered.add(step[0])
         cursor = step[1]
     return list(gathered.done())
+
+
+def _indices(ev: Evaluator, value: Iteration, node: AST) -> list[Value]:
+    """What `np.ndindex` goes through, of lengths that are known."""
+    if value.kind != "numpy.ndindex":
+        raise ev.unknown(node, "how many items there are must be known before the run")
+    lengths = value.parts[0] if len(value.parts) == 1 else TupleValue(value.parts)
+    known = ev.known(lengths, node, "how many items there are")
+    places = itertools.product(*map(range, known if isinstance(known, tuple) else (known,)))
+    return [TupleValue(tuple(map(constant, place))) for place in places]
 
 
 def _backwards(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
@@ -107,6 +120,9 @@ def _of_data(ev: Evaluator, value: Value, node: AST) -> list[Value]:
     if isinstance(value, Data) and isinstance(value.known, tuple):
         return [Data(tree.at(tree.index(ev.spelled(value, node), tree.const(k)), node), known)
                 for k, known in enumerate(value.known)]
+    if isinstance(value, Data) and value.count is not None:
+        return [Data(tree.at(tree.index(ev.spelled(value, node), tree.const(k)), node), demands=value.demands, shape=())
+                for k in range(value.count)]
     shape = shape_of(ev, value)
     if isinstance(value, Data) and shape.is_known and shape.known:
         return [Data(tree.at(tree.index(ev.spelled(value, node), tree.const(k)), node))
@@ -153,11 +169,12 @@ def _of_object(ev: Evaluator, value: Reference, node: AST, f: Frame) -> list[Val
 def stays_one(ev: Evaluator, value: Value) -> bool:
     """Whether a loop goes through numbers and arrays alone, so that it may stay a loop."""
     if isinstance(value, Iteration):
-        if value.kind == "range":
+        if value.kind == "range" or value.kind.startswith("numpy."):
             return True
         inner = value.parts[:1] if value.kind == "enumerate" else value.parts
         return value.kind in ("zip", "enumerate", "reversed") and all(stays_one(ev, p) for p in inner)
-    return isinstance(value, Data) and not isinstance(value.known, str)
+    flat = isinstance(value, MethodValue) and value.name == "flat"
+    return flat or isinstance(value, Data) and not isinstance(value.known, str)
 
 
 @operation
@@ -166,6 +183,8 @@ def length(ev: Evaluator, value: Value, node: AST, f: Frame) -> Value:
     if isinstance(value, Data):
         if isinstance(value.known, (str, tuple)):
             return constant(len(value.known))
+        if value.count is not None:
+            return constant(value.count)
         shape = shape_of(ev, value)
         return Data(tree.at(tree.call("len", ev.spelled(value, node)), node),
                     shape.known[0] if shape.is_known and shape.known else UNKNOWN, shape.demands)

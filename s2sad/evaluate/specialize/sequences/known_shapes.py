@@ -55,7 +55,7 @@ def of_call(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> 
     """The shape of what a function of NumPy's gives."""
     name = path.rpartition(".")[2]
     if name in _FILLED and args:
-        return _lengths(args[0])
+        return lengths(args[0])
     if name == "cumsum" and len(shape(args[0]) or (0, 0)) != 1:
         return None
     if name in _LIKE and args and "axis" not in keywords and "shape" not in keywords:
@@ -97,7 +97,7 @@ def _item(value: Value) -> Data:
     return Data(const(None), shape=None if not whole else whole[1:], origins=origins(value))
 
 
-def _lengths(value: Value) -> Shape | None:
+def lengths(value: Value) -> Shape | None:
     """A shape that is given to an allocation."""
     if isinstance(value, Data) and type(value.known) is int:
         return (value.known,)
@@ -135,6 +135,6 @@ def of_method(base: Data, name: str, args: Sequence[Value]) -> Shape | None:
     if name in ("copy", "astype", "conj", "clip", "round"):
         return shape(base)
     if name == "reshape" and args:
-        found = _lengths(args[0] if len(args) == 1 else TupleValue(tuple(args)))
+        found = lengths(args[0] if len(args) == 1 else TupleValue(tuple(args)))
         return found if found is not None and all(n is not None and n >= 0 for n in found) else None
     return None
