@@ -7,10 +7,12 @@ import pytest
 from s2sad import S2sadError, gradient
 from tests.evaluate.test_objects import State
 from tests.harness.derivatives import check_derivatives
-from tests.evaluate.objects import control, gathered, generators, identity, laziness, loop_exits, plain_python, solvers
+from tests.evaluate.objects import (
+    control, exchanges, gathered, generators, identity, laziness, loop_exits, plain_python, solvers,
+)
 
 CASES = [(f"{module.__name__.rpartition('.')[2]}.{case.kernel.__name__}", case)
-         for module in (identity, control, gathered, generators, laziness, loop_exits, plain_python, solvers)
+         for module in (identity, control, exchanges, gathered, generators, laziness, loop_exits, plain_python, solvers)
          for case in module.cases()]
 
 

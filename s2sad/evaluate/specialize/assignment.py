@@ -206,16 +206,22 @@ def _augmented_part(ev: Evaluator, s: Any, base: Data, key: Any, f: Frame) -> No
     """`base[key] op= value` of an array: an element is read before the value is computed, a part behind that."""
     at, effects, rebound = len(ev.block), ev.effects, len(ev.rebound)
     value = ev.value(s.value, f)
+    changes, is_part = ev.effects > effects, isinstance(key, (str, SliceValue))
+    if changes:
+        before = len(ev.block)
+        gone = {*ev.rebound[rebound:]}
+        base = ev.held_at(base, at, gone, s)
+        key = key if isinstance(key, str) else ev.held_at(key, at, gone, s)
+        at += len(ev.block) - before
     place = tree.attribute(base.node, key) if isinstance(key, str) else ev.subscripted(base, key, s)
     ev.refuse_no_number(value, s)
-    is_part = isinstance(key, (str, SliceValue))
-    if ev.effects > effects and not is_part:
+    if changes and not is_part:
         if not base.shape or _rank(key) > len(base.shape):
             raise ev.refusal(s, "what is added to an element changes something first",
                              help="give it a name in a statement of its own before")
         is_part = _rank(key) < len(base.shape)
-    if ev.effects > effects and not is_part:
-        old = ev.held_at(ev.item_of(base, key, s.target, f), at, {*ev.rebound[rebound:]}, s)
+    if changes and not is_part:
+        old = ev.held_at(ev.item_of(base, key, s.target, f), at, set(), s)
         ev.emit(tree.assign(place, ev.spelled(ev.binary(s.op, old, value, s, f), s)), s, True)
     elif isinstance(s.op, tree.MatMult) and not base.is_list and not isinstance(key, str):
         whole = Data(ev.subscripted(base, key, s))
@@ -224,7 +230,7 @@ def _augmented_part(ev: Evaluator, s: Any, base: Data, key: Any, f: Frame) -> No
         ev.emit(tree.augment(place, s.op, ev.spelled(value, s)), s, True)
 
 
-def _rank(key: Value) -> int:
+def _rank(key: Any) -> int:
     """How many axes an index of numbers takes away; more than there are where it may have others."""
     items = key.items if isinstance(key, TupleValue) else (key,)
     if all(isinstance(i, Data) and (type(i.known) is int or i.shape == ()) for i in items):

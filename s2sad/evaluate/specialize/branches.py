@@ -12,7 +12,8 @@ from s2sad import tree
 from s2sad.evaluate.specialize.choices import boolean_of
 from s2sad.evaluate.specialize.evaluator import STATEMENTS, Evaluator, Frame, Leave, operation, statement
 from s2sad.evaluate.specialize.heap import Object
-from s2sad.evaluate.specialize.state_joins import Join, Way
+from s2sad.evaluate.specialize.joined_names import Way
+from s2sad.evaluate.specialize.state_joins import Join
 from s2sad.evaluate.specialize.values import FACTORY, NONE, Data, Reference, TupleValue, Value
 from s2sad.tree import AST
 
@@ -87,7 +88,7 @@ def continued(ev: Evaluator, left: Leave | None, depth: int, target: int) -> Lea
 @operation
 def branch(ev: Evaluator, test: Data, arms: Sequence[Callable[[], Any]], origin: AST) -> None:
     """Both arms of a residual `if` from one state; raises Leave where both leave."""
-    before, outer, effects = ev.heap.fork(), ev.block, ev.effects
+    before, outer, effects, since = ev.heap.fork(), ev.block, ev.effects, ev.births
     depth = len(ev.pending)
     ends: list[tuple[Way, Leave | None]] = []
     ev.guarded += 1
@@ -107,7 +108,9 @@ def branch(ev: Evaluator, test: Data, arms: Sequence[Callable[[], Any]], origin:
     going = [(way, left) for way, left in ends if left is None or left.mark != NOWHERE]
     value = None
     if going:
-        join = Join(ev, [way for way, _ in going], origin, test.demands)
+        for way, left in going:
+            way.value = left.value if left is not None else None
+        join = Join(ev, [way for way, _ in going], origin, test.demands, since)
         ev.heap.objects = join.objects()
         if going[0][1] is not None and len(going) > 1:
             value = join.told(join.meet([left.value or NONE for _, left in going if left is not None], "result"))

@@ -232,6 +232,7 @@ class Evaluator:
                  unrolls: bool = False):
         self.source, self.facts, self.sites, self.unrolls = source, facts, sites, unrolls
         self.heap, self.names = Heap(), Names()
+        self.births, self.born = 0, dict[str, int]()       # when each residual name was made
         self.block: list[AST] = []
         self.effects = 0
         self.rebound: list[str] = []
@@ -300,7 +301,9 @@ class Evaluator:
         wanted = wanted if wanted.isidentifier() else re.sub(r"\W+", "_", wanted).strip("_") or "value"
         if wanted[0].isdigit() or keyword.iskeyword(wanted):
             wanted = f"value_{wanted}"
-        return self.names.numbered(wanted)
+        new = self.names.numbered(wanted)
+        self.born[new] = self.births = self.births + 1
+        return new
 
     def named(self, value: Data, wanted: str, origin: AST) -> Data:
         """The value under a name, or as it is if it is a name or a constant."""

@@ -14,7 +14,8 @@ from s2sad.evaluate.specialize.branches import NOWHERE, Objects
 from s2sad.evaluate.specialize.displays import bound
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unbound, Unevaluated, operation
 from s2sad.evaluate.specialize.heap import Object, uses
-from s2sad.evaluate.specialize.state_joins import Join, Way, parallel
+from s2sad.evaluate.specialize.joined_names import Way, parallel
+from s2sad.evaluate.specialize.state_joins import Join
 from s2sad.evaluate.specialize.values import (
     NONE, UNKNOWN, Conflict, Data, Reference, TupleValue, Value, alike, constant, count, renamed,
 )
@@ -250,7 +251,7 @@ def _moves(ev: Evaluator, loop: ResidualLoop, objects: Objects, origin: AST, kep
                 if count(value, t):
                     new = kept.setdefault(t, ev.fresh(t)) if t not in kept else kept[t]
                     saved.append((new, tree.at(tree.name(t), origin)))
-                    changed[key] = renamed(changed.get(key, value), t, new)
+                    changed[key] = renamed(changed.get(key, value), {t: new})
         if changed:
             objects[n] = replace(held, items={**held.items, **changed})
     return [*parallel(list(dict(saved).items()), origin), *parallel(found, origin)]

@@ -9,39 +9,34 @@ read.
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, Temporary, uses
-from s2sad.evaluate.specialize.values import UNKNOWN, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike
+from s2sad.evaluate.specialize.values import (
+    UNKNOWN, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike, count, renamed,
+)
+from s2sad.evaluate.specialize.joined_names import Merged, Objects, Way, settled_names
 from s2sad.program import Fact
 from s2sad.tree import AST
-
-Objects = dict[int, Object]
-
-
-@dataclass
-class Way:
-    """The end of one way: its heap and the statements on it."""
-    objects: Objects
-    block: list[AST]
-    value: Value | None = None      # what it returns
-
 
 class Join:
     """Several ways become one; `block` of each gets the moves to common names."""
 
-    def __init__(self, ev: Evaluator, ways: Sequence[Way], origin: AST, demands: frozenset[Fact] = frozenset()):
+    def __init__(self, ev: Evaluator, ways: Sequence[Way], origin: AST, demands: frozenset[Fact] = frozenset(),
+                 since: int = 0):
+        self.since = since              # when the ways parted
         self.ev, self.ways, self.origin = ev, ways, origin
+        self.merged: list[Merged] | None = None     # while names are not settled
         self.demands = demands          # what would tell the way
         self.made: dict[tuple[Reference, ...], Reference] = {}
         self.found: Objects = {}
 
     def objects(self) -> Objects:
         """The common heap; names that differ are bound on all ways."""
-        first = self.ways[0].objects
+        self.merged = []
         numbers = dict.fromkeys(n for w in self.ways for n in w.objects)
         for n in numbers:
             held = [w.objects[n] for w in self.ways if n in w.objects]
@@ -49,7 +44,11 @@ class Join:
                 self.found[n] = held[0]
                 continue
             self.found[n] = self._object(held)
-        del first
+        names = settled_names(self.ev, self.ways, self.merged, self.since, self.origin)
+        self.merged = None
+        for n, held in self.found.items():
+            if any(count(v, name) for v in held.items.values() for name in names):
+                self.found[n] = replace(held, items={k: renamed(v, names) for k, v in held.items.items()})
         return self.found
 
     def _object(self, held: Sequence[Object]) -> Object:
@@ -109,6 +108,9 @@ class Join:
         if partly and (len(partly) > 1 or not new or any(
                 uses(w.objects, new) != (v.name == new) for w, v in data) or new in self.ev.leaves):
             return Conflict(f"'{wanted}' is bound on some ways only")
+        if not new and self.merged is not None:
+            self.merged.append(Merged(f"?{len(self.merged)}", wanted, data))
+            return Data(tree.at(tree.name(self.merged[-1].name), self.origin), is_list=any(v.is_list for _, v in data))
         new = new or self.ev.fresh(wanted)
         for way, v in data:
             if v.name != new:
@@ -180,15 +182,3 @@ def _inner(objects: Objects, value: Value) -> tuple[Any, dict[Any, Value]] | Non
 
 def _said(values: Sequence[Data]) -> str:
     return " and ".join(dict.fromkeys(repr(v.known) if v.is_known else "a number or an array" for v in values))
-
-
-def parallel(moves: Sequence[tuple[str, AST]], origin: AST) -> list[AST]:
-    """Assignments that happen at once, one after the other where none reads what another has bound."""
-    moves = [(t, v) for t, v in moves if not (isinstance(v, tree.Name) and v.id == t)]
-    if not moves:
-        return []
-    read = [{n.id for n in tree.walk(v) if isinstance(n, tree.Name)} for _, v in moves]
-    if any(t in r for k, (t, _) in enumerate(moves) for r in read[k + 1:]):
-        targets = tree.tuple_of(*(tree.name(t) for t, _ in moves))
-        return [tree.at(tree.assign(targets, tree.tuple_of(*(v for _, v in moves))), origin)]
-    return [tree.at(tree.assign(t, v), origin) for t, v in moves]

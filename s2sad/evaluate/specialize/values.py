@@ -12,7 +12,7 @@
 """
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -232,23 +232,23 @@ def count(value: Value, name: str) -> int:
     return sum(count(v, name) for v in parts(value))
 
 
-def renamed(value: Value, name: str, new: str) -> Value:
-    """A value in which a residual name is another one."""
+def renamed(value: Value, names: Mapping[str, str]) -> Value:
+    """A value in which residual names are other ones."""
     if isinstance(value, Data):
-        if value.name != name:
+        if value.name not in names:
             return value
-        node = Name(new, value.node.ctx, None, None)
+        node = Name(names[value.name], value.node.ctx, None, None)
         node.__dict__.update({k: v for k, v in value.node.__dict__.items() if k.endswith(("lineno", "offset"))})
         return replace(value, node=node)
     if isinstance(value, TupleValue):
-        return replace(value, items=tuple(renamed(v, name, new) for v in value.items))
+        return replace(value, items=tuple(renamed(v, names) for v in value.items))
     if isinstance(value, (Iteration, SliceValue)):
-        return replace(value, parts=tuple(renamed(v, name, new) for v in value.parts))  # pyright: ignore
+        return replace(value, parts=tuple(renamed(v, names) for v in value.parts))  # pyright: ignore
     if isinstance(value, (FunctionValue, LibraryValue)):
-        return replace(value, first=tuple(renamed(v, name, new) for v in value.first), keywords=tuple(
-            (k, renamed(v, name, new)) for k, v in value.keywords))
+        return replace(value, first=tuple(renamed(v, names) for v in value.first), keywords=tuple(
+            (k, renamed(v, names)) for k, v in value.keywords))
     if isinstance(value, MethodValue):
-        return replace(value, base=renamed(value.base, name, new))
+        return replace(value, base=renamed(value.base, names))
     return value
 
 

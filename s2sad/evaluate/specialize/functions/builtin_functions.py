@@ -7,7 +7,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.branches import NOWHERE
-from s2sad.evaluate.specialize.class_lookup import NONE_TYPE
+from s2sad.evaluate.specialize.classes.class_lookup import NONE_TYPE
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
 from s2sad.evaluate.specialize.heap import Object
