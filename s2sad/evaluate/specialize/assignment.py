@@ -202,7 +202,7 @@ def augmented_assign(ev: Evaluator, s: Any, f: Frame) -> None:
         assign_to(ev, base, key, old if new is None else new, s, f)
 
 
-def _augmented_part(ev: Evaluator, s: Any, base: Data, key: Any, f: Frame) -> None:
+def _augmented_part(ev: Evaluator, s: Any, base: Any, key: Any, f: Frame) -> None:
     """`base[key] op= value` of an array: an element is read before the value is computed, a part behind that."""
     at, effects, rebound = len(ev.block), ev.effects, len(ev.rebound)
     value = ev.value(s.value, f)

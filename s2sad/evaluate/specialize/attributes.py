@@ -101,6 +101,7 @@ def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AS
             value = ev.outside_value(f"{held.label}_{name}", own, node, f)
             ev.owning = owning
             ev.heap.put(base, name, value)
+            ev.note_outside(base, name, value)
             return value
     if found is not None:
         if isinstance(found[1], LibraryValue) and found[1].path == "functools.cached_property":

@@ -422,6 +422,19 @@ class Evaluator:
         self.effects, self.emitted = before.effects, before.emitted
         del self.rebound[before.rebound:]
 
+    def note_outside(self, holder: Reference, name: str, value: Value) -> None:
+        """An attribute of an object from outside is read for the first time: it was there from the start."""
+        held = self.outset.get(holder.number)
+        if held is not None:
+            self.outset[holder.number] = replace(held, items={**held.items, name: value})
+
+    def fill(self, objects: dict[int, Object]) -> None:
+        """Adds to a state the attributes of objects from outside that were read after it was kept."""
+        for number, held in self.outset.items():
+            there = objects.get(number)
+            if there is not None and there is not held and held.items.keys() - there.items.keys():
+                objects[number] = replace(there, items={**held.items, **there.items})
+
     def contained(self, value: Value) -> bool:
         """Whether a value has references in it."""
         return isinstance(value, (Reference, FunctionValue)) or any(map(self.contained, parts(value)))

@@ -17,7 +17,7 @@ from s2sad.evaluate.specialize.heap import Object, uses
 from s2sad.evaluate.specialize.joined_names import Way, parallel
 from s2sad.evaluate.specialize.state_joins import Join
 from s2sad.evaluate.specialize.values import (
-    NONE, UNKNOWN, Conflict, Data, Reference, TupleValue, Value, alike, constant, count, renamed,
+    NONE, UNKNOWN, Conflict, Data, FunctionValue, Reference, TupleValue, Value, alike, constant, count, parts, renamed,
 )
 from s2sad.tree import AST
 
@@ -198,13 +198,18 @@ def _with(held: Object, key: Any, value: Value) -> Object:
     return replace(held, items={**held.items, key: value})
 
 
+def _stays(value: Value) -> bool:
+    """Whether what a round binds is there behind the loop: a number or an array, a function that holds nothing."""
+    return isinstance(value, Data) or isinstance(value, FunctionValue) and not parts(value)
+
+
 def _bound_inside(ev: Evaluator, ends: Sequence[Objects]) -> None:
     """Names that are bound in every round are there behind the loop, too, as what the last round has left."""
     for n, held in list(ev.heap.objects.items()):
         if held.kind != "frame":
             continue
         found = [end[n].items for end in ends if n in end]
-        more = {k: v for items in found for k, v in items.items() if k not in held.items and isinstance(v, Data)
+        more = {k: v for items in found for k, v in items.items() if k not in held.items and _stays(v)
                 and all(k in i and alike(_plain(i[k]), _plain(v)) for i in found)}
         for key, value in more.items():
             ev.heap.put(Reference(n), key, _plain(value))
@@ -259,6 +264,8 @@ def _moves(ev: Evaluator, loop: ResidualLoop, objects: Objects, origin: AST, kep
 
 def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Objects], origin: AST) -> bool:
     """Gives homes to slots that a round changes; whether there are new ones."""
+    for objects in (loop.start, head, *ends):
+        ev.fill(objects)
     found = False
     for end in ends:
         for n, held in head.items():

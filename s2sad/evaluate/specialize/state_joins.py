@@ -37,6 +37,8 @@ class Join:
     def objects(self) -> Objects:
         """The common heap; names that differ are bound on all ways."""
         self.merged = []
+        for way in self.ways:
+            self.ev.fill(way.objects)
         numbers = dict.fromkeys(n for w in self.ways for n in w.objects)
         for n in numbers:
             held = [w.objects[n] for w in self.ways if n in w.objects]
