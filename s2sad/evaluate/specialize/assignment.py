@@ -68,7 +68,7 @@ def _unpack(ev: Evaluator, target: Any, value: Value, f: Frame, statement: AST) 
         items = [*items[:star], ev.list_of(items[star:last], target), *items[last:]]
         targets = [t.value if isinstance(t, tree.Starred) else t for t in targets]
     if len(items) != len(targets):
-        raise ev.refusal(target, f"{len(items)} values for {len(targets)} targets")
+        raise ev.refusal(target, f"{len(targets)} targets for {len(items)} values", code="S203")
     for t, item in zip(targets, items):
         store(ev, t, item, f, statement)
 
@@ -107,7 +107,8 @@ def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f
     if isinstance(base, Data) and key == "shape" and ev.reshape_in_place(base, value, origin):
         return
     if isinstance(base, Data):
-        place = tree.attribute(base.node, key) if isinstance(key, str) else ev.subscripted(base, key, origin)
+        place = tree.at(tree.attribute(base.node, key), origin) if isinstance(
+            key, str) else ev.subscripted(base, key, origin)
         ev.refuse_no_number(value, origin)
         ev.emit(tree.assign(place, ev.spelled(value, origin)), statement or origin, True)
     elif isinstance(base, Reference) and isinstance(key, str):
@@ -145,8 +146,10 @@ def _assign_part(ev: Evaluator, base: Reference, part: SliceValue, value: Value,
 
 @statement("Assign")
 def assign(ev: Evaluator, s: Any, f: Frame) -> None:
-    value = ev.value(s.value, f)
     first = s.targets[0]
+    if isinstance(first, tree.Name):
+        ev.wanted = (s.value, first.id, s)
+    value = ev.value(s.value, f)
     if len(s.targets) > 1 or isinstance(first, (tree.Tuple, tree.List)):
         value = _held_items(ev, value, s)
     for target in s.targets:

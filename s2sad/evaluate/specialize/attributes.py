@@ -115,8 +115,9 @@ def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AS
     if fallback is not None:
         return ev.call(ev.bound(fallback[1], base, held.made, node, f), [constant(name)], {}, node, f)
     title = held.made.name if held.made is not None else "?"
-    error = ev.refusal if held.live is None else ev.outside_error
-    raise error(node, f"an object of class {title} has no attribute '{name}' here")
+    if held.live is not None:
+        raise ev.missing(node, held.label, f".{name}", [f".{n}" for n in dir(held.live)])
+    raise ev.refusal(node, f"an object of class {title} has no attribute '{name}' here")
 
 
 @operation

@@ -105,6 +105,9 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
             return _containers(ev, op, a, b, node, f)
         same = _identical(ev, a, b, node)
         return constant(same is (kind == "Eq"))
+    if any(isinstance(v, Data) and v.shape == () for v in (a, b)) and any(map(ev.is_spelled_out, (a, b))):
+        raise ev.refusal(node, "a number is compared with a list or tuple that is spelled out",
+                         help="make it an array: np.array([...])")
     refused = ev.refusal(node, f"{ev.kind_of(a)} and {ev.kind_of(b)} are compared")
     raise Unevaluated(refused, demands_of(a, b)) if demands_of(a, b) else refused
 

@@ -6,6 +6,7 @@ names and constants: a residual name is bound anew only while one slot alone hol
 """
 from __future__ import annotations
 
+import difflib
 import keyword
 import re
 from collections.abc import Callable, Hashable, Sequence
@@ -259,6 +260,7 @@ class Evaluator:
         self.returned: list[tuple[AST, Value, dict[int, Object]]] = []
         self.depth = self.emitted = self.guarded = 0        # `guarded`: residual branches and loops around
         self.owning = False                                 # what is taken from outside now belongs to a bound object
+        self.wanted: tuple[AST, str, AST] | None = None     # a list that gets a name, that name and the statement
         self.called = self.label = ""                       # the function that is called; what a new object is for
 
     # -- errors ------------------------------------------------------------------------------------------------------
@@ -266,8 +268,15 @@ class Evaluator:
         place = Place.of(self.source, node) if getattr(node, "lineno", None) else None
         return S2sadError(Diagnostic(code, message, place, help=help))
 
-    def outside_error(self, node: AST, message: str, help: str = "") -> OutsideError:
-        return OutsideError(*self.refusal(node, message, help).diagnostics)
+    def outside_error(self, node: AST, message: str, help: str = "", code: str = "S201") -> OutsideError:
+        return OutsideError(*self.refusal(node, message, help, code).diagnostics)
+
+    def missing(self, node: AST, owner: str, name: str, known: Sequence[str]) -> OutsideError:
+        """Something from outside does not have what is read of it; `name` is as it is written behind the owner."""
+        close = difflib.get_close_matches(name, known, 1, 0.7)
+        help = f"did you mean '{owner}{close[0]}'?" if close else f"define it in '{owner}', or correct the name"
+        plain = name.strip("[].'\"")
+        return self.outside_error(node, f"'{owner}' has no '{plain}'", help, "S202")
 
     def unknown(self, node: AST, message: str, value: Value | None = None, help: str = "", site: Any = None
                 ) -> Unevaluated:
@@ -358,6 +367,8 @@ class Evaluator:
         found = transfer(self, node, f)
         if isinstance(found, Conflict):
             raise Unevaluated(self.refusal(node, found.what), found.demands)
+        if isinstance(found, Data) and found.name:      # what is said of it is about where it is read
+            return replace(found, node=tree.at(tree.name(found.name), node))
         return found
 
     def values(self, nodes: Sequence[AST], f: Frame) -> list[Value]:

@@ -125,5 +125,10 @@ def parallel(moves: Sequence[tuple[str, AST]], origin: AST) -> list[AST]:
     read = [{n.id for n in tree.walk(v) if isinstance(n, tree.Name)} for _, v in moves]
     if any(t in r for k, (t, _) in enumerate(moves) for r in read[k + 1:]):
         targets = tree.tuple_of(*(tree.name(t) for t, _ in moves))
-        return [tree.at(tree.assign(targets, tree.tuple_of(*(v for _, v in moves))), origin)]
-    return [tree.at(tree.assign(t, v), origin) for t, v in moves]
+        return [tree.at(tree.assign(targets, tree.tuple_of(*(v for _, v in moves))), _place(moves[0][1], origin))]
+    return [tree.at(tree.assign(t, v), _place(v, origin)) for t, v in moves]
+
+
+def _place(value: AST, origin: AST) -> AST:
+    """Where a slot got its value: that is what its move is about."""
+    return value if isinstance(value, tree.Name) and getattr(value, "lineno", None) else origin

@@ -6,6 +6,7 @@ import collections
 import contextlib
 import functools
 import logging
+import random
 import re
 import types
 from collections.abc import Mapping
@@ -73,11 +74,12 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
     if isinstance(value, (list, tuple, dict, set, frozenset)):
         plain = (list, tuple, dict, set, frozenset, collections.OrderedDict, collections.defaultdict)
         if type(value) not in plain and not hasattr(type(value), "_fields"):
-            raise ev.outside_error(node, f"'{name}' is {kind_of(value)}", "make it a plain dict, list or tuple")
+            raise ev.outside_error(node, f"'{name}' cannot be used in a kernel: it is {kind_of(value)}",
+                                   "make it a plain dict, list or tuple")
         return _container(ev, name, value, node, f)
     if isinstance(value, (numpy.ndarray, numpy.generic)) or isinstance(value, types.ModuleType):
         return ev.meaning_value(name, live_meaning(name, value), node, f)
-    path = library_path(name, value)
+    path = library_path(name, value) or _drawing(value)
     if path is not None:
         return LibraryValue(path)
     if isinstance(value, type):
@@ -94,6 +96,13 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
     if hasattr(value, "__slots__") and not isinstance(meaning, (Library, Matrix)):
         return _object(ev, name, value)
     return ev.meaning_value(name, meaning, node, f)
+
+
+def _drawing(value: Any) -> str | None:
+    """The path of a function that draws random numbers from a sequence that all share."""
+    owner = type(getattr(value, "__self__", None))
+    home = {numpy.random.RandomState: "numpy.random", random.Random: "random"}.get(owner)
+    return f"{home}.{value.__name__}" if home is not None and callable(value) else None
 
 
 def _standard(value: Any) -> str:

@@ -52,8 +52,10 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
     if array is not None:
         return array
     if path.startswith(("numpy.random.", "random.")):
-        raise ev.outside_error(node, f"'{path}' draws random numbers", "draw them before, and give them to the kernel "
-                               "as an argument")
+        called = node.func if isinstance(node, tree.Call) else node
+        raise ev.outside_error(called, f"'{tree.written(called)}' draws random numbers, or begins a sequence of them",
+                               "draw them before, and give them to the kernel as an argument: both sweeps read the "
+                               "same ones")
     if path.startswith(("builtins.", "math.")):
         constants = _constant(ev, path, args, keywords)
         if constants is not None:

@@ -72,8 +72,9 @@ def _value(ev: Evaluator, base: Value, held: Object, place: Value, node: AST, f:
         made = ev.call(factory, [], {}, node, f)
         ev.assign_slot(base, key, made, str(key), node)
         return ev.heap[base].items[key]
-    error = ev.refusal if held.live is None else ev.outside_error
-    raise error(node, f"the dict has no key {key!r}", f"its keys: {list(held.items)}")
+    if held.live is not None:
+        raise ev.missing(node, held.label, f"[{key!r}]", [f"[{k!r}]" for k in held.items])
+    raise ev.refusal(node, f"the dict has no key {key!r}", f"its keys: {list(held.items)}")
 
 
 def _of_class(ev: Evaluator, base: ClassValue, place: Value, node: AST, f: Frame) -> Value:
