@@ -2,23 +2,22 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 
 from s2sad import rules
 from s2sad.infer.signatures.laws import LAWS
 from s2sad.infer.scalar_reductions_types import reduced_number
 from s2sad.infer.signatures.dispatch_by_name import expansion_type
+from s2sad.infer.list_arrays import LISTED, MARKS
 from s2sad.infer.promotion import CASTS, array_of_items, dtype_of, promote
 from s2sad.infer.unit_axes import unit_axes
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, UNKNOWN, Type, array
 from s2sad.rules.composed import LAW as COMPOSED
 from s2sad.rules.rule import template
 from s2sad.live_objects.registry import ROOM
-from s2sad.tree import AST, Attribute, Call, Constant, List, Name, Slice, Subscript, Tuple, call_name, index, substitute
+from s2sad.tree import AST, Attribute, Call, Constant, List, Tuple, call_name, substitute
 
-LISTED = "builtins.list"
-MARKS = {"builtins.list.copy": "list", "builtins.tuple": "tuple"}     # rows of lists that are no arrays themselves
 
 CallTypes = Callable[[str, tuple[Type, ...]], tuple[Type, ...]]
 
@@ -31,18 +30,6 @@ _OF_ARGUMENTS = {"builtins.abs", "builtins.min", "builtins.max", "numpy.abs", "n
 _WIDENED = ("scipy.special.xlogy", "scipy.special.xlog1py")     # float64 of float32 with a number
 _FLOATS = ("math.pow", "math.fmod", "numpy.float_power", "numpy.rint")    # of integers, too
 _COMPARED = ("numpy.allclose", "numpy.array_equal")
-
-
-def filled_part(listed: AST, count: AST) -> AST:
-    """The live part of the array in place of a list, of which a store writes an element."""
-    return index(listed, Slice(None, count, None))
-
-
-def stored_list(target: AST, listed: Iterable[str]) -> str:
-    """The list that a store appends to, or of which it writes an element; "" for any other."""
-    inner = target.value if isinstance(target, Subscript) else None
-    inner = inner.value if isinstance(inner, Subscript) and isinstance(inner.slice, Slice) else inner
-    return inner.id if isinstance(inner, Name) and inner.id in listed else ""
 
 
 class TypesOfCalls(ABC):

@@ -16,7 +16,8 @@ from s2sad.diagnostics import Report
 from s2sad.infer.signatures.laws import constant_slice, of_rank
 from s2sad.infer.promotion import RANKS, join, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, TEXT, UNKNOWN, Type, array, of_value
-from s2sad.infer.call_types import LISTED, CallTypes, TypesOfCalls, stored_list
+from s2sad.infer.call_types import CallTypes, TypesOfCalls
+from s2sad.infer.list_arrays import is_list_allocation, stored_list
 from s2sad.infer.subscript_forms import is_single, keeps_axis
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
@@ -312,7 +313,7 @@ class _Inference(Typing):
 
     def assignment(self, statement: Assign) -> None:
         target = statement.targets[0]
-        if isinstance(target, Name) and call_name(statement.value) == LISTED:
+        if is_list_allocation(statement):
             self.listed.add(target.id)
         if listed := stored_list(target, self.listed):
             self.bind_item(listed, self.of(statement.value))

@@ -22,7 +22,7 @@ from s2sad.infer.signatures.laws import ONE
 from s2sad.infer.shapes import Shapes, single_values
 from s2sad.infer.slice_extents import scattered
 from s2sad.infer.types import array
-from s2sad.infer.call_types import stored_list
+from s2sad.infer.list_arrays import stored_list
 from s2sad.normalize.buffers.allocations import loaded
 from s2sad.normalize.buffers.may_alias import Aliases
 from s2sad.normalize.buffers.store_hazards import overlaps

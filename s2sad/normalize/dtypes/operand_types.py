@@ -21,7 +21,7 @@ from collections.abc import Iterator
 from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import Type
-from s2sad.infer.call_types import LISTED
+from s2sad.infer.list_arrays import LISTED
 from s2sad.infer.signatures.laws import items_of
 from s2sad.normalize.context import NormalContext
 from s2sad.rules import find, find_array

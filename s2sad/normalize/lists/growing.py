@@ -16,7 +16,7 @@ be known where it is made (`Capacity`): else it is refused.
 """
 from __future__ import annotations
 
-from s2sad.infer.call_types import LISTED, MARKS, filled_part
+from s2sad.infer.list_arrays import LISTED, MARKS, filled_part, list_arrays
 from s2sad.evaluate.loops.comprehensions import HELP, comprehensions, marked
 from s2sad.evaluate.loops.negative_indices import negative_indices, place as index_of
 from s2sad.evaluate.expressions.hoist import impure
@@ -100,8 +100,7 @@ class _GrowingLists:
         self.counts: dict[str, str] = {}
 
     def function(self) -> FunctionDef:
-        empty = {s.targets[0].id: s for s in walk_statements(self.tree.body) if isinstance(s, Assign) and call_name(
-            s.value) == LISTED}
+        empty = list_arrays(self.tree)
         grown = dict.fromkeys([*self.escaping, *(n for s in walk(self.tree.body) if (n := _appended(s)) is not None)])
         self.made |= empty
         self.counts |= {n: self.scope.fresh(f"{n}_count") for n in empty}

@@ -26,9 +26,8 @@ from collections.abc import Callable
 
 from s2sad import rules
 from s2sad.diagnostics import Report
-from s2sad.evaluate.effects import Memory
 from s2sad.infer.affine import Affine
-from s2sad.infer.call_types import LISTED, stored_list
+from s2sad.infer.list_arrays import has_list_arrays, is_list_allocation, list_arrays, stored_list
 from s2sad.infer.inference import Typing
 from s2sad.infer.shapes import Shapes, bare_shapes
 from s2sad.infer.signatures.laws import Shape, whole_number
@@ -37,12 +36,12 @@ from s2sad.normalize.array_anf import named_arrays
 from s2sad.normalize.buffers.allocations import dtype_of
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.library.expand import expanded, is_composed
+from s2sad.normalize.lists.list_contents import memory_with_lists
 from s2sad.normalize.lists.list_elements import element_types
 from s2sad.normalize.lists.lists_of_views import lists_of_views
 from s2sad.tree import (
     AST, Assign, Call, Constant, For, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, add, assign, at,
     attribute, call, call_name, children, const, copy, index, indices, name, rebuild, times_bound, tuple_of, walk,
-    walk_statements,
 )
 
 _KEEPING = ("numpy.cumsum", "numpy.cumprod", "numpy.sort")     # of the sizes of their argument, if it has as many axes
@@ -52,21 +51,14 @@ _SHAPED = ("numpy.zeros", "numpy.ones", "numpy.empty", "numpy.full")
 def list_allocation(function: FunctionDef, context: NormalContext) -> FunctionDef:
     """The function with those allocations; refuses lists whose rows have no known sizes."""
     typing, program, writes, report = context.typing, context.program, context.written, context.report
-    if not any(call_name(n) == LISTED for n in walk(function.body)):
+    if not has_list_arrays(function):
         return function
-    memory = Memory(rebuild(function, lambda n: call("numpy.empty", const(0)) if call_name(n) == LISTED else None),
-                    program)
-    context.lists = _lists_of(function)
+    memory = memory_with_lists(function, program)
+    context.lists = frozenset(list_arrays(function))
     element_types(function, typing, writes, report)
     function = lists_of_views(function, typing, memory, writes, report)
     pass_ = _ListAllocation(function, typing, report)
     return rebuild(function, pass_.change)
-
-
-def _lists_of(function: FunctionDef) -> frozenset[str]:
-    """The names in place of which arrays are allocated."""
-    return frozenset(s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign) and isinstance(
-        s.targets[0], Name) and call_name(s.value) == LISTED)
 
 
 class _ListAllocation:
@@ -75,12 +67,12 @@ class _ListAllocation:
         nodes = list(walk(function.body))
         self.order = {id(n): k for k, n in enumerate(nodes)}
         self.bound = [s for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
-        self.made = {s.targets[0].id: s for s in self.bound if call_name(s.value) == LISTED}
+        self.made = list_arrays(function)
         self.computed = RowShapes(function, typing)
         self.stores = [s for s in nodes if isinstance(s, Assign) and stored_list(s.targets[0], self.made)]
 
     def change(self, node: AST) -> AST | None:
-        if not isinstance(node, Assign) or call_name(node.value) != LISTED:
+        if not is_list_allocation(node):
             return None
         listed, kind = node.targets[0].id, self.typing.of(node.targets[0])
         count = node.value.args[0]

@@ -10,21 +10,28 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 from s2sad.evaluate.effects import Memory, bindings, fresh_value
-from s2sad.infer.call_types import LISTED, stored_list
 from s2sad.infer.inference import Typing
+from s2sad.infer.list_arrays import LISTED, list_arrays, stored_list
 from s2sad.liveness import base_name
 from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.normalize.lists.capacity import Appended, own_parts
 from s2sad.normalize.views.view_aliases import makes_view
+from s2sad.program import Program
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, If, IfExp, List, Name,
-    Store, Sub, Subscript, While, call_name, const, index, indices, name, names, rename, stored_names, walk,
-    walk_statements,
+    Store, Sub, Subscript, While, call, call_name, const, index, indices, name, names, rebuild, rename,
+    stored_names, walk, walk_statements,
 )
 
 Writes = Callable[[Call], Sequence[int]]
 HELP = "append a copy: .append(x.copy())"
 COPIED = "append a copy: .append(list(w))"
+
+
+def memory_with_lists(function: FunctionDef, program: Program) -> Memory:
+    """What may share memory where each list is an array of its own."""
+    made = rebuild(function, lambda n: call("numpy.empty", const(0)) if call_name(n) == LISTED else None)
+    return Memory(made, program)
 
 
 class ListContents:
@@ -37,8 +44,7 @@ class ListContents:
         self.order = {id(n): k for k, n in enumerate(nodes)}
         self.blocks = [b for n in (function, *nodes) for b in (getattr(n, "body", None), getattr(n, "orelse", None))
                        if isinstance(b, list)]
-        self.made = {s.targets[0].id: s for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)
-                     and call_name(s.value) == LISTED}
+        self.made = list_arrays(function)
         self.stores: dict[str, list[Assign]] = {n: [] for n in self.made}
         for s in nodes:
             if isinstance(s, Assign) and (listed := stored_list(s.targets[0], self.made)):
@@ -253,7 +259,7 @@ def row_aliases(function: FunctionDef, appended: Appended) -> list[AST]:
     order = {id(n): k for k, n in enumerate(nodes)}
     bound = [(s.targets[0].id, s) for s in nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
     spelled = {n for n, s in bound if isinstance(s.value, List) and s.value.elts}
-    lists = {n for n, s in bound if isinstance(s.value, List) or call_name(s.value) == LISTED}
+    lists = {n for n, s in bound if isinstance(s.value, List)} | {*list_arrays(function)}
     stored = [n for n in nodes if isinstance(n, Subscript) and isinstance(n.ctx, Store)]
     found = []
     for store, outer, value, several in ((s, *put) for s in nodes for put in _list_insertions(s, appended, spelled)):

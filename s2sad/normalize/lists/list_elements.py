@@ -13,16 +13,18 @@ from collections.abc import Iterator
 
 from s2sad.blocks import with_blocks
 from s2sad.diagnostics import Report
-from s2sad.evaluate.effects import Memory, fresh_value
-from s2sad.infer.call_types import LISTED, MARKS
+from s2sad.evaluate.effects import fresh_value
+from s2sad.infer.list_arrays import MARKS, has_list_arrays
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import Type
 from s2sad.liveness import base_name
 from s2sad.normalize.context import NormalContext
-from s2sad.normalize.lists.list_contents import HELP, ListContents, Writes, is_shared, is_stored_into_later
+from s2sad.normalize.lists.list_contents import (
+    HELP, ListContents, Writes, is_shared, is_stored_into_later, memory_with_lists,
+)
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Break, Expr, For, FunctionDef, If, IfExp, List, Name, Return, Slice, Subscript,
-    Tuple, While, call, call_name, const, indices, name, names, rebuild, rename, stored_names, times_bound, walk,
+    Tuple, While, call_name, indices, name, names, rename, stored_names, times_bound, walk,
     walk_statements, with_body,
 )
 
@@ -57,7 +59,7 @@ def copies_in_tuples(function: FunctionDef, context: NormalContext) -> None:
     is made of arrays. Changes nothing.
     """
     typing, program, writes, report = context.typing, context.program, context.written, context.report
-    if not any(call_name(n) == LISTED for n in walk(function.body)):
+    if not has_list_arrays(function):
         return
     contents = ListContents(function, typing, writes)
     shared_items = {id(s): [i for i in _items(s.value) if is_shared(i, typing)
@@ -65,8 +67,7 @@ def copies_in_tuples(function: FunctionDef, context: NormalContext) -> None:
                     for stores in contents.stores.values() for s in stores if _is_row(s.value)}
     if not any(shared_items.values()):
         return
-    memory = Memory(rebuild(function, lambda n: call("numpy.empty", const(0)) if call_name(n) == LISTED else None),
-                    program)
+    memory = memory_with_lists(function, program)
     every = [s for stores in contents.stores.values() for s in stores]
     for listed, stores in contents.stores.items():
         for store in stores:
@@ -191,7 +192,7 @@ def coalesce_names(function: FunctionDef, context: NormalContext) -> FunctionDef
     Requires structured form, where functions that return arrays are written out; establishes that an array which goes
     into a list is seen to be new where it is. Only where there are lists.
     """
-    if not any(call_name(n) == LISTED for n in walk(function.body)):
+    if not has_list_arrays(function):
         return function
     mentions = Counter(n.id for n in walk(function.body) if isinstance(n, Name))
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
-from s2sad.infer.call_types import LISTED, MARKS, stored_list
+from s2sad.infer.list_arrays import LISTED, MARKS, list_arrays, stored_list
 from s2sad.naming import Names
 from s2sad.normalize.calls.inline import Helpers
 from s2sad.normalize.context import NormalContext
@@ -59,8 +59,7 @@ class _ListOperators:
         self.changed = False
         self.table: dict[str, Levels] = {p.id: parameters.get(p.id, ()) for p in function.args.args}
         self.bound = {n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)}
-        self.made = {s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign) and isinstance(
-            s.targets[0], Name) and call_name(s.value) == LISTED}
+        self.made = set(list_arrays(function))
         before: dict[str, Levels] | None = None
         while before != self.table:
             before = dict(self.table)
