@@ -28,7 +28,7 @@ from s2sad.infer.shapes import ALLOCATIONS
 from s2sad.tree import (
     AST, Add, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Compare, Constant, Expr, For,
     FunctionDef, If, IfExp, List, Name, Raise, Return, Slice, Store, Sub, Subscript, Tuple, UnaryOp, While, call_name,
-    stored_names, walk, walk_statements,
+    stored_names, user_call, walk, walk_statements,
 )
 
 STAGES = ("structured", "views", "rename", "atoms", "derivative")
@@ -115,7 +115,7 @@ def _simple(statement: AST, level: int, derivative: bool) -> Iterator[tuple[AST,
         target = statement.targets[0] if isinstance(statement, Assign) else statement.target
         if isinstance(statement, Assign) and len(statement.targets) != 1:
             yield statement, "an assignment with several targets"
-        if isinstance(target, Tuple) and not (call_name(statement.value) or "").startswith("user."):
+        if isinstance(target, Tuple) and not user_call(statement.value):
             yield statement, "several names bound to something that is no kernel's call"
         if not isinstance(target, (Name, Subscript, Tuple)):
             yield statement, f"a {type(target).__name__} as a target"
@@ -133,7 +133,7 @@ def _simple(statement: AST, level: int, derivative: bool) -> Iterator[tuple[AST,
 
 
 def _value(value: AST, level: int, derivative: bool) -> Iterator[tuple[AST, str]]:
-    if (call_name(value) or "").startswith("user."):
+    if user_call(value):
         for argument in value.args:
             yield from _expression(argument, level, derivative)
     else:
@@ -144,7 +144,7 @@ def _expression(node: AST, level: int, derivative: bool) -> Iterator[tuple[AST, 
     for part in walk(node):
         if type(part) is Name or type(part) is Constant:
             continue
-        if (call_name(part) or "").startswith("user."):
+        if user_call(part):
             yield part, "a kernel's call inside an expression"
         if isinstance(part, Subscript) and level and not isinstance(part.value, (Name, Attribute, Tuple)):
             yield part, "a part of an expression"

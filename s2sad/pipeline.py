@@ -39,7 +39,7 @@ from s2sad.run.user_functions_in_numba import compilable
 from s2sad.naming import Names
 from s2sad.passes import Watch, run, unwatched
 from s2sad.simplify import DerivativeContext
-from s2sad.tree import Call, FunctionDef, call_name, names, walk
+from s2sad.tree import Call, FunctionDef, call_name, names, user_call, walk
 from s2sad.units import UnitDerivative, Unit, Units
 
 __all__ = ["EntrySummary", "derive", "summary"]
@@ -162,8 +162,7 @@ def aliased_derivatives(units: Units) -> set[str]:
     shadows may be aliases."""
     found: set[str] = set()
     while True:
-        more = {callee for d in units.derived.values() for n in walk(d.function.body) if isinstance(n, Call)
-                for room, _, callee in [(call_name(n) or "").partition(".")] if room == "user"
+        more = {callee for d in units.derived.values() for n in walk(d.function.body) if (callee := user_call(n))
                 and (d.function.name in found or _repeats([b for a in n.args if (b := base_name(a))
                                                             and b in d.types and d.types[b].is_array]))}
         if more <= found:

@@ -15,7 +15,7 @@ from s2sad.analyze.uses import sources
 from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, Expr, FunctionDef, List, Return, Tuple, call_name, walk, walk_statements,
+    AST, Assign, AugAssign, Call, Expr, FunctionDef, List, Return, Tuple, user_call, walk, walk_statements,
 )
 
 CallEdges = Callable[[Call], list[tuple[int, "int | str"]]]
@@ -65,9 +65,7 @@ def _refuse_tuples(function: FunctionDef, typing: Typing, varied: set[str]) -> N
     for statement in walk(function.body):
         values = []
         if isinstance(statement, (Assign, AugAssign, Expr)):
-            called = statement.value if isinstance(statement.value, Call) else None
-            kernel = called is not None and (call_name(called) or "").startswith("user.")
-            values = called.args if called is not None and kernel else [statement.value]
+            values = statement.value.args if user_call(statement.value) else [statement.value]
         elif isinstance(statement, Return) and statement.value is not None:
             values = statement.value.elts if isinstance(statement.value, Tuple) else [statement.value]
         for value in values:
@@ -97,8 +95,7 @@ def reach(arrows: dict[str, list[str]], start: set[str]) -> set[str]:
 
 def _edges(function: FunctionDef, typing: Typing, call_edges: CallEdges) -> Iterator[tuple[str, str]]:
     for statement in walk_statements(function.body):
-        if isinstance(statement, (Assign, AugAssign, Expr)) and isinstance(statement.value, Call) and (
-                call_name(statement.value) or "").startswith("user."):
+        if isinstance(statement, (Assign, AugAssign, Expr)) and user_call(statement.value):
             yield from _call(statement, typing, call_edges)
         elif isinstance(statement, (Assign, AugAssign)):
             for target in targets(statement):

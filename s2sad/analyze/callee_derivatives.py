@@ -8,7 +8,7 @@ from s2sad.liveness import base_name, targets
 from s2sad.analyze.uses import OperandUses, is_active
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import Type
-from s2sad.tree import AST, Call, call_name
+from s2sad.tree import AST, Call, user_call
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ Derive = Callable[[ActivityPattern], CalleeDerivative]
 
 def is_kernel_call(statement: AST) -> bool:
     """Whether a statement calls another kernel."""
-    return (call_name(getattr(statement, "value", None)) or "").startswith("user.")
+    return user_call(getattr(statement, "value", None)) is not None
 
 
 def activity_pattern(statement: AST, typing: Typing, active: frozenset[str],
@@ -56,7 +56,7 @@ def activity_pattern(statement: AST, typing: Typing, active: frozenset[str],
     """The pattern of a statement's call, by the active names around it."""
     called: Call = statement.value
     bound = [base_name(t) for t in targets(statement)]
-    return ActivityPattern((call_name(called) or "").partition(".")[2], tuple(map(typing.argument, called.args)),
+    return ActivityPattern(user_call(called) or "", tuple(map(typing.argument, called.args)),
                            tuple(k for k, a in enumerate(called.args) if is_active(a, typing, active)),
                            tuple(k for k, b in enumerate(bound) if b in active and typing.table[b].is_inexact),
                            unbounded(statement))

@@ -23,7 +23,7 @@ from s2sad.infer.inference import Typing
 from s2sad.rules.rule import number
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Div, Expr, FunctionDef, IfExp, Mult, Name, Pow, Subscript,
-    UnaryOp, call_name, dump, names, walk, walk_statements,
+    UnaryOp, call_name, dump, names, user_call, walk, walk_statements,
 )
 
 _NEVER_NEGATIVE = frozenset(f"{m}.{n}" for m in ("numpy", "math", "builtins") for n in (
@@ -160,7 +160,7 @@ def _other_writes(function: FunctionDef, statements: list[AST]) -> Iterator[str]
             yield base_name(t)
         if isinstance(node, Assign) and not isinstance(node.targets[0], (Name, Subscript)):
             yield from map(base_name, targets(node))
-        if isinstance(node, Call) and (call_name(node) or "").startswith("user."):
+        if user_call(node):
             yield from (n for a in node.args for n in names(a) if n in bound)
 
 

@@ -31,7 +31,7 @@ from s2sad.rules.power import POWERS
 from s2sad.rules.rule import Rule, number
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Compare, Constant, Div, Expr, FunctionDef, If, Load, Mult,
-    Name, Pow, Subscript, call_name, dump, indices, names, stored_names, walk, walk_statements,
+    Name, Pow, Subscript, call_name, dump, indices, names, stored_names, user_call, walk, walk_statements,
 )
 
 _NAN_TESTS = ("numpy.isnan", "numpy.isfinite", "numpy.isinf", "math.isnan", "math.isfinite", "math.isinf", "numpy.fmax",
@@ -178,7 +178,7 @@ def unbounded_values_of(function: FunctionDef, typing: Typing, activity: Activit
         if not isinstance(s, (Assign, AugAssign, Expr)):
             continue
         bound = {base_name(t) for t in targets(s)}
-        if (call_name(s.value) or "").startswith("user."):
+        if user_call(s.value):
             inner = called(s.value)
             bound |= {base_name(a) for a in s.value.args if typing.of(a).is_array}
             poles |= bound if inner is not None and inner.values else set()
@@ -189,7 +189,7 @@ def unbounded_values_of(function: FunctionDef, typing: Typing, activity: Activit
     tested = reach(backwards, set(_nan_tested(function, typing)))
     discarded = reach(backwards, set(_discarded(function, typing))) if poles | tested else set[str]()
     seeds = reach(backwards, set(_seeds(function, first, called)))
-    callees = [called(n) for n in walk(function.body) if (call_name(n) or "").startswith("user.")]
+    callees = [called(n) for n in walk(function.body) if user_call(n)]
     alone = "seeds" not in boundary and not any(c is not None and c.seeds for c in callees)
     return UnboundedValues(typing, activity.active, flat, frozenset(reach(forwards, poles | tested)),
                            activity.active if "values" in boundary else frozenset(discarded),
@@ -203,7 +203,7 @@ def _seeds(function: FunctionDef, known: UnboundedValues, called: Callable[[Call
     """The names whose seeds are computed with slopes that can be infinite where values are finite."""
     for node in walk(function.body):
         read: list[AST] = []
-        if (call_name(node) or "").startswith("user."):
+        if user_call(node):
             inner = called(node)
             read = node.args if inner is not None and inner.seeds else []
         elif found := operated(node, known.typing):

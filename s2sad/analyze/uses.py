@@ -15,7 +15,7 @@ from s2sad.rules.operation import operation
 from s2sad.rules.rule import RESULT, Rule
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, BoolOp, Call, Compare, Constant, IfExp, Name, Subscript, call_name, children,
-    indices, walk,
+    indices, user_call, walk,
 )
 
 
@@ -135,7 +135,7 @@ def uses(statement: AST, typing: Typing, active: frozenset[str],
          call_uses: Callable[[AST, OperandUses], None]) -> OperandUses:
     """What the adjoint of a simple statement, a whole-array statement or a call reads."""
     found = OperandUses()
-    if not isinstance(statement, (Assign, AugAssign)) or (call_name(statement.value) or "").startswith("user."):
+    if not isinstance(statement, (Assign, AugAssign)) or user_call(statement.value):
         if isinstance(getattr(statement, "value", None), Call):
             call_uses(statement, found)
         return found

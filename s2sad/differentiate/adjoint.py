@@ -37,9 +37,9 @@ from s2sad.infer.types import BOOL, Type
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.program import MISFIT
 from s2sad.tree import (
-    AST, Add, Assert, Assign, AugAssign, Call, Constant, Eq, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple,
-    assign, at, attribute, augment, call, call_name, comment, compare, const, copy, function, index, indices, name,
-    names, stored_names, tuple_of, walk, walk_statements,
+    AST, Add, Assert, Assign, AugAssign, Constant, Eq, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple, assign,
+    at, attribute, augment, call, comment, compare, const, copy, function, index, indices, name, names, stored_names,
+    tuple_of, user_call, walk, walk_statements,
 )
 
 
@@ -289,6 +289,6 @@ def touched(block: list[AST]) -> set[str]:
     for node in walk(block):
         if isinstance(node, (Assign, AugAssign)):
             found |= {base_name(t) for t in targets(node)}
-        elif isinstance(node, Call) and (call_name(node) or "").startswith("user."):
+        elif user_call(node):
             found |= set(map(base_name, node.args))
     return found

@@ -20,8 +20,8 @@ from s2sad.infer.shapes import Shapes
 from s2sad.infer.types import INT
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, Call, Expr, For, Gt, If, Name, Return, Subscript, While, assign, at, augment, call,
-    call_name, compare, const, copy, counted_for, forget, index, indices, name, sub, walk, walk_statements,
+    AST, Add, Assign, AugAssign, Expr, For, Gt, If, Name, Return, Subscript, While, assign, at, augment, call,
+    call_name, compare, const, copy, counted_for, forget, index, indices, name, sub, user_call, walk, walk_statements,
 )
 
 Adjoint = Callable[[AST], list[AST]]
@@ -185,8 +185,7 @@ class Sweeps(Recording):
             return [If(copy(statement.test), self.reverse(statement.body), self.reverse(statement.orelse))]
         stores = self.stores_of(statement)
         popped = [s for store in stores for s in self.restore(store)]
-        called = isinstance(getattr(statement, "value", None), Call) and (
-            call_name(statement.value) or "").startswith("user.")
+        called = user_call(getattr(statement, "value", None))
         again = [s for store in stores if called
                  for s in self.tape.read(self.store_stack(store), whole_place(self.snapshot(store)))]
         if id(statement) in self.plan.reallocated:

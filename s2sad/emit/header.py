@@ -6,7 +6,7 @@ from s2sad.emit.stack_report import recorded_lines
 from s2sad.normalize.calls.global_arrays import hidden_name
 from s2sad.program import Request
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, Expr, For, FunctionDef, If, Return, Subscript, While, call_name, const, copy, walk,
+    AST, Assign, AugAssign, Expr, For, FunctionDef, If, Return, Subscript, While, const, copy, user_call, walk,
 )
 from s2sad.units import UnitDerivative, Unit, Units
 
@@ -70,7 +70,7 @@ def _reads(statement: AST, array: str, units: Units) -> bool:
 
 def _read(value: AST, array: str, units: Units) -> bool:
     """Whether an expression reads elements; an array passed to a kernel is read if that reads it."""
-    unit = units.callee(value) if isinstance(value, Call) and (call_name(value) or "").startswith("user.") else None
+    unit = units.callee(value) if user_call(value) else None
     if unit is None:
         return array in read_names(value)
     parameters = [p.id for p in unit.function.args.args]

@@ -5,15 +5,16 @@ from collections.abc import Iterable
 
 from s2sad.rules import find_array
 from s2sad.tree import (
-    AST, AugAssign, Call, Expr, For, FunctionDef, GeneratorExp, ListComp, Subscript, call_name, copy, function, walk,
+    AST, AugAssign, Call, Expr, For, FunctionDef, GeneratorExp, ListComp, Subscript, call_name, copy, function,
+    user_call, walk,
 )
 from s2sad.units import Unit, Units
 
 
 def kernels_called(functions: Iterable[FunctionDef], units: Units) -> list[str]:
     """The titles of the units that functions call."""
-    found = [(call_name(n) or "").partition(".") for f in functions for n in walk(f.body) if isinstance(n, Call)]
-    return list(dict.fromkeys(t for room, _, t in found if room == "user" and t in units.titled))
+    found = (user_call(n) for f in functions for n in walk(f.body))
+    return list(dict.fromkeys(t for t in found if t in units.titled))
 
 
 def primal_functions(units: Units, titles: list[str]) -> list[FunctionDef]:

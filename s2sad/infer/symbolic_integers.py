@@ -12,8 +12,8 @@ from s2sad.infer.affine import Affine, combined
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import ONE, Shape, whole_number
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Call, Mod, Mult, Name, Sub, Subscript, USub, UnaryOp, attribute, call, call_name,
-    children, const, copy, dump, index, name, names,
+    AST, Add, Attribute, BinOp, Mod, Mult, Name, Sub, Subscript, USub, UnaryOp, attribute, call, call_name, children,
+    const, copy, dump, index, name, names, user_call,
 )
 
 _NAMES = 64     # that are followed for one form
@@ -124,7 +124,7 @@ class Sizes(ABC):
         if any(n not in self.values for n in names(node) if not self.typing.table[n].is_array):
             return False
         return not any(isinstance(n, Name) and n.id in self.typing.table and self.typing.table[n.id].is_array
-                       or isinstance(n, Call) and (call_name(n) or "").startswith("user.") for n in _content(node))
+                       or user_call(n) for n in _content(node))
 
     def is_counted(self, node: AST) -> bool:
         """Whether an integer expression is known not to be negative: made of counters and sizes."""

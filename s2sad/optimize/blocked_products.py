@@ -55,7 +55,7 @@ from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, Break, Call, For, FunctionDef, Name, Return, Slice, Store, Subscript,
     add, assign, at, attribute, augment, call, call_name, children, const, copy, counted_for, dump, index, indices,
-    name, names, rebuild, sub, tuple_of, walk, walk_statements, with_body,
+    name, names, rebuild, sub, tuple_of, user_call, walk, walk_statements, with_body,
 )
 
 CHANGES_ROUNDING = True
@@ -119,7 +119,7 @@ class BlockedLoop:
         self.loop, self.bounds, self.text = loop, bounds, text
         self.counter = bounds.counter
         self.changed = bound_names(loop.body) | {self.counter}
-        given = {n for c in walk(loop.body) if (call_name(c) or "").startswith("user.") for n in names(c)}
+        given = {n for c in walk(loop.body) if user_call(c) for n in names(c)}
         self.stored = given | {base_name(t) for t in stored_elements(loop.body)}
         self.inside = Counter(n.id for n in walk(loop.body) if isinstance(n, Name))
         self.first, self.last = text.free.fresh("first"), text.free.fresh("last")
@@ -245,7 +245,7 @@ class BlockedLoop:
                 row) != 1 or dump(row.slice) != dump(name(self.counter)) or row.value.id in self.changed:
             return None
         matrix = row.value.id
-        given = any((call_name(c) or "").startswith("user.") and matrix in names(c) for c in walk(self.loop.body))
+        given = any(user_call(c) and matrix in names(c) for c in walk(self.loop.body))
         early = any(base_name(t) == matrix for t in stored_elements(self.loop.body[:position + 1]))
         own = all(dump(indices(t)[0]) == dump(name(self.counter)) for t in stored_elements(self.loop.body)
                   if base_name(t) == matrix)
@@ -308,7 +308,7 @@ class BlockedLoop:
             return not self.changed & set(names(node))
         if isinstance(node, Name):
             return node.id not in self.changed | self.stored
-        return not (call_name(node) or "").startswith("user.") and all(map(self.is_invariant, children(node)))
+        return not user_call(node) and all(map(self.is_invariant, children(node)))
 
     def is_used_only_in(self, target: Subscript, nest: AST) -> bool:
         """Whether the loop mentions an array in one nest only."""

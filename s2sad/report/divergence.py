@@ -24,8 +24,8 @@ from s2sad.report.differences import differences
 from s2sad.interface.selection import RETURN, flat_seed
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, Expr, FunctionDef, Name, Return, Subscript, call, call_name, const, copy, index,
-    indices, is_comment, name, rename, walk,
+    AST, Assign, AugAssign, Expr, FunctionDef, Name, Return, Subscript, call, const, copy, index, indices, is_comment,
+    name, rename, user_call, walk,
 )
 from s2sad.units import UnitDerivative, Units
 
@@ -124,7 +124,7 @@ def _probes(statement: AST, primals: dict[str, str], derived: UnitDerivative) ->
     if not isinstance(statement, (Assign, AugAssign, Expr)) or _where(statement) is None:
         return []
     moved: list[AST] = [t for t in targets(statement) if base_name(t) in primals]
-    if isinstance(statement.value, Call) and (call_name(statement.value) or "").startswith("user."):
+    if user_call(statement.value):
         moved += [a for a in statement.value.args if base_name(a) in primals and table[base_name(a)].is_array]
     for target in moved:
         primal = primals[base_name(target)]

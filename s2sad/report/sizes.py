@@ -15,7 +15,7 @@ from s2sad.liveness import base_name, targets
 from s2sad.emit.layout import text
 from s2sad.emit.stack_report import StackEntry
 from s2sad.normalize.loops.hoist_allocations import is_allocation
-from s2sad.tree import AST, Call, Name, call_name, names, walk
+from s2sad.tree import AST, Call, Name, call_name, calls_kernel, names, user_call, walk
 from s2sad.units import Unit, Units
 
 _BUILTINS = {"len": len, "range": range, "abs": abs, "min": min, "max": max, "int": int, "float": float, "bool": bool,
@@ -58,7 +58,7 @@ class SizeEvaluator:
 
     def value(self, node: AST) -> Any:
         """The value of an expression; raises Unknown."""
-        if any((call_name(n) or "").startswith("user.") for n in walk(node) if isinstance(n, Call)):
+        if calls_kernel(node):
             raise Unknown
         space = {n: self.name(n) for n in names(node)}
         space |= {n.id[6:]: self.constants[n.id[6:]] for n in walk(node)
@@ -92,8 +92,7 @@ def sizes_of(units: Units, entry: Unit, arguments: Mapping[str, Any]) -> dict[st
     while waiting:
         unit = waiting.pop(0)
         for node in walk(unit.function.body):
-            called = units.callee(node) if isinstance(node, Call) and (call_name(node) or "").startswith("user.") \
-                else None
+            called = units.callee(node) if user_call(node) else None
             if called is not None and called.title not in found:
                 found[called.title] = SizeEvaluator(called, _passed(found[unit.title], called, node), constants)
                 waiting.append(called)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from s2sad.differentiate.split_adjoints import POP, PUSH
 from s2sad.infer.inference import Typing
 from s2sad.liveness import Accesses, Liveness, base_name, targets
-from s2sad.tree import Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, names, walk
+from s2sad.tree import Assert, Assign, AugAssign, Call, FunctionDef, Raise, Subscript, call_name, names, user_call, walk
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,7 @@ class Effects:
     table: dict[str, Effect] = field(default_factory=dict)
 
     def of(self, called: Call) -> Effect | None:
-        room, _, title = (call_name(called) or "").partition(".")
-        return self.table.get(title) if room == "user" else None
+        return self.table.get(user_call(called) or "")
 
     def writes(self, called: Call) -> list[str]:
         effect = self.of(called)

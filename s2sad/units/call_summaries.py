@@ -4,7 +4,7 @@ from __future__ import annotations
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.uses import reads_own_result
 from s2sad.analyze.callee_derivatives import is_kernel_call
-from s2sad.tree import AST, Assign, AugAssign, Call, Expr, FunctionDef, Subscript, call_name, walk_statements
+from s2sad.tree import AST, Assign, AugAssign, Call, Expr, FunctionDef, Subscript, user_call, walk_statements
 from s2sad.units.unit import Unit
 
 
@@ -13,8 +13,7 @@ class Calls:
     titled: dict[str, Unit]
 
     def callee(self, node: Call) -> Unit | None:
-        room, _, title = (call_name(node) or "").partition(".")
-        return self.titled.get(title) if room == "user" else None
+        return self.titled.get(user_call(node) or "")
 
     def runs_once(self, node: Call) -> bool:
         """Whether a kernel's call is not run again by a reverse sweep: its derivative is the user's own."""

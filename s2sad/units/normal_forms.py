@@ -22,7 +22,7 @@ from s2sad.normalize.dtypes.weak_results import KnownResults
 from s2sad.passes import Pass, Passes, Watch, run, unwatched
 from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects
-from s2sad.tree import Assert, Call, FunctionDef, Name, Raise, call_name, stored_names, walk
+from s2sad.tree import Assert, Call, FunctionDef, Name, Raise, call_name, stored_names, user_call, walk
 from s2sad.units.call_summaries import Calls, stored_arrays
 from s2sad.units.primal_form import primal_form, same_primal
 from s2sad.units.unit import UnitSummary, Unit
@@ -127,7 +127,7 @@ class NormalForms(Calls):
             edges += [(position, f) for f in sorted(found) if f.startswith("return ")]
         parts = returned(tree)
         guards = any(isinstance(n, (Assert, Raise)) or call_name(n) == "builtins.print" for n in walk(tree.body))
-        calls = [n for n in walk(tree.body) if isinstance(n, Call) and (call_name(n) or "").startswith("user.")]
+        calls = [n for n in walk(tree.body) if user_call(n)]
         results = tuple(map(typing.of, parts))
         if kernel.own is not None:
             edges = user_edges({p: typing.table[p] for p in parameters}, results, written, edges,
@@ -142,7 +142,7 @@ class NormalForms(Calls):
         return self.program.kernels[kernel.residual].parameters if kernel.residual else None
 
     def of_call(self, called: Call, typing: Typing) -> Unit:
-        return self.unit((call_name(called) or "").partition(".")[2], tuple(map(typing.argument, called.args)))
+        return self.unit(user_call(called) or "", tuple(map(typing.argument, called.args)))
 
     def call_types(self, kernel: str, types: tuple[Type, ...]) -> tuple[Type, ...]:
         return self.unit(kernel, types).summary.results

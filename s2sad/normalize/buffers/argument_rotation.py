@@ -39,7 +39,7 @@ from s2sad.normalize.buffers.allocations import ALLOCATING
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, BinOp, Call, Eq, For, FunctionDef, If, Name, Return, Sub, Subscript, While,
-    assign, at, call, call_name, compare, const, copy, index, name, names, rename, stored_names, walk,
+    assign, at, call, call_name, compare, const, copy, index, name, names, rename, stored_names, user_call, walk,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -167,8 +167,7 @@ def _is_stored_into(function: FunctionDef, group: set[str]) -> bool:
             isinstance(node.targets[0], Subscript) else None
         while isinstance(target, Subscript):
             target = target.value
-        if isinstance(target, Name) and target.id in group or isinstance(node, Call) and (
-                call_name(node) or "").startswith("user.") and group & set(names(node.args)):
+        if isinstance(target, Name) and target.id in group or user_call(node) and group & set(names(node.args)):
             return True
     return False
 

@@ -31,7 +31,7 @@ from s2sad.normalize.buffers.access_paths import AMBIGUOUS, AccessPath
 from s2sad.normalize.single_assignment import breaks
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, BinOp, Break, Call, For, If, Name, Subscript, While, assign, at, call, call_name,
-    const, copy, dump, index, name, names, stored_names, walk, walk_statements,
+    const, copy, dump, index, name, names, stored_names, user_call, walk, walk_statements,
 )
 
 Tail = dict[str, str]                   # the buffers of a loop, by their names
@@ -119,7 +119,7 @@ class LoopCarried(Joins):
                 found |= {node.target.id} if isinstance(node.target, Name) else set(names(node.target))
             elif isinstance(node, Assign) and isinstance(node.targets[0], Subscript):
                 found |= set(names(node.targets[0].value))
-            elif isinstance(node, Call) and (call_name(node) or "").startswith("user."):
+            elif user_call(node):
                 found |= {n for k in self.writes(node) for n in names(node.args[k])}
         while True:
             grown = {n for node in walk_statements(loop) if isinstance(node, Assign)

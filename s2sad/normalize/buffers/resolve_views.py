@@ -34,8 +34,8 @@ from s2sad.normalize.loops.reduction_loops import is_reduction
 from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Expr, For, FunctionDef, If, Name, Return, Slice, Store,
-    Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, index, indices, is_unset, name, rebuild,
-    tuple_of, walk, walk_statements, with_body,
+    Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, index, indices, is_unset, name,
+    rebuild, tuple_of, user_call, walk, walk_statements, with_body,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -124,7 +124,7 @@ class _ResolveViews(LoopCarried):
 
     def resolved_call(self, value: AST, statement: AST) -> AST:
         """The value resolved; notes the arrays that a call stores into."""
-        if isinstance(value, Call) and (call_name(value) or "").startswith("user."):
+        if user_call(value):
             for position in self.writes(value):
                 self.note_store((self.access_path(value.args[position]) or AMBIGUOUS)[0], statement)
         return self.resolve(value)

@@ -115,8 +115,7 @@ def _lengths(program: Program) -> dict[str, int]:
 
 
 def _length(tree: FunctionDef, lengths: Mapping[str, int]) -> int:
-    called = (k for n in walk(tree.body) for room, _, k in [(call_name(n) or "").partition(".")] if room == "user")
-    return sum(1 for _ in walk(tree.body)) + sum(lengths.get(k, 0) for k in called)
+    return sum(1 + lengths.get(user_call(n) or "", 0) for n in walk(tree.body))
 
 
 def _store(word: str, value: AST) -> AST:

@@ -40,8 +40,8 @@ from s2sad.normalize.buffers.argument_rotation import rotated
 from s2sad.program import Kernel, Program
 from s2sad.tree import (
     AST, Assign, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, Name, Not, NotEq, Return, Store, Tuple,
-    UnaryOp, While, assign, at, call_name, copy, function, name, names, rebuild, stored_names, tuple_of, walk,
-    walk_statements, with_body,
+    UnaryOp, While, assign, at, copy, function, name, names, rebuild, stored_names, tuple_of, user_call,
+    walk, walk_statements, with_body,
 )
 
 Structured = Callable[[Kernel, Names, Program], FunctionDef]
@@ -143,8 +143,7 @@ def returned(tree: FunctionDef) -> list[AST]:
 
 def _called(node: AST) -> str:
     """The user's function that a node calls, or ""."""
-    room, _, kernel = (call_name(node) or "").partition(".")
-    return kernel if room == "user" else ""
+    return user_call(node) or ""
 
 
 class _Inline:

@@ -21,7 +21,7 @@ from s2sad.naming import Names
 from s2sad.normalize.calls.inline import Helpers, returned
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.dtypes.float32_promotion import float32_promotion, has_singles, mixtures
-from s2sad.tree import Call, FunctionDef, Name, call_name, user_call, walk
+from s2sad.tree import Call, FunctionDef, Name, user_call, walk
 
 
 Read = tuple[FunctionDef, Typing]
@@ -70,7 +70,7 @@ class WeakResults:
         return WeakResults(self.helpers, typing, self.known)
 
     def key(self, node: Call) -> tuple[str, tuple[Type, ...]]:
-        return (call_name(node) or "").partition(".")[2], tuple(map(self.typing.argument, node.args))
+        return user_call(node) or "", tuple(map(self.typing.argument, node.args))
 
     def callee(self, node: Call) -> Read | None:
         """The function that a call calls, and its types; None if it is not read."""

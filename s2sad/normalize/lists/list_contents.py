@@ -19,8 +19,8 @@ from s2sad.normalize.views.view_aliases import makes_view
 from s2sad.program import Program
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, If, IfExp, List, Name,
-    Store, Sub, Subscript, While, call, call_name, const, index, indices, name, names, rebuild, rename,
-    stored_names, walk, walk_statements,
+    Store, Sub, Subscript, While, call, call_name, const, index, indices, name, names, rebuild, rename, stored_names,
+    user_call, walk, walk_statements,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -157,7 +157,7 @@ class ListContents:
         target = statement.targets[0] if isinstance(statement, Assign) else getattr(statement, "target", None)
         whole = isinstance(statement, AugAssign) and target is not None and self.typing.of(target).is_array
         found = {base_name(target)} if isinstance(target, Subscript) or whole else set()
-        called = isinstance(statement.value, Call) and (call_name(statement.value) or "").startswith("user.")
+        called = user_call(statement.value)
         return found | ({base_name(statement.value.args[k]) for k in self.writes(statement.value)} if called else set())
 
 

@@ -25,7 +25,7 @@ from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
     AST, Add, Assert, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Eq, FunctionDef, Gt, If, IfExp,
     List, Mult, Name, Not, NotEq, Slice, Store, Subscript, Tuple, UnaryOp, While, at, call, call_name, compare, const,
-    copy, indices, name, rebuild, tuple_of, walk, walk_statements,
+    copy, indices, name, rebuild, tuple_of, user_call, walk, walk_statements,
 )
 
 Levels = tuple[str, ...]        # what a value is, then what its items are, ...: "list", "tuple" or EITHER; () an array
@@ -94,7 +94,7 @@ class _ListOperators:
             return (EITHER,) if found else found
         if call_name(node) in MARKS and isinstance(node, Call):
             return (MARKS[call_name(node) or ""], *(self.of(node.args[0]) or ())[1:])
-        passed = isinstance(node, Call) and (call_name(node) or "").startswith("user.") and any(map(self.of, node.args))
+        passed = user_call(node) and any(map(self.of, node.args))
         return (EITHER,) if passed and self.typing.of(node).is_array else ()
 
     def of_operator(self, node: BinOp, left: Levels | None, right: Levels | None) -> Levels | None:
@@ -230,7 +230,7 @@ class _ListOperators:
 
     def depends_on_lists(self, node: Call, passed: list[Levels]) -> bool:
         """Whether a function uses an operator that is another one for lists and tuples than for arrays."""
-        kernel = (call_name(node) or "").partition(".")[2]
+        kernel = user_call(node) or ""
         source = self.helpers.program.kernels.get(kernel)
         if source is None or source.own is not None or kernel in self.callers:
             return source is not None and source.own is not None

@@ -31,7 +31,8 @@ from s2sad.normalize.views.view_aliases import (
 )
 from s2sad.tree import (
     AST, Assign, AugAssign, Break, Call, Expr, For, FunctionDef, If, Name, Raise, Return, Store, Subscript, While,
-    assign, at, call, call_name, const, copy, index, name, names, rename, times_bound, walk, walk_statements, with_body,
+    assign, at, call, call_name, const, copy, index, name, names, rename, times_bound, user_call, walk,
+    walk_statements, with_body,
 )
 
 _IDENTITIES = {"numpy.asarray", "numpy.ascontiguousarray"}
@@ -50,9 +51,7 @@ def coherence(function: FunctionDef, context: NormalContext) -> FunctionDef:
 
 def _results(function: FunctionDef, context: NormalContext) -> list[str]:
     """The arrays that take what functions return."""
-    return [base_name(a) for n in walk(function.body) if isinstance(n, Call)
-            for room, _, kernel in [(call_name(n) or "").partition(".")] if room == "user"
-            if kernel in context.program.kernels
+    return [base_name(a) for n in walk(function.body) if (kernel := user_call(n)) in context.program.kernels
             for a in n.args[len(n.args) - context.program.kernels[kernel].results:]]
 
 
@@ -282,8 +281,7 @@ class CoherenceCopies:
 
     def is_passed_both(self, statement: AST) -> bool:
         """Whether a kernel that stores into an array has both sides as arguments."""
-        return any(isinstance(n, Call) and (call_name(n) or "").startswith("user.") and self.writes(n)
-                   and all(self.aliases.mentioned(n)) for n in walk(statement))
+        return any(user_call(n) and self.writes(n) and all(self.aliases.mentioned(n)) for n in walk(statement))
 
     def compound(self, statement: AST) -> list[AST]:
         """A loop or branch with both sides coherent where its blocks begin and end."""

@@ -21,7 +21,7 @@ from s2sad.normalize.context import NormalContext
 from s2sad.normalize.shape_guards import contiguous
 from s2sad.tree import (
     AST, Assign, BinOp, Call, Constant, FunctionDef, Name, Slice, Store, Subscript, UnaryOp, at, call_name, copy,
-    indices, name, walk,
+    indices, name, user_call, walk,
 )
 
 Asked = Callable[[Call], Sequence[int]]
@@ -171,7 +171,7 @@ def contiguous_arguments(function: FunctionDef, context: NormalContext) -> None:
     """
     found, whole, report = context.contiguous, context.contiguity, context.report
     for node in walk(function.body):
-        if isinstance(node, Call) and (call_name(node) or "").startswith("user."):
+        if user_call(node):
             called = context.callees.of_call(node, context.typing)
             for argument in (node.args[k] for k in called.contiguous):
                 needed = whole.needs(argument)

@@ -22,7 +22,7 @@ from s2sad.liveness import Accesses, Liveness, base_name, read_names, targets
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, IfExp, List, Mult, Name,
-    Slice, Sub, Subscript, Tuple, USub, UnaryOp, call_name, copy, dump, indices, names, times_bound, walk,
+    Slice, Sub, Subscript, Tuple, USub, UnaryOp, call_name, copy, dump, indices, names, times_bound, user_call, walk,
     walk_statements,
 )
 
@@ -74,7 +74,7 @@ def diverging_stores(function: FunctionDef, typing: Typing, writes: Writes) -> I
         if not isinstance(statement, (Assign, AugAssign, Expr)):
             continue
         value = statement.value
-        called = isinstance(value, Call) and (call_name(value) or "").startswith("user.")
+        called = user_call(value)
         near = live.after[id(statement)] | parameters | (read_names(value) if called else set())
         for n in sorted(stored_arrays(statement, typing, writes)):
             yield from ((statement, n, other) for other in sorted(near) if _diverge(n, other, links))
@@ -83,9 +83,9 @@ def diverging_stores(function: FunctionDef, typing: Typing, writes: Writes) -> I
 def stored_arrays(statement: AST, typing: Typing, writes: Writes) -> set[str]:
     """The arrays that a simple statement stores into."""
     value = getattr(statement, "value", None)
-    called = isinstance(value, Call) and (call_name(value) or "").startswith("user.")
+    called = value if isinstance(value, Call) and user_call(value) else None
     return {base_name(t) for t in targets(statement) if isinstance(t, Subscript) or isinstance(
-        statement, AugAssign) and typing.of(t).is_array} | set(writes(value) if called else ())
+        statement, AugAssign) and typing.of(t).is_array} | set(() if called is None else writes(called))
 
 
 def sources(statement: AST, typing: Typing) -> list[tuple[AST, bool]]:
