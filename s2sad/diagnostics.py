@@ -54,7 +54,7 @@ def _lines(text: str) -> list[str]:
 class Source:
     """A text with its path as the user knows it; `first` is the number of its first line in the file.
 
-    A kernel into which functions of other files were written knows these, too: the lines of the k-th follow from line
+    A kernel into which functions of other files were inlined knows these, too: the lines of the k-th follow from line
     k * APART on. `renamed` pairs names that variables of inner scopes were given with those that they have in the text.
     `call` is the place in the kernel's file from which a function of another file was first called.
     """

@@ -97,7 +97,7 @@ class Helpers:
         return tree, Typing({**table, **types}, self.results, Report(source), values)
 
     def written(self, kernel: str, types: tuple[Type, ...]) -> FunctionDef:
-        """The function as it is written out for arguments of these types."""
+        """The function that is inlined for arguments of these types."""
         tree, source = self.tree(kernel), self.program.kernels[kernel].source
         free = Names(n.id for n in walk(tree) if isinstance(n, Name))
         tree, typing = self.typing(tree, dict(zip((p.id for p in tree.args.args), types)), source, free)
@@ -147,7 +147,7 @@ def _called(node: AST) -> str:
 
 
 class _Inline:
-    """The statements of one function; `changed` if a call was written out."""
+    """The statements of one function; `changed` if a call was inlined."""
     typing: Typing
 
     def __init__(self, free: Names, source: Source, helpers: Helpers):
@@ -290,7 +290,7 @@ def _without_dead_branches(block: list[AST]) -> list[AST]:
 
 
 def _constant_truth(test: AST) -> bool | None:
-    """What a test of written numbers and strings says."""
+    """The value of a test of literals; None if it is none."""
     if isinstance(test, UnaryOp) and isinstance(test.op, Not):
         inner = _constant_truth(test.operand)
         return None if inner is None else not inner

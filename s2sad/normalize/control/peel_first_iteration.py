@@ -1,5 +1,4 @@
-"""peel_first_iteration: a number that becomes an array in a loop is one in its first trip alone, which stands before
-it.
+"""peel_first_iteration: a number that a loop makes an array is a number in the first iteration alone, which is peeled.
 
     acc = 0.0                       acc = 0.0
     for k in range(n):              assert 0 < n, "..."
@@ -7,8 +6,8 @@ it.
                                     for k in range(1, n):
                                         acc += w[k] * x
 
-Requires structured form. It is asked of the names that have several types, where nothing else told these apart: those
-that are bound to a written number, and added to before anything else is done with them.
+Requires structured form. Tried on names of several types in one live range: those that are bound to a literal number,
+and added to before anything else is done with them.
 """
 from __future__ import annotations
 
@@ -21,19 +20,19 @@ from s2sad.tree import (
 )
 
 
-def peel_first_iteration(function: FunctionDef, confused: set[str], free: Names) -> FunctionDef | None:
+def peel_first_iteration(function: FunctionDef, conflicting: set[str], free: Names) -> FunctionDef | None:
     """The function in that form; None if it is as it was."""
-    made = _FirstIterations(confused, free)
+    made = _FirstIterations(conflicting, free)
     body = made.block(function.body, set())
     return at(FunctionDef(*[body if f == "body" else getattr(function, f) for f in function._fields]),
               function) if made.changed else None
 
 
 class _FirstIterations:
-    """A walk in the order of execution; `numbers` are the confused names that hold a written number."""
+    """A walk in the order of execution; `numbers` are the conflicting names that hold a literal number."""
 
-    def __init__(self, confused: set[str], free: Names):
-        self.confused, self.free, self.changed = confused, free, False
+    def __init__(self, conflicting: set[str], free: Names):
+        self.conflicting, self.free, self.changed = conflicting, free, False
 
     def block(self, block: list[AST], numbers: set[str]) -> list[AST]:
         return [at(made, s) for s in block for made in self.statement(s, numbers)]
@@ -53,7 +52,7 @@ class _FirstIterations:
             new = assign(word, binary(name(word), statement.op, statement.value))
         numbers -= set(stored_names(statement))
         target = statement.targets[0] if isinstance(statement, Assign) else None
-        if isinstance(target, Name) and target.id in self.confused and _is_number(statement.value):
+        if isinstance(target, Name) and target.id in self.conflicting and _is_number(statement.value):
             numbers.add(target.id)
         return [new]
 
