@@ -69,8 +69,11 @@ def split_iteration(ev: Evaluator, through: Value, node: AST) -> Split | None:
         rest = Data(tree.at(tree.index(tree.copy(base), tree.Slice(tree.const(1), None, None)), node),
                     origins=through.origins)
         test = tree.compare(tree.call("len", tree.copy(base)), tree.Gt(), tree.const(0))
-        return Split(ev.named(first, "first", node), ev.named(rest, "rest", node), (test,),
-                     ev.shape_of(through).demands)
+        shape = ev.shape_of(through)
+        if shape.is_known and shape.known and shape.known[0] == 0:
+            return None
+        tests = () if shape.is_known and shape.known else (test,)
+        return Split(ev.named(first, "first", node), ev.named(rest, "rest", node), tests, shape.demands)
     if not isinstance(through, Iteration):
         return None
     if through.kind == "range":

@@ -23,6 +23,7 @@ def unrolled(ev: Evaluator, s: Any, cursor: Any, f: Frame, bind: Callable[[Value
         while True:
             found = cursor.next()
             if found is None:
+                del ev.loops[depth:]        # a jump in `else` is one of the loop around
                 ev.statements(s.orelse, f)
                 return
             item, cursor = found

@@ -307,6 +307,15 @@ def jumps_in_nested_loops(x):
     return s
 
 
+def best_of_an_array(x):
+    best, counter = None, Counter()
+    for v in x:
+        if best is None or v * v > best:
+            best = v * v
+            counter.n += 1
+    return best * x[0] * counter.n
+
+
 def cases():
     for kernel in (
             time_loop_over_a_dict, default_factories, views_in_a_list, counter_in_nested_loops,
@@ -314,5 +323,5 @@ def cases():
             results_that_are_gathered, loop_with_else_and_break, tree_of_objects, while_in_a_helper,
             values_when_their_round_comes, ragged_rows, inheritance_and_properties, list_that_grows_with_time,
             with_and_finally, recursion_that_ends, best_of_all, dict_by_numbers, history, closure_over_a_list,
-            array_under_several_names, copied_lists, jumps_in_nested_loops):
+            array_under_several_names, copied_lists, jumps_in_nested_loops, best_of_an_array):
         yield Case(kernel, (X,), "x")

@@ -199,6 +199,30 @@ def peel_break(x):
     return x[0]
 
 
+def jumps_in_else(x):
+    p = [x[0], x[1], x[2]]
+    z = 0.0
+    for a in range(3):
+        for b in range(3):
+            if p[a] * x[b] > 1.0:
+                z = p[a]
+                break
+            z += x[b]
+        else:
+            continue
+        z *= 2.0
+    for a in range(3):
+        for b in (0, 1):
+            if x[a] * p[b] > 0.6:
+                break
+            z += p[b] * x[a]
+        else:
+            z *= x[3]
+            break
+        z += x[0]
+    return z
+
+
 def cases():
     for kernel in (
         newton,
@@ -214,5 +238,6 @@ def cases():
         prev_none_obj,
         peel_return,
         peel_break,
+        jumps_in_else,
     ):
         yield Case(kernel, (X,), "x")
