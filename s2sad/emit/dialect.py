@@ -31,7 +31,8 @@ def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:
     """The functions, callees first, for the units' engine."""
     if units.engine == "numba":
         primals = {title: u.lowered_types for title, u in units.titled.items()}
-        return [bind_before_loops(for_numba(f), primals.get(f.name, {})) for f in functions]
+        made = map(for_numba, functions)        # derivatives come of normal form, which binds what it reads
+        return [bind_before_loops(f, primals[f.name]) if f.name in primals else f for f in made]
     types = {d.function.name: d.types for d in units.derived.values()}
     types |= {title: {**u.typing.table, **dict(zip((p.id for p in u.lowered.args.args), u.types))}
               for title, u in units.titled.items()}

@@ -170,13 +170,13 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     >>> vjp(scale, (np.ones(2), 3.0), {"u": np.ones(2)})
     {'u': array([3., 3.]), 'c': 2.0}
     """
-    given, args, _ = apply_functions(f, _listed(args), {})
+    given, args, _ = apply_functions(f, _argument_tuple(args), {})
     state, names = derivatives_of(given).state(), names_of(wrt, given)
     flattened = flatten(state, args)
     if flattened is not None:
-        _named(seeds, "seeds")
+        _keys_of(seeds, "seeds")
         return with_structures.vjp(flattened, f, bind(state.kernel, args), seeds, names)
-    key = ("vjp", names, _named(seeds, "seeds"), describe(args), selection_of(f))
+    key = ("vjp", names, _keys_of(seeds, "seeds"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
         entry = state.entries[key] = ReverseCall(state, f, args, tuple(seeds), names)
@@ -200,20 +200,20 @@ def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any],
     >>> jvp(scale, (np.ones(2), 3.0), {"c": 1.0})
     {'u': array([1., 1.])}
     """
-    given, args, _ = apply_functions(f, _listed(args), {})
+    given, args, _ = apply_functions(f, _argument_tuple(args), {})
     state, names = derivatives_of(given).state(), names_of(of, given, "of")
     flattened = flatten(state, args)
     if flattened is not None:
-        _named(tangents, "tangents")
+        _keys_of(tangents, "tangents")
         return with_structures.jvp(flattened, f, bind(state.kernel, args), tangents, names)
-    key = ("jvp", names, _named(tangents, "tangents"), describe(args), selection_of(f))
+    key = ("jvp", names, _keys_of(tangents, "tangents"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
         entry = state.entries[key] = ForwardCall(state, f, args, tuple(tangents), names)
     return entry.jvp(args, tangents)
 
 
-def _listed(args: Any) -> tuple[Any, ...]:
+def _argument_tuple(args: Any) -> tuple[Any, ...]:
     """The arguments of a call as a tuple; an array alone, whose elements these would be, is refused."""
     if isinstance(args, (tuple, list)):
         return tuple(args)
@@ -221,7 +221,8 @@ def _listed(args: Any) -> tuple[Any, ...]:
                                 help="give a tuple of the function's arguments, as (u,)"))
 
 
-def _named(values: Any, what: str) -> tuple[str, ...]:
+def _keys_of(values: Any, what: str) -> tuple[str, ...]:
+    """The names in `seeds` or `tangents`; what is no mapping is refused."""
     if isinstance(values, Mapping):
         return tuple(values)
     raise S2sadError(Diagnostic("S403", f"{what} is of type {type(values).__name__}",
