@@ -155,30 +155,31 @@ def _fields(program: Program, function: FunctionType, forms: tuple[Form, ...], v
 
 def evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Path], facts: Mapping[Fact, Any],
               refused: S2sadError) -> tuple[Flat, list[Any], Guards]:
-    """The residual program of a function for arguments of these forms, with its normal form; where lists that grow in
-    loops stand in the way, these loops are written out. Raises S2sadError."""
+    """The residual program of a function for arguments of these forms, with its normal form; where calls stand in
+    the way they are written out, and where lists that grow in loops do, these loops. Raises S2sadError."""
     parameters = program.kernels[program.entry].parameters
-    found = None
-    try:
-        found = _evaluated(program, forms, varying, facts, refused, False)
-        return _in_normal_form(found, parameters, forms)
-    except S2sadError as first:
+    found, first = None, None
+    for unrolls, inlines in ((False, False), (False, True), (True, True)):
         try:
-            return _in_normal_form(_evaluated(program, forms, varying, facts, refused, True), parameters, forms)
-        except S2sadError:
-            if found is not None:
-                return found
-            raise first from None
+            made = _evaluated(program, forms, varying, facts, refused, unrolls, inlines)
+            found = made if found is None and not unrolls else found
+            return _in_normal_form(made, parameters, forms)
+        except S2sadError as error:
+            first = first or error
+    if found is not None:
+        return found
+    assert first is not None
+    raise first from None
 
 
 def _evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Path], facts: Mapping[Fact, Any],
-               refused: S2sadError, unrolls: bool) -> tuple[Flat, list[Any], Guards]:
+               refused: S2sadError, unrolls: bool, inlines: bool) -> tuple[Flat, list[Any], Guards]:
     with recording(Guards(varying)) as guards:
         reached(None, "root", 0, program.function)
         inside = program.refused is not None       # what reading has refused the evaluator may know more of
         try:
             residual = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, forms)), facts,
-                                  unrolls)
+                                  unrolls, inlines)
             inside = False
             made = read.of_captured(residual, program.function)
         except S2sadError as error:

@@ -49,9 +49,19 @@ def residual(function):
             return None
     else:
         return None
-    made = found.captured()
-    names = {n: n.replace(".", "_") for n in made.scope.names if n.startswith("outside.")}
-    around = {"numpy": np, "builtins": builtins, **{new: made.scope.names[n].value for n, new in names.items()}}
+    return as_python_runs_it(found.captured())
+
+
+def as_python_runs_it(made):
+    """A residual function, with the values and the functions around it."""
+    around = {"numpy": np, "builtins": builtins}
+    names = {n: n.replace(".", "_") for n in made.scope.names if n.startswith(("outside.", "separate."))}
+    around |= {new: made.scope.names[n].value for n, new in names.items() if n.startswith("outside.")}
+    for n, new in names.items():
+        if n.startswith("separate."):
+            definition = tree.rename(made.scope.names[n].handle.tree, names)
+            definition.name = new
+            exec(tree.written(definition), around)  # noqa: S102
     exec(tree.written(tree.rename(made.tree, names)), around)  # noqa: S102
     return around[made.name]
 

@@ -2,7 +2,8 @@
 
 In comes the text of a function with what its arguments are made of; out goes a residual function over arrays and
 numbers, which is read as any other. `evaluator` has the state and the tables; `values` and `heap` what is known;
-`branches`, `residual_loops`, `written_out_loops` and `state_joins` control; `live_values` what comes from outside.
+`branches`, `residual_loops`, `written_out_loops` and `state_joins` control; `live_values` what comes from outside;
+`separate` the functions that stay functions.
 """
 from __future__ import annotations
 
@@ -15,6 +16,7 @@ from s2sad.evaluate.specialize import (
 from s2sad.evaluate.specialize.classes import class_layout, class_lookup, construction
 from s2sad.evaluate.specialize.entry import Residual, specialize, unread
 from s2sad.evaluate.specialize.functions import builtin_functions, library_calls, object_functions, standard_library
+from s2sad.evaluate.specialize.separate import separate_call
 from s2sad.evaluate.specialize.sequences import (
     container_methods, containers, cursors, gathering, generators, iteration, iterator_use,
 )
@@ -25,6 +27,6 @@ __all__ = [
     "definitions", "displays", "file_values", "frames", "function_calls", "gathering", "generators",
     "guard_statements", "iteration", "iterator_use",
     "library_calls", "live_values", "loop_statements", "meanings", "numeric_operators", "object_functions",
-    "residual_loops", "shape_changes",
+    "residual_loops", "separate_call", "shape_changes",
     "specialize", "spelling", "standard_library", "subscripts", "unread", "written_out_loops",
 ]

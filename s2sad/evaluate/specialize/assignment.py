@@ -149,11 +149,20 @@ def assign(ev: Evaluator, s: Any, f: Frame) -> None:
     first = s.targets[0]
     if isinstance(first, tree.Name):
         ev.wanted = (s.value, first.id, s)
+    if isinstance(s.value, tree.Call) and len(s.targets) == 1:
+        ev.targets = _simple_names(first)
     value = ev.value(s.value, f)
     if len(s.targets) > 1 or isinstance(first, (tree.Tuple, tree.List)):
         value = _held_items(ev, value, s)
     for target in s.targets:
         store(ev, target, value, f, s)
+
+
+def _simple_names(target: AST) -> tuple[str, ...]:
+    """The names that a target is made of, if it is no more than these."""
+    parts = target.elts if isinstance(target, tree.Tuple) else [target]
+    names = [t.id for t in parts if isinstance(t, tree.Name)]
+    return tuple(names) if len(names) == len(parts) == len({*names}) else ()
 
 
 def _held_items(ev: Evaluator, value: Value, s: Any) -> Value:

@@ -23,6 +23,7 @@ from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.classes.class_lookup import class_value
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Reached, Unevaluated, operation
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.separate.separate_functions import title_functions
 from s2sad.evaluate.specialize.unread_lists import without_unread_lists
 from s2sad.evaluate.specialize.meanings import ResidualScope
 from s2sad.evaluate.specialize.values import (
@@ -75,14 +76,16 @@ def unread(function: Any, refused: S2sadError | None = None) -> Program:
 
 
 @deep_stack
-def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, Any], unrolls: bool = False) -> Residual:
+def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, Any], unrolls: bool = False,
+               inlines: bool = False) -> Residual:
     """The residual function of a function, live or of a file, for arguments of these forms; raises S2sadError,
-    DemandedFacts where facts would help. Loops in which lists grow are written out where it `unrolls`."""
+    DemandedFacts where facts would help. Loops in which lists grow are written out where it `unrolls`, calls where it
+    `inlines`."""
     sites: frozenset[int | str] = frozenset()
     reached: list[tuple[str, Any, bool]] = []
     while True:
         captured = captured_of(function)
-        ev = Evaluator(captured.source, dict(facts), sites, unrolls)
+        ev = Evaluator(captured.source, dict(facts), sites, unrolls, inlines)
         try:
             return _evaluated(ev, function, captured, forms, reached)
         except Reached as found:
@@ -131,6 +134,7 @@ def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[
     except Leave:
         pass
     body = without_unread_lists(ev.block) or [tree.at(tree.Pass(), definition)]
+    title_functions(ev, body, [definition.name])
     result = _results(ev)
     function_tree = tree.at(tree.function(definition.name, list(names), body), definition)
     scope = ResidualScope(ev.outside, captured.scope)

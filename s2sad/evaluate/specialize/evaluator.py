@@ -130,7 +130,8 @@ class Snapshot:
 
 class Evaluator:
     """The state of one evaluation; `facts` are what is known of arguments, `sites` the nodes whose lists are residual,
-    or the places of lists that are given. Where it `unrolls`, no list is: loops are written out.
+    or the places of lists that are given. Where it `unrolls`, no list is: loops are written out. Where it `inlines`, so
+    are all calls.
 
     The operations that transfer functions share are methods, each defined where its subject is (`operation`).
     """
@@ -213,6 +214,7 @@ class Evaluator:
     residual_object: Callable[..., Any]
     return_from_entry: Callable[..., Any]
     scope_value: Callable[..., Any]
+    separate_call: Callable[..., Any]
     sequence_items: Callable[..., Any]
     shape_of: Callable[..., Any]
     sorted_items: Callable[..., Any]
@@ -230,8 +232,8 @@ class Evaluator:
     used: Callable[..., Any]
 
     def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int | str],
-                 unrolls: bool = False):
-        self.source, self.facts, self.sites, self.unrolls = source, facts, sites, unrolls
+                 unrolls: bool = False, inlines: bool = False):
+        self.source, self.facts, self.sites, self.unrolls, self.inlines = source, facts, sites, unrolls, inlines
         self.heap, self.names = Heap(), Names()
         self.births, self.born = 0, dict[str, int]()       # when each residual name was made
         self.block: list[AST] = []
@@ -262,6 +264,11 @@ class Evaluator:
         self.owning = False                                 # what is taken from outside now belongs to a bound object
         self.wanted: tuple[AST, str, AST] | None = None     # a list that gets a name, that name and the statement
         self.called = self.label = ""                       # the function that is called; what a new object is for
+        self.touched: set[int] = set()                          # objects that are changed
+        self.targets: tuple[str, ...] = ()                      # the names that take what a call gives
+        self.returns: Callable[[AST, Value, Frame], None] = self.return_from_entry
+        self.separate: Any = None                               # the functions that stay functions
+        self.mentioned: dict[int, frozenset[str]] = {}          # the names in functions' texts
 
     # -- errors ------------------------------------------------------------------------------------------------------
     def refusal(self, node: AST, message: str, help: str = "", code: str = "S201") -> S2sadError:
@@ -287,6 +294,7 @@ class Evaluator:
     def change(self, reference: Reference, node: AST) -> Object:
         """The object, which is about to be changed."""
         held = self.heap[reference]
+        self.touched.add(reference.number)
         if not held.is_owned:
             raise self.outside_error(node, f"'{held.label}' is from outside, and is changed", "pass it as an argument")
         return held
@@ -318,7 +326,7 @@ class Evaluator:
         """The value under a name, or as it is if it is a name or a constant."""
         if value.is_atom:
             return value
-        if value.is_known and _is_spelled(value.known) and not value.name:
+        if value.is_known and is_spelled(value.known) and not value.name:
             return constant(value.known)
         new = self.fresh(wanted)
         self.emit(tree.assign(new, value.node), origin)
@@ -339,7 +347,7 @@ class Evaluator:
 
     def assign_slot(self, holder: Reference, key: Hashable, value: Value, wanted: str, origin: AST) -> None:
         """A slot of the heap gets a value; an expression is bound to the name that it alone holds, or a new one."""
-        if isinstance(value, Data) and not value.is_atom and not (value.is_known and _is_spelled(value.known)):
+        if isinstance(value, Data) and not value.is_atom and not (value.is_known and is_spelled(value.known)):
             old = self.heap[holder].items.get(key)
             own = old.name if isinstance(old, Data) and self.owns(old.name) else ""
             if own:
@@ -451,7 +459,7 @@ class Evaluator:
         return isinstance(value, (Reference, FunctionValue)) or any(map(self.contained, parts(value)))
 
 
-def _is_spelled(known: Any) -> bool:
+def is_spelled(known: Any) -> bool:
     """Whether a constant has a spelling of its own."""
     return known is None or known is ... or isinstance(known, (bool, int, str)) or (
         isinstance(known, float) and known == known and abs(known) != float("inf"))

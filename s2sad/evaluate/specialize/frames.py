@@ -67,7 +67,14 @@ def local_names(body: Sequence[Any]) -> tuple[frozenset[str], frozenset[str]]:
 @operation
 def bind_arguments(ev: Evaluator, function: FunctionValue, definition: Any, args: Sequence[Value],
                     keywords: Mapping[str, Value], node: AST, frame: Frame) -> None:
-    """Arguments to parameters, as Python does it."""
+    """Arguments to parameters of a frame."""
+    for name, value in arguments_of(ev, function, definition, args, keywords, node, frame).items():
+        ev.heap.put(frame.reference, name, ev.atoms(value, name, node))
+
+
+def arguments_of(ev: Evaluator, function: FunctionValue, definition: Any, args: Sequence[Value],
+                 keywords: Mapping[str, Value], node: AST, f: Frame) -> dict[str, Value]:
+    """What each parameter is given, as Python does it."""
     a = definition.args
     positional = [p.id for p in (*a.posonlyargs, *a.args)]
     only = [p.id for p in a.kwonlyargs]
@@ -83,17 +90,13 @@ def bind_arguments(ev: Evaluator, function: FunctionValue, definition: Any, args
                              + (" twice" if k in given else ""))
         (given if k in by_name else more)[k] = v
     defaults = dict(function.defaults)
-    for name in [*positional, *only]:
-        value = given[name] if name in given else _default(ev, function, definition, name, defaults, node, frame)
-        _bind_parameter(ev, frame, name, value, node)
+    found = {name: given[name] if name in given else _default(ev, function, definition, name, defaults, node, f)
+             for name in [*positional, *only]}
     if a.vararg is not None:
-        _bind_parameter(ev, frame, a.vararg.id, TupleValue(tuple(args[len(positional):])), node)
+        found[a.vararg.id] = TupleValue(tuple(args[len(positional):]))
     if a.kwarg is not None:
-        ev.heap.put(frame.reference, a.kwarg.id, ev.new_dict(dict(more), node))
-
-
-def _bind_parameter(ev: Evaluator, frame: Frame, name: str, value: Value, node: AST) -> None:
-    ev.heap.put(frame.reference, name, ev.atoms(value, name, node))
+        found[a.kwarg.id] = ev.new_dict(dict(more), node)
+    return found
 
 
 def _default(ev: Evaluator, function: FunctionValue, definition: Any, name: str, defaults: Mapping[str, Value],

@@ -1,4 +1,5 @@
-"""Calls: a function of the user's is evaluated in a frame of its own, where it is called.
+"""Calls: a function of the user's stays one where it can (`separate`), else it is evaluated in a frame of its own,
+where it is called.
 """
 from __future__ import annotations
 
@@ -24,11 +25,13 @@ DEEPEST = 60        # calls within calls: beyond, recursion does not end for wha
 def call_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
     if isinstance(node.func, tree.Name) and node.func.id == "super" and not node.args:
         return _super(ev, node, f)
+    targets, ev.targets = ev.targets, ()
     function, *values = ev.values([node.func, *node.args, *(k.value for k in node.keywords)], f)
     args = flat(node.args, values)
     keywords: dict[str, Value] = {}
     for k, v in zip(node.keywords, values[len(node.args):]):
         keywords |= {k.arg: v} if k.arg else {str(key): i for key, i in ev.dict_items(v, node, f).items()}
+    ev.targets = targets if isinstance(function, FunctionValue) else ()
     return call(ev, function, args, keywords, node, f)
 
 
@@ -85,7 +88,9 @@ def _function(ev: Evaluator, function: FunctionValue, args: Sequence[Value], key
     if function.captured is None or is_given(function):
         return residual_call(ev, tree.at(tree.name(ev.residual_function(function, node)), node),
                              [*function.first, *args], {**dict(function.keywords), **keywords}, node)
-    return inlined(ev, function, [*function.first, *args], {**dict(function.keywords), **keywords}, node, f)
+    args, keywords = [*function.first, *args], {**dict(function.keywords), **keywords}
+    found = ev.separate_call(function, args, keywords, node, f)
+    return inlined(ev, function, args, keywords, node, f) if found is None else found
 
 
 def is_given(function: FunctionValue) -> bool:

@@ -190,6 +190,6 @@ def return_statement(ev: Evaluator, s: Any, f: Frame) -> None:
 def leave_function(ev: Evaluator, s: Any, value: Value, f: Frame) -> None:
     """A return of a value."""
     if f.is_entry:
-        ev.return_from_entry(s, value, f)
+        ev.returns(s, value, f)
         raise Leave(NOWHERE)
     ev.leave(s, f.mark, ev.atoms(value, "result", s))
