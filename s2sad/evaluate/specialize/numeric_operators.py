@@ -32,8 +32,9 @@ def unary(ev: Evaluator, node: Any, f: Frame) -> Value:
             test, Data) else constant(not test)
     value = ev.value(node.operand, f)
     does, word = _UNARY[type(node.op).__name__]
-    if isinstance(value, Reference):
-        return ev.call(ev.attribute_of(value, f"__{word}__", node, f), [], {}, node, f)
+    own = ev.special_method(value, f"__{word}__", node, f)
+    if own is not None or isinstance(value, Reference):
+        return ev.call(own or ev.attribute_of(value, f"__{word}__", node, f), [], {}, node, f)
     if isinstance(value, Data) and value.is_known and isinstance(value.known, (int, float, complex)):
         known = does(value.known)
         if value.is_literal:
