@@ -3,7 +3,8 @@
 A construct is a form of a statement, an operator with the types of its operands, a subscript with those of its indices,
 or a function with those of its arguments, as they are when Python runs the text. What the compiler emits in any case is
 compiled in one at least: `python -m tests.harness.constructs` runs all cases and chooses anew, `python -m
-tests.harness.constructs tests/test_corpus.py -k lists` only among those, and leaves the others as they stand.
+tests.harness.constructs tests/test_corpus.py -k lists` only among those, and leaves the others as they stand. Cases are
+those of tests/corpus and of other tests that take their engines from harness/engines.py.
 """
 from __future__ import annotations
 
@@ -62,14 +63,21 @@ def read(folder: str) -> dict[str, set[str]]:
 
 
 def chosen(emitted: dict[str, set[str]], kept: dict[str, frozenset[str]]) -> dict[str, set[str]]:
-    """Cases that together emit everything, most constructs for their size first; `kept` are chosen already."""
+    """Cases that together emit everything, most constructs for their size first, none of which the others make
+    superfluous; `kept` are chosen already."""
     found = {case: set(constructs) for case, constructs in kept.items()}
-    left = set().union(*emitted.values()) - set().union(*found.values())
-    cases = sorted(emitted)
+    left = wanted = set().union(*emitted.values()) - set().union(*found.values())
+    cases, made = sorted(emitted), []
     while left:
-        best = max(cases, key=lambda c: len(emitted[c] & left) / (20 + len(emitted[c])))
-        found[best] = emitted[best] & left
-        left -= found[best]
+        made.append(max(cases, key=lambda c: len(emitted[c] & left) / (20 + len(emitted[c]))))
+        left = left - emitted[made[-1]]
+    for case in sorted(made, key=lambda c: -len(emitted[c])):
+        others = set().union(*(emitted[c] for c in made if c != case))
+        if wanted <= others:
+            made.remove(case)
+    for case in made:
+        found[case] = emitted[case] & wanted
+        wanted = wanted - emitted[case]
     return found
 
 
@@ -81,8 +89,8 @@ def write_list(found: dict[str, set[str]]) -> None:
 
 def main(arguments: list[str]) -> int:
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "pytest", "-q", "-k", "loops", "--constructs", folder]
-        done = subprocess.run([*command, *(arguments or ["tests/test_corpus.py"])], check=False)
+        command = [sys.executable, "-m", "pytest", "-q", "-m", "emits", "--constructs", folder]
+        done = subprocess.run([*command, *(arguments or ["tests"])], check=False)
         emitted = read(folder)
     kept = {case: c for case, c in listed().items() if case not in emitted} if arguments else {}
     found = chosen(emitted, kept)

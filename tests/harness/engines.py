@@ -5,11 +5,11 @@ or compiles to something else, shows under `numba` alone.
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from typing import Any
-from zlib import crc32
 
 import pytest
 
@@ -18,7 +18,6 @@ from s2sad.run import compiled
 from tests.harness.constructs import listed
 from tests.harness.instrumentation import instrumented
 
-EVERY = 10
 _runtime = cache(compiled._runtime.__wrapped__)      # the runtime's functions as they are
 compiling: list[bool] = []      # with pytest's option --compiled: Numba compiles every text
 
@@ -58,19 +57,23 @@ def located(error: S2sadError) -> str:
     return "\n".join(texts)
 
 
-def each(cases: Iterable[Any]) -> list[Any]:
-    """Every case under NumPy and as the text for Numba, which is compiled for one in `EVERY`, as their names say."""
-    made = []
-    for k, case in enumerate(cases):
+def engines(name: str, *case: Any, called: str = "") -> list[Any]:
+    """A case under NumPy and as the text for Numba, which is compiled if tests/corpus/compiled.txt lists its name; the
+    tests are `called` so."""
+    made = [pytest.param(*case, "numpy", id=f"{called or name}-numpy"),
+            pytest.param(*case, "loops", id=f"{called or name}-loops", marks=pytest.mark.emits(name))]
+    return [*made, pytest.param(*case, "numba", id=f"{called or name}-numba")] if name in listed() else made
+
+
+def each(cases: Iterable[Any], asked: str = "") -> list[Any]:
+    """The cases of a test module, kernels or tuples that begin with one, under the engines; what is `asked` of them is
+    part of their names, where a module asks several things of one kernel."""
+    made, seen = [], Counter()
+    for case in cases:
         given = case if isinstance(case, tuple) else (case,)
-        name = str(getattr(given[0], "__name__", k))
-        for engine in ("numpy", "loops" if crc32(name.encode()) % EVERY else "numba"):
-            made.append(pytest.param(*given, engine, id=f"{name}-{engine}"))
+        called = given[0].__name__
+        seen[called] += 1
+        called = called if seen[called] == 1 else f"{called}-{seen[called]}"
+        topic = given[0].__module__.removeprefix("tests.").replace(".test_", ".")
+        made += engines(".".join(filter(None, (topic, asked, called))), *given, called=called)
     return made
-
-
-def engines(name: str, case: Any) -> list[Any]:
-    """A case under NumPy and as the text for Numba, which is compiled if tests/corpus/compiled.txt lists it."""
-    made = [pytest.param(case, "numpy", id=f"{name}-numpy"),
-            pytest.param(case, "loops", id=f"{name}-loops", marks=pytest.mark.emits(name))]
-    return [*made, pytest.param(case, "numba", id=f"{name}-numba")] if name in listed() else made

@@ -113,15 +113,13 @@ class _Instrument(ast.NodeTransformer):
         if isinstance(does, str):
             self.sites.append(getattr(operator, does))
             does = ast.Subscript(ast.Name(_SITES, ast.Load()), ast.Constant(len(self.sites) - 1), ast.Load())
-        call = ast.Call(place, ([does] if does else []) + list(operands), keywords or [])
-        return ast.fix_missing_locations(ast.copy_location(call, node))
+        return ast.copy_location(ast.Call(place, ([does] if does else []) + list(operands), keywords or []), node)
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
         node.decorator_list, node.returns = [], None
         self.generic_visit(node)
-        begin = ast.Expr(self._site(node, _Forms(self.forms)))
-        node.body.insert(0, ast.fix_missing_locations(ast.copy_location(begin, node)))
-        return node
+        node.body.insert(0, ast.copy_location(ast.Expr(self._site(node, _Forms(self.forms))), node))
+        return ast.fix_missing_locations(node)      # once for all: each would look through all that is below
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         name = ast.unparse(node.func)
@@ -164,7 +162,7 @@ class _Instrument(ast.NodeTransformer):
         if len(node.targets) == 1 and isinstance(target, ast.Subscript):
             stored = self._site(node, Site("subscript", "store"), target.value, _index(target.slice), node.value,
                                 does="setitem")
-            return ast.fix_missing_locations(ast.copy_location(ast.Expr(stored), node))
+            return ast.copy_location(ast.Expr(stored), node)
         self.forms.add(f"assigned: {' '.join(type(t).__name__ for t in node.targets)}")
         return node
 
@@ -176,11 +174,11 @@ class _Instrument(ast.NodeTransformer):
             change = ast.Subscript(ast.Name(_SITES, ast.Load()), ast.Constant(len(self.sites) - 1), ast.Load())
             changed = self._site(node, Site("subscript", does), node.target.value, _index(node.target.slice),
                                  node.value, does=change)
-            return ast.fix_missing_locations(ast.copy_location(ast.Expr(changed), node))
+            return ast.copy_location(ast.Expr(changed), node)
         if isinstance(node.target, ast.Name):
             target = ast.copy_location(ast.Name(node.target.id, ast.Load()), node.target)
             value = self._site(node, Site("operator", does), target, node.value, does=does)
-            return ast.fix_missing_locations(ast.copy_location(ast.Assign([node.target], value), node))
+            return ast.copy_location(ast.Assign([node.target], value), node)
         return node
 
     def generic_visit(self, node: ast.AST) -> ast.AST:

@@ -58,7 +58,7 @@ def test_derivatives(kernel, engine):
     check_derivatives(kernel, (X, A), ("x", "a"), ("return",), engine)
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each((in_parts, without_nans, bordered)))
+@pytest.mark.parametrize(("kernel", "engine"), each((in_parts, without_nans, bordered), "single"))
 def test_single_precision(kernel, engine):
     check_derivatives(kernel, (X.astype("float32"), A.astype("float32")), ("x", "a"), ("return",), engine)
 

@@ -62,8 +62,8 @@ def test_derivatives(kernel, engine):
     check_derivatives(kernel, (X,), ("x",), ("return",), engine)
 
 
-@pytest.mark.parametrize(("kernel", "engine"), each((logistic, error_functions, entropies, sums_of_exponentials,
-                                                     shares)))
+@pytest.mark.parametrize(("kernel", "engine"), each((
+    logistic, error_functions, entropies, sums_of_exponentials, shares), "single"))
 def test_single_precision(kernel, engine):
     check_derivatives(kernel, (X.astype("float32"),), ("x",), ("return",), engine)
 
