@@ -19,6 +19,8 @@ from pathlib import Path
 LIST = Path(__file__).resolve().parents[1] / "corpus" / "compiled.txt"
 HEAD = "# What Numba compiles, by case, with the constructs that it is chosen for: python -m tests.harness.constructs\n"
 
+_BUILTINS = {"a function of the module", "abs", "bool", "float", "int", "len", "max", "min", "range"}
+
 
 @cache
 def listed() -> dict[str, frozenset[str]]:
@@ -62,19 +64,33 @@ def read(folder: str) -> dict[str, set[str]]:
     return emitted
 
 
+def seconds(constructs: set[str]) -> float:
+    """How long Numba takes for a case that emits these, roughly: of linear algebra and functions of the runtime there
+    is most to compile, next to nothing of the text itself."""
+    found = 0.5
+    for construct in constructs:
+        called, _, _ = construct.partition("(")
+        if construct.startswith("matmul "):
+            found += 1.0
+        elif called != construct and " " not in called and called not in _BUILTINS:
+            found += 0.25 if called.startswith(("np.", "math.")) else 5.0 if called.startswith(".") else 1.0
+    return found
+
+
 def chosen(emitted: dict[str, set[str]], kept: dict[str, frozenset[str]]) -> dict[str, set[str]]:
-    """Cases that together emit everything, most constructs for their size first, none of which the others make
+    """Cases that together emit everything, most constructs for their time first, none of which the others make
     superfluous; `kept` are chosen already."""
     found = {case: set(constructs) for case, constructs in kept.items()}
     left = wanted = set().union(*emitted.values()) - set().union(*found.values())
-    cases, made = sorted(emitted), []
+    cost = {case: seconds(constructs) for case, constructs in emitted.items()}
+    made: list[str] = []
     while left:
-        made.append(max(cases, key=lambda c: len(emitted[c] & left) / (20 + len(emitted[c]))))
+        made.append(max(sorted(emitted), key=lambda c: len(emitted[c] & left) / cost[c]))
         left = left - emitted[made[-1]]
-    for case in sorted(made, key=lambda c: -len(emitted[c])):
-        others = set().union(*(emitted[c] for c in made if c != case))
-        if wanted <= others:
-            made.remove(case)
+    for case in sorted(made, key=lambda c: -cost[c]):
+        others = [c for c in made if c != case]
+        if wanted <= set().union(*(emitted[c] for c in others)):
+            made = others
     for case in made:
         found[case] = emitted[case] & wanted
         wanted = wanted - emitted[case]
