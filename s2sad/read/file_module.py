@@ -7,17 +7,18 @@ from __future__ import annotations
 
 import builtins
 import os
-from dataclasses import dataclass
 from typing import Any
 
 from s2sad import tree
 from s2sad.read.capture import source_of
 from s2sad.read.constant_folding import folded
+from s2sad.read.file_definitions import FileClass, FileFunction, dropped_decorator
+from s2sad.read.module_bindings import bound_names, bound_twice, changed_name, imports_name
 from s2sad.read.source_text import parsed, read_text
 from s2sad.read.namespaces import NamespaceScope
 from s2sad.read.outside_values import (
-    AST, Captured, UserFunctionValue, Namespace, NumberTable, Library, LibraryScope, Meaning, NotConstant, Number,
-    Numbers, ModuleValue, Unusable, dotted, is_number, is_numbers, value_meaning,
+    AST, UserFunctionValue, Namespace, NumberTable, Library, LibraryScope, Meaning, NotConstant, Number,
+    Numbers, ModuleValue, Unusable, dotted, is_numbers, value_meaning,
 )
 
 LIBRARIES = ("numpy", "math", "scipy", "numba", "s2sad", "builtins", "itertools")
@@ -36,7 +37,7 @@ class FileModule:
         self.definitions: list[str] = []
         self.origins: dict[str, AST | _Member] = {}
         self.tree = module = parsed(self.source, text)
-        self.often = _bound_twice(module.body)
+        self.often = bound_twice(module.body)
         for statement in module.body:
             self._follow(statement)
         for node in tree.walk(module):
@@ -44,11 +45,27 @@ class FileModule:
                 for name in node.names:
                     self.meanings[name] = Unusable("changed by a function through 'global'", _PASS_IT)
                     self.origins.pop(name, None)
-            word = _changed(node)
-            if isinstance(self.meanings.get(word), (Namespace, NumberTable, Numbers)) or isinstance(
-                    self.origins.get(word), AST):
-                self.meanings[word] = Unusable("changed after it was made", _PASS_IT)
-                self.origins.pop(word, None)
+        for name in self._changed(module):
+            self.meanings[name] = Unusable("changed after it was made", _PASS_IT)
+            self.origins.pop(name, None)
+        for name, node in self.origins.items():     # the evaluator sees whether it is changed there
+            if isinstance(self.meanings[name], (Namespace, NumberTable, Numbers)) and not isinstance(
+                    node, tree.Tuple) and self.uses(name):
+                self.meanings[name] = Unusable("given to a function at module level, which may change it", _PASS_IT)
+
+    def _changed(self, module: AST) -> set[str]:
+        """The names of what statements change, and of what shares something with it."""
+        found = {w for n in tree.walk(module) if (w := changed_name(n)) and (isinstance(
+            self.meanings.get(w), (Namespace, NumberTable, Numbers)) or isinstance(self.origins.get(w), AST))}
+        made = {n: {m.id for m in tree.walk(node) if isinstance(m, tree.Name)} for n, node in self.origins.items()
+                if isinstance(node, AST) and type(node).__name__ not in ("FunctionDef", "ClassDef")
+                and isinstance(self.meanings[n], (Namespace, NumberTable, Numbers, Unusable))}
+        while True:
+            more = {n for n, parts in made.items() if parts & found}
+            more |= {m for n in found & made.keys() for m in made[n] & made.keys()}
+            if more <= found:
+                return found
+            found |= more
 
     def lookup(self, name: str) -> Meaning | None:
         meaning = self.meanings.get(name)
@@ -85,11 +102,18 @@ class FileModule:
         return FileClass(*found) if by_call or type(definition).__name__ == "ClassDef" else None
 
     def uses(self, name: str) -> list[AST]:
-        """The calls at module level that are given what a name means."""
+        """The calls at module level that are given what a name means, and may change it."""
         calls = [n for s in self.tree.body if type(s).__name__ in ("Expr", "Assign", "AnnAssign", "If", "For", "With")
-                 for n in tree.walk(s) if isinstance(n, tree.Call)]
-        return [n for n in calls if any(isinstance(a, tree.Name) and a.id == name for p in (*n.args, *(
-            k.value for k in n.keywords)) for a in tree.walk(p)) and not isinstance(self.path_meaning(n.func), Library)]
+                 and not _is_main(s) for n in tree.walk(s) if isinstance(n, tree.Call)]
+        return [n for n in calls if not self._is_harmless(n.func) and any(
+            isinstance(a, tree.Name) and a.id == name for p in (*n.args, *(k.value for k in n.keywords))
+            for a in tree.walk(p))]
+
+    def _is_harmless(self, function: AST) -> bool:
+        """Whether a library's function changes no lists and dicts that it is given."""
+        path = dotted(self.path_meaning(function)) or ""
+        root, _, name = path.partition(".")
+        return root in _HARMLESS and name not in ("setattr", "delattr", "exec", "eval", "random.shuffle")
 
     def known(self) -> list[str]:
         return list(self.meanings)
@@ -149,12 +173,12 @@ class FileModule:
         for inner in statement.body:
             self._follow(inner)
         imported = {n for n, m in self.meanings.items() if before.get(n) is not m
-                    and any(_binds(i, n) for i in statement.body if type(i).__name__.startswith("Import"))}
+                    and any(imports_name(i, n) for i in statement.body if type(i).__name__.startswith("Import"))}
         for part in (*statement.handlers, *statement.orelse, *statement.finalbody):
             self._unclear(part, "set under a condition", imported)
 
     def _unclear(self, node: AST, why: str, except_for: set[str] | frozenset[str] = frozenset()) -> None:
-        for name in _bound(node):
+        for name in bound_names(node):
             if name not in except_for:
                 self.meanings[name] = Unusable(why, _PASS_IT)
                 self.origins.pop(name, None)
@@ -263,6 +287,7 @@ class FileModule:
 
 _GIVEN = Unusable("given a derivative of its own, in a file that is read without being run",
                   "ask for the derivative in Python, where the file is imported")
+_HARMLESS = ("builtins", "numpy", "math", "scipy", "matplotlib")
 _PASS_IT = "pass it to the kernel as an argument, or write it at module level as a plain number"
 
 
@@ -313,111 +338,13 @@ class _Member:
             self.is_under_way = False
 
 
-@dataclass(frozen=True)
-class FileClass:
-    """A class of a file that is not run: its definition, or the call that makes it."""
-    module: FileModule
-    name: str
-    definition: AST
-
-    @property
-    def __name__(self) -> str:
-        return self.name
-
-    @property
-    def kind(self) -> str:
-        """What its objects are to a kernel: "record", "named" or "dict"."""
-        bases = {dotted(c.module.path_meaning(b)) for c in self.classes() for b in getattr(c.definition, "bases", ())}
-        return "named" if isinstance(self.definition, tree.Call) or "typing.NamedTuple" in bases else \
-            "dict" if "typing.TypedDict" in bases else "record"
-
-    def classes(self) -> list[FileClass]:
-        """The class and those that it is derived from, as far as files define them."""
-        found = [c for b in getattr(self.definition, "bases", ()) if (c := self.module.class_meant(b)) is not None]
-        return [self, *(inner for c in found for inner in c.classes())]
-
-    def fields(self) -> dict[str, tuple[FileModule, AST] | None]:
-        """The annotations in its body and those of its bases, each with the file that it is in."""
-        if isinstance(self.definition, tree.Call):
-            said = self.definition.args[1]
-            names = said.elts if isinstance(said, (tree.List, tree.Tuple)) else [said]
-            text = " ".join(str(getattr(n, "value", "")) for n in names)
-            return dict.fromkeys(text.replace(",", " ").split())
-        return {s.target.id: (c.module, s.annotation) for c in reversed(self.classes()) for s in getattr(
-            c.definition, "body", ()) if isinstance(s, tree.AnnAssign) and isinstance(s.target, tree.Name)
-            and "ClassVar" not in str([getattr(n, "id", getattr(n, "attr", "")) for n in tree.walk(s.annotation)])}
-
-    def has_functions(self) -> bool:
-        """Whether it has functions of its own or from a base, one that no file defines included."""
-        known = ("typing.NamedTuple", "typing.TypedDict", "builtins.object")
-        return any(isinstance(s, tree.FunctionDef) for c in self.classes() for s in getattr(c.definition, "body", ())) \
-            or any(self.module.class_meant(b) is None and dotted(c.module.path_meaning(b)) not in known
-                   for c in self.classes() for b in getattr(c.definition, "bases", ()))
-
-
-class FileFunction:
-    """A definition in a file that is not run."""
-
-    def __init__(self, module: FileModule, definition: AST):
-        self.module, self.definition, self.__name__ = module, definition, definition.name
-
-    @property
-    def decorators(self) -> list[AST]:
-        """The decorators that may make another function of it."""
-        def path(node: AST) -> str:
-            return dotted(self.module.path_meaning(node.func if isinstance(node, tree.Call) else node)) or ""
-        return [d for d in self.definition.decorator_list if not dropped_decorator(path(d))]
-
-    def captured(self) -> Captured:
-        def default(parameter: str, node: AST) -> Any:
-            value = folded(node, self.module.path_meaning) if isinstance(node, tree.List) else self.module.folded(node)
-            if value is None or isinstance(value, str) or is_number(value) or is_numbers(value, tuple):
-                return value
-            raise NotConstant(self.module.path_meaning(node))
-        return Captured(self.definition.name, self.definition, self.module.source, self.module, default)
-
-
-def dropped_decorator(path: str) -> bool:
-    """Whether a decorator, by its dotted path, leaves the function's meaning alone: Numba's jit, all of s2sad's, and
-    those of a class's functions."""
-    root, _, rest = path.partition(".")
-    of_class = path in ("builtins.classmethod", "builtins.property", "builtins.staticmethod")
-    return root == "s2sad" or of_class or (root == "numba" and rest.rpartition(".")[2] in ("jit", "njit"))
-
-
 def _file(folder: str, module: str) -> str | None:
     base = os.path.join(folder, *module.split(".")) if module else folder
     paths = (base + ".py", os.path.join(base, "__init__.py"))
     return next((p for p in paths[not module:] if os.path.isfile(p)), None)
 
 
-def _changed(node: AST) -> str:
-    """The name of what a statement stores an item in, or calls a method of that may change it."""
-    is_store = isinstance(node, (tree.Subscript, tree.Attribute)) and not isinstance(node.ctx, tree.Load)
-    base = node if is_store else node.value.func if isinstance(node, tree.Expr) and isinstance(
-        node.value, tree.Call) and isinstance(node.value.func, tree.Attribute) else None
-    while isinstance(base, (tree.Subscript, tree.Attribute)):
-        base = base.value
-    return base.id if isinstance(base, tree.Name) else ""
-
-
-def _bound_twice(body: list[AST]) -> frozenset[str]:
-    """The names that statements may bind more than once."""
-    found = [n for s in body for n in _bound(s)]
-    return frozenset(n for n in found if found.count(n) > 1)
-
-
-def _binds(statement: AST, name: str) -> bool:
-    return any((alias.asname or alias.name.partition(".")[0]) == name for alias in statement.names)
-
-
-def _bound(node: AST) -> list[str]:
-    """The names that a statement may bind in its module, at any depth outside functions."""
-    kind = type(node).__name__
-    if kind in ("FunctionDef", "AsyncFunctionDef", "ClassDef"):
-        return [node.name]
-    if kind in ("Import", "ImportFrom"):
-        return [alias.asname or alias.name.partition(".")[0] for alias in node.names]
-    if isinstance(node, tree.Name):
-        return [node.id] if isinstance(node.ctx, tree.Store) else []
-    return [name for child in tree.children(node) for name in _bound(child)]
+def _is_main(statement: AST) -> bool:
+    """Whether a statement is for the file as a program: `if __name__ == "__main__": ...`."""
+    test = getattr(statement, "test", None)
+    return isinstance(test, tree.Compare) and isinstance(test.left, tree.Name) and test.left.id == "__name__"

@@ -25,7 +25,7 @@ from s2sad.read.outside_values import (
     AST, BUILTIN_CALLS, Array, Captured, UserFunctionValue, Namespace, Library, Matrix, Meaning, Number, ModuleValue,
     StringValue, Unusable, dotted, library_value,
 )
-from s2sad.read.file_module import dropped_decorator
+from s2sad.read.file_definitions import dropped_decorator
 from s2sad.read.desugar import is_repeatable
 from s2sad.read.outside_names import ITERATORS, Identify, OutsideNames
 from s2sad.tree import FunctionDef

@@ -31,7 +31,10 @@ def bind(ev: Evaluator, f: Frame, name: str, value: Value, origin: AST) -> None:
     """A name of the user's gets a value."""
     if isinstance(value, Reference) and not ev.heap[value].label:
         ev.heap.objects[value.number] = replace(ev.heap[value], label=name)
-    ev.assign_slot(holder_of(ev, f, name), name, value, name, origin)
+    holder = holder_of(ev, f, name)
+    if name in f.nonlocals:
+        ev.change(holder, origin)
+    ev.assign_slot(holder, name, value, name, origin)
 
 
 @operation
@@ -113,6 +116,8 @@ def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f
         ev.emit(tree.assign(place, ev.spelled(value, origin)), statement or origin, True)
     elif isinstance(base, Reference) and isinstance(key, str):
         ev.assign_attribute(base, key, value, origin, f)
+    elif isinstance(base, Reference) and ev.heap[base].kind == "record" and ev.heap[base].made is None:
+        ev.assign_attribute(base, ev.key_of(key, origin), value, origin, f)  # pyright: ignore
     elif isinstance(base, Reference) and ev.heap[base].kind == "record":
         ev.call(ev.attribute_of(base, "__setitem__", origin, f), [key, value], {}, origin, f)
     elif isinstance(base, Reference):

@@ -114,10 +114,12 @@ def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AS
     fallback = ev.class_item(held.made, "__getattr__", node, f)
     if fallback is not None:
         return ev.call(ev.bound(fallback[1], base, held.made, node, f), [constant(name)], {}, node, f)
-    title = held.made.name if held.made is not None else "?"
+    if held.made is None:
+        raise ev.refusal(node, f"'{held.path or held.label}' has no attribute '{name}' here",
+                         help="if it is of a class, annotate it with that, or name it, as in --types \"a: Grid{...}\"")
     if held.live is not None:
         raise ev.missing(node, held.label, f".{name}", [f".{n}" for n in dir(held.live)])
-    raise ev.refusal(node, f"an object of class {title} has no attribute '{name}' here")
+    raise ev.refusal(node, f"an object of class {held.made.name} has no attribute '{name}' here")
 
 
 @operation

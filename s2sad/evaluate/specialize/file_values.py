@@ -19,8 +19,10 @@ from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.live_values import load, placed
 from s2sad.evaluate.specialize.values import (
     ClassValue, Data, FunctionValue, LibraryValue, ObjectValue, Reference, ScopeValue, TupleValue, Value,
+    constant,
 )
-from s2sad.read.file_module import FileClass, FileFunction, FileModule, PackageScope
+from s2sad.read.file_definitions import FileClass, FileFunction
+from s2sad.read.file_module import FileModule, PackageScope
 from s2sad.read.outside_values import (
     Captured, Library, Meaning, NotConstant, Number, StringValue, UserFunctionValue, library_value,
 )
@@ -41,7 +43,11 @@ def scope_value(ev: Evaluator, scope: Any, name: str, node: AST, f: Frame) -> Va
     meaning = scope.lookup(name)
     if meaning is None:
         raise ev.refusal(node, f"'{name}' is not defined", code="S202")
-    if not isinstance(scope, (FileModule, PackageScope)) or isinstance(meaning, (Library, Number, StringValue)):
+    module = scope.module if isinstance(scope, PackageScope) else scope
+    if ev.evaluates_module and isinstance(module, FileModule) and name in module.often:
+        raise ev.outside_error(node, f"'{name}' is set more than once, and the file is read without being run",
+                               "give the second value another name")
+    if not isinstance(module, FileModule) or isinstance(meaning, (Library, Number, StringValue)):
         return ev.meaning_value(name, meaning, node, f)
     found = scope.origin(name)
     if found is None or isinstance(meaning, UserFunctionValue) and not meaning.handle.decorators:
@@ -73,9 +79,6 @@ def file_value(ev: Evaluator, origin: Origin, meaning: Meaning, node: AST, f: Fr
         return found
     if ev.guarded:
         raise Reached(origin.name, _Met(origin, meaning), ev.owning)
-    if ev.evaluates_module and origin.name in origin.module.often:
-        raise ev.outside_error(node, f"'{origin.name}' is set more than once, and the file is read without being run",
-                               getattr(meaning, "help", ""))
     ev.of_files[key] = None
     found = ev.of_files[key] = _evaluated(ev, origin, meaning, node)
     if isinstance(found, (Reference, TupleValue)):
@@ -107,7 +110,7 @@ def _evaluated(ev: Evaluator, origin: Origin, meaning: Meaning, node: AST) -> Va
             found: Value = file_function(ev, handle)
             for decorator in [placed(ev, origin.module.source, d) for d in reversed(handle.decorators)]:
                 found = ev.call(ev.value(decorator, frame), [found], {}, decorator, frame)
-            return found
+            return _from_outside(ev, found, origin.name, node, frame, set())
         if type(definition).__name__ == "ClassDef":
             return _from_outside(ev, class_of_definition(ev, definition, frame), origin.name, node, frame, set())
         return _from_outside(ev, ev.value(definition, frame), origin.name, node, frame, set())
@@ -117,11 +120,15 @@ def _evaluated(ev: Evaluator, origin: Origin, meaning: Meaning, node: AST) -> Va
 def _apart(ev: Evaluator, origin: Origin, meaning: Meaning, node: AST, value: Callable[[Frame], Value]) -> Value:
     """What is evaluated in a file's module, where nothing is left for the run."""
     before = {*ev.heap.objects}
+    what = getattr(meaning, "what", "not constant arithmetic, and the file is read without being run")
+    unknown = ev.outside_error(node, f"'{origin.name}' is {what}", getattr(meaning, "help", ""))
     with _at_module_level(ev):
-        found = value(module_frame(ev, origin.module))
-        if ev.block or isinstance(found, Data) and not found.is_known:
-            what = getattr(meaning, "what", "made by more than constants")
-            raise ev.outside_error(node, f"'{origin.name}' is {what}", getattr(meaning, "help", ""))
+        try:
+            found = value(module_frame(ev, origin.module))
+        except NotConstant:
+            raise unknown from None
+        if ev.block:
+            raise unknown
     ev.outset |= {n: o for n, o in ev.heap.objects.items() if n not in before}
     return found
 
@@ -195,12 +202,13 @@ def file_default(ev: Evaluator, function: FunctionValue, name: str, node: AST) -
         return None
     key = (handle.module.path, handle.definition.lineno, name)
     if isinstance(found, tree.Constant):
-        return ev.outside_value(name, found.value, node, ev.entry)
+        f = ev.entry or module_frame(ev, handle.module)
+        return _default_outside(ev, constant(found.value), name, node, f, set())
     if key not in ev.of_files:
         origin = Origin(handle.module, name, found)
         if ev.guarded:
             raise Reached(name, _MetDefault(function, name), ev.owning)
-        ev.of_files[key] = _apart(ev, origin, Number(name, None), node, lambda frame: _from_outside(
+        ev.of_files[key] = _apart(ev, origin, Number(name, None), node, lambda frame: _default_outside(
             ev, ev.value(found, frame), name, node, frame, set()))
     return ev.of_files[key]
 
@@ -258,13 +266,20 @@ def _integers(value: Any) -> list[int]:
 def _from_outside(ev: Evaluator, value: Value, name: str, node: AST, f: Frame, seen: set[int]) -> Value:
     """A value as it is when it comes from outside: numbers go by their names, what is mutable belongs to the module."""
     if isinstance(value, Data):
-        return ev.outside_value(name, value.known, node, f) if value.is_known else value
+        if not value.is_known:
+            raise NotConstant
+        return ev.outside_value(name, value.known, node, f)
     if isinstance(value, TupleValue):
         names = ev.layout_of(value.made).names if value.made is not None else range(len(value.items))
         return replace(value, items=tuple(_from_outside(ev, v, f"{name}_{k}", node, f, seen) for k, v in zip(
             names, value.items)))
     if isinstance(value, FunctionValue):
-        return replace(value, defaults=tuple((k, _from_outside(ev, v, k, node, f, seen)) for k, v in value.defaults))
+        def named(pairs: Sequence[tuple[str, Value]], begin: str) -> tuple[tuple[str, Value], ...]:
+            return tuple((k, _from_outside(ev, v, f"{begin}{k}", node, f, seen)) for k, v in pairs)
+        _closure_outside(ev, value.frame, node, f, seen)
+        first = tuple(v for _, v in named([(str(k), v) for k, v in enumerate(value.first)], f"{name}_"))
+        defaults = tuple((k, _default_outside(ev, v, k, node, f, seen)) for k, v in value.defaults)
+        return replace(value, defaults=defaults, first=first, keywords=named(value.keywords, f"{name}_"))
     if isinstance(value, LibraryValue):
         return replace(value, first=tuple(_from_outside(ev, v, name, node, f, seen) for v in value.first))
     if isinstance(value, ClassValue) and value.number:
@@ -279,6 +294,21 @@ def _from_outside(ev: Evaluator, value: Value, name: str, node: AST, f: Frame, s
     if not isinstance(value, (Reference, ClassValue, ObjectValue, ScopeValue)):
         raise ev.outside_error(node, f"'{name}' is {ev.kind_of(value)}", "make it in the kernel")
     return value
+
+
+def _default_outside(ev: Evaluator, value: Value, name: str, node: AST, f: Frame, seen: set[int]) -> Value:
+    """A default of a function from outside: a number is a constant."""
+    if isinstance(value, Data) and type(value.known) in (int, float, bool):
+        return constant(value.known)
+    return _from_outside(ev, value, name, node, f, seen)
+
+
+def _closure_outside(ev: Evaluator, number: int | None, node: AST, f: Frame, seen: set[int]) -> None:
+    """The frames that a function was defined in: what their names hold goes by these."""
+    frame = ev.frames.get(number) if number is not None else None
+    while frame is not None and frame not in ev.modules.values():
+        _held_outside(ev, frame.reference, "", node, f, seen)
+        frame = frame.outer
 
 
 def _field_outside(ev: Evaluator, d: ClassField) -> ClassField:
@@ -297,6 +327,7 @@ def _held_outside(ev: Evaluator, reference: Reference, name: str, node: AST, f: 
     if reference.number in seen or not ev.heap[reference].is_owned:
         return
     seen.add(reference.number)
-    items: dict[Hashable, Value] = {k: _from_outside(ev, v, f"{name}_{k}", node, f, seen)
-                                    for k, v in ev.heap[reference].items.items()}
+    items: dict[Hashable, Value] = {
+        k: _from_outside(ev, v, f"{name}_{k}" if name else str(k), node, f, seen)
+        for k, v in ev.heap[reference].items.items()}
     ev.heap.objects[reference.number] = replace(ev.heap[reference], items=items, label=name, is_owned=False, site=None)

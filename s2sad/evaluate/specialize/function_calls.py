@@ -13,7 +13,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, express
 from s2sad.evaluate.specialize.sequences.generators import is_generator
 from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
 from s2sad.evaluate.specialize.values import (
-    NONE, ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, SuperValue, Value,
+    NONE, ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, ScopeValue, SuperValue, Value,
 )
 from s2sad.live_objects.registry import GIVEN
 from s2sad.tree import AST
@@ -67,6 +67,9 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
         return call(ev, ev.attribute_of(function, "__call__", node, f), args, keywords, node, f)
     if isinstance(function, Data) and not function.is_known:
         return residual_call(ev, function.node, args, keywords, node)
+    if isinstance(function, ScopeValue):
+        raise ev.refusal(node, f"'{function.name}' is not a function that s2sad knows or can read",
+                         help="write out what it does")
     raise ev.refusal(node, f"{ev.kind_of(function)} is called")
 
 

@@ -45,6 +45,8 @@ def item_of(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Va
         return Data(found, demands=base.demands, shape=of_part(base, place), origins=origins(base, place),
                     is_list=base.is_list and isinstance(place, SliceValue))
     if isinstance(base, Reference) and ev.heap[base].kind == "record":
+        if ev.heap[base].made is None:      # it is spelled in a text, and goes by fields and by keys
+            return ev.attribute_of(base, ev.known(place, node, "a key"), node, f)
         return ev.call(ev.attribute_of(base, "__getitem__", node, f), [place], {}, node, f)
     if isinstance(base, LibraryValue) and base.path in ("numpy.s_", "numpy.index_exp"):
         return place if base.path == "numpy.s_" or isinstance(place, TupleValue) else TupleValue((place,))

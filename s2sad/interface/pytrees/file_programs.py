@@ -19,7 +19,8 @@ from s2sad.infer.assumed_types import Assumed, assumed_types
 from s2sad.infer.types import NONE, TEXT, UNKNOWN, Type, array
 from s2sad.interface.pytrees.annotated_forms import annotated, has_methods, mapped_types, unnamed
 from s2sad.program import DemandedFacts, Fact, Kernel, Program
-from s2sad.pytree import Form, PyTree, form_of, is_held, leaves
+from s2sad.pytree import Form, PyTree, form_of, is_held, leaves, steps
+from s2sad.read.file_definitions import parameters_of
 from s2sad.tree import AST, Attribute, Constant, Name, Subscript, walk
 
 _OF_ARRAYS = ("shape", "size", "ndim", "dtype", "T", "copy", "fill", "sum", "mean", "min", "max", "dot", "reshape",
@@ -50,7 +51,7 @@ def flat_spelled(program: Program, said: Said) -> tuple[Program, dict[str, Assum
     its parameters in structures; raises S2sadError where a parameter has parts that are unknown."""
     kernel = program.kernels[program.entry]
     forms = _forms(program, kernel, said)
-    _known(kernel, program.function.captured().tree.body, forms)
+    _known(program, forms)
     if program.refused is None and not asks(program) and not any(isinstance(f, PyTree) for f in forms.values()):
         known = {p: t for p, t in forms.items() if p in said.forms and isinstance(t, Type)}
         return program, _assumed(program, known), {}
@@ -63,18 +64,18 @@ def flat_spelled(program: Program, said: Said) -> tuple[Program, dict[str, Assum
             return flat.program, found, flat.paths
         except S2sadError as error:
             refused = error
-    flat = _evaluated(program, forms, said, refused)
+    flat, facts = _evaluated(program, forms, said, refused)
     found = _assumed(flat.program, _leaves(flat, forms))
     if any(t == UNKNOWN for p, f in forms.items() for _, t in leaves(f, p)):
         types = {path: found[name].type for name, path in flat.paths.items()}
         forms = {p: mapped_types(f, p, types.get) for p, f in forms.items()}
-        flat = _evaluated(program, forms, said, refused)
+        flat, facts = _evaluated(program, forms, said, refused)
         again = _assumed(flat.program, _leaves(flat, forms))
         found = {n: replace(a, reason=found[n].reason) if n in found else a for n, a in again.items()}
-    values = {path: value for (path, what), value in said.facts.items() if what == "value"}
-    found = {n: replace(a, reason=f"made for {flat.paths[n]} = {values[flat.paths[n]]!r}")
-             if flat.paths[n] in values else a for n, a in found.items()}
-    return flat.program, found, {n: p for n, p in flat.paths.items()}
+    made_for = {path: f"made for {path}{'.shape' if what == 'shape' else ''} = {value!r}"
+                for (path, what), value in facts.items()}
+    found = {n: replace(a, reason=made_for.get(flat.paths[n], a.reason)) for n, a in found.items()}
+    return flat.program, found, flat.paths
 
 
 def _forms(program: Program, kernel: Kernel, said: Said) -> dict[str, Form]:
@@ -88,22 +89,33 @@ def _forms(program: Program, kernel: Kernel, said: Said) -> dict[str, Form]:
 _NOTHING = S2sadError(Diagnostic("S201", "an object has methods"))
 
 
-def _evaluated(program: Program, forms: Mapping[str, Form], said: Said, refused: S2sadError | None) -> Flat:
-    """The residual program; raises S2sadError, also where more must be said of the arguments."""
-    try:
-        return compiler().evaluated(program, tuple(forms.values()), (), said.facts, refused or _NOTHING)[0]
-    except DemandedFacts as demanded:
-        path, what = sorted(demanded.facts)[0]
-        help = {"value": f'say which \'{path}\' is, as --types "{_spelled(path, "3")}"',
-                "shape": f'say what shape \'{path}\' has, as --types "{_spelled(path, "float64[4]")}"'}.get(
-                    what, "call it in Python, where the arguments are at hand")
-        raise S2sadError(*(replace(d, help=help) for d in demanded.error.diagnostics)) from None
+def _evaluated(program: Program, forms: Mapping[str, Form], said: Said, refused: S2sadError | None
+               ) -> tuple[Flat, dict[Fact, Any]]:
+    """The residual program, and the facts about arguments that it is made for; raises S2sadError, also where more must
+    be said of these."""
+    facts: dict[Fact, Any] = {}
+    while True:
+        try:
+            return compiler().evaluated(program, tuple(forms.values()), (), facts, refused or _NOTHING)[0], facts
+        except DemandedFacts as demanded:
+            missing = sorted(demanded.facts - said.facts.keys())
+            if missing or demanded.facts <= facts.keys():
+                help = _said(*(missing or sorted(demanded.facts))[0], forms)
+                raise S2sadError(*(replace(d, help=help) for d in demanded.error.diagnostics)) from None
+            facts |= {fact: said.facts[fact] for fact in demanded.facts}
 
 
-def _spelled(path: str, what: str) -> str:
-    """A parameter, or a part of one, in the words of `--types`."""
-    name, _, rest = path.partition(".")
-    return f"{name}: {what}" if not rest else f"{name}: {{{rest}: {what}}}"
+def _said(path: str, what: str, forms: Mapping[str, Form]) -> str:
+    """How one says a fact about an argument."""
+    name, *keys = steps(path) or ("",)
+    if what.startswith("is ") or not all(isinstance(k, str) for k in keys):
+        return "call it in Python, where the arguments are at hand"
+    types = dict(leaf for p, form in forms.items() for leaf in leaves(form, p))
+    spelled = "float64[4]" if what == "shape" else "'...'" if types.get(path) == TEXT else "3"
+    for key in reversed(keys):
+        spelled = f"{{{key}: {spelled}}}"
+    return f"say {'what shape' if what == 'shape' else 'which'} '{path}' {'has' if what == 'shape' else 'is'}, as " \
+        f'--types "{name}: {spelled}"'
 
 
 def _leaves(flat: Flat, forms: Mapping[str, Form]) -> dict[str, Type]:
@@ -122,15 +134,20 @@ def _assumed(program: Program, known: Mapping[str, Type]) -> dict[str, Assumed]:
     return found
 
 
-def _known(kernel: Kernel, body: list[AST], forms: Mapping[str, Form]) -> None:
+def _known(program: Program, forms: Mapping[str, Form]) -> None:
     """Refuses a parameter that is read by field or key and has no type."""
-    report, parts = Report(kernel.source), {}
-    for node in walk(body):
+    function = program.function
+    report, parts = Report(function.module.source), {}
+    for node in walk(function.definition.body):
         if isinstance(node, (Attribute, Subscript)) and isinstance(node.value, Name) and forms.get(
                 node.value.id) == UNKNOWN and _part(node):
             parts.setdefault(node.value.id, []).append(node)
+    classes = {a.id: function.module.class_meant(a.annotation) for a in parameters_of(function.definition)
+               if a.annotation is not None}
     for name, nodes in parts.items():
-        found = ", ".join(f"{k}: float64" for k in dict.fromkeys(map(_part, nodes)))
+        made = classes.get(name)
+        words = dict.fromkeys(map(_part, nodes)) if made is None else made.attributes()
+        found = ", ".join(f"{k}: float64" for k in words)
         report.error("S203", f"'{name}' has parts, whose types are not known", nodes[0],
                      help=f'say what it is made of, as --types "{name}: {{{found}}}"')
     report.finish()

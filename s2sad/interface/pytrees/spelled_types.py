@@ -2,14 +2,16 @@
 
     --types "state: {u: float64[:], t: float}, layers: ((float64[:, :], float64[:]),), mask: None, order: 2"
 
-Braces mean a structure whose items are read as fields or by key; parentheses a tuple or a list; a number or a text in
-quotes says what an argument is, and sizes what shape it has, where the program depends on it.
+Braces mean a structure whose items are read as fields or by key, an object of a class where its name stands before
+them, as in `grid: Grid{n: 16, u: float64[:]}`; parentheses a tuple or a list; a number or a text in quotes says what an
+argument is, and sizes what shape it has, where the program depends on it.
 """
 from __future__ import annotations
 
 import ast
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from s2sad.infer.assumed_types import parsed_type
@@ -17,6 +19,7 @@ from s2sad.infer.types import NONE, of_value
 from s2sad.program import Fact
 from s2sad.pytree import Form, PyTree, step
 
+_NAMED = re.compile(r"([^\W\d]\w*)\s*\{")
 _SIZES = re.compile(r"\[\s*(\d+(?:\s*,\s*\d+)*)\s*\]$")
 
 
@@ -30,6 +33,10 @@ def parse_form(text: str, path: str = "", facts: dict[Fact, Any] | None = None) 
     ('a structure', {('p.n', 'value'): 3, ('p.u', 'shape'): (4,)})
     """
     text, facts = text.strip(), {} if facts is None else facts
+    named = _NAMED.match(text)
+    if named is not None:
+        inner = parse_form(text[named.end() - 1:], path, facts)
+        return replace(inner, made=named[1]) if isinstance(inner, PyTree) else None
     if text == "None":
         return NONE
     if text[:1] + text[-1:] not in ("{}", "()"):
