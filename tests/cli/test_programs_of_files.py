@@ -242,7 +242,7 @@ def of_file(ran, kernel, tmp_path):
 
 @pytest.mark.parametrize(("function", "error"), {
     "frame": "pd.read_csv(\"table.csv\"): 'pandas.read_csv' is not a function that s2sad knows or can read",
-    "noise": "np.random.rand(3): 'numpy.random.rand' draws random numbers",
+    "noise": "np.random.rand: 'np.random.rand' draws random numbers, or begins a sequence of them",
     "changed": "CHANGED[\"k\"]: 'CHANGED' cannot be used in a kernel: it is changed after it was made",
     "grown": "GROWN: 'GROWN' cannot be used in a kernel: it is changed after it was made",
     "filled": "FILLED[\"k\"]: 'FILLED' cannot be used in a kernel: it is given to a function at module level, which "
