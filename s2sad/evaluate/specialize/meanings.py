@@ -48,7 +48,8 @@ def meaning_value(ev: Evaluator, name: str, meaning: Meaning, node: AST, f: Fram
             return _member_of_library(ev, name, meaning, node, f)
         return ScopeValue(meaning.name, _Members(module) if isinstance(module, types.ModuleType) else meaning.scope)
     what = getattr(meaning, "what", "") or "of a kind that is not supported"
-    raise ev.outside_error(node, f"'{name}' cannot be used in a kernel: it is {what}",
+    is_what = "is" if what.startswith("imported") else "cannot be used in a kernel: it is"
+    raise ev.outside_error(node, f"'{name}' {is_what} {what}",
                            getattr(meaning, "help", ""))
 
 
