@@ -71,7 +71,7 @@ def is_there(name: str) -> bool:
     return not library or hasattr(LIBRARIES[library], member)
 
 
-@pytest.mark.parametrize("name", filter(is_there, NAMES))
+@pytest.mark.parametrize("name", list(filter(is_there, NAMES)))
 def test_both_engines(name, tmp_path):
     """Alone in a kernel, and in a helper of numbers, which stands in the generated file as it was written."""
     expression, numbers = called(name)
