@@ -259,7 +259,8 @@ def test_what_would_have_to_be_run(of_file, function, error):
 
 def test_what_is_given_and_not_changed(of_file):
     assert "x_bar = SHOWN_k * result_bar" in of_file("shown")
-    assert "result_bar_1 = TABLE_a_1 * result_bar" in of_file("imported")
+    text = of_file("imported")
+    assert "TABLE_a_1 * result_bar" in text and "return K * self.lo" in text
 
 
 def test_parameters_of_annotated_classes(of_file):
@@ -302,7 +303,8 @@ def test_values_are_said(of_file):
 
 
 def test_objects_are_spelled(of_file):
-    assert "K * p_g_lo" in of_file("spelled", "--types", "p: {k: float, g: Box{lo: float}}").replace("(", "")
+    text = of_file("spelled", "--types", "p: {k: float, g: Box{lo: float}}")
+    assert "def spelled_adjoint(p_k, p_g_lo, x, result_bar):" in text and "return K * self.lo" in text
     assert of_file("spelled", "--types", "p: {k: float, g: {lo: float}}").endswith(
         "help: if it is of a class, annotate it with that, or name it, as in --types \"a: Grid{...}\"\n")
     assert of_file("spelled", "--types", "p: {k: float, g: Bin{lo: float}}") == (

@@ -192,7 +192,7 @@ def decorated(x):
 
 
 def objects_from_outside(x):
-    return np.sum(SCHEME.rate(x)) * SCHEME.dt + STEEL.speed * SCHEME.width
+    return np.sum(x) * SCHEME.k * SCHEME.dt + STEEL.speed * SCHEME.width
 
 
 def in_a_loop(x, material: Material | None = None):
