@@ -18,7 +18,7 @@ from s2sad.live_objects.unwrap import python_function
 from s2sad.infer.independents import independents, usable_as_floats
 from s2sad.infer.types import NONE, UNKNOWN, array, of_value
 from s2sad.evaluate.structures.call_values import Unread
-from s2sad.evaluate.structures.fields import Flat, fields, has_sparse, is_sparse
+from s2sad.evaluate.structures.fields import Flat, fields
 from s2sad.evaluate.structures.fields import asks as structures_matter
 from s2sad.evaluate.structures.groups import StructureValue, nothing
 from s2sad.program import DemandedFacts, EntrySummary, Fact, Generated, Kernel, Program, Request
@@ -26,8 +26,8 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.read.capture import not_a_function
 from s2sad.run.user_functions_in_numba import checked_constants, compiled_in, registered_rules, uncompiled
 from s2sad.run.user_derivatives import checked_derivatives
-from s2sad.pytree import Form, PyTree, leaves
-from s2sad.tree import Call, FunctionDef, call_name, equal, walk
+from s2sad.pytree import SPARSE, Form, PyTree, leaves
+from s2sad.tree import equal
 
 __all__ = ["asks", "checked_constants", "checked_derivatives", "compiled_in", "derived", "entry_kernel", "flat_program",
            "not_a_function", "program", "registered_rules", "result_form", "same_program", "summary", "uncompiled",
@@ -104,18 +104,17 @@ def flat_program(program: Program, function: FunctionType, forms: tuple[Form, ..
     the arguments' classes; raises DemandedFacts where `facts` does not say enough of the arguments."""
     if program.refused is not None:
         return evaluated(program, forms, varying, facts, program.refused)
+    if any(map(_has_matrix, forms)):
+        said = S2sadError(Diagnostic("S201", "sparse matrices are evaluated"))
+        return evaluated(replace(program, function=function), forms, varying, facts, said)
     parameters = program.kernels[program.entry].parameters
     try:
         found = _fields(program, function, forms, varying)
     except S2sadError as refused:
-        if any(_calls_sparse(k.tree) for k in program.kernels.values()):
-            raise       # the evaluator knows no sparse matrices
         return evaluated(replace(program, function=function), forms, varying, facts, refused)
     try:
         return _in_normal_form(found, parameters, forms)
     except S2sadError as refused:
-        if has_sparse(program) or any(map(is_sparse, forms)):
-            raise
         try:
             return evaluated(replace(program, function=function), forms, varying, facts, refused)
         except S2sadError:
@@ -136,8 +135,9 @@ def _in_normal_form(found: tuple[Flat, list[Any], Guards], parameters: Sequence[
     return replace(flat, normal=normal), methods, guards
 
 
-def _calls_sparse(kernel: FunctionDef) -> bool:
-    return any(isinstance(n, Call) and (call_name(n) or "").startswith("scipy.sparse.") for n in walk(kernel))
+def _has_matrix(form: Form) -> bool:
+    """Whether an argument is a sparse matrix or has one in it."""
+    return isinstance(form, PyTree) and (form.kind in SPARSE or any(map(_has_matrix, form.items)))
 
 
 def _fields(program: Program, function: FunctionType, forms: tuple[Form, ...], varying: Collection[Path]

@@ -243,9 +243,17 @@ class Typing(TypesOfCalls):
 _SEVERAL = ("numpy.unravel_index", "numpy.nonzero", "numpy.meshgrid", "numpy.split", "numpy.indices", "numpy.gradient")
 
 
+_OF_MATRICES = {
+    "scipy.sparse.entries": ("a sparse matrix times something that is no number", "A @ x is the product with a vector"),
+    "scipy.sparse.along": ("a diagonal that is neither a number nor an array with one axis", "give it such an array"),
+}
+
+
 def _hint(value: AST | None) -> tuple[str, str]:
     """The note and the help of the error for a value without a type."""
     called = call_name(value) or ""
+    if called in _OF_MATRICES:
+        return _OF_MATRICES[called]
     if not called.startswith(("numpy.", "builtins.")) or not isinstance(value, Call):
         return "", "write it with operations on numbers and arrays that are known"
     options = ", ".join(f"{k.arg}=" for k in value.keywords if k.arg != "part")

@@ -96,7 +96,8 @@ class Linker:
         captured = lifted(replace(captured, tree=list_returns(desugar(hoist_definitions(captured.tree)))), function.key)
         report = Report(captured.source)
         self.reports.append(report)
-        own = None if hasattr(function.handle, "captured") else GIVEN.own(function.handle)
+        is_residual = hasattr(function.handle, "captured")
+        own = GIVEN.own(getattr(function.handle, "given", None) if is_residual else function.handle)
         if own is not None:
             _reached(own, captured, report)
         if own is not None and "primal" in own.functions:
@@ -112,7 +113,9 @@ class Linker:
         callers = [*callers, function]
         for callee, node in resolved.calls:
             self._call(callee, node, callers, report)
-        residual = None if own is None or own.residual is None else live_meaning("residual", own.residual)
+        residual = getattr(function.handle, "residual", None) if is_residual else None
+        if residual is None and own is not None and own.residual is not None:
+            residual = live_meaning("residual", own.residual)
         if isinstance(residual, UserFunctionValue):
             self._call(residual, header_of(captured.tree), callers, report)
         self.found[self.identify(function)] = _LinkedKernel(captured, resolved, defaults, own,

@@ -14,6 +14,7 @@ from s2sad.read.outside_values import (
     Record, ModuleValue, StringValue, Unusable, dotted, library_value,
 )
 from s2sad.live_objects.registry import GIVEN, ROOM
+from s2sad.rules.array import find_array
 from s2sad.rules.spellings import is_scipy
 
 Identify = Callable[["UserFunctionValue | Number | Array | Record"], str]
@@ -118,7 +119,7 @@ class OutsideNames:
                 self._refuse(f"the class '{text}' as a value is not supported in a kernel", node,
                              f"make one: {text}(...)")
         elif isinstance(meaning, Matrix):
-            return self._matrix(node, meaning, text, called)
+            self._refuse(f"'{text}' is a sparse matrix", node, "make what is computed with it a function of its own")
         elif isinstance(meaning, (Number, Array)):
             path = self.identify(meaning)
             self.references.add(path)
@@ -136,18 +137,6 @@ class OutsideNames:
         elif path is not None and not called and not isinstance(library_value(path), type):
             self._as_value(node, text)
         return tree.copy(node) if path is None else tree.at(tree.name(path), node)
-
-    def _matrix(self, node: AST, meaning: Matrix, text: str, called: bool) -> AST:
-        """A sparse matrix of the module, made of the arrays that it holds."""
-        arrays, sizes = meaning.parts()
-        if called:
-            self._refuse(f"'{text}' is a sparse matrix, not a function", node, "correct the name")
-        paths = [self.identify(part) for part in (*arrays, *sizes)]
-        self.references |= set(paths)
-        data, *places = map(tree.name, paths[:3])
-        given = [data, tree.tuple_of(*places)] if meaning.value.format == "coo" else [data, *places]
-        return tree.at(tree.call(f"scipy.sparse.{meaning.value.format}_matrix", tree.tuple_of(*given),
-                                 shape=tree.tuple_of(*map(tree.name, paths[3:]))), node)
 
     def _given(self, node: AST, path: str | None, text: str) -> str | None:
         """The path of what a library has, `given.` before it if the user gave it a derivative."""
@@ -183,6 +172,8 @@ class OutsideNames:
         root, _, rest = path.partition(".")
         if root == "builtins":
             self._builtin(node, rest, called)
+        elif path.startswith("scipy.sparse.") and find_array(path) is None:
+            self._refuse(f"'{text}' is of sparse matrices", node, "make what is computed with it a function of its own")
         elif root == "scipy" and is_scipy(path) or path in COMBINING:
             if not called:
                 self._as_value(node, text)

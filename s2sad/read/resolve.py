@@ -50,9 +50,6 @@ def resolve(captured: Captured, report: Report, identify: Identify) -> Resolved:
     parameters = [a.id for a in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
     local = {*parameters, *(s.id for s in (given.vararg, given.kwarg) if s is not None), *_bound(function.body)}
     pass_ = _Resolver(captured, report, identify, local)
-    pass_.solvers = {s.targets[0].id for s in tree.walk(function.body) if isinstance(s, tree.Assign)
-                     and isinstance(s.targets[0], tree.Name) and isinstance(s.value, tree.Call)
-                     and pass_.library(s.value.func) == "scipy.sparse.linalg.factorized"}
     body = [tree.rebuild(statement, pass_.change) for statement in function.body]
     new = tree.at(tree.function(function.name, parameters, body), function)
     return Resolved(new, tuple(parameters), frozenset(local), pass_.calls, pass_.references)
@@ -116,7 +113,6 @@ class _Resolver(OutsideNames):
         self.stored: set[int] = set()
         self.exponents: set[int] = set()
         self.rows: set[int] = set()
-        self.solvers: set[str] = set()      # names of functions that solve with a factorization
 
     def library(self, node: AST) -> str | None:
         """The path of the library's function that a name or path means."""
@@ -172,8 +168,6 @@ class _Resolver(OutsideNames):
         if isinstance(self._function_meant(node.func), Library) or isinstance(
                 node.func, tree.Name) and node.func.id in ("len", *ITERATORS):
             self._pick(node)
-        if isinstance(node.func, tree.Name) and node.func.id in self.solvers:
-            return None
         if self.library(node.func) == "builtins.dict" and node.keywords and not node.args:
             keys = [tree.at(tree.const(k.arg), k.value) for k in node.keywords]
             values = [tree.rebuild(k.value, self.change) for k in node.keywords]

@@ -1,6 +1,6 @@
 """The rules of sparse matrices: their entries, with the row and the column of each, `m` rows and `n` columns.
 
-`evaluate/structures/sparse` writes what a kernel does with `scipy.sparse` in these.
+`evaluate/specialize/sparse` writes what a kernel does with `scipy.sparse` in these.
 """
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def same(text: str, value: str) -> None:
 
 def is_scipy(path: str) -> bool:
     """Whether a function of SciPy's has a derivative here, or may: `normalize/library/differentiable` says which of
-    `scipy.linalg` have none, and `evaluate/structures/sparse` which of `scipy.sparse`."""
+    `scipy.linalg` have none, and `evaluate/specialize/sparse` which of `scipy.sparse`."""
     known = path in TABLE or path in rule.TABLE.rules or path in array.TABLE
     return known or path.rpartition(".")[0] in ("scipy.linalg", "scipy.sparse", "scipy.sparse.linalg")
 

@@ -8,6 +8,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.numeric_operators import OPERATORS
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation, statement
+from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     NONE, UNKNOWN, ClassValue, Data, LibraryValue, ObjectValue, Reference, ScopeValue, SliceValue, TupleValue, Value,
     constant,
@@ -120,6 +121,8 @@ def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f
         ev.assign_attribute(base, ev.key_of(key, origin), value, origin, f)  # pyright: ignore
     elif isinstance(base, Reference) and ev.heap[base].kind == "record":
         ev.call(ev.attribute_of(base, "__setitem__", origin, f), [key, value], {}, origin, f)
+    elif is_sparse(base, ev.heap):
+        ev.refuse_element(base, origin)
     elif isinstance(base, Reference):
         held = ev.change(base, origin)
         if isinstance(key, SliceValue) and held.kind == "list":
@@ -279,6 +282,8 @@ def _is_list(ev: Evaluator, value: Value) -> bool:
 
 def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: str) -> Value | None:
     """What `old op= value` leaves: an array keeps being the one that it is. None where the target is the same still."""
+    if is_sparse(old, ev.heap):
+        return ev.matrix_in_place(s.op, old, value, s)
     if isinstance(old, Reference):
         held = ev.heap[old]
         if held.kind == "list" and isinstance(s.op, tree.Add):

@@ -8,6 +8,7 @@ from enum import Enum
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     UNKNOWN, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference,
     ScopeValue, SliceValue, SuperValue, TupleValue, Value, constant,
@@ -25,7 +26,7 @@ def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> 
         held = ev.heap[base]
         if held.kind == "record":
             return _of_object(ev, base, held, name, node, f)
-        return MethodValue(base, name)
+        return ev.matrix_attribute(base, name, node, f) if is_sparse(base, ev.heap) else MethodValue(base, name)
     if isinstance(base, TupleValue):
         return _of_tuple(ev, base, name, node, f)
     if isinstance(base, ClassValue):
@@ -210,7 +211,8 @@ def assign_attribute(ev: Evaluator, base: Reference, name: str, value: Value, no
     """`base.name = value`."""
     held = ev.change(base, node)
     if held.kind != "record":
-        raise ev.refusal(node, f"an attribute of a {held.kind} is assigned")
+        raise ev.refusal(node, f"an attribute of {ev.kind_of(base)} is assigned", help="write into its entries: "
+                         "A.data[:] = ..., or build another matrix" if is_sparse(base, ev.heap) else "")
     found = ev.class_item(held.made, name, node, f)
     if found is not None and isinstance(found[1], LibraryValue) and found[1].path == "builtins.property":
         if len(found[1].first) < 2:

@@ -13,6 +13,7 @@ from s2sad.evaluate.specialize.choices import boolean_of
 from s2sad.evaluate.specialize.evaluator import STATEMENTS, Evaluator, Frame, Leave, operation, statement
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.joined_names import Way
+from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.state_joins import Join
 from s2sad.evaluate.specialize.values import FACTORY, NONE, Data, Reference, TupleValue, Value
 from s2sad.tree import AST
@@ -52,6 +53,8 @@ def truth(ev: Evaluator, value: Value, node: AST, f: Frame) -> bool | Data:
             return truth(ev, ev.call(method, [], {}, node, f), node, f)
     if isinstance(value, TupleValue):
         return bool(value.items)
+    if is_sparse(value, ev.heap):
+        ev.refuse_whole(value, node)
     if isinstance(value, Reference) and ev.heap[value].kind != "record":
         return any(k is not FACTORY for k in ev.heap[value].items)
     return True

@@ -11,6 +11,7 @@ from s2sad.evaluate.specialize.numeric_operators import computed
 from s2sad.evaluate.specialize.choices import chosen, is_structural
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unevaluated, expression, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast
+from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     UNKNOWN, Data, ObjectValue, Reference, TupleValue, Value, alike, constant, demands_of,
 )
@@ -76,6 +77,8 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
     if kind in ("In", "NotIn"):
         return _contained(ev, a, b, kind == "In", node, f)
     does, word = _COMPARISONS[kind]
+    if is_sparse(a, ev.heap) or is_sparse(b, ev.heap):
+        ev.refuse_whole(a if is_sparse(a, ev.heap) else b, node)
     if isinstance(a, Data) and isinstance(b, Data):
         if a.is_known and b.is_known and (kind in ("Eq", "NotEq") or computed(does, a.known, b.known) is not UNKNOWN):
             return constant(does(a.known, b.known))
@@ -190,6 +193,8 @@ def _identical(ev: Evaluator, a: Value, b: Value, node: AST) -> bool:
             type(datas[0].known) is type(datas[1].known) and datas[0].known == datas[1].known)
     if isinstance(a, ObjectValue) and isinstance(b, ObjectValue):
         return a.value is b.value
+    if is_sparse(a, ev.heap) and is_sparse(b, ev.heap) and a != b:
+        raise ev.refusal(node, "whether two sparse matrices are one and the same is asked", help="keep a flag")
     if isinstance(a, Reference) and isinstance(b, Reference) and a != b and ev.heap[a].kind == ev.heap[b].kind:
         paths = [ev.heap[r].path for r in (a, b)]
         if all(paths):

@@ -11,6 +11,7 @@ derivatives of their own apart.
 from __future__ import annotations
 
 import inspect
+import re
 import types
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -24,6 +25,8 @@ from s2sad.evaluate.specialize.classes.class_lookup import class_value
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Reached, Unevaluated, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.separate.separate_functions import title_functions
+from s2sad.evaluate.specialize.sparse.matrix_values import given_matrix, is_sparse
+from s2sad.evaluate.specialize.sparse.place_writes import settled_places
 from s2sad.evaluate.specialize.unread_lists import without_unread_lists
 from s2sad.evaluate.specialize.meanings import ResidualScope
 from s2sad.evaluate.specialize.values import (
@@ -35,24 +38,30 @@ from s2sad.infer.types import NONE as NONE_TYPE
 from s2sad.live_objects.registry import GIVEN
 from s2sad.live_objects.unwrap import partial_application
 from s2sad.program import DemandedFacts, Fact, Kernel, Program
-from s2sad.pytree import Form, PyTree, is_held, step
+from s2sad.pytree import SPARSE, Form, PyTree, is_held, step
 from s2sad.read.capture import captured_of
 from s2sad.read.linker import annotations_said, defaults_said
-from s2sad.read.outside_values import Captured
+from s2sad.read.outside_values import Captured, UserFunctionValue
 from s2sad.tree import AST
+
+
+_SPARSE = re.compile(r"an? (bsr|coo|csc|csr|dia|dok|lil)_(matrix|array)")       # what is said of a sparse matrix
 
 
 @dataclass(frozen=True)
 class Residual:
     """A residual function, as reading takes it, and what its parameters are: `paths` by name what a user calls each;
     `result` is the structure that is returned; `changed` are the paths of objects that are given and changed,
-    `replaced` the parameters in whose place these hold something else in the end, `live` the objects from outside."""
+    `replaced` the parameters in whose place these hold something else in the end, `live` the objects from outside.
+    One that is `given` has that function's own derivative, and perhaps its `residual`."""
     made: Captured
     paths: dict[str, str]
     result: PyTree | None
     changed: frozenset[str]
     replaced: frozenset[str]
     live: frozenset[int]
+    given: Any = None
+    residual: UserFunctionValue | None = None
 
     def captured(self) -> Captured:
         return self.made
@@ -77,17 +86,17 @@ def unread(function: Any, refused: S2sadError | None = None) -> Program:
 
 @deep_stack
 def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, Any], unrolls: bool = False,
-               inlines: bool = False) -> Residual:
+               inlines: bool = False, is_given: bool = False) -> Residual:
     """The residual function of a function, live or of a file, for arguments of these forms; raises S2sadError,
     DemandedFacts where facts would help. Loops in which lists grow are written out where it `unrolls`, calls where it
-    `inlines`."""
+    `inlines`. Of one with a derivative of its own it is that of its body if it `is_given`, else a call of it."""
     sites: frozenset[int | str] = frozenset()
     reached: list[tuple[str, Any, bool]] = []
     while True:
         captured = captured_of(function)
         ev = Evaluator(captured.source, dict(facts), sites, unrolls, inlines)
         try:
-            return _evaluated(ev, function, captured, forms, reached)
+            return _evaluated(ev, function, captured, forms, reached, is_given)
         except Reached as found:
             reached.append((found.name, found.value, found.is_owned))
         except Unevaluated as reason:
@@ -101,10 +110,8 @@ def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, An
 
 
 def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[str, Form],
-               reached: Sequence[tuple[str, Any, bool]]) -> Residual:
+               reached: Sequence[tuple[str, Any, bool]], is_given: bool) -> Residual:
     definition = captured.tree
-    if GIVEN.own(function) is not None:
-        raise ev.refusal(definition, f"'{captured.name}' has a derivative of its own")
     for decorator in getattr(function, "decorators", ()):
         raise ev.refusal(decorator, f"'{captured.name}' has a decorator, and is read without being run",
                          help="take it off, and wrap the kernel elsewhere under another name")
@@ -130,10 +137,15 @@ def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[
         f = replace(f, first=next(iter(bound)))
     ev.entry = f
     try:
-        ev.statements(definition.body, f)
+        if GIVEN.own(function) is None or is_given:
+            ev.statements(definition.body, f)
+        else:
+            _call_of_it(ev, FunctionValue(captured, ("live", id(function)), handle=function), list(names), f)
     except Leave:
         pass
-    body = without_unread_lists(ev.block) or [tree.at(tree.Pass(), definition)]
+    body = without_unread_lists(settled_places(ev.block, lambda s: ev.refusal(
+        s, "the places of the entries of a sparse matrix are written after it was made", "copy them before, or build "
+        "another matrix"))) or [tree.at(tree.Pass(), definition)]
     title_functions(ev, body, [definition.name])
     result = _results(ev)
     function_tree = tree.at(tree.function(definition.name, list(names), body), definition)
@@ -141,6 +153,44 @@ def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[
     made = Captured(captured.name, function_tree, ev.source, scope, _no_default)
     changed, replaced = _changes(ev)
     return Residual(made, names, result, changed, replaced, frozenset(ev.live))
+
+
+def _call_of_it(ev: Evaluator, function: FunctionValue, names: Sequence[str], f: Frame) -> None:
+    """The call of a function with a derivative of its own, in a function that is differentiated as usual."""
+    definition = function.captured.tree
+    found = ev.call(function, [ev.heap[f.reference].items[n] for n in names], {}, definition, f)
+    if any(isinstance(n, tree.Return) and n.value is not None for n in tree.walk(definition.body)):
+        ev.return_from_entry(definition, found, f)
+    ev.emit(tree.Expr(ev.spelled(found, definition)), definition, True)
+
+
+@operation
+def body_of(ev: Evaluator, function: Any) -> Any:
+    """What a function that stays one is read from: of one that has a derivative of its own, residual functions of it
+    and of what it makes zero."""
+    own = GIVEN.own(function)
+    if own is None:
+        return function
+    is_called = "primal" in own.functions       # as it is, and not read
+    nothing: frozenset[Any] = frozenset()
+    as_it_is = Residual(captured_of(function), {}, None, nothing, nothing, nothing)
+    made = as_it_is if is_called else _of_arrays(function)
+    if made is None:
+        return function
+    meaning = None
+    if isinstance(own.residual, types.FunctionType):
+        zero = own.residual
+        meaning = UserFunctionValue(zero.__name__, ("live", id(zero)), zero.__qualname__, _of_arrays(zero) or zero)
+    return replace(made, given=function, residual=meaning)
+
+
+def _of_arrays(function: Any) -> Residual | None:
+    """The residual function for arrays and numbers of which nothing is known; None where that is not enough."""
+    try:
+        parameters = [a.id for a in captured_of(function).tree.args.args]
+        return specialize(function, dict.fromkeys(parameters, UNKNOWN), {}, is_given=True)
+    except (S2sadError, DemandedFacts, KeyError):
+        return None
 
 
 def _changes(ev: Evaluator) -> tuple[frozenset[str], frozenset[str]]:
@@ -184,6 +234,8 @@ def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, na
             ev.member(key) if isinstance(key, Enum) else key: _argument(
                 ev, item, step(form, path, key), f"{wanted}_{key}", origin, names)
             for key, item in zip(form.keys, form.items)}
+        if form.kind in SPARSE:
+            return given_matrix(ev, form, tuple(items.values()), path, wanted, origin)
         if form.kind in ("tuple", "named"):
             made = _class(ev, form.made, origin) if form.kind == "named" and form.made is not None else None
             return TupleValue(tuple(items.values()), made)
@@ -210,7 +262,9 @@ def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, na
         fact = (path, "value")
         if fact in ev.facts:        # a function, a class, a member of an enumeration
             return ev.outside_value(wanted, ev.facts[fact], origin, ev.entry)
-        return Conflict(f"'{path}' is {form.dtype or form.kind}, of which a kernel can make no use", frozenset((fact,)))
+        help = "give it in another format: A.tocsr()" if _SPARSE.fullmatch(form.dtype) else ""
+        return Conflict(f"'{path}' is {form.dtype or form.kind}, of which a kernel can make no use", frozenset((fact,)),
+                        help)
     name = ev.fresh(wanted)
     names[name] = path
     if path != name:
@@ -270,7 +324,9 @@ def _leaves(ev: Evaluator, value: Value, node: AST) -> Any:
         for v in ev.heap[value].items.values():
             yield from _leaves(ev, v, node)
     else:
-        raise ev.refusal(node, f"{ev.kind_of(value)} is returned", help="return arrays and numbers")
+        sparse = "return its entries, and build it of them outside"
+        raise ev.refusal(node, f"{ev.kind_of(value)} is returned",
+                         help=sparse if is_sparse(value, ev.heap) else "return arrays and numbers")
 
 
 def _results(ev: Evaluator) -> PyTree | None:

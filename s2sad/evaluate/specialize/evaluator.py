@@ -144,8 +144,10 @@ class Evaluator:
     bind: Callable[..., Any]
     bind_arguments: Callable[..., Any]
     bound: Callable[..., Any]
+    body_of: Callable[..., Any]
     branch: Callable[..., Any]
     call: Callable[..., Any]
+    called_factors: Callable[..., Any]
     class_item: Callable[..., Any]
     class_of: Callable[..., Any]
     compared: Callable[..., Any]
@@ -195,6 +197,10 @@ class Evaluator:
     list_of: Callable[..., Any]
     listed: Callable[..., Any]
     live_function: Callable[..., Any]
+    matrix_attribute: Callable[..., Any]
+    matrix_in_place: Callable[..., Any]
+    matrix_method: Callable[..., Any]
+    matrix_operator: Callable[..., Any]
     meaning_value: Callable[..., Any]
     met_in_advance: Callable[..., Any]
     member: Callable[..., Any]
@@ -202,10 +208,14 @@ class Evaluator:
     mro: Callable[..., Any]
     new_dict: Callable[..., Any]
     new_set: Callable[..., Any]
+    outside_matrix: Callable[..., Any]
     outside_name: Callable[..., Any]
     outside_value: Callable[..., Any]
     picked: Callable[..., Any]
+    refuse_element: Callable[..., Any]
     refuse_no_number: Callable[..., Any]
+    refuse_whole: Callable[..., Any]
+    refused_sparse: Callable[..., Any]
     replace_items: Callable[..., Any]
     reshape_in_place: Callable[..., Any]
     residual_call: Callable[..., Any]
@@ -262,7 +272,7 @@ class Evaluator:
         self.returned: list[tuple[AST, Value, dict[int, Object]]] = []
         self.depth = self.emitted = self.guarded = 0        # `guarded`: residual branches and loops around
         self.owning = False                                 # what is taken from outside now belongs to a bound object
-        self.wanted: tuple[AST, str, AST] | None = None     # a list that gets a name, that name and the statement
+        self.wanted: tuple[AST, str, AST] | None = None     # what gets a name, that name and the statement
         self.called = self.label = ""                       # the function that is called; what a new object is for
         self.touched: set[int] = set()                          # objects that are changed
         self.targets: tuple[str, ...] = ()                      # the names that take what a call gives
@@ -374,7 +384,7 @@ class Evaluator:
             raise self.refusal(node, f"{_spelled_kind(node)} is not supported in a kernel")
         found = transfer(self, node, f)
         if isinstance(found, Conflict):
-            raise Unevaluated(self.refusal(node, found.what), found.demands)
+            raise Unevaluated(self.refusal(node, found.what, found.help), found.demands)
         if isinstance(found, Data) and found.name:      # what is said of it is about where it is read
             return replace(found, node=tree.at(tree.name(found.name), node))
         return found

@@ -12,6 +12,7 @@ from s2sad.evaluate.specialize.displays import flat
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, expression, operation
 from s2sad.evaluate.specialize.sequences.generators import is_generator
 from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
+from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     NONE, ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, ScopeValue, SuperValue, Value,
 )
@@ -63,6 +64,8 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
                            origins=origins(function.base, *args),
                            is_list=function.base.is_list and function.name == "copy")
         return ev.container_method(function.base, function.name, list(args), dict(keywords), node, f)
+    if is_sparse(function, ev.heap):
+        return ev.called_factors(function, list(args), dict(keywords), node)
     if isinstance(function, Reference) and ev.heap[function].kind == "record":
         return call(ev, ev.attribute_of(function, "__call__", node, f), args, keywords, node, f)
     if isinstance(function, Data) and not function.is_known:

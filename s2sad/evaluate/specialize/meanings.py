@@ -38,7 +38,9 @@ def meaning_value(ev: Evaluator, name: str, meaning: Meaning, node: AST, f: Fram
         return ev.file_function(meaning.handle)
     if isinstance(meaning, Number):
         return Data(tree.at(tree.name(_named(ev, meaning)), node), meaning.value)
-    if isinstance(meaning, (Array, Matrix)) and not isinstance(meaning, NumberTable):
+    if isinstance(meaning, Matrix):
+        return ev.outside_matrix(meaning, node, f)
+    if isinstance(meaning, Array) and not isinstance(meaning, NumberTable):
         return Data(tree.at(tree.name(_named(ev, meaning)), node))
     if isinstance(meaning, Record):
         return class_value(meaning.value)
@@ -101,7 +103,7 @@ def library_member(ev: Evaluator, path: str, name: str, node: AST) -> Value:
     return _library(ev, f"{path}.{name}", node)
 
 
-def _named(ev: Evaluator, meaning: Number | Array | Matrix) -> str:
+def _named(ev: Evaluator, meaning: Number | Array) -> str:
     """The residual name of a number or an array from outside."""
     for name, known in ev.outside.items():
         if known is meaning or type(known) is type(meaning) and known.name == meaning.name and (  # pyright: ignore
@@ -121,7 +123,7 @@ def residual_function(ev: Evaluator, function: FunctionValue, node: AST) -> str:
     handle = function.handle
     if isinstance(handle, types.FunctionType):
         path = f"{handle.__module__}.{handle.__qualname__}"
-        ev.outside[name] = UserFunctionValue(handle.__name__, ("live", id(handle)), path, handle)
+        ev.outside[name] = UserFunctionValue(handle.__name__, ("live", id(handle)), path, ev.body_of(handle))
     else:
         ev.outside[name] = UserFunctionValue(handle.__name__, function.key, f"{handle.module.name}.{handle.__name__}",
                                              handle)

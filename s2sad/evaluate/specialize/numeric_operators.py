@@ -9,6 +9,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins
+from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     UNKNOWN, Data, LibraryValue, Reference, OpaqueValue, TupleValue, Value, constant, demands_of,
 )
@@ -54,6 +55,8 @@ def binary_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
 @operation
 def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Frame) -> Value:
     """`left op right` of any values."""
+    if is_sparse(left, ev.heap) or is_sparse(right, ev.heap):
+        return ev.matrix_operator(op, left, right, node)
     for value in (left, right):
         if isinstance(value, Reference) and ev.heap[value].kind == "record" or (
                 isinstance(value, TupleValue) and value.made is not None):

@@ -191,7 +191,7 @@ def _read(node: Any) -> list[str]:
 
 
 def _names(home: Any) -> list[str]:
-    return [home] if isinstance(home, str) else [n for h in home.values() for n in _names(h)]
+    return [home] if isinstance(home, str) else [n for h in (home or {}).values() for n in _names(h)]
 
 
 def _with(held: Object, key: Any, value: Value) -> Object:
@@ -282,15 +282,14 @@ def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Obj
                 if alike(old, new) or isinstance(old, Conflict):
                     continue
                 first = loop.start[n].items.get(key, old)
-                if (n, key) in loop.homes:
-                    if _shape(ev, head, old) != _shape(ev, end, new):
-                        raise ev.unknown(origin, f"'{key}' is another structure in each round")
-                    continue
-                if _shape(ev, loop.start, first) != _shape(ev, end, new):
+                had = loop.homes.get((n, key))
+                if had is not None and _shape(ev, head, old) != _shape(ev, end, new):
+                    raise ev.unknown(origin, f"'{key}' is another structure in each round")
+                if had is None and _shape(ev, loop.start, first) != _shape(ev, end, new):
                     error = ev.refusal(origin, f"'{key}' is another structure in each round")
                     raise Unevaluated(error, differs=isinstance(first, Data) and first.known is None)
-                loop.homes[n, key] = _home(ev, loop.start, first, held.name_of(key))
-                found = True
+                loop.homes[n, key] = _home(ev, had, (loop.start, first), (end, new), held.name_of(key))
+                found |= loop.homes[n, key] != had
     return found
 
 
@@ -316,11 +315,16 @@ def _shape(ev: Evaluator, objects: Objects, value: Value) -> Any:
     return value
 
 
-def _home(ev: Evaluator, objects: Objects, value: Value, wanted: str) -> Any:
-    """Names for the leaves of a value, its own where nothing else has it."""
-    inner = _parts(objects, value)
+def _home(ev: Evaluator, had: Any, first: tuple[Objects, Value], new: tuple[Objects, Value], wanted: str) -> Any:
+    """Names for the leaves of a value that a round changes, its own where nothing else has it; None for the others."""
+    objects, value = first
+    inner, after = _parts(objects, value), dict(_parts(*new) or ())
+    if isinstance(had, str):
+        return had
     if inner is not None:
-        return {k: _home(ev, objects, v, f"{wanted}_{k}") for k, v in inner}
+        return {k: _home(ev, (had or {}).get(k), (objects, v), (new[0], after[k]), f"{wanted}_{k}") for k, v in inner}
+    if alike(value, new[1]):
+        return None
     own = value.name if isinstance(value, Data) else ""
     if own and own not in ev.leaves and "." not in own and uses(objects, own) == 1:
         return own
@@ -329,6 +333,8 @@ def _home(ev: Evaluator, objects: Objects, value: Value, wanted: str) -> Any:
 
 def _placed(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST, into: Objects) -> Value:
     """The value with its leaves at home."""
+    if home is None:
+        return value
     if isinstance(home, str):
         node = tree.at(tree.name(home), origin)
         return Data(node, demands=value.demands, is_list=value.is_list) if isinstance(value, Data) else Data(node)
@@ -343,6 +349,8 @@ def _placed(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AS
 
 
 def _moved(objects: Objects, value: Value, home: Any) -> list[tuple[str, AST]]:
+    if home is None:
+        return []
     if isinstance(home, str):
         return [(home, tree.copy(value.node))] if isinstance(value, Data) else []
     return [m for k, v in _parts(objects, value) or [] for m in _moved(objects, v, home[k])]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.sparse.matrix_values import form_said, is_sparse
 from s2sad.evaluate.specialize.values import (
     ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference, ScopeValue,
     SliceValue, OpaqueValue, TupleValue, Value,
@@ -28,6 +29,8 @@ def spelled(ev: Evaluator, value: Value, origin: AST) -> AST:
     if isinstance(value, Reference) and ev.heap[value].kind == "list":
         items = [spelled(ev, v, origin) for v in ev.heap[value].items.values()]
         return tree.at(tree.List(items, tree.Load()), origin)
+    if is_sparse(value, ev.heap):
+        ev.refuse_whole(value, origin)
     if isinstance(value, LibraryValue) and not value.first and not value.keywords:
         return tree.at(tree.name(ev.library(value.path)), origin)
     if isinstance(value, SliceValue):
@@ -52,6 +55,8 @@ def kind_of(ev: Evaluator, value: Value) -> str:
     """What a value is, in words."""
     if isinstance(value, Reference):
         held = ev.heap[value]
+        if is_sparse(value, ev.heap):
+            return form_said(held)
         words = {"list": "a list", "dict": "a dict", "set": "a set", "frame": "a frame", "class": "a class"}
         return words.get(held.kind) or f"an object of class {held.made.name if held.made else '?'}"
     if isinstance(value, OpaqueValue):

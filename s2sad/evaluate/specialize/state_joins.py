@@ -19,6 +19,7 @@ from s2sad.evaluate.specialize.values import (
     UNKNOWN, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike, count, renamed,
 )
 from s2sad.evaluate.specialize.joined_names import Merged, Objects, Way, settled_names
+from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
 from s2sad.program import Fact
 from s2sad.tree import AST
 
@@ -165,6 +166,8 @@ class Join:
             (h.kind, h.made, tuple(h.items)) == (one.kind, one.made, tuple(one.items)) for h in objects)
         if not alone or not alike_made or one.kind in ("frame", "class") or any(h.path or h.live for h in objects):
             return Conflict(f"'{wanted}' is one structure on one way and another on another")
+        if one.kind in KINDS and not all(alike(one.items["shape"], h.items["shape"]) for h in objects):
+            return Conflict(f"'{wanted}' is a sparse matrix of one shape on one way and of another on another")
         made = self.made[key] = self.ev.heap.new(replace(one, items={}, label=wanted))
         del self.ev.heap.objects[made.number]
         items = {k: self.meet([h.items[k] for h in objects], f"{wanted}_{k}") for k in one.items}

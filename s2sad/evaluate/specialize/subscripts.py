@@ -7,6 +7,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import of_part, origins
+from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     NONE, Data, LibraryValue, MethodValue, Reference, SliceValue, TupleValue, Value, constant,
 )
@@ -44,6 +45,8 @@ def item_of(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Va
             return Data(found, base.known[known_place(ev, place, node)])
         return Data(found, demands=base.demands, shape=of_part(base, place), origins=origins(base, place),
                     is_list=base.is_list and isinstance(place, SliceValue))
+    if is_sparse(base, ev.heap):
+        ev.refuse_element(base, node)
     if isinstance(base, Reference) and ev.heap[base].kind == "record":
         if ev.heap[base].made is None:      # it is spelled in a text, and goes by fields and by keys
             return ev.attribute_of(base, ev.known(place, node, "a key"), node, f)

@@ -173,6 +173,7 @@ class Conflict:
     """What must not be asked for: one thing on one way and another on another, say; `demands` would make it known."""
     what: str = ""
     demands: frozenset[Any] = frozenset()
+    help: str = ""
 
 
 Value = (Data | TupleValue | Reference | FunctionValue | LibraryValue | MethodValue | ClassValue | SuperValue

@@ -1,1 +1,1 @@
-"""Structures (records, dictionaries, lists, sparse matrices) become their arrays and numbers."""
+"""Structures (records, dictionaries, lists) become their arrays and numbers."""

@@ -11,7 +11,6 @@ from s2sad.evaluate.structures.static_tests import NO
 from s2sad.evaluate.structures.integer_fields import KEEPING, is_whole, whole_names
 from s2sad.evaluate.structures.operators import Operators
 from s2sad.evaluate.structures.groups import StructureValue, Leaf, Plain, flat, nothing, usable
-from s2sad.evaluate.structures.sparse_values import PLACES, is_matrix
 from s2sad.pytree import said_to_be_array
 from s2sad.tree import (
     AST, Add, Attribute, BoolOp, Compare, Constant, Mult, Name, Not, Store, Sub, Subscript, UnaryOp, at, const, index,
@@ -28,9 +27,6 @@ class Assignments(Operators):
     def assigned(self, node: AST, value: AST | None, augmented: bool, op: AST | None = None) -> AST | None:
         """The target for an item of a structure; None if the target is no such item."""
         base = self.structural(node.value)
-        if isinstance(node.value, Attribute) and node.value.attr in PLACES and is_matrix(self.structural(
-                node.value.value)):
-            self.refuse(node, "the places of the entries of a sparse matrix are written", "build another matrix")
         if not isinstance(base, StructureValue):
             if isinstance(node, Attribute):
                 self.refuse(node, f"an assignment to the attribute .{node.attr} {NO}",

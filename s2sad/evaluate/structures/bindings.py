@@ -21,12 +21,11 @@ from s2sad.evaluate.structures.call_values import Maker, Passed, plain_tuple
 from s2sad.evaluate.structures.groups import (
     ORDINARY, SPELLED, Conflict, StructureValue, Leaf, Ordinary, Plain, Value, flat, listed, nothing, spelled, usable,
 )
-from s2sad.evaluate.structures.sparse_values import is_sparse
 from s2sad.program import Kernel
 from s2sad.pytree import step
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Call, Constant, Expr, For, List, Name, Store, Subscript, Tuple, While, assign, at,
-    const, equal, expr, keyword, name, stored_names, tuple_of, walk, walk_statements,
+    AST, Assign, Attribute, Call, Constant, Expr, List, Name, Store, Subscript, Tuple, assign, at,
+    const, equal, keyword, name, stored_names, tuple_of, walk,
 )
 
 Env = dict[str, "Value | Conflict | Ordinary"]
@@ -42,10 +41,7 @@ class Bindings(Assignments):
         self.fresh = fresh
         self.in_loop = False
         stores = [n.id for n in walk(kernel.tree.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
-        self.before_loop: frozenset[str] = frozenset()      # what had a value where the loops around began
         self.rebound = {n for n in stores if stores.count(n) > 1 or n in kernel.parameters}
-        loops = [s for s in walk_statements(kernel.tree.body) if isinstance(s, (For, While))]
-        self.changing = self.rebound | set(stored_names(loops))
         self.assigned_keys = _assigned(kernel)
         self.anywhere_assigned = {k for every in maker.program.kernels.values() for k in _assigned(every)}
 
@@ -181,9 +177,7 @@ class Bindings(Assignments):
         if isinstance(value, StructureValue):
             old = self.env.get(target.id)
             copying = self.in_loop and unrolled is None and self.is_fixed(value)
-            anew = is_sparse(value) and target.id not in self.before_loop
-            if isinstance(old, StructureValue) and (copying
-                                                    or value.path == SPELLED) and not anew and self._replaceable(
+            if isinstance(old, StructureValue) and (copying or value.path == SPELLED) and self._replaceable(
                     target.id, old, value):
                 env[target.id] = _unplaced(old)
                 return [(name(was.name), spelled(new, target) or const(0.0)) for was, new in zip(flat(old), flat(value))
@@ -212,9 +206,7 @@ class Bindings(Assignments):
         items: list[Value] = []
         for key, item in zip(group.form.keys, group.items):
             path = step(group.form, wanted, key)
-            if is_sparse(group) and key == "shape" and self.settled(item):
-                items.append(item)
-            elif isinstance(item, StructureValue):
+            if isinstance(item, StructureValue):
                 inner, part = self._kept(item, origin, path, copying, constants)
                 pairs += inner
                 items.append(part)
@@ -233,15 +225,6 @@ class Bindings(Assignments):
         assigned = not group.form.fixed and key in self.assigned_keys
         return isinstance(item.node, Constant) and (nothing(item) or isinstance(item.node.value, str) or not (
             constants or assigned))
-
-    def settled(self, value: Value) -> bool:
-        """Whether the shape of a sparse matrix is the same wherever it stands: made of sizes and names bound once."""
-        if isinstance(value, StructureValue):
-            return value.form.kind == "tuple" and all(map(self.settled, value.items))
-        parts = [n for n in walk(value.node) if isinstance(n, expr)] if isinstance(value, Plain) else []
-        return bool(parts) and all(
-            isinstance(n, (Constant, BinOp, Subscript)) or isinstance(n, Attribute) and n.attr in ("shape", "size")
-            or isinstance(n, Name) and n.id not in self.changing for n in parts)
 
     def kept(self, group: StructureValue, origin: AST, wanted: str) -> tuple[list[AST], StructureValue]:
         """A structure whose expressions have names of their own, given before."""

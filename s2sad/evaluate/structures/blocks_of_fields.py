@@ -137,8 +137,8 @@ class StructureBlocks(Inner):
 
     def _looped(self, once: Callable[[], list[AST]], body: list[AST], orelse: list[AST]) -> list[AST]:
         """A loop's body under what holds in every iteration."""
-        before, outer = self.detached(body), (self.in_loop, self.before_loop)
-        self.in_loop, self.before_loop = True, frozenset(self.env)
+        before, outer = self.detached(body), self.in_loop
+        self.in_loop = True
         start, mark, returned = dict(self.env), len(self.report.found), len(self.returned)
         while True:
             self.env = dict(start)
@@ -149,7 +149,7 @@ class StructureBlocks(Inner):
             for end in ends:
                 merged = _merged(merged, end, self.is_fixed)
             if all(merged.get(n) == start[n] for n in start):
-                self.env, (self.in_loop, self.before_loop) = merged, outer
+                self.env, self.in_loop = merged, outer
                 made[0].orelse = self.block(orelse)
                 return before + made
             start = {n: merged[n] for n in start}

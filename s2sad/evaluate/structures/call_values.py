@@ -3,7 +3,6 @@
     limit(state, 2.0)          ->   user.limit(state_u, state_t, 2.0)
     state.norm()               ->   user.norm(state_u)
     Orbit(x, v=0.0)            ->   a structure of x and 0.0
-    a @ x                      ->   runtime.sparse_product(a_data, a_row, a_col, x, ...)   (field_matrices)
 """
 from __future__ import annotations
 
@@ -15,18 +14,16 @@ from s2sad.diagnostics import Report
 from s2sad.live_objects.guards import class_attribute
 from s2sad.infer.types import UNKNOWN
 from s2sad.evaluate.argument_binding import bound_arguments, user_call
-from s2sad.evaluate.structures.static_tests import NO
+from s2sad.evaluate.structures.static_tests import NO, Decisions
 from s2sad.evaluate.structures.literal_arguments import nests
 from s2sad.evaluate.structures.items import parts_of, spoken
-from s2sad.evaluate.structures.sparse import Matrices
 from s2sad.evaluate.structures.groups import (
     NOTHING, SPELLED, StructureValue, Leaf, Plain, Value, flat, listed, pattern, usable,
 )
-from s2sad.evaluate.structures.sparse_values import ROOM as SPARSE_ROOM, is_sparse
 from s2sad.program import Kernel, Program
 from s2sad.pytree import Form, PyTree, is_fixed, is_held, leaves, method_of, record_fields
 from s2sad.tree import (
-    AST, Attribute, BinOp, BoolOp, Call, Compare, Constant, Dict, IfExp, List, Name, Not, Subscript, Tuple, UnaryOp,
+    AST, Attribute, BoolOp, Call, Compare, Constant, Dict, IfExp, List, Name, Not, Subscript, Tuple, UnaryOp,
     add, at, call_name, const, keyword, name,
 )
 
@@ -44,10 +41,8 @@ class SpecializedCallee(Protocol):
 
 
 class Maker(Protocol):
-    """What one kernel asks of the pass: the program, whether it has sparse matrices, and other kernels for patterns of
-    arguments."""
+    """What one kernel asks of the pass: the program, and other kernels for patterns of arguments."""
     program: Program
-    sparse: bool
 
     def callee(self, kernel: str, patterns: tuple[Form, ...]) -> SpecializedCallee: ...
 
@@ -60,7 +55,7 @@ class Unread(Exception):
         self.function, self.made, self.name = function, made, name
 
 
-class CallValues(Matrices):
+class CallValues(Decisions):
     """What the expressions of one kernel stand for; `needed` are the places of parameters that are assigned and must be
     cells."""
 
@@ -116,10 +111,6 @@ class CallValues(Matrices):
         called = call_name(node) or ""
         if called.startswith("record."):
             return self._constructed(node, called.partition(".")[2])
-        if called.startswith(SPARSE_ROOM):
-            return self.of_scipy(node, called)
-        if isinstance(node.func, Name) and isinstance(factors := self.env.get(node.func.id), StructureValue):
-            return self.called_factors(factors, node)
         if called == "builtins.len":
             return self._length(node)
         if called in ("builtins.max", "builtins.min", "builtins.sum") and len(node.args) == 1 and not node.keywords:
@@ -175,8 +166,6 @@ class CallValues(Matrices):
 
     def _method(self, base: StructureValue, node: Call) -> Value:
         """`p.get("k", 1.0)`, `p.items()`, `p.keys()`, `p.values()` of a dict."""
-        if is_sparse(base):
-            return self.matrix_method(base, node)
         method, count, kind = node.func.attr, len(node.args), base.form.kind
         own = kind == "record" and not base.form.fixed
         given = node.keywords if method in _REPLACING else []
@@ -281,7 +270,7 @@ def plain_tuple(result: StructureValue) -> bool:
 CallValues.seen = {
     Name: CallValues._name, Attribute: CallValues._field, Subscript: CallValues._item, Call: CallValues._call,
                    Compare: CallValues._test,
-    BoolOp: CallValues._test, UnaryOp: lambda v, n: v._test(n) if isinstance(n.op, Not) else v.negated(n),
-    BinOp: lambda v, n: v.operated(n) if v.maker.sparse else None, IfExp: CallValues._choice,
+    BoolOp: CallValues._test, UnaryOp: lambda v, n: v._test(n) if isinstance(n.op, Not) else None,
+    IfExp: CallValues._choice,
     Tuple: CallValues._display, List: CallValues._display, Dict: CallValues._dict,
 }

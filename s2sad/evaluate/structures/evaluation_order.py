@@ -18,7 +18,7 @@ from s2sad.tree import AST, Assign, Attribute, Call, Name, Store, at, call_name,
 def may_write(node: Call) -> bool:
     """Whether a call of what is no user's function may store in an array."""
     return any(k.arg == "out" for k in node.keywords) or not (call_name(node) or "").startswith((
-        "builtins.", "math.", "numpy.", "record.", "scipy.sparse."))
+        "builtins.", "math.", "numpy.", "record."))
 
 
 def stores(node: AST, may_store: Callable[[Call], bool]) -> bool:

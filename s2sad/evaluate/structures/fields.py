@@ -26,9 +26,8 @@ from s2sad.evaluate.structures.literal_arguments import gives_tuples
 from s2sad.evaluate.structures.groups import (
     CELL, ORDINARY, SPELLED, StructureValue, Leaf, Plain, Value, flat, grouped, nothing, spelled, usable,
 )
-from s2sad.evaluate.structures.sparse_values import ROOM as SPARSE_ROOM, given_matrices, has_matrix
 from s2sad.program import Kernel, Program
-from s2sad.pytree import SPARSE, Form, PyTree, is_held, leaves, step
+from s2sad.pytree import Form, PyTree, is_held, leaves, step
 from s2sad.tree import (
     AST, Attribute, Compare, Dict, In, Is, IsNot, Name, NotIn, Return, Store, at, const, copy, function, tuple_of, walk,
     walk_statements,
@@ -62,17 +61,11 @@ def asks(program: Program) -> bool:
     """Whether kernels assign attributes, make structures or test what arguments are: that is settled here."""
     if any(gives_tuples(k.tree, program) for k in program.kernels.values()):
         return True
-    return bool(program.records) or has_sparse(program) or any(
+    return bool(program.records) or any(
                isinstance(n, Dict) or
                isinstance(n, Attribute) and isinstance(n.ctx, Store) or
                isinstance(n, Compare) and any(isinstance(o, (Is, IsNot, In, NotIn)) for o in n.ops)
                for k in program.kernels.values() for n in walk(k.tree.body))
-
-
-def has_sparse(program: Program) -> bool:
-    """Whether kernels make sparse matrices or solve with them."""
-    return any(isinstance(n, Name) and n.id.startswith(SPARSE_ROOM) for k in program.kernels.values()
-               for n in walk(k.tree.body))
 
 
 @deep_stack
@@ -80,7 +73,7 @@ def fields(program: Program, forms: tuple[Form, ...]) -> Flat:
     """The flat program for arguments of these forms; raises S2sadError with what cannot be taken apart."""
     cells: frozenset[str] = frozenset()
     while True:
-        making = _Making(program, has_sparse(program) or any(map(is_sparse, forms)))
+        making = _Making(program)
         entry = program.kernels[program.entry]
         made = making.made(entry, tuple(_with_cells(f, p, cells) for p, f in zip(entry.parameters, forms)), True)
         names = [n for p in entry.parameters for n in made.flat[p]]
@@ -95,11 +88,6 @@ def fields(program: Program, forms: tuple[Form, ...]) -> Flat:
         cells = new
 
 
-def is_sparse(form: Form) -> bool:
-    """Whether an argument is a sparse matrix or has one in it."""
-    return isinstance(form, PyTree) and (form.kind in SPARSE or any(map(is_sparse, form.items)))
-
-
 def _with_cells(form: Form, path: str, cells: Iterable[str]) -> Form:
     """The form in which the numbers at some paths are cells."""
     if isinstance(form, Type):
@@ -111,8 +99,8 @@ def _with_cells(form: Form, path: str, cells: Iterable[str]) -> Form:
 class _Making:
     """The kernels of one flat program, callees first."""
 
-    def __init__(self, program: Program, sparse: bool):
-        self.program, self.sparse = program, sparse
+    def __init__(self, program: Program):
+        self.program = program
         self.kernels: dict[str, Kernel] = {}
         self.reports: list[Report] = []
         self._made: dict[tuple[str, tuple[Form, ...]], SpecializedKernel] = {}
@@ -202,7 +190,7 @@ class _Making:
                 blocks.env[parameter] = Leaf("", parameter, form)
                 made.flat[parameter] = []
             place += len(made.flat[parameter])
-        body = [*given_matrices(blocks, kernel), *blocks.block(kernel.tree.body)]
+        body = blocks.block(kernel.tree.body)
         made.needed = blocks.needed
         made.result = self._returned(blocks, body, report, is_entry)
         used = {n.id for n in walk(body) if isinstance(n, Name)}
@@ -223,11 +211,6 @@ class _Making:
             for node, group in blocks.returned:
                 node.value = spelled(group, node)
             return None
-        for node, group in blocks.returned if is_entry else ():
-            if has_matrix(group):
-                report.error("S201", "a sparse matrix is returned", node,
-                             help="return its entries, and build it of them outside")
-                return None
         groups = [group for _, group in blocks.returned]
         places = [[v.place if isinstance(v, Leaf) and not is_entry else -1 for v in flat(g)] for g in groups]
         for node, group in blocks.returned:

@@ -18,12 +18,11 @@ from s2sad.evaluate.structures.literal_arguments import arguments
 from s2sad.evaluate.structures.evaluation_order import in_order, is_turned, may_write, stores
 from s2sad.evaluate.structures.call_values import plain_tuple
 from s2sad.evaluate.structures.groups import StructureValue
-from s2sad.evaluate.structures.sparse_values import DIAGONALS
 from s2sad.evaluate.effects import own_lists
 from s2sad.pytree import record_fields
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Constant, Expr, For, If, IfExp, List, Load, Name,
-    Return, Store, Subscript, Tuple, UnaryOp, While, at, call_name, children, expr, name, rebuild, walk,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, BoolOp, Call, Expr, For, If, IfExp, Load, Name,
+    Return, Store, Subscript, UnaryOp, While, at, call_name, children, expr, name, rebuild, walk,
 )
 
 _PARTS = {Assign: "value", AugAssign: "value", Expr: "value", Return: "value", If: "test", For: "iter", Assert: "test"}
@@ -129,19 +128,7 @@ class _Names:
             return node
         if isinstance(node, (BoolOp, IfExp)):
             return self._first(node)
-        return self._diagonals(rebuild(
-            node, lambda n: self.change(n) if n is not node and isinstance(n, expr) else None))
-
-    def _diagonals(self, node: AST) -> AST:
-        """The diagonals of a sparse matrix by their names: how long they are is asked of these."""
-        values = node.args[0] if call_name(node) in DIAGONALS and node.args else None
-        if self.stopped or values is None:
-            return node
-        several = isinstance(values, (List, Tuple))
-        named = [self._held(v, "diagonal") if isinstance(v, (BinOp, UnaryOp, Call)) and not _is_number(v) else v
-                 for v in (values.elts if several else [values])]
-        first = at(type(values)(named, values.ctx), values) if several else named[0]
-        return at(Call(node.func, [first, *node.args[1:]], node.keywords), node)
+        return rebuild(node, lambda n: self.change(n) if n is not node and isinstance(n, expr) else None)
 
     def _held(self, value: AST, wanted: str) -> AST:
         """A name for a value, which is bound before the statement."""
@@ -179,11 +166,6 @@ class _Names:
             return new
         self.of.report.found += said
         return self._held(at(called, node), "inner")
-
-
-def _is_number(node: AST) -> bool:
-    """Whether an expression is a number that is written with a sign."""
-    return isinstance(node, UnaryOp) and isinstance(node.operand, Constant)
 
 
 def _stores(node: AST, lists: set[str]) -> bool:

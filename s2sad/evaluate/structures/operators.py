@@ -181,12 +181,7 @@ class Operators(CallValues):
     def _unary(self, node: UnaryOp) -> Value | None:
         if isinstance(node.op, Not):
             return self._test(node)
-        found = self._operated(node)
-        return found if found is not None else self.negated(node)
-
-    def _binary(self, node: BinOp) -> Value | None:
-        found = self._operated(node)
-        return found if found is not None else self.operated(node) if self.maker.sparse else None
+        return self._operated(node)
 
     def _picked(self, node: Subscript) -> Value | None:
         found = self._operated(node)
@@ -200,5 +195,5 @@ def _goes_first(one: StructureValue | None, other: StructureValue | None, reflec
         own_method(a, reflected) != own_method(b, reflected))
 
 
-Operators.seen = {**CallValues.seen, BinOp: Operators._binary, UnaryOp: Operators._unary, Call: Operators._calls,
+Operators.seen = {**CallValues.seen, BinOp: Operators._operated, UnaryOp: Operators._unary, Call: Operators._calls,
                   Compare: Operators._compared_or_decided, Subscript: Operators._picked}

@@ -64,8 +64,6 @@ _HELP = {
 }
 _TYPES = "entries and operands are arrays of floats, rows and columns arrays of integers"
 _SPARSE = {
-    "scipy.sparse.entries": ("a sparse matrix times something that is no number", "A @ x is the product with a vector"),
-    "scipy.sparse.along": ("a diagonal that is neither a number nor an array with one axis", _TYPES),
     **dict.fromkeys(("runtime.sparse_product", "runtime.sparse_left_product"),
                     ("the product of a sparse matrix with an operand of this type", _TYPES)),
     "runtime.sparse_solve": ("solving with a sparse matrix of this type", _TYPES),

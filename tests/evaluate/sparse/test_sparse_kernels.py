@@ -168,6 +168,91 @@ def entries_in_lists(c, x, h):
     return np.sum((A @ x) ** 3) * h
 
 
+MATRICES = [csr_matrix(np.array([[2.0, 0.0, 1.0], [0.0, 0.0, 0.0], [0.5, 1.5, 0.0]])), identity(3, format="csc")]
+ROWS, COLUMNS, ENDS = np.array([0, 1, 2]), np.array([1, 2, 0]), np.array([0, 1, 2, 3])
+
+
+class Operator:
+    def __init__(self, A, scale):
+        self.A, self.scale = A, scale
+
+    def __matmul__(self, x):
+        return self.scale * (self.A @ x)
+
+
+def in_objects_and_lists(v, x):
+    op = Operator(coo_matrix((v, (ROWS, COLUMNS)), shape=(3, 3)).tocsr(), 2.0)
+    y = op @ x
+    op.A = op.A + op.A.T
+    for A in [*MATRICES, *(coo_matrix((v * k, (ROWS, COLUMNS)), shape=(3, 3)) for k in (1.0, 2.0))]:
+        y = A @ y + op @ x
+    held = {"K": MATRICES[0], "D": diags(v)}
+    return np.sum(y ** 2) + sum(np.sum((held[k] @ x) ** 2) for k in held)
+
+
+def in_place(v, x):
+    """`*=` writes the entries, which may be an argument's; `+=` makes another matrix."""
+    A, B = coo_matrix((v, (ROWS, COLUMNS)), shape=(3, 3)).tocsr(), csr_matrix((v, COLUMNS, ENDS), shape=(3, 3))
+    same = B
+    A *= 2.0
+    B *= x[0]
+    A += B
+    B /= 3.0
+    B.data[1:] *= x[1]
+    return np.sum((A @ x) ** 2) + np.sum((same @ x) ** 3) + np.sum(v)
+
+
+def by_entries(v, x):
+    """Entries at one place, no entries, a row without any; the loops that one writes over a matrix."""
+    A = csr_matrix((v, np.array([1, 0, 2]), np.array([0, 1, 1, 3])), shape=(3, 3))
+    y = np.zeros(3)
+    for i in range(3):
+        for k in range(A.indptr[i], A.indptr[i + 1]):
+            y[i] += A.data[k] * x[A.indices[k]]
+    C = coo_matrix((v, ([0, 0, 0], [1, 1, 0])), shape=(3, 3))
+    N = csr_matrix((v[:0], (ROWS[:0], COLUMNS[:0])), shape=(3, 3))
+    return np.sum(y * (C @ x)) + np.sum(C.toarray() ** 2) + np.sum((N + identity(3) - C) @ x * y) * A.nnz
+
+
+def rows_written_between(v, x):
+    """Rows that are written when a matrix has been used, and one whose rows were copied before."""
+    rows, s = np.zeros(3, dtype=np.int32), 0.0
+    for t in range(3):
+        for i in range(3):
+            rows[i] = (i + t) % 3
+        A = coo_matrix((v, (rows, ROWS)), shape=(3, 3))
+        s += np.sum((A @ x) ** 2)
+        B = A.tocsr()
+        rows[0] = 2
+        s += np.sum((B @ x) ** 3)
+    return s
+
+
+def on_both_ways(v, x, n):
+    if x[0] > 0.0:
+        A = diags([v], [0], shape=(n, n), format="csr")
+    else:
+        A = diags([x], [0], shape=(n, n), format="csr")
+    k, r = 0, A @ x
+    while np.sum(r * r) > 0.05 and k < 5:
+        A = A * 0.5
+        r = A @ r
+        k += 1
+    return np.sum(r) + np.sum(A @ x)
+
+
+def newton(v, x):
+    def solved(J, r):
+        nonlocal count
+        count = count + J
+        return factorized(J.tocsc())(r)
+    count, u = identity(3), x.copy()
+    u = u - solved(diags(3.0 * u ** 2 + v), u ** 3 + v * u - x)
+    u = u - solved(diags(3.0 * u ** 2 + v), u ** 3 + v * u - x)
+    return np.sum(u ** 2) + np.sum(count @ u)
+
+
+HOSTILE = (in_objects_and_lists, in_place, by_entries, rows_written_between, newton)
 OF_DIAGONALS = (diagonals_in_the_call, rows_of_diagonals, entries_in_lists)
 KERNELS = {
     poisson: lambda r: (1.0 + r.random(6), r.random(5)),
@@ -178,6 +263,8 @@ KERNELS = {
     shared: lambda r: (1.0 + r.random(5), 0.5 + r.random(4), np.array([0, 3, 1, 0, 2]), np.array([0, 2, 3, 5, 5])),
     solved_again: lambda r: (r.random(4), r.random(4), 3),
     assembled_again: lambda r: (1.0 + r.random(3), r.random(3), 3),
+    on_both_ways: lambda r: (1.0 + r.random(3), 0.5 + r.random(3), 3),
+    **{f: lambda r: (1.0 + r.random(3), 0.5 + r.random(3)) for f in HOSTILE},
     **{f: lambda r: (1.0 + r.random(4), 0.5 + r.random(4), 0.3) for f in OF_DIAGONALS},
 }
 

@@ -56,8 +56,7 @@ def factors_read(v, x):
 
 def used_whole(v, x):
     A = diags(v, format="csr")
-    A *= 2.0
-    return np.sum(A @ x)
+    return np.sum(np.exp(A) @ x)
 
 
 def times_an_array(v, x):
@@ -93,6 +92,39 @@ def either(v, x):
     return np.sum(A @ x)
 
 
+def view_written(v, x):
+    rows = np.array([0, 1, 2], dtype=np.int32)
+    A = coo_matrix((v, (rows[::-1], rows)), shape=(3, 3))
+    part = rows[1:]
+    part[0] = 2
+    return np.sum(A @ x)
+
+
+def rows_written_in_a_loop(v, x):
+    rows = np.arange(3)
+    A = coo_matrix((v, (rows, rows)), shape=(3, 3))
+    s = 0.0
+    for k in range(x.size):
+        s += np.sum(A @ x)
+        rows[k] = 0
+    return s
+
+
+def compared(v, x):
+    A, B = diags(v), diags(x)
+    return np.sum(A @ x) if A == B else np.sum(B @ x)
+
+
+def gone_through(v, x):
+    return sum(np.sum(row @ x) for row in diags(v, format="csr"))
+
+
+def entries_assigned(v, x):
+    A = csr_matrix((v, np.arange(3), np.arange(4)), shape=(3, 3))
+    A.data = x
+    return np.sum(A @ x)
+
+
 def columns_left_out(v, x):
     return np.sum(spdiags(x, 0) @ x)
 
@@ -103,7 +135,7 @@ REFUSED = {
     sorted_by_scipy: ("the attribute 'data' of 'A' has no derivative rule here: 'A' is a sparse matrix (csr)",
                       "SciPy sorts and joins the entries here"),
     of_two: ("this operation with a sparse matrix has no derivative rule", "sparse matrices have A @ x"),
-    elementwise: ("the method 'multiply' of the sparse matrix has no derivative rule", "sparse matrices have A @ x"),
+    elementwise: ("the attribute 'multiply' of the sparse matrix has no derivative rule", "sparse matrices have A @ x"),
     iterative: ("no derivative rule for scipy.sparse.linalg.cg", "@s2sad.rule(implicit=residual)"),
     built_by_scipy: ("no derivative rule for scipy.sparse.kron", "build it from its entries"),
     of_no_shape: ("no derivative rule for scipy.sparse.coo_matrix with these arguments", "shape=(m, n)"),
@@ -111,10 +143,15 @@ REFUSED = {
     factors_read: ("the attribute 'L' of 'lu' has no derivative rule here", "a factorization has lu.solve(b)"),
     used_whole: ("'A' is a sparse matrix (csr), which is used as a whole here", "sparse matrices have A @ x"),
     times_an_array: ("a sparse matrix times something that is no number", "A @ x is the product with a vector"),
-    places_written: ("an array is written that NumPy shares with another one", "take a copy"),
-    indices_written: ("the indices or the indptr of a sparse matrix are written after it was made", "copy them before"),
+    places_written: ("the places of the entries of a sparse matrix are written after it was made", "copy them before"),
+    indices_written: ("the places of the entries of a sparse matrix are written after it was made", "copy them before"),
     indices_of_it_written: ("the places of the entries of a sparse matrix are written", "build another matrix"),
-    either: ("'A' is one thing on one way to here and another on another", "give the two different names"),
+    view_written: ("the places of the entries of a sparse matrix are written after it was made", "copy them before"),
+    rows_written_in_a_loop: ("the places of the entries of a sparse matrix are written", "build another matrix"),
+    compared: ("'A' is a sparse matrix, which is used as a whole here", "sparse matrices have A @ x"),
+    gone_through: ("this is a sparse matrix (csr), which is used as a whole here", "sparse matrices have A @ x"),
+    entries_assigned: ("an attribute of a sparse matrix (csr) is assigned", "A.data[:] = ..."),
+    either: ("'A' is a sparse matrix of one shape on one way and of another on another", ""),
 }
 
 

@@ -56,6 +56,8 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
         raise ev.outside_error(called, f"'{tree.written(called)}' draws random numbers, or begins a sequence of them",
                                "draw them before, and give them to the kernel as an argument: both sweeps read the "
                                "same ones")
+    if path.startswith("scipy.sparse."):
+        ev.refused_sparse(path, False, node)
     if path.startswith(("builtins.", "math.")):
         constants = _constant(ev, path, args, keywords)
         if constants is not None:

@@ -11,6 +11,7 @@ from s2sad import tree
 from s2sad.evaluate.specialize.numeric_operators import OPERATORS
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Options, function
+from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import Data, FunctionValue, LibraryValue, Reference, TupleValue, Value
 from s2sad.tree import AST
 
@@ -94,6 +95,8 @@ def copied(ev: Evaluator, value: Value, deep: bool, node: AST, made: dict[Refere
     if isinstance(value, Reference):
         if value in made:
             return made[value]
+        if is_sparse(value, ev.heap):
+            ev.refuse_whole(value, node)
         held = ev.heap[value]
         own = [n for n in ("__copy__", "__deepcopy__", "__reduce__", "__getstate__", "__setstate__")
                if ev.class_item(held.made, n, node, ev.entry) is not None]

@@ -14,6 +14,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, is_spelled
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     ClassValue, Conflict, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, OpaqueValue,
     Reference, ScopeValue, SliceValue, SuperValue, TupleValue, Value, constant,
@@ -170,6 +171,8 @@ class CallView:
     # -- the heap ----------------------------------------------------------------------------------------------------
     def _reference(self, value: Reference, wanted: str) -> Reference:
         number = value.number
+        if is_sparse(value, self.ev.heap):
+            raise NotSeparate("a sparse matrix is given")
         if number in self.order:
             self._key.append(("again", self.order[number]))
             return value

@@ -28,6 +28,7 @@ from s2sad.evaluate.specialize.separate.returned_parts import (
 )
 from s2sad.evaluate.specialize.separate.separate_functions import SeparateFunction, acts
 from s2sad.evaluate.specialize.sequences.generators import is_generator
+from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
 from s2sad.evaluate.specialize.unread_lists import without_unread_lists
 from s2sad.evaluate.specialize.values import NONE, Data, FunctionValue, Reference, Value, alike, parts
 from s2sad.read.outside_values import UserFunctionValue
@@ -181,6 +182,8 @@ def _evaluated(ev: Evaluator, known: SeparateFunctions, view: CallView, definiti
         except Leave as leave:
             if leave.mark != NOWHERE:
                 raise
+        if any(held.kind in KINDS for held in ev.heap.objects.values()):
+            raise _Changes("it makes a sparse matrix, whose places the caller has to look after")
         body = without_unread_lists(ev.block)
         returned = returns_in(body, every)
         if any(isinstance(n, tree.Attribute) and isinstance(n.ctx, tree.Store) for n in tree.walk(body)):

@@ -8,6 +8,7 @@ from typing import Any
 
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     FACTORY, NONE, Data, Iteration, OpaqueValue, Reference, TupleValue, Value, constant,
 )
@@ -43,6 +44,8 @@ def container_method(ev: Evaluator, base: Value, name: str, args: list[Value], k
     if isinstance(base, TupleValue):
         return ev.tuple_method(base, name, args, keywords, node, f)
     assert isinstance(base, Reference)
+    if is_sparse(base, ev.heap):
+        return ev.matrix_method(base, name, args, keywords, node, f)
     held = ev.heap[base]
     table = {"list": LIST, "dict": DICT, "set": SET}[held.kind]
     if name not in table:

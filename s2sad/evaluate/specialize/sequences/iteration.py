@@ -12,6 +12,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
 from s2sad.evaluate.specialize.sequences.gathering import Gathered
 from s2sad.evaluate.specialize.sequences.generators import LAZY
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     FACTORY, UNKNOWN, ClassValue, Data, Iteration, MethodValue, Reference, TupleValue, Value, constant, value_of_key,
 )
@@ -44,6 +45,8 @@ def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
     if isinstance(value, TupleValue):
         own = ev.special_method(value, "__iter__", node, f)
         return list(value.items) if own is None else items_of(ev, ev.call(own, [], {}, node, f), node, f)
+    if is_sparse(value, ev.heap):
+        ev.refuse_whole(value, node)
     if isinstance(value, Reference):
         held = ev.heap[value]
         if held.kind == "list":

@@ -1,0 +1,1 @@
+"""Sparse matrices of SciPy's: objects of the heap, and what is computed with them."""
