@@ -1,7 +1,7 @@
 """The nouns that the rooms hand to each other: a kernel, a program, a request, and what was generated."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -47,18 +47,16 @@ class Program:
 
     `constants` holds the numbers that kernels read from their module or closure, by the name behind
     `const.`; `arrays` the arrays read likewise, which become hidden parameters of every kernel on the way; `records`
-    the classes that kernels make structures with, by the name behind `record.`; `methods`
-    the names of the kernels that are functions of classes; `guards` what was taken from outside to read it, `warned`
-    the warnings; `refused` says why only the evaluator can tell what the program is, once it is known what `function`
-    is given, `evaluated` so for some types of arguments; `tables` is what `once` remembers; `files` are the paths of
-    the files that were read, where no live function was.
+    the classes that kernels make structures with, by the name behind `record.`; `guards` what was taken from outside to
+    read it, `warned` the warnings; `refused` says why only the evaluator can tell what the program is, once it is known
+    what `function` is given, `evaluated` so for some types of arguments; `tables` is what `once` remembers; `files` are
+    the paths of the files that were read, where no live function was.
     """
     entry: str
     kernels: dict[str, Kernel]
     constants: dict[str, Any] = field(default_factory=dict)
     arrays: dict[str, Any] = field(default_factory=dict)
     records: dict[str, type] = field(default_factory=dict)
-    methods: dict[Any, str] = field(default_factory=dict)
     files: tuple[str, ...] = ()
     guards: Guards = field(default_factory=Guards, compare=False, repr=False)
     warned: tuple[str, ...] = ()
@@ -79,6 +77,21 @@ class Program:
     def is_long(self) -> bool:
         """Whether its derivative may be nested deeper than Python's stack, which `deep_stack` asks."""
         return sum(map(_lines, self.kernels.values())) > _LONG
+
+
+@dataclass(frozen=True)
+class FlatProgram:
+    """A program of arrays and numbers, made for arguments of some forms; `paths` has, for each of the entry's
+    parameters, what a user calls it, `cells` the parameters that are arrays of one element, `result` what structure is
+    returned, `changed` the paths of structures that are changed otherwise, `live` what is taken from outside, by id,
+    `normal` its normal form, where it was made."""
+    program: Program
+    paths: dict[str, str]
+    cells: frozenset[str]
+    result: Any = None
+    changed: frozenset[str] = frozenset()
+    live: frozenset[int] = frozenset()
+    normal: Mapping[Any, Any] = field(default_factory=dict)
 
 
 def _lines(kernel: Kernel) -> int:

@@ -103,11 +103,6 @@ def annotated_as(made: type) -> dict[str, Any]:
     return {k: t for c in reversed(made.__mro__) for k, t in vars(c).get("__annotations__", {}).items()}
 
 
-def said_to_be_array(form: PyTree, key: str | int) -> bool:
-    """Whether a field is annotated as an array."""
-    said = annotated_as(form.made).get(str(key)) if form.made is not None else None
-    return said is np.ndarray or str(said).strip("\"'").partition("[")[0] in _ARRAYS
-
 
 def is_fixed(kind: str, made: type) -> bool:
     """Whether nothing can be assigned to the items: of a frozen dataclass, or one that does more when it is."""
@@ -151,24 +146,6 @@ def _holds_fields(kind: type) -> bool:
     return written and plain and holds and not issubclass(kind, (type, BaseException, Enum))
 
 
-def method_of(made: type, name: str) -> tuple[FunctionType, str] | None:
-    """A function that a class defines, and what it is: "method", "static" or "property"; None if there is none."""
-    found = class_attribute(made, name)
-    if isinstance(found, property):
-        return (found.fget, "property") if isinstance(found.fget, FunctionType) else None
-    if isinstance(found, staticmethod):
-        return (found.__func__, "static") if isinstance(found.__func__, FunctionType) else None
-    return (found, "method") if isinstance(found, FunctionType) else None
-
-
-def own_method(made: type | None, name: str) -> Any:
-    """What a class that is written in Python has under the name of an operator; None where it leaves that to a
-    tuple's, an object's or a dataclass's own."""
-    found = next((value for c in (taken(made, "mro") if made else ()) if c.__flags__ & _HEAP
-                  and (value := taken(c, "own", name)) is not ABSENT), None)
-    code = getattr(found, "__code__", None)
-    return None if code is not None and code.co_filename == "<string>" and "__dataclass_fields__" in dir(
-        made) else found
 
 
 def record_fields(made: type) -> tuple[str, dict[str, Any]] | None:

@@ -64,6 +64,16 @@ class ReadRecord:
     warned: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class KeptResidual:
+    """A residual program for arguments of some forms, without its text."""
+    reading: ReadRecord
+    paths: dict[str, str]
+    cells: frozenset[str]
+    result: Any
+    changed: frozenset[str]
+
+
 def _miss_unless_complete(find: Callable[..., T]) -> Callable[..., T | None]:
     """An entry that does not hold what it should is a miss, as one that is not there."""
     @wraps(find)
@@ -88,7 +98,7 @@ def load_reading(function: FunctionType) -> ReadRecord | None:
                                for part in held)
             for message in warned:
                 warn_once(message)
-            return ReadRecord(_kernel(kernel), asks, arrays, records, guards, _address(described), warned)
+            return ReadRecord(_kernel(kernel), asks, arrays, records, guards, _address(described, function), warned)
     return None
 
 
@@ -118,11 +128,12 @@ def address(guards: Guards, function: FunctionType, held: Iterable[Any], kernel:
         _literal(_of_kernel(kernel))
     except NotSerializable:
         return None
-    return _address(described) if all(id(v) in numbers for v in held) else None
+    return _address(described, function) if all(id(v) in numbers for v in held) else None
 
 
-def _address(described: Any) -> str:
-    return hashlib.sha256(f"{_surroundings()} {_text(described)}".encode()).hexdigest()
+def _address(described: Any, function: FunctionType) -> str:
+    key = f"{_surroundings()} {_text(_description(function))} {_text(described)}"
+    return hashlib.sha256(key.encode()).hexdigest()
 
 
 def _place(function: FunctionType) -> str | None:
@@ -173,35 +184,42 @@ def store_generated(place: str | None, request: Request, found: Generated) -> No
 
 
 @_miss_unless_complete
-def load_flat(reading: ReadRecord, forms: tuple[Any, ...]) -> Any:
-    """What was kept of a function for arguments of these forms, with the guards of their classes."""
-    place = reading.address
-    kept = None if place is None else _get(_flat_place(place, forms))
+def load_residual(reading: ReadRecord, function: FunctionType, forms: tuple[Any, ...], facts: Any
+                  ) -> KeptResidual | None:
+    """The residual program that was kept for arguments of these forms, of which `facts` hold."""
+    place = _residual_place(reading, forms, facts)
+    kept = _get(place)
     if kept is None:
         return None
-    described, kernel, paths, cells, result = kept
+    described, kernel, warned, held, paths, cells, result, changed = kept
     guards = Guards()
-    if _replay_guards(described, _classes(forms, reading), guards) is None:
+    values = _replay_guards(described, (function, *_classes(forms, reading)), guards)
+    if values is None:
         return None
-    return _kernel(kernel), paths, frozenset(cells), result, guards, _address((place, described, _text(forms)))
+    arrays = {n: values[k[0]][k[1]] if isinstance(k, tuple) else values[k] for n, k in held}
+    made = ReadRecord(_kernel(kernel), False, arrays, {}, guards, _address((place, described), function), warned)
+    return KeptResidual(made, paths, frozenset(cells), result, frozenset(changed))
 
 
-def store_flat(reading: ReadRecord, forms: tuple[Any, ...], kernel: Kernel, paths: dict[str, str], cells: Iterable[str],
-              result: Any, guards: Guards) -> str | None:
-    """Keeps what arguments of these forms are taken apart into; the address of what is derived for them."""
-    place = reading.address
-    if place is None:
-        return None
+def store_residual(reading: ReadRecord, function: FunctionType, forms: tuple[Any, ...], facts: Any, made: KeptResidual
+                   ) -> str | None:
+    """Keeps a residual program; the address of what is derived of it, None where nothing identifies it elsewhere."""
+    ours = made.reading
     try:
-        described, _ = _describe_guards(guards, _classes(forms, reading))
-        _put((described, _of_kernel(kernel), paths, tuple(sorted(cells)), result), _flat_place(place, forms))
-        return _address((place, described, _text(forms)))
+        place = _residual_place(reading, forms, facts)
+        described, numbers = _describe_guards(ours.guards, (function, *_classes(forms, reading)))
+        if place is None or ours.guards.varying or any(id(a) not in numbers for a in ours.arrays.values()):
+            return None
+        held = tuple((n, numbers[id(a)]) for n, a in ours.arrays.items())
+        _put((described, _of_kernel(ours.kernel), ours.warned, held, made.paths, tuple(sorted(made.cells)), made.result,
+              tuple(sorted(made.changed))), place)
+        return _address((place, described), function)
     except NotSerializable:
         return None
 
 
-def _flat_place(place: str, forms: tuple[Any, ...]) -> str:
-    return f"flat {place} {_text(forms)}"
+def _residual_place(reading: ReadRecord, forms: tuple[Any, ...], facts: Any) -> str | None:
+    return None if reading.address is None else f"residual {reading.address} {_text(forms)} {_text(facts)}"
 
 
 def _classes(forms: Iterable[Any], reading: ReadRecord) -> tuple[type, ...]:

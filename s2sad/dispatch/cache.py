@@ -82,7 +82,7 @@ class DerivativeCache:
 
     def _read(self) -> ProgramVersion:
         """The state for what the function reads now."""
-        found = self._state_of(compiler().program(self.function, (), self._varying))
+        found = self._state_of(compiler().program(self.function, self._varying))
         last = self._current
         changed = [] if last is None else found.guards.changed_numbers(last.guards)
         self._changes.update(changed)
@@ -96,7 +96,7 @@ class DerivativeCache:
         it must be known when a derivative is made."""
         varying = self._varying | {path}
         try:
-            made = ProgramVersion.of(compiler().program(self.function, (), varying), self.function)
+            made = ProgramVersion.of(compiler().program(self.function, varying), self.function)
             made.derive_as(last)
         except S2sadError:
             return None
@@ -140,7 +140,6 @@ class ProgramVersion:
         self.registered: tuple[RegisteredRule, ...] = ()
         self._compiled_in = Guards()        # what functions with derivatives of their own read, which nobody else does
         self._frozen: list[tuple[Any, list[str]]] = []
-        self.needs_facts = False          # for what it is given: what an integer is used for is not known
         self._set_guards(reading.guards, reading.arrays)
 
     @classmethod
@@ -148,17 +147,14 @@ class ProgramVersion:
         """The state for a program that was read."""
         kernel, given = compiler().entry_kernel(program), compiler().registered_rules(program)
         held = (*program.arrays.values(), *program.records.values())
-        address = None if given or program.refused is not None else artifacts.address(
-            program.guards, function, held, kernel)
-        made = cls(ReadRecord(kernel, compiler().asks(program), program.arrays, program.records, program.guards,
-                              address,
-                              program.warned), function)
+        address = None if given else artifacts.address(program.guards, function, held, kernel)
+        made = cls(ReadRecord(kernel, program.refused is not None, program.arrays, program.records, program.guards,
+                              address, program.warned), function)
         return made.with_program(program)
 
     def with_program(self, program: Program, normal: Mapping[Any, Any] = MappingProxyType({})) -> ProgramVersion:
         """The state, whose program was read, and brought to these normal forms."""
         self._forms |= normal
-        self.needs_facts = program.refused is not None
         self._program, self.registered = program, compiler().registered_rules(program)
         with recording(self._compiled_in):
             self._frozen = [(g.plain, compiler().compiled_in(g.plain)) for g in self.registered
@@ -241,7 +237,6 @@ class ProgramVersion:
         """From now on the program is made for what is known of the arguments."""
         made = compiler().waiting(self.function, waits, self.guards.varying)
         self._program, self.depends_on_structure, self.kernel = made, True, compiler().entry_kernel(made)
-        self.needs_facts = True
         self.floats = float_parameters(self.kernel)
         self._forms.clear()
 

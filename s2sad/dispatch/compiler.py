@@ -11,42 +11,44 @@ from types import FunctionType, MappingProxyType
 from typing import Any
 
 from s2sad import pipeline, read
+from s2sad.evaluate.needs_evaluation import needs_evaluation
 from s2sad.evaluate.specialize import specialize, unread
 from s2sad.evaluate.specialize.evaluator import OutsideError
+from s2sad.live_objects.registry import GIVEN
 from s2sad.live_objects.guards import Guards, Path, reached, recording, same
 from s2sad.live_objects.unwrap import python_function
 from s2sad.infer.independents import independents, usable_as_floats
-from s2sad.infer.types import NONE, UNKNOWN, array, of_value
-from s2sad.evaluate.structures.call_values import Unread
-from s2sad.evaluate.structures.fields import Flat, fields
-from s2sad.evaluate.structures.fields import asks as structures_matter
-from s2sad.evaluate.structures.groups import StructureValue, nothing
-from s2sad.program import DemandedFacts, EntrySummary, Fact, Generated, Kernel, Program, Request
+from s2sad.infer.types import UNKNOWN, Type, array, of_value
+from s2sad.liveness import base_name
+from s2sad.program import DemandedFacts, EntrySummary, Fact, FlatProgram, Generated, Kernel, Program, Request
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.read.capture import not_a_function
 from s2sad.run.user_functions_in_numba import checked_constants, compiled_in, registered_rules, uncompiled
 from s2sad.run.user_derivatives import checked_derivatives
-from s2sad.pytree import SPARSE, Form, PyTree, leaves
-from s2sad.tree import equal
+from s2sad.pytree import Form, leaves
+from s2sad.tree import Assign, Subscript, equal, walk_statements
 
-__all__ = ["asks", "checked_constants", "checked_derivatives", "compiled_in", "derived", "entry_kernel", "flat_program",
-           "not_a_function", "program", "registered_rules", "result_form", "same_program", "summary", "uncompiled",
+__all__ = ["checked_constants", "checked_derivatives", "compiled_in", "derived", "entry_kernel", "flat_program",
+           "not_a_function", "program", "registered_rules", "same_program", "summary", "uncompiled",
            "waiting"]
 
 
-def program(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path] = ()) -> Program:
+def program(function: Any, varying: Collection[Path] = ()) -> Program:
     """The program of a live function; where reading refuses it, its residual program for arguments that are arrays and
     numbers, or one that waits for what it is given."""
-    plain = python_function(function)
+    plain, refused = python_function(function), None
     try:
-        return replace(read.load(function, methods, varying), function=plain)
-    except S2sadError as refused:
-        if plain is None or refused.diagnostics[0].code.startswith("S1"):
+        found = replace(read.load(function, varying), function=plain)
+        if plain is None or not needs_evaluation(found) or GIVEN.own(plain) is not None:
+            return found
+    except S2sadError as error:
+        if plain is None or error.diagnostics[0].code.startswith("S1"):
             raise
-        try:
-            return residual_program(plain, varying)
-        except S2sadError as refused:
-            return waiting(plain, refused, varying)
+        refused = error
+    try:
+        return residual_program(plain, varying)
+    except S2sadError as error:
+        return waiting(plain, refused or error, varying)
 
 
 def residual_program(function: FunctionType, varying: Collection[Path]) -> Program:
@@ -93,93 +95,67 @@ def derived(program: Program, request: Request, forms: dict[Any, Any]) -> Genera
     return pipeline.derive(program, request, forms=forms)
 
 
-def asks(program: Program) -> bool:
-    """Whether what a program is depends on what its arguments are made of."""
-    return program.refused is not None or structures_matter(program)
-
-
 def flat_program(program: Program, function: FunctionType, forms: tuple[Form, ...], varying: Collection[Path],
-                facts: Mapping[Fact, Any] = MappingProxyType({})) -> tuple[Flat, list[Any], Guards]:
-    """The flat program, the functions of classes that it calls, which are read as they are met, and what was taken of
-    the arguments' classes; raises DemandedFacts where `facts` does not say enough of the arguments."""
-    if program.refused is not None:
-        return evaluated(program, forms, varying, facts, program.refused)
-    if any(map(_has_matrix, forms)):
-        said = S2sadError(Diagnostic("S201", "sparse matrices are evaluated"))
-        return evaluated(replace(program, function=function), forms, varying, facts, said)
-    parameters = program.kernels[program.entry].parameters
-    try:
-        found = _fields(program, function, forms, varying)
-    except S2sadError as refused:
-        return evaluated(replace(program, function=function), forms, varying, facts, refused)
-    try:
-        return _in_normal_form(found, parameters, forms)
-    except S2sadError as refused:
-        try:
-            return evaluated(replace(program, function=function), forms, varying, facts, refused)
-        except S2sadError:
-            return found        # which is refused where it is used, by the names that the user has
+                facts: Mapping[Fact, Any] = MappingProxyType({})) -> FlatProgram:
+    """The residual program for arguments of these forms; raises S2sadError, and DemandedFacts where `facts` does not
+    say enough of the arguments."""
+    return evaluated(replace(program, function=function), forms, varying, facts, program.refused or S2sadError())
 
 
-def _in_normal_form(found: tuple[Flat, list[Any], Guards], parameters: Sequence[str], forms: tuple[Form, ...]
-                    ) -> tuple[Flat, list[Any], Guards]:
-    """A flat program with its normal form; raises S2sadError."""
-    flat, methods, guards = found
+def _in_normal_form(flat: FlatProgram, parameters: Sequence[str], forms: tuple[Form, ...]
+                    ) -> tuple[FlatProgram, frozenset[str]]:
+    """A flat program with its normal form, and the paths of cells that become something that they do not hold: a float
+    in an integer's; raises S2sadError."""
     program = flat.program
     types = {path: t for p, form in zip(parameters, forms) for path, t in leaves(form, p)}
     if UNKNOWN in types.values():
-        return found
+        return flat, frozenset()
     normal: dict[Any, Any] = {}
     given = [(n, types[flat.paths[n]]) for n in program.kernels[program.entry].parameters]
-    pipeline.entry(program, tuple(array(t.dtype, 1) if n in flat.cells else t for n, t in given), "numpy", forms=normal)
-    return replace(flat, normal=normal), methods, guards
+    _, unit = pipeline.entry(program, tuple(array(t.dtype, 1) if n in flat.cells else t for n, t in given), "numpy",
+                             forms=normal)
+    stores = [(base_name(s.targets[0]), unit.typing.of(s.value)) for s in walk_statements(unit.function.body)
+              if isinstance(s, Assign) and isinstance(s.targets[0], Subscript)]
+    misfits = frozenset(flat.paths[n] for n, t in stores if n in flat.cells and not _fits(t, types[flat.paths[n]]))
+    return replace(flat, normal=normal), misfits
 
 
-def _has_matrix(form: Form) -> bool:
-    """Whether an argument is a sparse matrix or has one in it."""
-    return isinstance(form, PyTree) and (form.kind in SPARSE or any(map(_has_matrix, form.items)))
-
-
-def _fields(program: Program, function: FunctionType, forms: tuple[Form, ...], varying: Collection[Path]
-            ) -> tuple[Flat, list[Any], Guards]:
-    """The same without the evaluator; raises S2sadError."""
-    methods: list[Any] = []
-    while True:
-        try:
-            with recording(Guards()) as guards:
-                return fields(program, forms), methods, guards
-        except Unread as missing:
-            methods.append(missing.function)
-            program = read.load(function, tuple(methods), varying)
+def _fits(value: Type, cell: Type) -> bool:
+    """Whether a cell holds a number of a type as it is."""
+    return value.dtype == cell.dtype or cell.is_inexact and not (value.is_complex and cell.is_float)
 
 
 def evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Path], facts: Mapping[Fact, Any],
-              refused: S2sadError) -> tuple[Flat, list[Any], Guards]:
+              refused: S2sadError) -> FlatProgram:
     """The residual program of a function for arguments of these forms, with its normal form; where calls stand in
     the way they are written out, and where lists that grow in loops do, these loops. Raises S2sadError."""
     parameters = program.kernels[program.entry].parameters
-    found, first = None, None
+    found = first = None
     for unrolls, inlines in ((False, False), (False, True), (True, True)):
+        no_cells: frozenset[str] = frozenset()
         try:
-            made = _evaluated(program, forms, varying, facts, refused, unrolls, inlines)
-            found = made if found is None and not unrolls else found
-            return _in_normal_form(made, parameters, forms)
+            while True:
+                made = _evaluated(program, forms, varying, facts, refused, unrolls, inlines, no_cells)
+                found = made if found is None and not unrolls else found
+                made, misfits = _in_normal_form(made, parameters, forms)
+                if not misfits:
+                    return made
+                no_cells |= misfits
         except S2sadError as error:
             first = first or error
-    if found is not None:
-        return found
-    assert first is not None
-    raise first from None
+    if found is None:
+        raise first or refused
+    return found
 
 
 def _evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Path], facts: Mapping[Fact, Any],
-               refused: S2sadError, unrolls: bool, inlines: bool) -> tuple[Flat, list[Any], Guards]:
+               refused: S2sadError, unrolls: bool, inlines: bool, no_cells: frozenset[str]) -> FlatProgram:
     with recording(Guards(varying)) as guards:
         reached(None, "root", 0, program.function)
         inside = program.refused is not None       # what reading has refused the evaluator may know more of
         try:
             residual = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, forms)), facts,
-                                  unrolls, inlines)
+                                  unrolls, inlines, no_cells)
             inside = False
             made = read.of_captured(residual, program.function)
         except S2sadError as error:
@@ -187,8 +163,7 @@ def _evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Pa
             there = [d for d in refused.diagnostics if _line(d) in lines - {None}]
             raise (S2sadError(*there) if there else error) from None
     made = replace(made, guards=guards, replaced=residual.replaced)
-    flat = Flat(made, residual.paths, frozenset(), residual.result, residual.changed, residual.live)
-    return flat, [program.function], guards
+    return FlatProgram(made, residual.paths, residual.cells, residual.result, residual.changed, residual.live)
 
 
 def _line(found: Diagnostic) -> tuple[str, int] | None:
@@ -197,15 +172,6 @@ def _line(found: Diagnostic) -> tuple[str, int] | None:
         return None
     source, line = found.span.source.home(found.span.line)
     return source.path, line
-
-
-def result_form(group: StructureValue | PyTree) -> PyTree:
-    """What a structure that a kernel returns is made of."""
-    if isinstance(group, PyTree):
-        return group
-    items = tuple(result_form(i) if isinstance(i, StructureValue) else NONE if nothing(i) else UNKNOWN
-                  for i in group.items)
-    return PyTree(group.form.kind, group.form.keys, items, group.form.made, group.form.fixed)
 
 
 def same_program(ours: Program, theirs: Program) -> bool:

@@ -1,9 +1,9 @@
 """evaluate: what is known before types are is computed here.
 
 In comes the tree of a kernel with resolved names, in the supported subset of Python; out goes one in which structures
-are arrays and numbers, options are constants, statements have one target and loops count. `read` and `compiler` have
-structures taken apart (`structures.fields`) before the passes run; these stand in the order in which they do, with
-passes of `normalize` between the groups (`normalize.STRUCTURE`).
+are arrays and numbers, options are constants, statements have one target and loops count. Programs that are made of
+more than arrays and numbers (`needs_evaluation`) are evaluated first (`specialize`); the passes here stand in the order
+in which they run, with passes of `normalize` between the groups (`normalize.STRUCTURE`).
 """
 from __future__ import annotations
 

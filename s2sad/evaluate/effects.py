@@ -65,16 +65,6 @@ def bindings(function: FunctionDef) -> Iterable[tuple[AST, AST]]:
             yield node.target, node.iter
 
 
-def own_lists(function: FunctionDef) -> set[str]:
-    """The names that a function only binds to lists that it spells out."""
-    values: dict[str, list[AST]] = {}
-    for target, value in bindings(function):
-        several = isinstance(target, Tuple) and isinstance(value, Tuple) and len(target.elts) == len(value.elts)
-        for part, bound in zip(target.elts, value.elts) if several else [(target, value)]:
-            for n in stored_names(part):
-                values.setdefault(n, []).append(bound if isinstance(part, Name) else part)
-    return {n for n, v in values.items() if all(isinstance(each, List) for each in v)} - set(parameters(function))
-
 
 class Memory:
     """Classes of names that may share memory, in one function; `bind` adds what a new statement binds."""

@@ -137,7 +137,7 @@ def _prepared(f: Any, derivatives: DerivativeCache, names: tuple[str, ...] | Non
 def _with_floats(state: ProgramVersion, names: tuple[str, ...] | None, args: tuple[Any, ...]) -> tuple[Any, ...]:
     """The arguments, with integers in place of floats, 2 for 2.0, as floats: those that a gradient is with respect
     to, so that what it returns depends on the kernel and not on how its arguments are spelled."""
-    if names is None and state.needs_facts:
+    if names is None and state.depends_on_structure:
         return args
     found = state.entries.get(("floats", names))
     if found is None:

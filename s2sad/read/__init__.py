@@ -33,9 +33,9 @@ __all__ = ["function_in_file", "functions", "load", "load_file", "load_meaning",
 
 
 @deep_stack
-def load(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path] = ()) -> Program:
-    """The program of a live function: a plain one, a differentiated one or a Numba dispatcher; `methods` are functions
-    of classes that it calls through its arguments. Numbers from outside at the paths in `varying` are arguments.
+def load(function: Any, varying: Collection[Path] = ()) -> Program:
+    """The program of a live function: a plain one, a differentiated one or a Numba dispatcher. Numbers from outside
+    at the paths in `varying` are arguments.
 
     Raises S2sadError: S101 without source, S104 if the source has changed, S201 for what is outside the language, S202
     for unknown names, S204 for recursion.
@@ -47,10 +47,9 @@ def load(function: Any, methods: tuple[Any, ...] = (), varying: Collection[Path]
         raise S2sadError(Diagnostic("S101", f"'{plain.__name__}' has a derivative of its own, and is not read",
                                     help="differentiate a function that calls it"))
     with recording(Guards(varying)) as guards:
-        for number, root in enumerate((plain, *methods)):
-            reached(None, "root", number, root)
+        reached(None, "root", 0, plain)
         linker = Linker()
-        program = linker.program(_live(plain), tuple(map(_live, methods)))
+        program = linker.program(_live(plain))
         return replace(program, guards=guards, warned=tuple(map(str, linker.ignored)))
 
 

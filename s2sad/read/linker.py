@@ -49,11 +49,8 @@ class Linker:
         self.reports: list[Report] = []
         self.ignored: list[Diagnostic] = []
 
-    def program(self, entry: UserFunctionValue, methods: tuple[UserFunctionValue, ...] = ()) -> Program:
-        """The program, with kernels for the given methods."""
-        for method in methods:
-            if self.identify(method) not in self.found:
-                self.visit(method, [])
+    def program(self, entry: UserFunctionValue) -> Program:
+        """The program."""
         entry = with_functions(entry)
         self.visit(entry, [])
         wrong = [d for report in self.reports for d in sorted(report.found, key=_position)]
@@ -66,15 +63,14 @@ class Linker:
         for key, found in self.found.items():
             kernels[names[key].partition(".")[2]] = _kernel(names[key].partition(".")[2], found, names, self.identify)
         kernels = {n: replace(k, tree=_with_tuples(k.tree, kernels)) for n, k in kernels.items()}
-        named = {m: names[self.identify(m)].partition(".")[2] for m in (entry, *methods)}
-        kernels = single_tuples(void_returns(kernels), named.values())
+        title = names[self.identify(entry)].partition(".")[2]
+        kernels = single_tuples(void_returns(kernels), [title])
         values = {names[key].partition(".")[2]: m for key, m in self.outside.values() if not isinstance(m,
                                                                                                         UserFunctionValue)}
         constants = {n: m.value for n, m in values.items() if isinstance(m, Number)}
         arrays = {n: m.value for n, m in values.items() if isinstance(m, Array)}
         records = {n: m.value for n, m in values.items() if isinstance(m, Record)}
-        program = Program(named[entry], kernels, constants, arrays, records, {m.handle: named[m] for m in methods})
-        return called_once(program)
+        return called_once(Program(title, kernels, constants, arrays, records))
 
     def identify(self, meaning: UserFunctionValue | Number | Array | Record) -> str:
         """A provisional dotted name, one for each function, each number by name and value, each array."""

@@ -110,7 +110,7 @@ def _attribute(node: AST, report: Report) -> list[AST] | None:
 
 
 def _may_be_a_field(node: AST) -> bool:
-    """Whether an attribute that is assigned may be a field of a structure, which `evaluate/structures/fields` says."""
+    """Whether an attribute that is assigned may be a field of a structure, which the evaluator knows."""
     base = node.value
     while isinstance(base, (tree.Attribute, tree.Subscript)):
         base = base.value

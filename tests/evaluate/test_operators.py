@@ -147,7 +147,7 @@ def grid_mean(g):
     s = 0.0
     for i in range(len(g)):
         s += g[i] ** 2 * g[i - 1]
-    return s * g.mean() * (g.h * g)
+    return s * g.mean() * (2.0 * g)
 
 
 def grid_grown(g, a):
@@ -344,14 +344,14 @@ def as_fields(g, dt):
 
 
 REFUSED = [
-    (number_on_the_left, V, "an operator with 'v' on its right, and on its left what may be a number or an array of "
-     "NumPy's, which would not ask its class"),
-    (as_an_array, Gone(0.3, 0.4), "the items of 'g', whose class defines '__iter__'"),
-    (greatest, V, "max() of 'v', whose class defines '__gt__'"),
-    (chained, V, "a chain of comparisons with 'v', whose class defines them"),
-    (unpacked_fields, grid(), "the items of 'g', whose class defines '__len__'"),
-    (unpacked_fields, Plain(0.5), "'g' is an object of class Plain, which is used as a whole here"),
-    (length_of_fields, Plain(0.5), "len() of 'g', which is an object of class Plain"),
+    (number_on_the_left, V, "an operator with an object on its right, and on its left what may be a number or an array "
+     "of NumPy's, which would not ask its class"),
+    (as_an_array, Gone(0.3, 0.4), "a named tuple of class Gone is used as a whole, whose class defines '__iter__'"),
+    (greatest, V, "a named tuple of class Vec is used as a whole, whose class defines '__len__'"),
+    (chained, V, "a chain of comparisons of structures"),
+    (unpacked_fields, grid(), "an object of class Grid is gone through, which has no __iter__"),
+    (unpacked_fields, Plain(0.5), "an object of class Plain is gone through, which has no __iter__"),
+    (length_of_fields, Plain(0.5), "len() of an object of class Plain, whose class has no __len__"),
     (no_method, Given(0.3, 0.4), "no derivative rule for math.hypot with 1 arguments"),
 ]
 

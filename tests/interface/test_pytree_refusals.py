@@ -55,5 +55,5 @@ def test_an_array_behind_another_that_could_be_its_shadow():
     a_bar = np.zeros(3)
     f.adjoint(np.ones(3), a_bar, np.ones((2, 3)), np.full((4, 3), 2.0), 1.0)
     assert a_bar == pytest.approx(np.full(3, 17.0 / 3.0))
-    with pytest.raises(S2sadError, match="a float64 cannot be indexed"):
+    with pytest.raises(S2sadError, match="2 targets for 0 values"):
         f.adjoint(np.ones(3), np.zeros(3), np.ones((2, 3)), 1.0, 1.0)

@@ -134,7 +134,8 @@ def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f
         label = f"{held.label}_{place}" if held.label else str(place)
         ev.assign_slot(base, place, value, label, origin)
     elif isinstance(base, TupleValue):
-        raise ev.refusal(origin, "an item of a tuple is assigned", help="make it a list")
+        raise ev.refusal(origin, f"{ev.subject(base, origin)} is a tuple, to which nothing can be assigned",
+                         help="return the new value, or make it a list")
     elif isinstance(base, (ClassValue, ScopeValue, ObjectValue)):
         raise ev.refusal(origin, "an attribute of a class or a module is assigned",
                          help="keep it in an object that the kernel is given")

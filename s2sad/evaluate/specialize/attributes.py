@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+from collections import Counter, OrderedDict, defaultdict, deque
 from enum import Enum
+
+import numpy as np
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
@@ -16,6 +19,9 @@ from s2sad.evaluate.specialize.values import (
 from s2sad.live_objects.guards import ABSENT, taken
 from s2sad.tree import AST
 
+_CONTAINERS: dict[str, tuple[type, ...]] = {
+    "list": (list, deque), "dict": (dict, Counter, OrderedDict, defaultdict), "set": (set, frozenset)}
+
 
 @operation
 def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> Value:
@@ -26,7 +32,14 @@ def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> 
         held = ev.heap[base]
         if held.kind == "record":
             return _of_object(ev, base, held, name, node, f)
-        return ev.matrix_attribute(base, name, node, f) if is_sparse(base, ev.heap) else MethodValue(base, name)
+        if is_sparse(base, ev.heap):
+            return ev.matrix_attribute(base, name, node, f)
+        if not any(hasattr(made, name) for made in _CONTAINERS.get(held.kind, (object,))):
+            said = ev.subject(base, node)
+            of_arrays = hasattr(np.ndarray, name) and said.startswith("'")
+            help = f"pass numpy.array({said[1:-1]}, dtype=float)" if of_arrays else ""
+            raise ev.refusal(node, f"{said}, {ev.kind_of(base)}, has no attribute '{name}' here", help, "S203")
+        return MethodValue(base, name)
     if isinstance(base, TupleValue):
         return _of_tuple(ev, base, name, node, f)
     if isinstance(base, ClassValue):
@@ -55,7 +68,7 @@ def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> 
 
 def _of_data(ev: Evaluator, base: Data, name: str, node: AST) -> Value:
     if base.is_known and base.known is None:
-        raise ev.refusal(node, "this is None here", code="S203", help="test it before: if ... is not None: ...")
+        raise ev.none_here(base, node)
     if isinstance(base.known, str):
         return MethodValue(base, name)
     made = tree.at(tree.attribute(ev.spelled(base, node), name), node)
@@ -120,7 +133,10 @@ def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AS
                          help="if it is of a class, annotate it with that, or name it, as in --types \"a: Grid{...}\"")
     if held.live is not None:
         raise ev.missing(node, held.label, f".{name}", [f".{n}" for n in dir(held.live)])
-    raise ev.refusal(node, f"an object of class {held.made.name} has no attribute '{name}' here")
+    named, kind = ev.subject(base, node), ev.kind_of(base)
+    there = ", ".join(map(str, held.items))
+    raise ev.refusal(node, f"{named}{'' if named == kind else f', {kind},'} has no attribute '{name}' here",
+                     f"it has {there}" if there else "", "S202")
 
 
 @operation
@@ -131,8 +147,7 @@ def has_attribute(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) ->
         own = held.live is not None and taken(held.live, "own", name) is not ABSENT
         return own or name in held.items or ev.class_item(held.made, name, node, f) is not None
     if isinstance(base, Data) and not base.is_known:
-        import numpy
-        return hasattr(numpy.ndarray, name)
+        return hasattr(np.ndarray, name)
     if isinstance(base, ClassValue):
         return ev.class_item(base, name, node, f) is not None
     if isinstance(base, ScopeValue):
@@ -161,7 +176,9 @@ def tuple_method(ev: Evaluator, base: TupleValue, name: str, args: list[Value], 
         return dataclasses.replace(base, items=tuple(keywords.get(k, v) for k, v in zip(fields, base.items)))
     if name == "_asdict":
         return ev.new_dict(dict(zip(fields, base.items)), node)
-    raise ev.refusal(node, f".{name} of a tuple is not supported in a kernel")
+    said = f".{name} of {ev.subject(base, node)}, which is {ev.kind_of(base)},"
+    raise ev.refusal(node, f"{said} is not supported in a kernel",
+                     help="write what it does with the items")
 
 
 def _of_class(ev: Evaluator, base: ClassValue, name: str, node: AST, f: Frame) -> Value:

@@ -180,7 +180,7 @@ def _identical(ev: Evaluator, a: Value, b: Value, node: AST) -> bool:
         known = [v for v in datas if v.is_known]
         if known and (known[0].known is None or isinstance(known[0].known, (str, bool))):
             other = next(v for v in datas if not v.is_known)
-            if other.demands and isinstance(known[0].known, (str, bool)):
+            if other.demands and (isinstance(known[0].known, (str, bool)) or other.shape is None):
                 raise ev.unknown(node, "what an object is must be known before the run", other)
             return False
         if datas[0].name and datas[0].name == datas[1].name:

@@ -22,7 +22,7 @@ from s2sad import tree
 from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.classes.class_lookup import class_value
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Reached, Unevaluated, operation
+from s2sad.evaluate.specialize.evaluator import Cell, Evaluator, Frame, Leave, Reached, Unevaluated, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.separate.separate_functions import title_functions
 from s2sad.evaluate.specialize.sparse.matrix_values import given_matrix, is_sparse
@@ -40,7 +40,7 @@ from s2sad.live_objects.unwrap import partial_application
 from s2sad.program import DemandedFacts, Fact, Kernel, Program
 from s2sad.pytree import SPARSE, Form, PyTree, is_held, step
 from s2sad.read.capture import captured_of
-from s2sad.read.linker import annotations_said, defaults_said
+from s2sad.read.linker import annotations_said, defaults_said, header_of
 from s2sad.read.outside_values import Captured, UserFunctionValue
 from s2sad.tree import AST
 
@@ -51,11 +51,13 @@ _SPARSE = re.compile(r"an? (bsr|coo|csc|csr|dia|dok|lil)_(matrix|array)")       
 @dataclass(frozen=True)
 class Residual:
     """A residual function, as reading takes it, and what its parameters are: `paths` by name what a user calls each;
-    `result` is the structure that is returned; `changed` are the paths of objects that are given and changed,
-    `replaced` the parameters in whose place these hold something else in the end, `live` the objects from outside.
+    `cells` are those that are arrays of one element: numbers in objects, which are assigned; `result` is the structure
+    that is returned; `changed` are the paths of objects that are given and changed otherwise, `replaced` the parameters
+    in whose place these hold something else in the end, `live` the objects from outside.
     One that is `given` has that function's own derivative, and perhaps its `residual`."""
     made: Captured
     paths: dict[str, str]
+    cells: frozenset[str]
     result: PyTree | None
     changed: frozenset[str]
     replaced: frozenset[str]
@@ -86,17 +88,22 @@ def unread(function: Any, refused: S2sadError | None = None) -> Program:
 
 @deep_stack
 def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, Any], unrolls: bool = False,
-               inlines: bool = False, is_given: bool = False) -> Residual:
+               inlines: bool = False, no_cells: frozenset[str] = frozenset(), is_given: bool = False) -> Residual:
     """The residual function of a function, live or of a file, for arguments of these forms; raises S2sadError,
     DemandedFacts where facts would help. Loops in which lists grow are written out where it `unrolls`, calls where it
-    `inlines`. Of one with a derivative of its own it is that of its body if it `is_given`, else a call of it."""
+    `inlines`; the numbers at the paths `no_cells` become something that cells of their types do not hold. Of a function
+    with a derivative of its own it is that of its body if it `is_given`, else a call of it."""
     sites: frozenset[int | str] = frozenset()
+    cells: frozenset[str] = frozenset()
     reached: list[tuple[str, Any, bool]] = []
     while True:
         captured = captured_of(function)
-        ev = Evaluator(captured.source, dict(facts), sites, unrolls, inlines)
+        ev = Evaluator(captured.source, dict(facts), sites, unrolls, inlines, cells)
         try:
-            return _evaluated(ev, function, captured, forms, reached, is_given)
+            found = _evaluated(ev, function, captured, forms, reached, is_given)
+            if not (more := _assigned_numbers(ev) - no_cells):
+                return found
+            cells |= more
         except Reached as found:
             reached.append((found.name, found.value, found.is_owned))
         except Unevaluated as reason:
@@ -141,6 +148,7 @@ def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[
             ev.statements(definition.body, f)
         else:
             _call_of_it(ev, FunctionValue(captured, ("live", id(function)), handle=function), list(names), f)
+        _store_cells(ev, definition.body[-1])
     except Leave:
         pass
     body = without_unread_lists(settled_places(ev.block, lambda s: ev.refusal(
@@ -152,7 +160,31 @@ def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[
     scope = ResidualScope(ev.outside, captured.scope)
     made = Captured(captured.name, function_tree, ev.source, scope, _no_default)
     changed, replaced = _changes(ev)
-    return Residual(made, names, result, changed, replaced, frozenset(ev.live))
+    return Residual(made, names, frozenset(c.parameter for c in ev.cells), result, changed, replaced,
+                    frozenset(ev.live))
+
+
+def _store_cells(ev: Evaluator, origin: AST) -> None:
+    """What the numbers of arguments' objects are in the end goes to where the caller finds it."""
+    for cell in ev.cells:
+        place = tree.Subscript(tree.name(cell.parameter), tree.const(0), tree.Load())
+        value = ev.heap.objects[cell.holder].items[cell.key]
+        ev.emit(tree.assign(place, ev.spelled(value, origin)), origin, True)
+
+
+def _assigned_numbers(ev: Evaluator) -> frozenset[str]:
+    """The paths of numbers in arguments' objects that are other numbers in the end, and no cells yet."""
+    found: set[str] = set()
+    ends = (ev.heap.objects, *(objects for _, _, objects in ev.returned))
+    for number, before in ev.given.items():
+        for key, old in before.items.items():
+            path = ev.paths.get(old.name, "") if isinstance(old, Data) and old.shape == () else ""
+            now = [objects[number].items.get(key) for objects in ends]
+            if path and not all(alike(old, n) for n in now) and all(
+                    isinstance(n, Data) and isinstance(n.known if n.is_known else 0, (bool, int, float, complex))
+                    for n in now):
+                found.add(path)
+    return frozenset(found)
 
 
 def _call_of_it(ev: Evaluator, function: FunctionValue, names: Sequence[str], f: Frame) -> None:
@@ -173,7 +205,7 @@ def body_of(ev: Evaluator, function: Any) -> Any:
         return function
     is_called = "primal" in own.functions       # as it is, and not read
     nothing: frozenset[Any] = frozenset()
-    as_it_is = Residual(captured_of(function), {}, None, nothing, nothing, nothing)
+    as_it_is = Residual(captured_of(function), {}, nothing, None, nothing, nothing, nothing)
     made = as_it_is if is_called else _of_arrays(function)
     if made is None:
         return function
@@ -201,6 +233,7 @@ def _changes(ev: Evaluator) -> tuple[frozenset[str], frozenset[str]]:
         for number, before in ev.given.items():
             after = objects[number].items
             keys = {k for k in {*before.items, *after} if not alike(before.items.get(k), after.get(k))}
+            keys -= {c.key for c in ev.cells if c.holder == number}
             changed |= {before.path} if keys or list(before.items) != list(after) else set()
             replaced |= {n for k in keys if k in before.items for n in _names(ev, before.items[k])}
     return frozenset(changed), frozenset(replaced)
@@ -247,6 +280,9 @@ def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, na
         reference = ev.heap.new(Object(kind, items, made, label=wanted, path=path,
                                        site=path if kind == "list" else None))
         ev.given[reference.number] = ev.heap[reference]
+        parameters = {p: n for n, p in names.items()}
+        ev.cells += [Cell(reference.number, key, parameters[inner]) for k, key in zip(form.keys, items)
+                     if (inner := step(form, path, k)) in ev.cell_paths]
         return reference
     if form.kind == "none":
         return NONE
@@ -270,6 +306,10 @@ def _argument(ev: Evaluator, form: Form, path: str, wanted: str, origin: AST, na
     if path != name:
         ev.leaves.add(name)
     fact = (path, "value")
+    if path in ev.cell_paths:
+        own = ev.fresh(re.findall(r"\w+", path)[-1] if "." in path else f"{wanted}_now")
+        ev.emit(tree.assign(own, tree.Subscript(tree.name(name), tree.const(0), tree.Load())), header_of(origin))
+        name = own
     if form == UNKNOWN:         # an array or a number
         return Data(tree.at(tree.name(name), origin), demands=frozenset((fact,)), origins=frozenset((path,)))
     if form.is_number and form.dtype in ("int64", "bool"):
@@ -303,6 +343,7 @@ def return_from_entry(ev: Evaluator, s: AST, value: Value, f: Frame) -> None:
         raise ev.refusal(s, "a list is returned whose length is not known before the run",
                          help="make it an array with np.array")
     nodes = [ev.spelled(v, s) for v in leaves]
+    _store_cells(ev, s)
     if isinstance(value, Data) and value.is_known and value.known is None:
         node = None
     elif isinstance(value, Data):

@@ -119,6 +119,14 @@ def operation(function: Any) -> Any:
 
 
 @dataclass(frozen=True)
+class Cell:
+    """A number in an argument's object that is assigned: the residual parameter is an array of one element."""
+    holder: int
+    key: Hashable
+    parameter: str
+
+
+@dataclass(frozen=True)
 class Snapshot:
     objects: dict[int, Object]
     block: tuple[AST, ...]
@@ -158,17 +166,17 @@ class Evaluator:
     container_method: Callable[..., Any]
     container_operator: Callable[..., Any]
     cursor_of: Callable[..., Any]
-    default_of: Callable[..., Any]
     declares_layout: Callable[..., Any]
+    default_of: Callable[..., Any]
     defined: Callable[..., Any]
     dict_items: Callable[..., Any]
     each_item: Callable[..., Any]
-    first_item: Callable[..., Any]
-    first_of: Callable[..., Any]
     enumeration: Callable[..., Any]
     file_class: Callable[..., Any]
     file_default: Callable[..., Any]
     file_function: Callable[..., Any]
+    first_item: Callable[..., Any]
+    first_of: Callable[..., Any]
     for_lazy: Callable[..., Any]
     frame_of: Callable[..., Any]
     generate: Callable[..., Any]
@@ -202,12 +210,13 @@ class Evaluator:
     matrix_method: Callable[..., Any]
     matrix_operator: Callable[..., Any]
     meaning_value: Callable[..., Any]
-    met_in_advance: Callable[..., Any]
     member: Callable[..., Any]
+    met_in_advance: Callable[..., Any]
     method_named: Callable[..., Any]
     mro: Callable[..., Any]
     new_dict: Callable[..., Any]
     new_set: Callable[..., Any]
+    none_here: Callable[..., Any]
     outside_matrix: Callable[..., Any]
     outside_name: Callable[..., Any]
     outside_value: Callable[..., Any]
@@ -233,6 +242,7 @@ class Evaluator:
     statements: Callable[..., Any]
     stays_one: Callable[..., Any]
     store: Callable[..., Any]
+    subject: Callable[..., Any]
     subscripted: Callable[..., Any]
     test_of: Callable[..., Any]
     tests_of: Callable[..., Any]
@@ -242,8 +252,9 @@ class Evaluator:
     used: Callable[..., Any]
 
     def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int | str],
-                 unrolls: bool = False, inlines: bool = False):
+                 unrolls: bool = False, inlines: bool = False, cells: frozenset[str] = frozenset()):
         self.source, self.facts, self.sites, self.unrolls, self.inlines = source, facts, sites, unrolls, inlines
+        self.cell_paths, self.cells = cells, list[Cell]()
         self.heap, self.names = Heap(), Names()
         self.births, self.born = 0, dict[str, int]()       # when each residual name was made
         self.block: list[AST] = []

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from s2sad import tree
+from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
@@ -98,10 +99,19 @@ def _text_operand(value: Value) -> Any:
 
 
 @operation
+def none_here(ev: Evaluator, value: Value, node: AST, inner: bool = True) -> S2sadError:
+    """What is said where None is used."""
+    named = ev.subject(value, node, inner)
+    said = named.strip("'") if named.startswith("'") else "..."
+    return ev.refusal(node, f"{named if said != '...' else 'this'} is None here", code="S203",
+                      help=f"test it before: if {said} is not None: ...")
+
+
+@operation
 def refuse_no_number(ev: Evaluator, value: Value, node: AST) -> None:
     """Refuses None and texts where numbers and arrays are computed with."""
     if isinstance(value, Data) and value.is_known and value.known is None:
-        raise ev.refusal(node, "this is None here", code="S203", help="test it before: if ... is not None: ...")
+        raise none_here(ev, value, node, inner=False)
     if isinstance(value, OpaqueValue) or isinstance(value, Data) and isinstance(value.known, str):
         raise ev.refusal(node, "this is a text here, and it is computed with", code="S203")
 

@@ -199,8 +199,8 @@ def _with(held: Object, key: Any, value: Value) -> Object:
 
 
 def _stays(value: Value) -> bool:
-    """Whether what a round binds is there behind the loop: a number or an array, a function that holds nothing."""
-    return isinstance(value, Data) or isinstance(value, FunctionValue) and not parts(value)
+    """Whether what a round binds is there behind the loop: numbers and arrays, also in tuples, plain functions."""
+    return isinstance(value, (Data, TupleValue)) or isinstance(value, FunctionValue) and not parts(value)
 
 
 def _bound_inside(ev: Evaluator, ends: Sequence[Objects]) -> None:
@@ -209,7 +209,8 @@ def _bound_inside(ev: Evaluator, ends: Sequence[Objects]) -> None:
         if held.kind != "frame":
             continue
         found = [end[n].items for end in ends if n in end]
-        more = {k: v for items in found for k, v in items.items() if k not in held.items and _stays(v)
+        more = {k: v for items in found for k, v in items.items() if k not in held.items
+                and (_stays(v) or len(ends) == 1 and isinstance(v, Reference))
                 and all(k in i and alike(_plain(i[k]), _plain(v)) for i in found)}
         for key, value in more.items():
             ev.heap.put(Reference(n), key, _plain(value))
@@ -224,6 +225,9 @@ def _known_on_exits(value: Value, ends: Sequence[Value]) -> Value:
 
 
 def _plain(value: Value) -> Value:
+    """A value of which nothing is known but its names."""
+    if isinstance(value, TupleValue):
+        return replace(value, items=tuple(map(_plain, value.items)))
     return replace(value, known=UNKNOWN) if isinstance(value, Data) and value.name else value
 
 

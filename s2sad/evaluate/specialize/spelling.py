@@ -20,10 +20,11 @@ def spelled(ev: Evaluator, value: Value, origin: AST) -> AST:
         raise ev.unknown(origin, "a text must be known before the run", value)
     if isinstance(value, Data):
         return tree.copy(value.node) if value.is_atom else value.node
-    if isinstance(value, TupleValue) and any(
-            ev.class_item(value.made, name, origin, ev.entry) for name in ("__iter__", "__len__", "__getitem__")):
-        raise ev.refusal(origin, f"a {value.made.name if value.made else 'tuple'} is used as a whole, whose class says "
-                         "what its items are", help="name its fields")
+    says = [name for name in ("__iter__", "__len__", "__getitem__") if isinstance(value, TupleValue) and ev.class_item(
+        value.made, name, origin, ev.entry)]
+    if says:
+        raise ev.refusal(origin, f"{kind_of(ev, value)} is used as a whole, whose class defines '{says[0]}'",
+                         help="name its fields")
     if isinstance(value, TupleValue):
         return tree.at(tree.tuple_of(*(spelled(ev, v, origin) for v in value.items)), origin)
     if isinstance(value, Reference) and ev.heap[value].kind == "list":
@@ -46,8 +47,25 @@ def spelled(ev: Evaluator, value: Value, origin: AST) -> AST:
         return spelled(ev, ev.indexed(value, origin), origin)
     if isinstance(value, ObjectValue):
         return tree.at(tree.name(ev.residual_object(value, origin)), origin)
-    raise ev.unknown(origin, f"{kind_of(ev, value)} is used as a whole by what is computed at run time",
-                     help="give the arrays and numbers that it holds")
+    named, kind = subject(ev, value, origin, inner=False), kind_of(ev, value)
+    named = named if named == kind else f"{named}, {kind},"
+    raise ev.unknown(origin, f"{named} is used as a whole by what is computed "
+                     "at run time", help="give the arrays and numbers that it holds")
+
+
+@operation
+def subject(ev: Evaluator, value: Value, node: AST, inner: bool = True) -> str:
+    """What the user's text calls a value, 's' or 's.log', else what it is; of an attribute, an item or a call (`inner`)
+    the value that it is of."""
+    while inner and isinstance(node, (tree.Attribute, tree.Subscript, tree.Call)):
+        node, inner = node.func if isinstance(node, tree.Call) else node.value, isinstance(node, tree.Call)
+    root = node
+    while isinstance(root, (tree.Attribute, tree.Subscript)):
+        root = root.value
+    if isinstance(root, tree.Name):
+        return f"'{tree.written(node)}'"
+    path = ev.heap[value].path if isinstance(value, Reference) else ""
+    return f"'{path}'" if path else kind_of(ev, value)
 
 
 @operation
@@ -61,6 +79,8 @@ def kind_of(ev: Evaluator, value: Value) -> str:
         return words.get(held.kind) or f"an object of class {held.made.name if held.made else '?'}"
     if isinstance(value, OpaqueValue):
         return value.what
+    if isinstance(value, TupleValue) and value.made is not None:
+        return f"a named tuple of class {value.made.name}"
     words = {FunctionValue: "a function", LibraryValue: "a function of a library", ClassValue: "a class",
              MethodValue: "a method", SliceValue: "a slice", TupleValue: "a tuple", ScopeValue: "a module",
              Iteration: "an iterator", ObjectValue: "an object"}

@@ -37,7 +37,7 @@ def item_of(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Va
     base = indexed(ev, base, node)
     if isinstance(base, Data):
         if base.is_known and base.known is None:
-            raise ev.refusal(node, "this is None here", code="S203", help="test it before: if ... is not None: ...")
+            raise ev.none_here(base, node)
         if isinstance(base.known, str):
             return constant(base.known[known_place(ev, place, node)])
         found = ev.subscripted(base, place, node)
@@ -88,7 +88,7 @@ def item_key(ev: Evaluator, base: Reference, place: Value, node: AST) -> Any:
                          place, site=held.site)
     k = place.known + len(held.items) if place.known < 0 else place.known
     if not 0 <= k < len(held.items):
-        raise ev.refusal(node, f"there is no item {place.known} of {len(held.items)}")
+        raise ev.refusal(node, f"{ev.subject(base, node)} has {len(held.items)} items, and no item {place.known}")
     return k
 
 

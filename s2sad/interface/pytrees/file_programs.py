@@ -10,15 +10,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from s2sad import pipeline, read
+from s2sad import read
 from s2sad.diagnostics import Diagnostic, Report, S2sadError
 from s2sad.dispatch.deferred import compiler
 from s2sad.evaluate.specialize import unread
-from s2sad.evaluate.structures.fields import Flat, asks, fields
+from s2sad.evaluate.needs_evaluation import needs_evaluation
 from s2sad.infer.assumed_types import Assumed, assumed_types
 from s2sad.infer.types import NONE, TEXT, UNKNOWN, Type, array
-from s2sad.interface.pytrees.annotated_forms import annotated, has_methods, mapped_types, unnamed
-from s2sad.program import DemandedFacts, Fact, Kernel, Program
+from s2sad.interface.pytrees.annotated_forms import annotated, mapped_types
+from s2sad.program import DemandedFacts, Fact, FlatProgram, Kernel, Program
 from s2sad.pytree import Form, PyTree, form_of, is_held, leaves, steps
 from s2sad.read.file_definitions import parameters_of
 from s2sad.tree import AST, Attribute, Constant, Name, Subscript, walk
@@ -52,18 +52,11 @@ def flat_spelled(program: Program, said: Said) -> tuple[Program, dict[str, Assum
     kernel = program.kernels[program.entry]
     forms = _forms(program, kernel, said)
     _known(program, forms)
-    if program.refused is None and not asks(program) and not any(isinstance(f, PyTree) for f in forms.values()):
+    plain = program.refused is None and not needs_evaluation(program)
+    if plain and not any(isinstance(f, PyTree) for f in forms.values()):
         known = {p: t for p, t in forms.items() if p in said.forms and isinstance(t, Type)}
         return program, _assumed(program, known), {}
     refused = program.refused
-    if refused is None and not any(map(has_methods, forms.values())):
-        try:
-            flat = fields(program, tuple(map(unnamed, forms.values())))
-            found = _assumed(flat.program, _leaves(flat, forms))
-            pipeline.summary(flat.program, tuple(a.type for a in found.values()))
-            return flat.program, found, flat.paths
-        except S2sadError as error:
-            refused = error
     flat, facts = _evaluated(program, forms, said, refused)
     found = _assumed(flat.program, _leaves(flat, forms))
     if any(t == UNKNOWN for p, f in forms.items() for _, t in leaves(f, p)):
@@ -90,13 +83,13 @@ _NOTHING = S2sadError(Diagnostic("S201", "an object has methods"))
 
 
 def _evaluated(program: Program, forms: Mapping[str, Form], said: Said, refused: S2sadError | None
-               ) -> tuple[Flat, dict[Fact, Any]]:
+               ) -> tuple[FlatProgram, dict[Fact, Any]]:
     """The residual program, and the facts about arguments that it is made for; raises S2sadError, also where more must
     be said of these."""
     facts: dict[Fact, Any] = {}
     while True:
         try:
-            return compiler().evaluated(program, tuple(forms.values()), (), facts, refused or _NOTHING)[0], facts
+            return compiler().evaluated(program, tuple(forms.values()), (), facts, refused or _NOTHING), facts
         except DemandedFacts as demanded:
             missing = sorted(demanded.facts - said.facts.keys())
             if missing or demanded.facts <= facts.keys():
@@ -118,7 +111,7 @@ def _said(path: str, what: str, forms: Mapping[str, Form]) -> str:
         f'--types "{name}: {spelled}"'
 
 
-def _leaves(flat: Flat, forms: Mapping[str, Form]) -> dict[str, Type]:
+def _leaves(flat: FlatProgram, forms: Mapping[str, Form]) -> dict[str, Type]:
     """The types of the flat parameters that are known."""
     kinds = {path: kind for p, form in forms.items() for path, kind in leaves(form, p) if is_held(kind)}
     return {name: array(kinds[path].dtype, 1) if name in flat.cells else kinds[path]

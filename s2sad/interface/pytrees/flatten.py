@@ -1,7 +1,7 @@
 """The arguments of one call with structures as arrays and numbers, and the way back.
 
-The flat program is made once for what the arguments are made of (`evaluate/structures/fields`); everything behind it
-knows arrays and numbers only.
+The flat program is made once for what the arguments are made of (`evaluate/specialize`); everything behind it knows
+arrays and numbers only.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from s2sad.dispatch import artifacts
-from s2sad.dispatch.artifacts import ReadRecord
+from s2sad.dispatch.artifacts import KeptResidual, ReadRecord
 from s2sad.dispatch.arguments import bind, misfit
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
@@ -65,8 +65,6 @@ def flatten(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
             if any(value is _UNNAMED for _, value in _facts(state, forms, args)):
                 del state.entries["demanded", forms]
                 raise demanded.error from None
-    if not found.methods:
-        found.state.arrays = state.arrays
     return found
 
 
@@ -113,34 +111,30 @@ class Flattened(FlatSelection):
         self.live: frozenset[int] = frozenset()
         self.forms = dict(zip(state.parameters, forms))
         self.title, self.plain = state.kernel.name, state.kernel.independents
-        self.methods: list[Any] = []
-        kept = artifacts.load_flat(state.reading, forms)
+        kept = artifacts.load_residual(state.reading, state.function, forms, facts)
         if kept is None:
-            self._take_apart(state, forms)
+            self._take_apart(state, forms, facts)
         else:
-            kernel, self.paths, self.cells, self.result, self._classes, address = kept
-            reading = ReadRecord(kernel, False, state.reading.arrays, {}, state.guards, address)
-            self.state = ProgramVersion(reading, state.function, True, lambda: self._program(state, forms))
+            self.paths, self.cells, self.result, self.changed = kept.paths, kept.cells, kept.result, kept.changed
+            self.state = ProgramVersion(kept.reading, state.function, True, lambda: self._flat(state, forms).program)
         self.names = {path: name for name, path in self.paths.items()}
 
-    def _take_apart(self, state: ProgramVersion, forms: tuple[Form, ...]) -> None:
-        """Has it done by the compiler, and kept for other processes, where no function of a class is called."""
-        flat, self.methods, self._classes = compiler().flat_program(
-            state.program, state.function, forms, state.guards.varying, self.facts)
-        self.cells, self.paths = flat.cells, flat.paths
-        self.changed, self.live = flat.changed, flat.live
-        self.result = None if flat.result is None else compiler().result_form(flat.result)
+    def _take_apart(self, state: ProgramVersion, forms: tuple[Form, ...], facts: tuple[tuple[Fact, Any], ...]) -> None:
+        """Has it done by the compiler, and kept for other processes."""
+        flat = self._flat(state, forms)
         program = flat.program
-        kernel = program.kernels[program.entry]
-        address = None if self.methods else artifacts.store_flat(
-            state.reading, forms, kernel, self.paths, self.cells, self.result, self._classes)
-        self.state = ProgramVersion(ReadRecord(kernel, False, program.arrays, {}, program.guards, address),
-                                    state.function,
-                                    True).with_program(program, flat.normal)
+        self.paths, self.cells, self.result = flat.paths, flat.cells, flat.result
+        self.changed, self.live = flat.changed, flat.live
+        reading = ReadRecord(program.kernels[program.entry], False, program.arrays, {}, program.guards, None,
+                             program.warned)
+        address = None if self.changed and self.live else artifacts.store_residual(
+            state.reading, state.function, forms, facts,
+            KeptResidual(reading, self.paths, self.cells, self.result, self.changed))
+        self.state = ProgramVersion(replace(reading, address=address), state.function, True).with_program(
+            program, flat.normal)
 
-    @staticmethod
-    def _program(state: ProgramVersion, forms: tuple[Form, ...]) -> Any:
-        return compiler().flat_program(state.program, state.function, forms, state.guards.varying)[0].program
+    def _flat(self, state: ProgramVersion, forms: tuple[Form, ...]) -> Any:
+        return compiler().flat_program(state.program, state.function, forms, state.guards.varying, self.facts)
 
     def prepared_for(self, state: ProgramVersion) -> Flattened:
         """The flat program of another reading of the function, with what was derived of this one."""
@@ -149,8 +143,8 @@ class Flattened(FlatSelection):
         return found
 
     def current(self) -> bool:
-        """Whether the arguments' classes are what they were, and what functions of theirs read from outside."""
-        return self._classes.hold() and (not self.methods or self.state.guards.hold())
+        """Whether all that was taken from outside is what it was."""
+        return self.state.guards.hold()
 
     # -- there ---------------------------------------------------------------------------------------------------------
 

@@ -74,18 +74,20 @@ def kernel_adjoint(
     change(state_u, p_k, layers_0_1)
     state_u_here = state_u[0]
     # reverse sweep
+    t_bar = state_t_bar[0]
     # state.t += w[1] * state.u[0]
-    state_u_bar[0] += layers_1_0[1] * state_t_bar[0]
+    state_u_bar[0] += layers_1_0[1] * t_bar
     # change(state, p, b)
     gain, gain_2 = change_adjoint_2(state_u, state_u_bar, p_k, layers_1_1)
     p_k_bar = gain
     layers_1_1_bar = gain_2
     # state.t += w[1] * state.u[0]
-    seed = state_t_bar[0]
-    layers_0_0_bar[1] += state_u_here * seed
-    state_u_bar[0] += layers_0_0[1] * seed
+    layers_0_0_bar[1] += state_u_here * t_bar
+    state_u_bar[0] += layers_0_0[1] * t_bar
     # change(state, p, b)
     state_u[...] = state_u_before
     (gain,) = change_adjoint(state_u, state_u_bar, p_k, layers_0_1)
     p_k_bar += gain
+    # def kernel
+    state_t_bar[0] = t_bar
     return p_k_bar, layers_1_1_bar

@@ -31,10 +31,14 @@ def kernel_tangent(
     state_u, state_u_dot, state_t, state_t_dot, p_k, p_k_dot, layers_0_0, layers_0_0_dot,
     layers_0_1, layers_1_0, layers_1_1, layers_1_1_dot
 ):
+    t = state_t[0]
+    t_dot = state_t_dot[0]
     change_tangent(state_u, state_u_dot, p_k, p_k_dot, layers_0_1)
     state_u_here = state_u[0]
-    state_t_dot[0] += state_u_here * layers_0_0_dot[1] + layers_0_0[1] * state_u_dot[0]
-    state_t[0] += layers_0_0[1] * state_u_here
+    t_1 = t + layers_0_0[1] * state_u_here
+    t_1_dot = t_dot + (state_u_here * layers_0_0_dot[1] + layers_0_0[1] * state_u_dot[0])
     change_tangent_2(state_u, state_u_dot, p_k, p_k_dot, layers_1_1, layers_1_1_dot)
-    state_t_dot[0] += layers_1_0[1] * state_u_dot[0]
-    state_t[0] += layers_1_0[1] * state_u[0]
+    t_2 = t_1 + layers_1_0[1] * state_u[0]
+    t_2_dot = t_1_dot + layers_1_0[1] * state_u_dot[0]
+    state_t_dot[0] = t_2_dot
+    state_t[0] = t_2

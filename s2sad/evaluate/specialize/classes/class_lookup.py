@@ -155,6 +155,8 @@ def is_instance(ev: Evaluator, value: Value, made: Value, node: AST) -> bool | N
             return value.is_known and value.known is None
         if path == "numpy.ndarray" and value.shape is not None:
             return value.shape != ()
+        if value.shape is None and value.demands:
+            raise ev.unknown(node, "what an argument is must be known before the run", value)
         if not value.is_known:
             return False if value.shape or path in _NO_NUMBERS else None
         import builtins

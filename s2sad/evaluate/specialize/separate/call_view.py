@@ -38,6 +38,7 @@ class GivenLeaf:
     outer: Data
     inner: Data
     is_held: bool           # by an object or a closure
+    position: int           # of the parameter that it is of
 
 
 class CallView:
@@ -58,9 +59,12 @@ class CallView:
         self._key: list[Hashable] = [bool(ev.guarded)]
         self._depth = 0
         # what is given by itself is named first
+        positions = {name: k for k, name in enumerate(given)}
         for name, value in sorted(given.items(), key=lambda item: not isinstance(item[1], Data)):
             self._key.append(name)
+            self._position = positions[name]
             self.bound[name] = self._parameter(name, value)
+        self._position = len(given)
         self._depth = 1
         self.function = self._function(replace(function, first=(), keywords=(), defaults=()), "")
         for reference in [v for v in ev.live.values() if isinstance(v, Reference)]:
@@ -86,7 +90,7 @@ class CallView:
             self.numbers[own] = name
             inner = Data(tree.name(own), demands=frozenset((self.demand(name),)), shape=())
             self._key.append(("number", type(known).__name__))
-            self.leaves.append(GivenLeaf(own, constant(known), inner, False))
+            self.leaves.append(GivenLeaf(own, constant(known), inner, False, self._position))
             return inner
         return self._value(value, "" if name in ("self", "cls") else name)
 
@@ -161,7 +165,7 @@ class CallView:
                 self._by_name[value.name] = place
             own = self.names.numbered(wanted or value.name or "value")
             inner = replace(value, node=tree.name(own))
-            self.leaves.append(GivenLeaf(own, value, inner, self._depth > 0))
+            self.leaves.append(GivenLeaf(own, value, inner, self._depth > 0, self._position))
         elif self._depth > 0:
             self.leaves[place] = replace(self.leaves[place], is_held=True)
         self._key.append(("leaf", place, self.ev.paths.get(value.name), type(value.known).__name__, repr(value.known),

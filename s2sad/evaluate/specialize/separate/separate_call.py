@@ -233,7 +233,8 @@ def _named(ev: Evaluator, known: SeparateFunctions, view: CallView, definition: 
     """The residual function, or one of the same text that is there."""
     used = {n.id for n in tree.walk(body) if isinstance(n, tree.Name)}
     bound = {n.id for n in tree.walk(body) if isinstance(n, tree.Name) and isinstance(n.ctx, tree.Store)}
-    leaves = tuple(k for k, leaf in enumerate(view.leaves) if leaf.name in used)
+    leaves = tuple(sorted((k for k, leaf in enumerate(view.leaves) if leaf.name in used),
+                          key=lambda k: view.leaves[k].position))
     parameters = [view.leaves[k].name for k in leaves]
     if any("." not in n and n not in bound and n not in parameters and not hasattr(__import__("builtins"), n)
            for n in used):

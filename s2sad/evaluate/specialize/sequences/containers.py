@@ -59,7 +59,8 @@ def picked(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Val
     if not isinstance(place, Data) or not place.is_known:
         return _by_variable(ev, items, place, node, held)
     if not -len(items) <= place.known < len(items):
-        raise ev.refusal(node, f"there is no item {place.known} of {len(items)}")
+        raise ev.refusal(node, f"{ev.subject(base, node)} has {len(items)} items, and no item {place.known}",
+                         code="S203")
     return items[place.known]
 
 
@@ -74,7 +75,8 @@ def _value(ev: Evaluator, base: Value, held: Object, place: Value, node: AST, f:
         return ev.heap[base].items[key]
     if held.live is not None:
         raise ev.missing(node, held.label, f"[{key!r}]", [f"[{k!r}]" for k in held.items])
-    raise ev.refusal(node, f"the dict has no key {key!r}", f"its keys: {list(held.items)}")
+    raise ev.refusal(node, f"{ev.subject(base, node)} has no key {key!r}",
+                     f"its keys are {', '.join(map(str, held.items))}", "S202")
 
 
 def _of_class(ev: Evaluator, base: ClassValue, place: Value, node: AST, f: Frame) -> Value:

@@ -1,1 +1,0 @@
-"""Structures (records, dictionaries, lists) become their arrays and numbers."""
