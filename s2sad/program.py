@@ -42,6 +42,15 @@ class Kernel:
 
 
 @dataclass(frozen=True)
+class Evaluation:
+    """What the evaluator has computed away: the parts of arguments' structures by the parameters that they became, the
+    loops that are written out, with their rounds, and the facts about arguments that the program is made for."""
+    parameters: dict[str, str]
+    unrolled: tuple[tuple[SourcePlace, int], ...]
+    facts: tuple[tuple[Fact, Any], ...]
+
+
+@dataclass(frozen=True)
 class Program:
     """A kernel and every kernel that it calls, by name, callees before callers; `entry` is the last one's name.
 
@@ -49,8 +58,8 @@ class Program:
     `const.`; `arrays` the arrays read likewise, which become hidden parameters of every kernel on the way; `records`
     the classes that kernels make structures with, by the name behind `record.`; `guards` what was taken from outside to
     read it, `warned` the warnings; `refused` says why only the evaluator can tell what the program is, once it is known
-    what `function` is given, `evaluated` so for some types of arguments; `tables` is what `once` remembers; `files` are
-    the paths of the files that were read, where no live function was.
+    what `function` is given, `evaluated` so for some types of arguments; `evaluation` is what the evaluator has
+    computed away; `files` are the paths of the files that were read, where no live function was.
     """
     entry: str
     kernels: dict[str, Kernel]
@@ -64,6 +73,7 @@ class Program:
     function: Any = field(default=None, compare=False, repr=False)
     replaced: frozenset[str] = field(default=frozenset(), compare=False, repr=False)    # parameters that objects lose
     evaluated: dict[tuple[Type, ...], S2sadError] = field(default_factory=dict, compare=False, repr=False)
+    evaluation: Evaluation | None = field(default=None, compare=False, repr=False)
     _tables: dict[Any, tuple[int, Any]] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def once(self, make: Callable[[Program], T]) -> T:

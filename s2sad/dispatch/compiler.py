@@ -12,7 +12,7 @@ from typing import Any
 
 from s2sad import pipeline, read
 from s2sad.evaluate.needs_evaluation import needs_evaluation
-from s2sad.evaluate.specialize import specialize, unread
+from s2sad.evaluate.specialize import Residual, specialize, unread
 from s2sad.evaluate.specialize.evaluator import OutsideError
 from s2sad.live_objects.registry import GIVEN
 from s2sad.live_objects.guards import Guards, Path, reached, recording, same
@@ -20,7 +20,9 @@ from s2sad.live_objects.unwrap import python_function
 from s2sad.infer.independents import independents, usable_as_floats
 from s2sad.infer.types import UNKNOWN, Type, array, of_value
 from s2sad.liveness import base_name
-from s2sad.program import DemandedFacts, EntrySummary, Fact, FlatProgram, Generated, Kernel, Program, Request
+from s2sad.program import (
+    DemandedFacts, EntrySummary, Evaluation, Fact, FlatProgram, Generated, Kernel, Program, Request,
+)
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.read.capture import not_a_function
 from s2sad.run.user_functions_in_numba import checked_constants, compiled_in, registered_rules, uncompiled
@@ -67,7 +69,7 @@ def residual_program(function: FunctionType, varying: Collection[Path]) -> Progr
         made = read.of_captured(residual, function)
     entry = replace(made.kernels[made.entry], defaults=kernel.defaults, annotations=kernel.annotations)
     return replace(made, kernels={**made.kernels, made.entry: entry}, guards=guards, replaced=residual.replaced,
-                   function=function)
+                   function=function, evaluation=_evaluation(residual, {}))
 
 
 def waiting(function: FunctionType, refused: S2sadError, varying: Collection[Path]) -> Program:
@@ -162,8 +164,13 @@ def _evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Pa
             lines = set() if inside and not isinstance(error, OutsideError) else set(map(_line, error.diagnostics))
             there = [d for d in refused.diagnostics if _line(d) in lines - {None}]
             raise (S2sadError(*there) if there else error) from None
-    made = replace(made, guards=guards, replaced=residual.replaced)
+    made = replace(made, guards=guards, replaced=residual.replaced, evaluation=_evaluation(residual, facts))
     return FlatProgram(made, residual.paths, residual.cells, residual.result, residual.changed, residual.live)
+
+
+def _evaluation(residual: Residual, facts: Mapping[Fact, Any]) -> Evaluation:
+    """What was computed away, for reports."""
+    return Evaluation({n: p for n, p in residual.paths.items() if n != p}, residual.unrolled, tuple(facts.items()))
 
 
 def _line(found: Diagnostic) -> tuple[str, int] | None:

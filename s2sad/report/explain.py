@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from html import escape
 from typing import Any
@@ -12,7 +12,7 @@ from s2sad.dispatch.arguments import kernel_value
 from s2sad.interface.pytrees import Carrier, flat_call
 from s2sad.live_objects.guards import current
 from s2sad.normalize.calls.global_arrays import hidden_arrays
-from s2sad.program import Program, Request
+from s2sad.program import Evaluation, Program, Request
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.report.findings import Findings, FoundPlace, findings, byte_text
 from s2sad.report.listing import Listing, listings
@@ -33,9 +33,12 @@ class Explanation:
     title: str
     functions: tuple[Findings, ...]
     listings: tuple[Listing, ...]
+    evaluated: tuple[str, ...] = ()         # what was computed before the run, a line each
 
     def __str__(self) -> str:
         head = f"{self.title}\nrecords {self.tape}"
+        if self.evaluated:
+            head += "\n\n" + "\n".join(["computed before the run", *(f"  {line}" for line in self.evaluated)])
         return "\n\n".join([head, *("\n".join(_lines(f)) for f in self.functions)])
 
     @property
@@ -59,9 +62,10 @@ class Explanation:
         return byte_text(self.bytes) + (f", and what is known only at run time: {open_ends}" if open_ends else "")
 
     def json(self) -> str:
-        """The facts as JSON: {"title": ..., "bytes": ..., "functions": [...]}."""
-        return json.dumps({"title": self.title, "bytes": self.bytes, "functions": [asdict(f) for f in self.functions]},
-                          indent=2)
+        """The facts as JSON: {"title": ..., "bytes": ..., "evaluated": [...], "functions": [...]}."""
+        functions = [asdict(f) for f in self.functions]
+        return json.dumps({"title": self.title, "bytes": self.bytes, "evaluated": self.evaluated,
+                           "functions": functions}, indent=2)
 
     def html(self) -> str:
         """A page with the functions and their adjoints side by side, linked line by line; it needs nothing else."""
@@ -125,7 +129,22 @@ def explain_program(program: Program, request: Request, arguments: Mapping[str, 
     title = (f"{request.mode.capitalize()} of {entry.unit.kernel.name}: d({', '.join(request.of) or 'nothing'}) / "
              f"d({', '.join(request.wrt) or 'nothing'}), engine {request.engine}")
     found = tuple(findings(d, sizes.get(d.unit.title), request.engine) for d in derived)
-    return Explanation(title, found, listings(program, made, {f.name: f for f in found}))
+    evaluated = () if program.evaluation is None else tuple(_evaluated(program.evaluation, program))
+    return Explanation(title, found, listings(program, made, {f.name: f for f in found}), evaluated)
+
+
+def _evaluated(found: Evaluation, program: Program) -> Iterator[str]:
+    """What the evaluator has computed away, and what would make another derivative."""
+    yield from (f"{path} is the parameter {parameter}" for parameter, path in found.parameters.items())
+    own = program.kernels[program.entry].source.path
+    for place, rounds in found.unrolled:
+        text = place_text(FoundPlace(place.line, place.text.strip(), "" if place.path == own else place.path))
+        yield f"written out, {rounds} rounds: {text}"
+    for (path, what), value in found.facts:
+        said = getattr(value, "__name__", None) or repr(value)
+        known = f"{path} = {said}" if what == "value" else f"{path}.shape = {said}" if what == "shape" else (
+            f"{path} {what}" if value else f"not {path} {what}")
+        yield f"made for {known}; anything else makes another derivative"
 
 
 def _peak_bytes(name: str, functions: Mapping[str, Findings], known: dict[str, int | None]) -> int | None:

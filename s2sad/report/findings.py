@@ -185,7 +185,7 @@ def _verdict(versions: list[str], derived: UnitDerivative) -> tuple[bool, str]:
     if found.active.intersection(versions):
         return True, "active"
     if not any(table[v].is_inexact for v in versions):
-        return False, f"inactive: {table[versions[0]].dtype} has no derivative"
+        return False, f"inactive: {table[versions[0]].dtype or table[versions[0]].kind} has no derivative"
     if not found.varied.intersection(versions):
         return False, "inactive: it never depends on an input"
     if not found.useful.intersection(versions):

@@ -235,3 +235,39 @@ It records:
 
 
 # -- check ----------------------------------------------------------------------------------------------------------
+
+
+# -- what was computed before the run -------------------------------------------------------------------------------
+
+class Channel:
+    def __init__(self, u, t):
+        self.u, self.t = u, t
+
+
+def weighted(channel, x, mode, n):
+    total = 0.0
+    for k, w in enumerate([0.5, 2.0, x[0]]):
+        total = total + w * channel.u[k]
+    sums = []
+    for _ in range(n):
+        sums.append(total if mode == "all" else x[1])
+    channel.t += sums[0]
+    return total * sum(sums[:n])
+
+
+def test_what_is_computed_before_the_run():
+    report = explain(differentiate(weighted, engine="numpy"), Channel(np.ones(3), 0.5), np.ones(3), "all", 2)
+    first = weighted.__code__.co_firstlineno
+    assert json.loads(report.json())["evaluated"] == [
+        "channel.u is the parameter channel_u",
+        "channel.t is the parameter channel_t",
+        f"written out, 3 rounds: line {first + 2}: for k, w in enumerate([0.5, 2.0, x[0]]):",
+        f"written out, 2 rounds: line {first + 5}: for _ in range(n):",
+        "made for n = 2; anything else makes another derivative",
+        "made for mode = 'all'; anything else makes another derivative",
+    ]
+    assert "computed before the run\n  channel.u is" in str(report)
+
+
+def test_nothing_is_computed_before_the_run_of_an_array_program():
+    assert explained("brusselator").evaluated == ()

@@ -37,7 +37,7 @@ from s2sad.infer.types import UNKNOWN
 from s2sad.infer.types import NONE as NONE_TYPE
 from s2sad.live_objects.registry import GIVEN
 from s2sad.live_objects.unwrap import partial_application
-from s2sad.program import DemandedFacts, Fact, Kernel, Program
+from s2sad.program import DemandedFacts, Fact, Kernel, Program, SourcePlace
 from s2sad.pytree import SPARSE, Form, PyTree, is_held, step
 from s2sad.read.capture import captured_of
 from s2sad.read.linker import annotations_said, defaults_said, header_of
@@ -53,7 +53,8 @@ class Residual:
     """A residual function, as reading takes it, and what its parameters are: `paths` by name what a user calls each;
     `cells` are those that are arrays of one element: numbers in objects, which are assigned; `result` is the structure
     that is returned; `changed` are the paths of objects that are given and changed otherwise, `replaced` the parameters
-    in whose place these hold something else in the end, `live` the objects from outside.
+    in whose place these hold something else in the end, `live` the objects from outside, `unrolled` the loops that are
+    written out, with their rounds.
     One that is `given` has that function's own derivative, and perhaps its `residual`."""
     made: Captured
     paths: dict[str, str]
@@ -62,6 +63,7 @@ class Residual:
     changed: frozenset[str]
     replaced: frozenset[str]
     live: frozenset[int]
+    unrolled: tuple[tuple[SourcePlace, int], ...] = ()
     given: Any = None
     residual: UserFunctionValue | None = None
 
@@ -160,8 +162,9 @@ def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[
     scope = ResidualScope(ev.outside, captured.scope)
     made = Captured(captured.name, function_tree, ev.source, scope, _no_default)
     changed, replaced = _changes(ev)
+    unrolled = tuple((SourcePlace.of(ev.source, s), rounds) for s, rounds in ev.unrolled_loops.items())
     return Residual(made, names, frozenset(c.parameter for c in ev.cells), result, changed, replaced,
-                    frozenset(ev.live))
+                    frozenset(ev.live), unrolled)
 
 
 def _store_cells(ev: Evaluator, origin: AST) -> None:

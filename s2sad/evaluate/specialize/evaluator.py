@@ -134,6 +134,7 @@ class Snapshot:
     effects: int
     rebound: int
     emitted: int
+    unrolled_loops: dict[AST, int]
 
 
 class Evaluator:
@@ -255,6 +256,7 @@ class Evaluator:
                  unrolls: bool = False, inlines: bool = False, cells: frozenset[str] = frozenset()):
         self.source, self.facts, self.sites, self.unrolls, self.inlines = source, facts, sites, unrolls, inlines
         self.cell_paths, self.cells = cells, list[Cell]()
+        self.unrolled_loops: dict[AST, int] = {}    # those that are written out, and how often
         self.heap, self.names = Heap(), Names()
         self.births, self.born = 0, dict[str, int]()       # when each residual name was made
         self.block: list[AST] = []
@@ -453,7 +455,7 @@ class Evaluator:
     # -- going back --------------------------------------------------------------------------------------------------
     def snapshot(self) -> Snapshot:
         return Snapshot(self.heap.fork(), tuple(self.block), self.names.copy(), self.effects, len(self.rebound),
-                        self.emitted)
+                        self.emitted, dict(self.unrolled_loops))
 
     def restore(self, before: Snapshot) -> None:
         self.heap.objects = {**self.outset, **before.objects}
@@ -461,6 +463,7 @@ class Evaluator:
         self.names = before.names.copy()
         self.effects, self.emitted = before.effects, before.emitted
         del self.rebound[before.rebound:]
+        self.unrolled_loops = dict(before.unrolled_loops)
 
     def note_outside(self, holder: Reference, name: str, value: Value) -> None:
         """An attribute of an object from outside is read for the first time: it was there from the start."""

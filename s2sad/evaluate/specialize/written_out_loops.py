@@ -19,14 +19,19 @@ def unrolled(ev: Evaluator, s: Any, cursor: Any, f: Frame, bind: Callable[[Value
     depth = len(ev.loops)
     ev.loops.append((after, NOWHERE))
 
+    count = 0
+
     def rounds(cursor: Any) -> None:
+        nonlocal count
         while True:
+            ev.unrolled_loops[s] = max(count, ev.unrolled_loops.get(s, 0))
             found = cursor.next()
             if found is None:
                 del ev.loops[depth:]        # a jump in `else` is one of the loop around
                 ev.statements(s.orelse, f)
                 return
             item, cursor = found
+            count += 1
             ev.loops[-1] = (after, NOWHERE)
             ev.later(lambda cursor=cursor: rounds(cursor))
             ev.pending.append(None)
