@@ -108,12 +108,12 @@ def made_into(x):
 
 
 def cases():
-    for kernel in (shaped_twice, shaped_in_a_loop):
+    for kernel in (shaped_twice, shaped_in_a_loop, held_by_two, given_back):
         yield Case(kernel, (X,), ("x",))
     for kernel in (in_a_dict, closed_over):
         yield Case(kernel, (X,), "x")
     # other names would have the shape, too
-    for kernel in (held_by_two, given_back, argument, made_or_not, converted, chosen, written_into, made_into):
+    for kernel in (argument, made_or_not, converted, chosen, written_into, made_into):
         part = "x.shape" if kernel is argument else "a.shape"
         yield Case(kernel, (X,), refused=(
             f"S201 at `{part}`: an assignment to the attribute .shape is not supported in a kernel: bind the new shape "

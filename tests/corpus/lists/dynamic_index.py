@@ -244,6 +244,11 @@ def cases():
     # one element in each
     yield Case(put_anew_of_one, (X[:1], 3), ("x",))
     yield Case(not_known_to_differ, (X, 4), "x")
+    # arrays that become others, and of two dtypes
+    for n in (3, 4):
+        yield Case(one_becomes_the_other, (X, n), ("x",))
+        yield Case(becomes_an_argument, (X, n), ("x",), ("x", "return"))
+        yield Case(singles, (X, n), ("x",))
     # refused
     for kernel, refused in (
             (under_its_own_name,
@@ -262,20 +267,14 @@ def cases():
              "S201 at `m[t % 2][0] += w[t % 2][1] ** 2`: the list 'm' holds views of an array, or one array "
              "several times, and what it holds is written: append a copy: .append(x.copy())"),
             (in_a_list_twice,
-             "S201 at `w[t % 2][0]`: a part of what an expression gives is not supported here: give it a name in a "
-             "statement of its own, or make it an array: np.array([...])"),
+             "S201 at `w[t % 2][0][0] += 2.0 * x[1]`: the list 'w' holds views of an array, or one array several "
+             "times, and what it holds is written: append a copy: .append(x.copy())"),
             (kept_and_put_anew,
              "S201 at `m[t % 2] = 0.5 * m[(t + 1) % 2] + x ** 2`: an element of the list 'm' becomes another "
              "array, and what it was is read later: name a copy of what it was: x = xs[k].copy()"),
-            (one_becomes_the_other,
-             "S201 at `m[k] = m[1 - k]`: a list holds an array that is written, not a copy of it: append a copy: "
-             ".append(x.copy())"),
             (swapped,
              "S201 at `m[t % 2], m[1 - t % 2] = m[1 - t % 2], m[t % 2]`: a list holds an array that is written, "
              "not a copy of it: append a copy: .append(x.copy())"),
-            (becomes_an_argument,
-             "S201 at `m[k][0] = x[1] ** 2`: the list 'm' holds views of an array, or one array several times, "
-             "and what it holds is written: append a copy: .append(x.copy())"),
             (of_one_element,
              "S201 at `m = [x.copy(), np.zeros(1)]`: an array of another size than the others is put into a "
              "list: give arrays of different sizes different names"),
@@ -290,9 +289,6 @@ def cases():
              "axes: give them names of their own, or make an array of each that is like the others"),
             (integers_written,
              "S201 at `m = [x.copy(), np.zeros(6, dtype=np.int64)]`: the list 'm' holds arrays of several "
-             "dtypes: give them names of their own, or make an array of each that is like the others"),
-            (singles,
-             "S201 at `m = [x.copy(), np.zeros(6, dtype=np.float32)]`: the list 'm' holds arrays of several "
              "dtypes: give them names of their own, or make an array of each that is like the others")):
         yield Case(kernel, (X, 4), of=None, refused=refused)
     # sizes

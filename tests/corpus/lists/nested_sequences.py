@@ -129,9 +129,5 @@ def cases():
     # gradients
     for kernel in KERNELS:
         yield Case(kernel, (X,), ("x",))
-    for kernel in (longer, ordered, compared_with_another, copied, added_in_a_function):
+    for kernel in (longer, ordered, compared_with_another, copied, added_in_a_function, repeated):
         yield Case(kernel, (X,), "x")
-    # refused
-    yield Case(repeated, (X,), of=None, refused=(
-        "S201 at `ts[0] * len(x)`: repeating no written number of times a tuple that is an element of a "
-        "list: make an array of it where it is put into the list: np.array(...)"))

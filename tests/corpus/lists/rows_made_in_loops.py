@@ -279,14 +279,11 @@ def cases():
         first = kernel.__code__.co_varnames[0]
         yield Case(kernel, arguments, (first,))
     yield Case(of_two_sizes, arguments, "x")
+    # what a function gives may be a part of an argument, or the argument
+    for kernel in (parts_written, one_of_them_given):
+        yield Case(kernel, (given(4), 3), ("x",), ("x", "return"))
     # what is not new and what has other sizes is refused
     for kernel, refused in (
-            (parts_written,
-             "S201 at `us[1] *= us[0]`: the list 'us' holds views of an array, or one array several times, and "
-             "what it holds is written: append a copy: .append(x.copy())"),
-            (one_of_them_given,
-             "S201 at `us[1] *= us[0]`: the list 'us' holds views of an array, or one array several times, and "
-             "what it holds is written: append a copy: .append(x.copy())"),
             (twice,
              "S201 at `us[1] *= us[2]`: the list 'us' holds views of an array, or one array several times, and "
              "what it holds is written: append a copy: .append(x.copy())"),
