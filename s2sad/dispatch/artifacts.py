@@ -219,7 +219,10 @@ def store_residual(reading: ReadRecord, function: FunctionType, forms: tuple[Any
 
 
 def _residual_place(reading: ReadRecord, forms: tuple[Any, ...], facts: Any) -> str | None:
-    return None if reading.address is None else f"residual {reading.address} {_text(forms)} {_text(facts)}"
+    try:
+        return None if reading.address is None else f"residual {reading.address} {_text(forms)} {_text(facts)}"
+    except NotSerializable:
+        return None
 
 
 def _classes(forms: Iterable[Any], reading: ReadRecord) -> tuple[type, ...]:

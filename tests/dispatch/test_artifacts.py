@@ -170,6 +170,12 @@ def test_other_types_and_other_questions_are_others(processes):
     assert s2sad.value_and_gradient(s2sad.differentiate(module.pair, engine="numpy"), wrt="x")(2.0, 3.0) == (12.0, 12.0)
 
 
+@pytest.mark.parametrize(("keys", "expected"), [((np.int64(1),), 1.0), ((np.str_("b"),), 4.0), ({"b"}, 4.0)], ids=repr)
+def test_arguments_that_no_description_identifies_are_evaluated_in_each_process(keys, expected, processes):
+    for _ in range(2):
+        assert slope(processes.fresh().found, np.array([2.0]), keys) == [expected] and processes.derived
+
+
 @pytest.fixture
 def registry():
     given = dict(GIVEN.by_path), dict(GIVEN.by_identity)
