@@ -2,7 +2,9 @@
 from __future__ import annotations
 
 import gc
+import numbers
 from decimal import Decimal
+from enum import IntEnum
 from fractions import Fraction
 
 import numpy as np
@@ -233,3 +235,22 @@ def test_refused_calls_leave_nothing():
         refuse()
     gc.collect()
     assert len(gc.get_objects()) < before + 100
+
+
+class Place(IntEnum):
+    FIRST = 1
+
+
+def told_apart(x, k):
+    rows = [x, 2.0 * x]
+    scale = 3.0 if isinstance(k, int) else 5.0 if isinstance(k, np.integer) else 1.0
+    if isinstance(k, Place):
+        return 7.0 * np.sum(rows[1])
+    return scale * np.sum(rows[k]) * (2.0 if isinstance(k, numbers.Integral) else 1.0) * len(str(k))
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_equal_values_of_other_types_are_other_arguments(order):
+    f = s2sad.differentiate(told_apart, engine="numpy")
+    for k, slope in [(1, 12.0), (True, 48.0), (np.int64(1), 20.0), (Place.FIRST, 14.0), (1, 12.0)][::order]:
+        assert s2sad.gradient(f, "x")(np.ones(1), k) == [slope], repr(k)

@@ -50,7 +50,7 @@ def flatten(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
     forms = tuple(without_lengths(form_of(v, n)) for n, v in zip(state.parameters, args))
     while True:
         facts = _facts(state, forms, args)
-        key = ("flattened", forms, facts)
+        key = ("flattened", forms, tuple((fact, _typed(value)) for fact, value in facts))
         found = state.entries.get(key)
         if found is not None and found.current():
             break
@@ -82,6 +82,11 @@ def _facts(state: ProgramVersion, forms: tuple[Form, ...], args: Sequence[Any]) 
     values.update({path: _UNNAMED for (path, what) in demanded if what == "value" and not isinstance(
         values[path], _NAMED)})
     return tuple((fact, _fact(fact, values)) for fact in demanded)
+
+
+def _typed(value: Any) -> tuple[type, Any]:
+    """What tells values apart that are equal: 1, True, an item of an IntEnum and NumPy's number."""
+    return type(value), frozenset(map(_typed, value)) if isinstance(value, frozenset) else value
 
 
 def _fact(fact: Fact, values: Mapping[str, Any]) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import sys
 import types
 from typing import Any
 
@@ -20,6 +21,7 @@ _OBJECT = ("__init__", "__new__", "__setattr__", "__getattribute__", "__eq__", "
 
 NONE_TYPE = "types.NoneType"
 _NO_NUMBERS = ("builtins.str", "builtins.list", "builtins.tuple", "builtins.dict")
+_OF_NUMBERS = (int, float, complex, str)      # classes of the user's may be made of these, and arguments of them
 
 
 @operation
@@ -146,6 +148,10 @@ def is_instance(ev: Evaluator, value: Value, made: Value, node: AST) -> bool | N
         found = [is_instance(ev, value, m, node) for m in made.items]
         return True if True in found else None if None in found else False
     own = class_of(ev, value)
+    if isinstance(made, ClassValue) and isinstance(value, Data) and made.live is not None:
+        if not value.is_known and issubclass(made.live, _OF_NUMBERS):
+            raise ev.unknown(node, "what an argument is must be known before the run", value)
+        return value.is_known and isinstance(value.known, made.live)
     if isinstance(made, ClassValue):
         return own is not None and made in mro(ev, own) or (isinstance(value, ObjectValue) and made.live is not None
                                                            and isinstance(value.value, made.live))
@@ -159,9 +165,9 @@ def is_instance(ev: Evaluator, value: Value, made: Value, node: AST) -> bool | N
             raise ev.unknown(node, "what an argument is must be known before the run", value)
         if not value.is_known:
             return False if value.shape or path in _NO_NUMBERS else None
-        import builtins
-        kind = getattr(builtins, path.removeprefix("builtins."), None)
-        return isinstance(value.known, kind) if isinstance(kind, type) else False
+        module, _, name = path.rpartition(".")
+        kind = getattr(sys.modules.get(module), name, None)
+        return isinstance(value.known, kind) if isinstance(kind, type) else None
     kinds = {"list": "builtins.list", "dict": "builtins.dict", "set": "builtins.set"}
     if isinstance(value, Reference):
         return kinds.get(ev.heap[value].kind) == path
