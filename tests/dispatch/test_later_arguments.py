@@ -254,3 +254,16 @@ def test_equal_values_of_other_types_are_other_arguments(order):
     f = s2sad.differentiate(told_apart, engine="numpy")
     for k, slope in [(1, 12.0), (True, 48.0), (np.int64(1), 20.0), (Place.FIRST, 14.0), (1, 12.0)][::order]:
         assert s2sad.gradient(f, "x")(np.ones(1), k) == [slope], repr(k)
+
+
+def by_keys(x, scales):
+    s = 0.0
+    for k, v in scales.items():
+        s += np.sum(x) * v * len(str(k))
+    return s
+
+
+def test_equal_keys_of_other_types_are_other_arguments():
+    f = s2sad.differentiate(by_keys, engine="numpy")
+    for k, slope in [(1, 2.0), (True, 8.0), (1, 2.0)]:
+        assert s2sad.gradient(f, "x")(np.ones(1), {k: 2.0}) == [slope], repr(k)

@@ -48,9 +48,11 @@ def flatten(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
         return None
     args = bind(state.kernel, args)
     forms = tuple(without_lengths(form_of(v, n)) for n, v in zip(state.parameters, args))
+    keys = tuple(map(_dict_keys, forms))
+    demanded_key = "demanded", forms, keys
     while True:
-        facts = _facts(state, forms, args)
-        key = ("flattened", forms, tuple((fact, _typed(value)) for fact, value in facts))
+        facts = _facts(state, forms, args, demanded_key)
+        key = ("flattened", forms, keys, tuple((fact, _typed(value)) for fact, value in facts))
         found = state.entries.get(key)
         if found is not None and found.current():
             break
@@ -58,19 +60,20 @@ def flatten(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
             found = state.entries[key] = Flattened(state, forms, facts)
             break
         except DemandedFacts as demanded:
-            known = state.entries.setdefault(("demanded", forms), {})
+            known = state.entries.setdefault(demanded_key, {})
             if demanded.facts <= known.keys():
                 raise demanded.error from None
             known |= dict.fromkeys(sorted(demanded.facts))
-            if any(value is _UNNAMED for _, value in _facts(state, forms, args)):
-                del state.entries["demanded", forms]
+            if any(value is _UNNAMED for _, value in _facts(state, forms, args, demanded_key)):
+                del state.entries[demanded_key]
                 raise demanded.error from None
     return found
 
 
-def _facts(state: ProgramVersion, forms: tuple[Form, ...], args: Sequence[Any]) -> tuple[tuple[Fact, Any], ...]:
-    """What must be known of the arguments before the run, as it is."""
-    demanded = state.entries.get(("demanded", forms))
+def _facts(state: ProgramVersion, forms: tuple[Form, ...], args: Sequence[Any], key: tuple[Any, ...]
+           ) -> tuple[tuple[Fact, Any], ...]:
+    """What must be known of the arguments before the run, as it is; `key` has what is demanded of such arguments."""
+    demanded = state.entries.get(key)
     if not demanded:
         return ()
     values: dict[str, Any] = {}
@@ -86,7 +89,14 @@ def _facts(state: ProgramVersion, forms: tuple[Form, ...], args: Sequence[Any]) 
 
 def _typed(value: Any) -> tuple[type, Any]:
     """What tells values apart that are equal: 1, True, an item of an IntEnum and NumPy's number."""
-    return type(value), frozenset(map(_typed, value)) if isinstance(value, frozenset) else value
+    return type(value), type(value)(map(_typed, value)) if type(value) in (frozenset, tuple) else value
+
+
+def _dict_keys(form: Form) -> tuple[Any, ...]:
+    """The keys of dicts, at all depths, told apart where they are equal."""
+    if not isinstance(form, PyTree):
+        return ()
+    return tuple(map(_typed, form.keys)) if form.kind == "dict" else (), *map(_dict_keys, form.items)
 
 
 def _fact(fact: Fact, values: Mapping[str, Any]) -> Any:
