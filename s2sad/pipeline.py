@@ -224,7 +224,8 @@ def evaluated_form(program: Program, types: tuple[Type, ...], engine: str, watch
         raise refused
     try:
         with recording(program.guards):
-            residual = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, types)), {})
+            residual = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, types)), {},
+                                  inlines=True)
             made = of_captured(residual, program.function)
         arrays = list(made.arrays.values()) == list(program.arrays.values())
         if not arrays or residual.result is not None or len(residual.paths) != len(types):

@@ -21,7 +21,6 @@ import s2sad
 from s2sad import S2sadError, pipeline, read
 from s2sad.dispatch import compiler
 from s2sad.dispatch import cache
-from s2sad.interface.pytrees import spelled_types
 from s2sad.program import Program, Request
 from s2sad.live_objects.side_table import looked_up
 from tests.harness import derivatives
@@ -102,10 +101,10 @@ def _from(program: Program, origin: Origin | None) -> Program:
 
 def reading(collector: Collector, inner: Callable[..., Program]) -> Callable[..., Program]:
     @wraps(inner)
-    def load(function: Any, methods: tuple[Any, ...] = (), varying: Any = ()) -> Program:
+    def load(function: Any, varying: Any = ()) -> Program:
         origin = (_innermost_function(read.python_function(function)), "", tuple(varying), None)
         try:
-            return _from(inner(function, methods, varying), origin)
+            return _from(inner(function, varying), origin)
         except S2sadError:
             if origin[0] is not None:
                 collector.add(origin, None, ANYTHING)
@@ -127,18 +126,18 @@ def reading_file(collector: Collector, inner: Callable[..., Program]) -> Callabl
 
 def taking_apart(collector: Collector, inner: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(inner)
-    def fields(program: Program, forms: tuple[Any, ...]) -> Any:
+    def flat_program(program: Program, function: Any, forms: tuple[Any, ...], varying: Any, facts: Any) -> Any:
         known = _origin(program)
-        origin = known and (*known[:3], forms)
+        origin = known and (*known[:3], (forms, tuple(facts.items())))
         try:
-            flat = inner(program, forms)
+            flat = inner(program, function, forms, varying, facts)
         except S2sadError:
             if origin:
                 collector.add(origin, None, ANYTHING, program)
             raise
         _from(flat.program, origin)
         return flat
-    return fields
+    return flat_program
 
 
 def summarizing(collector: Collector, inner: Callable[..., Any]) -> Callable[..., Any]:
@@ -175,7 +174,7 @@ def collecting(collector: Collector) -> ExitStack:
     """From now on, until it is closed, all that is asked is collected."""
     kept = collector.registered.recording()
     for module, name, wrapper in ((compiler, "program", reading), (read, "load_file", reading_file),
-                                  (compiler, "fields", taking_apart), (spelled_types, "fields", taking_apart),
+                                  (compiler, "flat_program", taking_apart),
                                   (pipeline, "summary", summarizing), (pipeline, "derive", deriving)):
         inner = getattr(module, name)
         setattr(module, name, wrapper(collector, inner))

@@ -128,15 +128,15 @@ class Replay:
             path = Path(folder) / Path(self.kernel.file).name
             path.write_text(self.text)
             try:
-                program = read.load_file(path, self.kernel.name)
-                return program if self.forms is None else compiler.fields(program, self.forms).program
+                return read.load_file(path, self.kernel.name)
             finally:
                 shutil.rmtree(folder)
-        program = compiler.program(self.function, (), self.varying)
+        program = compiler.program(self.function, self.varying)
         if self.forms is None:
             return program
         function = read.python_function(self.function)
-        return flat_program(program, function, self.forms, self.varying)[0].program
+        forms, facts = self.forms
+        return flat_program(program, function, forms, self.varying, dict(facts)).program
 
     def default(self, program: Program, forms: Any) -> Request:
         """The adjoint of all that may be derived; raises what the kernel is refused with."""
