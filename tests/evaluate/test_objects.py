@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from s2sad import S2sadError, differentiate, gradient, jvp, value_and_gradient, vjp
+from s2sad import (Const, Duplicated, Reverse, S2sadError, autodiff, differentiate, gradient, jvp, value_and_gradient,
+                   vjp)
 from tests.evaluate.objects.solvers import Grid, Solver, given_object, subclass
 from tests.harness.engines import running, one_line
 
@@ -144,3 +145,19 @@ def test_an_object_that_is_given_twice():
         gradient(differentiate(grown), wrt="x")(us, us, X)
     assert one_line(caught.value) == "'us' and 'vs' are one object, which is changed: pass a copy"
     np.testing.assert_array_equal(gradient(differentiate(grown), wrt="x")([X], [X.copy()], X), X)
+
+
+def multiplied(state, x):
+    state.u = state.u * x
+    return np.sum(state.u * x)
+
+
+def test_autodiff_refuses_to_leave_another_array_where_one_was():
+    state = State(X.copy())
+    for mark in (Duplicated(state, State(np.ones(4))), Const(state)):
+        with pytest.raises(S2sadError) as caught:
+            autodiff(Reverse, multiplied, mark, Const(X.copy()))
+        assert one_line(caught.value) == (
+            "'multiplied' leaves something else in 'state' than was there, which autodiff does not do: use s2sad.vjp or "
+            "s2sad.gradient, which change no argument, or write arrays in place")
+    np.testing.assert_allclose(gradient(differentiate(multiplied), wrt="x")(State(X.copy()), X), 2.0 * X * X)

@@ -74,6 +74,10 @@ class _FlatAutodiff:
                 f"is {type(mark).__name__}, and a structure"
             raise S2sadError(Diagnostic("S402", f"the argument '{parameter}' {what}", help=f"say Const({parameter}) "
                                         f"or Duplicated({parameter}, {parameter}_{suffix})"))
+        if self.flattened.leaves_another(parameter):
+            raise S2sadError(Diagnostic("S402", f"'{self.flattened.title}' leaves something else in '{parameter}' than "
+                                        "was there, which autodiff does not do", help="use s2sad.vjp or "
+                                        "s2sad.gradient, which change no argument, or write arrays in place"))
         if not isinstance(mark, Duplicated):
             self.annotated += [Const(self.flat[n]) for n in names]
             return

@@ -104,13 +104,17 @@ class FlatSelection:
         name, form, spelling = path
         if isinstance(form, Type):
             return [self.names.get(spelling, spelling)]
-        if any(p == spelling or p.startswith((f"{spelling}.", f"{spelling}[")) for p in self.changed):
+        if self.leaves_another(spelling):
             raise _refused(f"'{self.title}' leaves something else in '{name}' than was there, which is no output",
                            "return it, or write it into an array in place")
         found = [n for n in self.floats(form, spelling) if n in self._summary.written]
         if not found:
             raise _refused(f"'{name}' is no output of '{self.title}', which writes no float in it")
         return found
+
+    def leaves_another(self, spelling: str) -> bool:
+        """Whether an object at a path, or one in it, holds something else in the end."""
+        return any(p == spelling or p.startswith((f"{spelling}.", f"{spelling}[")) for p in self.changed)
 
     @cached_property
     def _summary(self) -> Any:
