@@ -158,6 +158,6 @@ def test_autodiff_refuses_to_leave_another_array_where_one_was():
         with pytest.raises(S2sadError) as caught:
             autodiff(Reverse, multiplied, mark, Const(X.copy()))
         assert one_line(caught.value) == (
-            "'multiplied' leaves something else in 'state' than was there, which autodiff does not do: use s2sad.vjp or "
-            "s2sad.gradient, which change no argument, or write arrays in place")
+            "'multiplied' leaves something else in 'state' than was there, which autodiff does not do: use s2sad.vjp "
+            "or s2sad.gradient, which change no argument, or write arrays in place")
     np.testing.assert_allclose(gradient(differentiate(multiplied), wrt="x")(State(X.copy()), X), 2.0 * X * X)
