@@ -94,7 +94,7 @@ def branch(ev: Evaluator, test: Data, arms: Sequence[Callable[[], Any]], origin:
     before, outer, effects, since = ev.heap.fork(), ev.block, ev.effects, ev.births
     depth = len(ev.pending)
     ends: list[tuple[Way, Leave | None]] = []
-    ev.guarded += 1
+    ev.guarded = (*ev.guarded, test.demands)
     for arm in arms:
         ends.append(_arm(ev, Way(dict(before), []), arm))
     while True:
@@ -106,7 +106,7 @@ def branch(ev: Evaluator, test: Data, arms: Sequence[Callable[[], Any]], origin:
             break
         ends = [(way, left) if left is not None and left.mark in (NOWHERE, target)
                 else _arm(ev, way, lambda left=left, target=target: _go(ev, left, depth, target)) for way, left in ends]
-    ev.guarded -= 1
+    ev.guarded = ev.guarded[:-1]
     ev.block = outer
     going = [(way, left) for way, left in ends if left is None or left.mark != NOWHERE]
     value = None

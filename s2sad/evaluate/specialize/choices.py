@@ -19,7 +19,9 @@ def conditional(ev: Evaluator, node: Any, f: Frame) -> Value:
     if not isinstance(test, Data):
         return ev.value(node.body if test else node.orelse, f)
     before = ev.snapshot()
+    around, ev.guarded = ev.guarded, (*ev.guarded, test.demands)
     plain = [ev.value(part, f) for part in (node.body, node.orelse)]
+    ev.guarded = around
     if len(ev.block) == len(before.block) and all(isinstance(v, Data) and not is_structural(v) for v in plain):
         body, orelse = (ev.spelled(v, node) for v in plain)
         return Data(tree.at(tree.IfExp(test.node, body, orelse), node), demands=demands_of(*plain))

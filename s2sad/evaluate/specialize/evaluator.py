@@ -283,7 +283,8 @@ class Evaluator:
         self.loops_of: dict[Any, AST] = {}                      # the loops of comprehensions
         self.loops: list[Any] = []                              # residual loops around
         self.returned: list[tuple[AST, Value, dict[int, Object]]] = []
-        self.depth = self.emitted = self.guarded = 0        # `guarded`: residual branches and loops around
+        self.depth = self.emitted = 0
+        self.guarded: tuple[frozenset[Fact], ...] = ()      # residual branches and loops around: what would decide them
         self.owning = False                                 # what is taken from outside now belongs to a bound object
         self.wanted: tuple[AST, str, AST] | None = None     # what gets a name, that name and the statement
         self.called = self.label = ""                       # the function that is called; what a new object is for

@@ -139,7 +139,7 @@ def _at_module_level(ev: Evaluator) -> Iterator[None]:
     kept = (ev.block, ev.pending, ev.loops, ev.owning, ev.label, ev.evaluates_module, ev.depth, ev.effects,
             ev.rebound, ev.guarded)
     ev.block, ev.pending, ev.loops, ev.owning, ev.label, ev.evaluates_module = [], [], [], False, "", True
-    ev.rebound, ev.guarded = [], 0
+    ev.rebound, ev.guarded = [], ()
     try:
         yield
     finally:

@@ -9,7 +9,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.displays import flat
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, expression, operation
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, expression, operation
 from s2sad.evaluate.specialize.sequences.generators import is_generator
 from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
@@ -107,9 +107,10 @@ def is_given(function: FunctionValue) -> bool:
 def inlined(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value], node: AST,
             f: Frame) -> Value:
     """The body where the call is, in a frame of its own."""
-    if ev.depth > DEEPEST:
-        raise ev.refusal(node, f"'{function.captured.name}' calls itself more than {DEEPEST} deep",
-                         help="recursion must end for what is known before the run", code="S204")
+    if ev.depth > DEEPEST:      # it may end where the tests around are decided
+        refused = ev.refusal(node, f"'{function.captured.name}' calls itself more than {DEEPEST} deep",
+                             help="recursion must end for what is known before the run", code="S204")
+        raise Unevaluated(refused, frozenset().union(*ev.guarded))
     definition = function.captured.tree
     if type(definition).__name__ not in ("FunctionDef", "Lambda"):
         raise ev.refusal(node, f"'{function.captured.name}' is a coroutine")

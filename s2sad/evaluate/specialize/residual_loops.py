@@ -78,7 +78,7 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
         ev.loops.append(loop)
         ev.pending.append(None)
         falls = True
-        ev.guarded += 1
+        ev.guarded = (*guarded, frozenset())
         try:
             make = once()
         except (Unbound, NewGoal) as missing:
