@@ -45,9 +45,6 @@ def capture(value: Any) -> Captured:
         raise S2sadError(not_a_function(value))
     function, bound = partial_application(function)
     taken(function, "attribute", "__defaults__")
-    if hasattr(function, "__wrapped__"):
-        raise S2sadError(Diagnostic("S101", f"'{function.__name__}' is wrapped by a decorator that s2sad does not know",
-                                    help=f"give the function inside: {function.__name__}.__wrapped__"))
     code = taken(function, "code")
     text = _text(function, code)
     try:

@@ -66,6 +66,19 @@ def test_dicts_and_named_tuples_in_another_order(monkeypatch, tmp_path):
         np.testing.assert_array_equal(derived(by_name)(X, Second(1.0, 2.0)), [1.0, 2.0])
 
 
+def through(x, given):
+    return given.f(x[0]) * x[1]
+
+
+def test_functions_in_structures_where_derivatives_are_kept(monkeypatch, tmp_path):
+    """No description identifies them in another process: what is derived is not kept."""
+    monkeypatch.setattr(artifacts, "ENABLED", True)
+    monkeypatch.setenv("S2SAD_CACHE_DIR", str(tmp_path))
+    for factor in (3.0, 5.0):
+        found = derived(through)(X, SimpleNamespace(f=lambda v, factor=factor: factor * v))
+        np.testing.assert_array_equal(found, factor * X[::-1])
+
+
 class Body:
     def __init__(self, heat):
         self._heat = heat

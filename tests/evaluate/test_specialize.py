@@ -8,11 +8,12 @@ from s2sad import S2sadError, gradient
 from tests.evaluate.test_objects import State
 from tests.harness.derivatives import check_derivatives
 from tests.evaluate.objects import (
-    control, exchanges, gathered, generators, identity, laziness, loop_exits, plain_python, solvers,
+    control, exchanges, gathered, generators, identity, laziness, loop_exits, patterns, plain_python, solvers,
 )
 
 CASES = [(f"{module.__name__.rpartition('.')[2]}.{case.kernel.__name__}", case)
-         for module in (identity, control, exchanges, gathered, generators, laziness, loop_exits, plain_python, solvers)
+         for module in (identity, control, exchanges, gathered, generators, laziness, loop_exits, patterns,
+                        plain_python, solvers)
          for case in module.cases()]
 
 

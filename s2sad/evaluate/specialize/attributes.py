@@ -148,6 +148,9 @@ def has_attribute(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) ->
         return own or name in held.items or ev.class_item(held.made, name, node, f) is not None
     if isinstance(base, Data) and not base.is_known:
         return hasattr(np.ndarray, name)
+    if isinstance(base, TupleValue) and base.made is not None:
+        return name in ev.layout_of(base.made).names or hasattr(tuple, name) or (
+            ev.class_item(base.made, name, node, f) is not None)
     if isinstance(base, ClassValue):
         return ev.class_item(base, name, node, f) is not None
     if isinstance(base, ScopeValue):

@@ -8,7 +8,9 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, statement
 from s2sad.evaluate.specialize.heap import Temporary
-from s2sad.evaluate.specialize.values import NONE, Data, Iteration, Reference, TupleValue, Value, constant
+from s2sad.evaluate.specialize.values import (
+    NONE, ClassValue, Data, Iteration, LibraryValue, Reference, TupleValue, Value, constant,
+)
 from s2sad.tree import AST
 
 
@@ -138,7 +140,81 @@ def _matches(ev: Evaluator, pattern: Any, subject: Value, f: Frame) -> bool:
         return True
     if kind == "MatchOr":
         return any(_matches(ev, p, subject, f) for p in pattern.patterns)
-    if kind == "MatchSequence" and isinstance(subject, TupleValue):
-        return len(pattern.patterns) == len(subject.items) and all(
-            _matches(ev, p, v, f) for p, v in zip(pattern.patterns, subject.items))
+    if kind == "MatchSequence":
+        return _matches_sequence(ev, pattern, subject, f)
+    if kind == "MatchMapping":
+        return _matches_mapping(ev, pattern, subject, f)
+    if kind == "MatchClass":
+        return _matches_class(ev, pattern, subject, f)
     raise ev.refusal(pattern, "this pattern is not supported in a kernel")
+
+
+def _matches_sequence(ev: Evaluator, pattern: Any, subject: Value, f: Frame) -> bool:
+    """Whether a tuple or a list has as many items, and these match; arrays are no sequences for Python."""
+    if isinstance(subject, Data) and not isinstance(subject.known, str):
+        if subject.is_list or isinstance(subject.known, tuple) or subject.shape is None and not subject.is_known:
+            raise ev.unknown(pattern, "what is matched must be known before the run", subject)
+        return False
+    if not (isinstance(subject, TupleValue) or isinstance(subject, Reference) and ev.heap[subject].kind == "list"):
+        return False
+    items, patterns = list(ev.sequence_items(subject)), pattern.patterns
+    star = next((k for k, p in enumerate(patterns) if type(p).__name__ == "MatchStar"), None)
+    if star is None:
+        return len(patterns) == len(items) and all(_matches(ev, p, v, f) for p, v in zip(patterns, items))
+    behind = len(patterns) - star - 1
+    if len(items) < star + behind:
+        return False
+    rest = items[star:len(items) - behind]
+    if not all(_matches(ev, p, v, f) for p, v in zip(
+            [*patterns[:star], *patterns[star + 1:]], [*items[:star], *items[len(items) - behind:]])):
+        return False
+    if patterns[star].name:
+        ev.bind(f, patterns[star].name, ev.list_of(rest, pattern), pattern)
+    return True
+
+
+def _matches_mapping(ev: Evaluator, pattern: Any, subject: Value, f: Frame) -> bool:
+    """Whether a dict has the keys, and what lies there matches."""
+    if isinstance(subject, Data) and subject.shape is None and not subject.is_known:
+        raise ev.unknown(pattern, "what is matched must be known before the run", subject)
+    if not (isinstance(subject, Reference) and ev.heap[subject].kind == "dict"):
+        return False
+    if pattern.rest is not None:
+        raise ev.refusal(pattern, "'**' in a pattern is not supported in a kernel", help="name the keys")
+    items = ev.heap[subject].items
+    keys = [ev.key_of(ev.value(k, f), pattern) for k in pattern.keys]
+    return all(k in items for k in keys) and all(
+        _matches(ev, p, items[k], f) for k, p in zip(keys, pattern.patterns))
+
+
+_SELF = tuple(f"builtins.{n}" for n in ("bool", "float", "int", "str", "list", "tuple", "dict", "set", "frozenset"))
+
+
+def _matches_class(ev: Evaluator, pattern: Any, subject: Value, f: Frame) -> bool:
+    """Whether an object is of a class, and its attributes match; those by position as `__match_args__` names them."""
+    made = ev.value(pattern.cls, f)
+    found = ev.is_instance(subject, made, pattern)
+    if found is None:
+        raise ev.unknown(pattern, "the type of what is matched must be known before the run", subject)
+    if not found:
+        return False
+    if isinstance(made, LibraryValue) and made.path in _SELF:
+        return not pattern.kwd_patterns and all(_matches(ev, p, subject, f) for p in pattern.patterns)
+    names = [*_match_args(ev, made, pattern, f), *pattern.kwd_attrs]
+    return all(ev.has_attribute(subject, n, pattern, f) and _matches(ev, p, ev.attribute_of(subject, n, pattern, f), f)
+               for n, p in zip(names, [*pattern.patterns, *pattern.kwd_patterns]))
+
+
+def _match_args(ev: Evaluator, made: Value, pattern: Any, f: Frame) -> list[str]:
+    """The attributes that the patterns by position are of."""
+    count = len(pattern.patterns)
+    if not count:
+        return []
+    layout = ev.layout_of(made) if isinstance(made, ClassValue) else None
+    own = isinstance(made, ClassValue) and ev.class_item(made, "__match_args__", pattern, f)
+    names = [ev.known(i, pattern, "__match_args__") for i in ev.items_of(own[1], pattern, f)] if own else [
+        d.name for d in layout.fields if d.is_given and not d.by_name] if layout is not None else []
+    if len(names) < count:
+        raise ev.refusal(pattern, "the class of this pattern has fewer attributes by position",
+                         help="name the attributes: Class(name=pattern)")
+    return names[:count]

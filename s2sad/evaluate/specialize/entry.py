@@ -20,7 +20,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.deep_stack import deep_stack
-from s2sad.diagnostics import S2sadError
+from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.evaluate.specialize.classes.class_lookup import class_value
 from s2sad.evaluate.specialize.evaluator import Cell, Evaluator, Frame, Leave, Reached, Unevaluated, operation
 from s2sad.evaluate.specialize.heap import Object
@@ -75,6 +75,10 @@ def unread(function: Any, refused: S2sadError | None = None) -> Program:
     """The program of a function that waits for what it is given."""
     captured = captured_of(function)
     a = captured.tree.args
+    if hasattr(function, "__wrapped__") and (a.vararg or a.kwarg):
+        raise S2sadError(Diagnostic("S101", f"'{captured.name}' is wrapped by a decorator that takes any arguments",
+                                    help="call it in a function that names them, or give the function inside: "
+                                    f"{captured.name}.__wrapped__"))
     parameters = tuple(p.id for p in (*a.posonlyargs, *a.args, *a.kwonlyargs))
     if not isinstance(function, types.FunctionType):
         defaults, annotations = defaults_said(captured), annotations_said(captured)

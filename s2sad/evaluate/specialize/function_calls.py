@@ -60,7 +60,7 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
         if isinstance(function.base, Data) and not isinstance(function.base.known, str):
             made = residual_call(ev, tree.attribute(spelled_base(ev, function.base, node), function.name), args,
                                  keywords, node)
-            return replace(made, shape=of_method(function.base, function.name, args),
+            return replace(made, shape=of_method(function.base, function.name, args, keywords),
                            origins=origins(function.base, *args),
                            is_list=function.base.is_list and function.name == "copy")
         return ev.container_method(function.base, function.name, list(args), dict(keywords), node, f)

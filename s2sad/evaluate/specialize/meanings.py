@@ -41,7 +41,8 @@ def meaning_value(ev: Evaluator, name: str, meaning: Meaning, node: AST, f: Fram
     if isinstance(meaning, Matrix):
         return ev.outside_matrix(meaning, node, f)
     if isinstance(meaning, Array) and not isinstance(meaning, NumberTable):
-        return Data(tree.at(tree.name(_named(ev, meaning)), node))
+        rank = getattr(meaning.value, "ndim", None)      # guarded, the lengths are not
+        return Data(tree.at(tree.name(_named(ev, meaning)), node), shape=None if rank is None else (None,) * rank)
     if isinstance(meaning, Record):
         return class_value(meaning.value)
     if isinstance(meaning, ModuleValue) and not isinstance(meaning, Namespace):

@@ -225,10 +225,7 @@ class AccessPaths:
         if position is not None and -len(items) <= position < len(items):
             return copy(items[position])
         if items and not self.testing and all(self.typing.of(i).is_number for i in items):
-            whole = call("numpy.array", List(list(map(copy, items))))
-            kind = self.typing.of(whole)
-            held = self.typing.declare(self.free.fresh("items"), kind)
-            self.preceding += self.allocations.allocate(held, kind, whole, node)
+            held = self.held("items", call("numpy.array", List(list(map(copy, items)))), node)
             return index(name(held), self.resolve(node.slice))
         if isinstance(value, List) or any(self.typing.of(i).is_float or self.typing.of(i).is_array for i in items):
             what = "list" if isinstance(value, List) else "tuple"
@@ -236,6 +233,13 @@ class AccessPaths:
                               help="make it an array: np.array([...])[k]")
             return const(0.0)
         return _item(value, self.resolve(node.slice))
+
+    def held(self, wished: str, value: AST, node: AST) -> str:
+        """The name of an array that is made in front of the statement."""
+        kind = self.typing.of(value)
+        held = self.typing.declare(self.free.fresh(wished), kind)
+        self.preceding += self.allocations.allocate(held, kind, value, node)
+        return held
 
     def prefix_length(self, node: AST) -> int:
         return len((self.access_path(node) or AMBIGUOUS)[1])
@@ -253,9 +257,17 @@ class AccessPaths:
 
     def attribute(self, node: Attribute) -> AST | None:
         skip, rank = self.prefix_length(node.value), self.typing.of(node.value).rank
-        base = name((self.access_path(node.value) or ("_", ()))[0])
         if node.attr == "ndim":
             return const(rank)
+        path, computed = self.access_path(node.value), node.value
+        while isinstance(computed, Subscript):
+            computed = computed.value
+        if path is None and self.testing:
+            self.report.error("S201", f"the attribute '{node.attr}' of an array that a condition computes", node,
+                              help="give the array a name before")
+        if path is None and not isinstance(computed, Name):
+            path = self.held("value", self.resolve(node.value), node), ()
+        base = name(path[0] if path is not None else "_")
         if node.attr == "size" and skip:
             sizes = [self.shape_of(node.value, k) for k in range(rank)]
             product = sizes[0]

@@ -2,26 +2,34 @@
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 from s2sad import tree
 from s2sad.evaluate.specialize.classes.class_layout import ClassField, Layout, always
 from s2sad.evaluate.specialize.evaluator import Evaluator, Frame
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Known, Options, function
+from s2sad.evaluate.specialize.functions.standard_library import copied
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.iterator_use import DEFAULT
 from s2sad.evaluate.specialize.values import (
-    NONE, ClassValue, Data, LibraryValue, ObjectValue, Reference, OpaqueValue, TupleValue, Value, constant, demands_of,
+    FACTORY, NONE, ClassValue, Data, LibraryValue, ObjectValue, Reference, OpaqueValue, TupleValue, Value, constant,
+    demands_of,
 )
 from s2sad.tree import AST
 
 
 # -- methods by Python's names for them --------------------------------------------------------------------------------
+_ZEROS = {"__float__": 0.0, "__int__": 0}      # what they give without an argument
+
+
 def _by_method(name: str, known: Known | None) -> Known:
     def called(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
         method = ev.special_method(args[0], name, node, f) if args else None
         if method is not None:
             return ev.call(method, args[1:], options, node, f)
+        if not args and name in _ZEROS:
+            return constant(_ZEROS[name])
         return None if known is None else known(ev, args, options, node, f)
     return called
 
@@ -75,11 +83,21 @@ def _replace(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -
 
 @function("dataclasses.asdict", "dataclasses.astuple")
 def _asdict(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
-    held = _fields(ev, args[0], node, f)
-    if any(isinstance(v, (Reference, TupleValue)) for v in held.values()):
-        raise ev.refusal(node, f"{ev.called} of what has structures in it, which would be copied",
-                         help="name the fields")
-    return ev.new_dict(held, node) if ev.called == "asdict" else TupleValue(tuple(held.values()))
+    return _unbuilt(ev, args[0], ev.called == "asdict", node, f)
+
+
+def _unbuilt(ev: Evaluator, value: Value, by_name: bool, node: AST, f: Frame) -> Value:
+    """Objects of dataclasses as dicts of their fields, or tuples, at any depth; all else is copied, arrays, too."""
+    layout = ev.layout_of(ev.class_of(value)) if isinstance(value, Reference) else None
+    if layout is not None and layout.kind == "dataclass":
+        held = {k: _unbuilt(ev, v, by_name, node, f) for k, v in _fields(ev, value, node, f).items()}
+        return ev.new_dict(held, node) if by_name else TupleValue(tuple(held.values()))
+    if isinstance(value, Reference) and ev.heap[value].kind in ("list", "dict") and ev.heap[value].most is None:
+        items = {k: v if k is FACTORY else _unbuilt(ev, v, by_name, node, f) for k, v in ev.heap[value].items.items()}
+        return ev.list_of(list(items.values()), node) if ev.heap[value].kind == "list" else ev.new_dict(items, node)
+    if isinstance(value, TupleValue):
+        return replace(value, items=tuple(_unbuilt(ev, v, by_name, node, f) for v in value.items))
+    return copied(ev, value, True, node, {})
 
 
 @function("dataclasses.fields")

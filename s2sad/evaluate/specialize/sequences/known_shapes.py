@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from s2sad.evaluate.specialize.values import Data, Iteration, SliceValue, TupleValue, Value
+from s2sad.evaluate.specialize.values import NONE, Data, Iteration, SliceValue, TupleValue, Value
 from s2sad.read.outside_values import library_value
 from s2sad.tree import AST, List, Name, Tuple, const
 
 Shape = tuple["int | None", ...]
 _LIKE = ("zeros_like", "ones_like", "empty_like", "full_like", "copy", "asarray", "ascontiguousarray", "cumsum", "flip",
          "roll", "clip", "sort", "astype", "conj", "round", "abs", "absolute", "nan_to_num", "square")
+_REDUCTIONS = ("sum", "mean", "prod", "max", "min", "amax", "amin", "std", "var", "any", "all", "argmax", "argmin")
 _FILLED = ("zeros", "ones", "empty", "full")
 
 
@@ -58,6 +59,10 @@ def of_call(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> 
         return lengths(args[0])
     if name == "cumsum" and len(shape(args[0]) or (0, 0)) != 1:
         return None
+    if name in _REDUCTIONS and args:
+        return _reduced(shape(args[0]), args[1:], keywords)
+    if name == "einsum" and args and isinstance(args[0], Data) and isinstance(args[0].known, str):
+        return _contracted(args[0].known, args[1:])
     if name in _LIKE and args and "axis" not in keywords and "shape" not in keywords:
         return shape(args[0])
     if name == "arange" and not keywords and all(isinstance(a, Data) and type(a.known) is int for a in args):
@@ -68,6 +73,30 @@ def of_call(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> 
     if getattr(value, "nin", 0) and getattr(value, "nout", 0) == 1 and getattr(value, "signature", None) is None:
         return None if keywords else broadcast(*args)
     return broadcast(*args) if name == "where" and len(args) == 3 else None
+
+
+def _reduced(whole: Shape | None, args: Sequence[Value], keywords: Mapping[str, Value]) -> Shape | None:
+    """The shape of what a reduction along one axis gives, or along all."""
+    axis = args[0] if args else keywords.get("axis", NONE)
+    if whole is None or args[1:] or keywords.keys() - {"axis"} or not isinstance(axis, Data) or not axis.is_known:
+        return None
+    if axis.known is None:
+        return ()
+    if type(axis.known) is not int or not -len(whole) <= axis.known < len(whole):
+        return None
+    at = axis.known % len(whole)
+    return (*whole[:at], *whole[at + 1:])
+
+
+def _contracted(subscripts: str, operands: Sequence[Value]) -> Shape | None:
+    """The shape of what np.einsum gives that names its axes."""
+    terms, arrow, result = subscripts.replace(" ", "").partition("->")
+    if not arrow or "." in subscripts:
+        return None
+    known: dict[str, int | None] = {}
+    for letters, operand in zip(terms.split(","), operands):
+        known.update({k: n for k, n in zip(letters, shape(operand) or ()) if n is not None and n != 1})
+    return tuple(known.get(k) for k in result)
 
 
 def item_like(through: Value) -> Value:
@@ -112,15 +141,26 @@ def of_part(base: Data, place: Value) -> Shape | None:
     """The shape of `base[place]`, of slices and numbers."""
     whole = shape(base)
     places = place.items if isinstance(place, TupleValue) else (place,)
-    if whole is None or len(places) > len(whole):
+    taken = [p for p in places if not _is_new(p)]
+    if whole is None or len(taken) > len(whole):
         return None
     found: list[int | None] = []
-    for n, p in zip(whole, places):
+    axes = iter(whole)
+    for p in places:
+        if _is_new(p):
+            found.append(1)
+            continue
+        n = next(axes)
         if isinstance(p, SliceValue):
             found.append(_length(n, p))
         elif not (isinstance(p, Data) and (type(p.known) is int or p.shape == ())):
             return None
-    return (*found, *whole[len(places):])
+    return (*found, *axes)
+
+
+def _is_new(place: Value) -> bool:
+    """Whether a subscript is np.newaxis."""
+    return isinstance(place, Data) and place.is_known and place.known is None
 
 
 def _length(n: int | None, part: SliceValue) -> int | None:
@@ -130,10 +170,12 @@ def _length(n: int | None, part: SliceValue) -> int | None:
     return len(range(*slice(*ends).indices(n)))
 
 
-def of_method(base: Data, name: str, args: Sequence[Value]) -> Shape | None:
+def of_method(base: Data, name: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> Shape | None:
     """The shape of what a method of an array gives."""
     if name in ("copy", "astype", "conj", "clip", "round"):
         return shape(base)
+    if name in _REDUCTIONS:
+        return _reduced(shape(base), args, keywords)
     if name == "reshape" and args:
         found = lengths(args[0] if len(args) == 1 else TupleValue(tuple(args)))
         return found if found is not None and all(n is not None and n >= 0 for n in found) else None
