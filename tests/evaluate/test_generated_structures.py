@@ -14,8 +14,10 @@ from s2sad import tree
 from s2sad.evaluate.specialize import specialize
 from s2sad.infer.types import array
 from s2sad.program import DemandedFacts
+from tests.harness import given_objects
+from tests.harness.seeds import generator, seeded
+from tests.programs.given_objects import source as source_of_given
 from tests.programs.structures import source
-from tests.harness.seeds import generator
 
 X = np.array([0.3, 0.7, 1.1, 1.9])
 PROGRAMS = int(generator(0).integers(10 ** 6)) % 10 ** 6, 100      # the first seed, and how many
@@ -98,3 +100,14 @@ def test_derivatives(seed, tmp_path):
     direction = generator(seed).standard_normal(4)
     along = s2sad.jvp(s2sad.differentiate(function, engine="numpy"), (X.copy(),), {"x": direction})["return"]
     np.testing.assert_allclose(slope @ direction, along, rtol=1e-9, atol=1e-12 * np.abs(slope).sum())
+
+
+@pytest.mark.parametrize("first", range(0, 40, 10))
+def test_objects_that_are_given(first, tmp_path):
+    """A failure names its number for `python -m tests.harness.given_objects`."""
+    kinds = []
+    for seed in range(seeded(first), seeded(first) + 10):
+        kind, place, text = given_objects.outcome(source_of_given(seed), seed, "numpy", tmp_path)
+        assert kind in ("ok", "refused", "invalid"), f"seed {seed}: {kind}, {place}\n{source_of_given(seed)}\n{text}"
+        kinds.append(kind)
+    assert "ok" in kinds

@@ -49,7 +49,7 @@ class Outcome:
 
 
 @contextmanager
-def _limit(seconds: float) -> Iterator[None]:
+def limit(seconds: float) -> Iterator[None]:
     """Raises TimeoutError after so much work: a program from which statements were left out need not end."""
     def stop(*_: object) -> None:
         raise TimeoutError(f"not done after {seconds} s")
@@ -76,7 +76,7 @@ def outcome(program: Program, engine: str, seed: int = 0) -> Outcome:
     try:
         function = program.load()
         arguments = program.arguments()
-        with np.errstate(all="ignore"), _limit(1.0):
+        with np.errstate(all="ignore"), limit(1.0):
             function(*program.arguments())
         if not outputs(program):
             return Outcome(seed, "invalid", "nothing to differentiate", "it changes none of its outputs",
@@ -84,7 +84,7 @@ def outcome(program: Program, engine: str, seed: int = 0) -> Outcome:
     except Exception as error:
         return Outcome(seed, "invalid", type(error).__name__, str(error), program.source)
     try:
-        with np.errstate(all="ignore"), _limit(120.0):
+        with np.errstate(all="ignore"), limit(120.0):
             check_derivatives(function, arguments, program.wrt, outputs(program), engine, coordinates=6, directions=1,
                               vanishing=1e-16)
             check_value(function, arguments, program.wrt, engine)
@@ -117,7 +117,7 @@ def _bodies(module: ast.Module) -> list[list[ast.stmt]]:
             if isinstance(body, list) and body]
 
 
-def _smaller(source: str) -> Iterator[str]:
+def smaller_texts(source: str) -> Iterator[str]:
     """The source with one statement left out, or a compound one replaced by its body, the largest first."""
     module = ast.parse(source)
     places = [(b, k) for b, body in enumerate(_bodies(module)) for k in range(len(body))]
@@ -179,7 +179,7 @@ def shrink(program: Program, engine: str, failure: Outcome, seconds: float = 60.
     program = program.with_source(ast.unparse(ast.parse(program.source)) + "\n")
     while shrunk and time.monotonic() < deadline:
         shrunk = False
-        for text in _smaller(program.source):
+        for text in smaller_texts(program.source):
             found = outcome(program.with_source(text), engine)
             if (found.kind, found.where) == (failure.kind, failure.where) and len(text) < len(program.source):
                 program, shrunk = program.with_source(text), True

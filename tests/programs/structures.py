@@ -70,6 +70,8 @@ RETURNED = {"number": "{v}", "array": "np.sum({v})", "numbers": "sum({v})", "arr
 class Program:
     """One program on its way: its lines, and the kinds of the variables that are bound here."""
 
+    numbers, arrays, changes, made = NUMBERS, ARRAYS, CHANGES, MADE
+
     def __init__(self, seed: int):
         self.random, self.lines, self.depth, self.loops, self.count = random.Random(seed), [], 1, 0, 0
         self.kinds: dict[str, str] = {}
@@ -101,7 +103,7 @@ class Program:
 
     def number(self, depth: int = 0) -> str:
         choice = self.random.randrange(3 if depth > 2 else 6)
-        if choice > 2 and (found := self.of_variable(NUMBERS, depth)):
+        if choice > 2 and (found := self.of_variable(self.numbers, depth)):
             return found
         if choice == 0 or depth > 2:
             return self.random.choice(["0.5", "1.5", "-0.7", f"x[{self.random.randrange(4)}]"])
@@ -110,7 +112,7 @@ class Program:
 
     def array(self, depth: int = 0) -> str:
         choice = self.random.randrange(2 if depth > 2 else 5)
-        if choice > 1 and (found := self.of_variable(ARRAYS, depth)):
+        if choice > 1 and (found := self.of_variable(self.arrays, depth)):
             return found
         if choice == 0 or depth > 2:
             return "x"
@@ -129,17 +131,17 @@ class Program:
         self.random.choice(forms[:4] if self.depth > 3 else forms)()
 
     def make(self) -> None:
-        kind = self.random.choice(list(MADE))
-        form = MADE[kind].replace("Base", self.random.choice(["Base", "Derived"]))
+        kind = self.random.choice(list(self.made))
+        form = self.made[kind].replace("Base", self.random.choice(["Base", "Derived"]))
         value, variable = self.filled(form), self.fresh()
         self.write(f"{variable} = {value}")
         self.bind(variable, kind)
 
     def change(self) -> None:
-        kind = self.random.choice(list(CHANGES))
+        kind = self.random.choice(list(self.changes))
         variable = self.variable(kind)
         if variable:
-            self.write(self.filled(self.random.choice(CHANGES[kind]), variable))
+            self.write(self.filled(self.random.choice(self.changes[kind]), variable))
 
     def alias(self) -> None:
         kind = self.random.choice(["arrays", "numbers", "object", "dict", "array"])
