@@ -14,7 +14,7 @@ from s2sad import tree
 from s2sad.evaluate.specialize import specialize
 from s2sad.infer.types import array
 from s2sad.program import DemandedFacts
-from tests.harness import given_objects
+from tests.harness import object_programs
 from tests.harness.seeds import generator, seeded
 from tests.programs.given_objects import source as source_of_given
 from tests.programs.structures import source
@@ -104,10 +104,10 @@ def test_derivatives(seed, tmp_path):
 
 @pytest.mark.parametrize("first", range(0, 40, 10))
 def test_objects_that_are_given(first, tmp_path):
-    """A failure names its number for `python -m tests.harness.given_objects`."""
+    """A failure names its number for `python -m tests.harness.object_programs`."""
     kinds = []
     for seed in range(seeded(first), seeded(first) + 10):
-        kind, place, text = given_objects.outcome(source_of_given(seed), seed, "numpy", tmp_path)
+        kind, place, text = object_programs.outcome(source_of_given(seed), seed, "numpy", tmp_path)
         assert kind in ("ok", "refused", "invalid"), f"seed {seed}: {kind}, {place}\n{source_of_given(seed)}\n{text}"
         kinds.append(kind)
     assert "ok" in kinds

@@ -1,4 +1,4 @@
-"""Many programs of given objects: `python -m tests.harness.given_objects --count 20000 --engine numpy`.
+"""Many programs of given objects: `python -m tests.harness.object_programs --count 20000 --engine numpy`.
 
 Of each program: its value, its gradient along random directions against differences, that `value_and_gradient` leaves
 the arguments as they were, and that `autodiff` leaves in them what Python leaves.
@@ -221,7 +221,7 @@ def smaller(text: str, seed: int, engine: str, folder: Path, failure: tuple[str,
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="python -m tests.harness.given_objects", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.harness.object_programs", description=__doc__)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--start", type=int, default=0)
     parser.add_argument("--engine", choices=("numpy", "numba", "loops"), default="numpy")
