@@ -11,7 +11,7 @@ from __future__ import annotations
 from s2sad import rules
 from s2sad.analyze.dependence import ArrayReference
 from s2sad.liveness import base_name
-from s2sad.analyze.recording_plan import RecordingProblem, reads
+from s2sad.analyze.recording_plan import RecordingProblem
 from s2sad.analyze.reallocated_arrays import outlives_loop, allocation_loops
 from s2sad.analyze.program_structure import StatementPlace, ProgramStructure, heads, is_simple
 from s2sad.analyze.trip_counts import invariant_trip_counts
@@ -57,15 +57,14 @@ def carries(loop: For, structure: ProgramStructure) -> bool:
 def _private(array: str, loop: For, inner: list[StatementPlace], problem: RecordingProblem) -> bool:
     """Whether an array that the loop writes is read in it only after the same iteration has written all of it,
     and not where the reverse sweep would find what running the loop again leaves."""
-    structure, typing = problem.structure, problem.structure.typing
+    structure = problem.structure
     start, around = structure.place(loop).order, structure.place(loop).loops
-    loads = [(p, x) for p in structure.places.values() if not is_allocation(p.statement)
-             for x in reads(p.statement, typing) if base_name(x) == array]
-    outside = [p for p, _ in loads if p not in inner and (around or p.order < start)]
+    loads, within = problem.loads.get(array, []), {p.order for p in inner}
+    outside = [p for p, _ in loads if p.order not in within and (around or p.order < start)]
     if outside or any(_is_result(p.statement, array) for p in structure.places.values()
-                      if p not in inner and (around or p.order < start)):
+                      if p.order not in within and (around or p.order < start)):
         return False
-    inside = [(p, x) for p, x in loads if p in inner]
+    inside = [(p, x) for p, x in loads if p.order in within]
     if not inside:
         return True
     for place in inner:

@@ -7,11 +7,12 @@ from functools import cached_property
 from typing import TypeVar
 
 from s2sad.analyze.dependence import Dependence
-from s2sad.liveness import targets
-from s2sad.analyze.program_structure import ProgramStructure, heads
+from s2sad.liveness import base_name, targets
+from s2sad.analyze.program_structure import ProgramStructure, StatementPlace, heads
 from s2sad.analyze.uses import OperandUses, loads_of, reads_own_result
 from s2sad.analyze.reverse_values import ReverseValue
 from s2sad.infer.inference import Typing
+from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, Call, Expr, Subscript, dump
 
 T = TypeVar("T")
@@ -83,6 +84,13 @@ class RecordingProblem:
     writes: Callable[[AST], list[AST]]
     after: Callable[[AST], bool] = reads_own_result
     quick: bool = False
+
+    @cached_property
+    def loads(self) -> dict[str, list[tuple[StatementPlace, AST]]]:
+        """The references that read an array, allocations apart, by its name, with where they are."""
+        places = [p for p in self.structure.places.values() if not is_allocation(p.statement)]
+        return by_key(((p, x) for p in places for x in reads(p.statement, self.structure.typing)),
+                      lambda found: base_name(found[1]))
 
 
 def by_key(items: Iterable[T], key: Callable[[T], K]) -> dict[K, list[T]]:
