@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression
+from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, expression
 from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.values import Data, Value, constant, demands_of
 from s2sad.tree import AST
@@ -19,14 +19,24 @@ def conditional(ev: Evaluator, node: Any, f: Frame) -> Value:
     if not isinstance(test, Data):
         return ev.value(node.body if test else node.orelse, f)
     before = ev.snapshot()
-    around, ev.guarded = ev.guarded, (*ev.guarded, test.demands)
-    plain = [ev.value(part, f) for part in (node.body, node.orelse)]
-    ev.guarded = around
-    if len(ev.block) == len(before.block) and all(isinstance(v, Data) and not is_structural(v) for v in plain):
+    both = [_unless_left(ev, part, f, test.demands) for part in (node.body, node.orelse)]
+    plain = [v for v in both if isinstance(v, Data) and not is_structural(v)]
+    if len(ev.block) == len(before.block) and len(plain) == len(both):
         body, orelse = (ev.spelled(v, node) for v in plain)
         return Data(tree.at(tree.IfExp(test.node, body, orelse), node), demands=demands_of(*plain))
     ev.restore(before)
     return chosen(ev, test, (lambda: ev.value(node.body, f), lambda: ev.value(node.orelse, f)), node, f)
+
+
+def _unless_left(ev: Evaluator, node: AST, f: Frame, demands: frozenset[Any], is_test: bool = False) -> Value | None:
+    """What an expression gives that may not be evaluated, as facts may tell; None where it raises."""
+    around, ev.guarded = ev.guarded, (*ev.guarded, demands)
+    try:
+        return _test(ev, node, f) if is_test else ev.value(node, f)
+    except Leave:
+        return None
+    finally:
+        ev.guarded = around
 
 
 def is_structural(value: Value) -> bool:
@@ -58,8 +68,7 @@ def boolean_of(ev: Evaluator, node: Any, operands: Sequence[Any], f: Frame, is_t
     found: list[Data] = []      # operands of which only the run knows whether they decide
     for k, operand in enumerate(operands):
         before, is_last = ev.snapshot(), k == len(operands) - 1
-        value = _test(ev, operand, f) if is_test else ev.value(operand, f)
-        test = ev.truth(value, operand, f) if is_test or not is_last else None
+        value, test = _operand(ev, operand, found, is_test, is_last, f)
         if isinstance(test, bool) and test is not stops and not (is_last and not is_test):
             continue
         if found and (len(ev.block) > len(before.block) or not isinstance(value, Data) or is_structural(value)):
@@ -78,6 +87,18 @@ def boolean_of(ev: Evaluator, node: Any, operands: Sequence[Any], f: Frame, is_t
         if test is stops:
             break
     return _joined(ev, node, found) if found else constant(not stops)
+
+
+def _operand(ev: Evaluator, node: AST, before: Sequence[Data], is_test: bool, is_last: bool, f: Frame
+             ) -> tuple[Any, bool | Data | None]:
+    """The value of an operand, None where it raises and those before it may decide, and whether it is true."""
+    if before:
+        value = _unless_left(ev, node, f, demands_of(*before), is_test)
+        if value is None:
+            return None, None
+    else:
+        value = _test(ev, node, f) if is_test else ev.value(node, f)
+    return value, ev.truth(value, node, f) if is_test or not is_last else None
 
 
 def _either(ev: Evaluator, node: Any, test: Data, decided: Value, rest: Callable[[], Value], f: Frame) -> Value:

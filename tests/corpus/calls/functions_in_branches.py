@@ -127,6 +127,18 @@ def kept(x, a, opt):
     return x[0]
 
 
+def failing(x):
+    raise ValueError("too small")
+
+
+def failing_on_one_way(x, p):
+    s = 0.0
+    if x[0] > 0.0:
+        s = x[1] * p["a"] if x[2] > 0.1 else failing(x)
+        s = s * 2.0 if x[2] > 0.2 or failing(x) > 1.0 else s
+    return s
+
+
 def cases():
     for kernel in (branches, chosen, looped, again, writing, calling_each_other, own_names, handed):
         for opt in (1, 2):
@@ -138,3 +150,4 @@ def cases():
     yield Case(branches, (X.astype("float32"), 1.3, 1), ("x",))
     for kernel in (at_its_definition, kept):
         yield Case(kernel, (X, 1.3, 2), "x")
+    yield Case(failing_on_one_way, (X, {"a": 1.3}), "x")
