@@ -13,7 +13,7 @@ from typing import Any
 from s2sad import pipeline, read
 from s2sad.evaluate.needs_evaluation import needs_evaluation
 from s2sad.evaluate.specialize import Residual, specialize, unread
-from s2sad.evaluate.specialize.evaluator import OutsideError
+from s2sad.evaluate.specialize.signals import OutsideError
 from s2sad.live_objects.registry import GIVEN
 from s2sad.live_objects.guards import Guards, Path, reached, recording, same
 from s2sad.live_objects.unwrap import python_function

@@ -1,14 +1,14 @@
 """A function or a file becomes a tree with places.
 
-    capture   a live function's source, proven to be the function's
-    modules   a file's names, without running it     (fold: constant arithmetic)
-    meaning   what a name from outside can mean
-    unique_names  every variable has a name of its own
-    nested    functions inside a kernel, put beside it
-    handed    functions that are given to others
-    fence     the supported language
-    resolve   every outside name becomes a dotted one
-    link      the kernels of a program, callees first
+    capture             a live function's source, proven to be the function's
+    file_module         a file's names, without running it (constant_folding: constant arithmetic)
+    outside_values      what a name from outside can mean
+    unique_names        every variable has a name of its own
+    desugar             plainer spellings of the same
+    hoist_definitions, lambda_lifting, higher_order, function_tables    functions as values
+    supported_subset    what the passes behind take; anything else is evaluated
+    resolve             every outside name becomes a dotted one
+    linker              the kernels of a program, callees first
 """
 from __future__ import annotations
 

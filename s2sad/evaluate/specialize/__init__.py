@@ -2,18 +2,20 @@
 
 In comes the text of a function with what its arguments are made of; out goes a residual function over arrays and
 numbers, which is read as any other. `evaluator` has the state and the tables; `values` and `heap` what is known;
-`branches`, `residual_loops`, `written_out_loops` and `state_joins` control; `live_values` what comes from outside;
-`separate` the functions that stay functions.
+`control` where the program goes on; `live_values` what comes from outside; `separate` the functions that stay
+functions.
 """
 from __future__ import annotations
 
 # the tables of transfer functions and operations are filled by these
 from s2sad.evaluate.specialize import (
-    assignment, attributes, branches, choices, comparisons, compound_statements, definitions, displays, file_values,
-    frames, function_calls, guard_statements, live_values, loop_statements, meanings, numeric_operators,
-    residual_loops, shape_changes, spelling, subscripts, written_out_loops,
+    assignment, attributes, comparisons, definitions, displays, file_values, frames, function_calls, live_values,
+    meanings, numeric_operators, shape_changes, spelling, subscripts,
 )
 from s2sad.evaluate.specialize.classes import class_layout, class_lookup, construction
+from s2sad.evaluate.specialize.control import (
+    branches, choices, compound_statements, guard_statements, loop_statements, residual_loops, written_out_loops,
+)
 from s2sad.evaluate.specialize.entry import Residual, specialize, unread
 from s2sad.evaluate.specialize.functions import builtin_functions, library_calls, object_functions, standard_library
 from s2sad.evaluate.specialize.separate import separate_call

@@ -7,7 +7,8 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.numeric_operators import OPERATORS
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation, statement
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation, statement
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     NONE, UNKNOWN, ClassValue, Data, LibraryValue, ObjectValue, Reference, ScopeValue, SliceValue, TupleValue, Value,

@@ -8,8 +8,10 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.numeric_operators import computed
-from s2sad.evaluate.specialize.choices import chosen, is_structural
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unevaluated, expression, operation
+from s2sad.evaluate.specialize.control.choices import chosen, is_structural
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
+from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (

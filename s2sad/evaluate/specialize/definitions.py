@@ -7,7 +7,8 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.classes.class_layout import ENUMERATIONS
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation, statement
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation, statement
 from s2sad.evaluate.specialize.frames import local_names
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import ClassValue, FunctionValue, LibraryValue, Reference, Value

@@ -7,7 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unbound, Unevaluated, expression
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, expression
+from s2sad.evaluate.specialize.signals import Unbound, Unevaluated
 from s2sad.evaluate.specialize.values import Data, Reference, OpaqueValue, TupleValue, Value, constant, demands_of
 from s2sad.tree import AST
 

@@ -10,15 +10,18 @@ import difflib
 import keyword
 import re
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source
 from s2sad.diagnostics import Span as Place
+from s2sad.evaluate.specialize.evaluation_state import Cell, Frame, Snapshot
 from s2sad.evaluate.specialize.heap import Heap, Object
+from s2sad.evaluate.specialize.operations import Operations
+from s2sad.evaluate.specialize.signals import OutsideError, Unevaluated
 from s2sad.evaluate.specialize.values import (
-    ClassValue, Conflict, Data, FunctionValue, Iteration, MethodValue, Reference, SliceValue, OpaqueValue, TupleValue,
+    Conflict, Data, FunctionValue, Iteration, MethodValue, Reference, SliceValue, OpaqueValue, TupleValue,
     Value, constant, parts,
 )
 from s2sad.naming import Names
@@ -29,63 +32,6 @@ from s2sad.tree import AST
 
 LARGEST = 20_000        # statements of a residual function
 LARGEST_UNROLLED = 4_000        # where loops are written out for want of anything better
-
-
-class Unevaluated(Exception):
-    """Something must be known before the run that is not: rolled back and tried otherwise, else refused. `demands` are
-    the facts about arguments that would make it known, `site` the list that would have to be one at run time; the
-    first round of a loop may differ from the others (`differs`)."""
-
-    def __init__(self, error: S2sadError, demands: frozenset[Fact] = frozenset(), site: Any = None,
-                 differs: bool = False):
-        super().__init__(str(error))
-        self.error, self.demands, self.site, self.differs = error, demands, site, differs
-
-
-class OutsideError(S2sadError):
-    """Something of a module is not what a kernel can use: reading has said so, and knows more of it."""
-
-
-class Unbound(Exception):
-    """A name is read in a loop before it is bound there: what an earlier round has bound, if any."""
-
-    def __init__(self, frame: int, name: str, error: S2sadError):
-        super().__init__(str(error))
-        self.frame, self.name, self.error = frame, name, error
-
-
-class Reached(Exception):
-    """An object from outside is met for the first time on one way, or in a loop: it must be there before."""
-
-    def __init__(self, name: str, value: Any, is_owned: bool):
-        super().__init__(name)
-        self.name, self.value, self.is_owned = name, value, is_owned
-
-
-class Leave(Exception):
-    """`break`, `continue`, `return` in code that is written out, or what nothing follows (`mark` is -1): `mark` is the
-    place on the stack of pending work that it goes to."""
-
-    def __init__(self, mark: int, value: Value | None = None):
-        super().__init__(mark)
-        self.mark, self.value = mark, value
-
-
-@dataclass(frozen=True)
-class Frame:
-    """A call on its way: where its names are, what its function is, and where `return` goes."""
-    reference: Reference
-    captured: Captured
-    outer: Frame | None = None
-    owner: ClassValue | None = None
-    is_entry: bool = False
-    mark: int = -1
-    loops: int = 0              # how many loops are around the call
-    label: str = ""
-    local: frozenset[str] = frozenset()
-    nonlocals: frozenset[str] = frozenset()
-    first: str = ""             # the first parameter: what `super()` is for
-    yields: Callable[[Value], None] | None = None       # what is done with each item of a generator
 
 
 Pending = tuple[Callable[[], None], tuple[Any, ...]]        # work, and the loops around it
@@ -118,139 +64,13 @@ def operation(function: Any) -> Any:
     return function
 
 
-@dataclass(frozen=True)
-class Cell:
-    """A number in an argument's object that is assigned: the residual parameter is an array of one element."""
-    holder: int
-    key: Hashable
-    parameter: str
-
-
-@dataclass(frozen=True)
-class Snapshot:
-    objects: dict[int, Object]
-    block: tuple[AST, ...]
-    names: Names
-    effects: int
-    rebound: int
-    emitted: int
-    unrolled_loops: dict[AST, int]
-
-
-class Evaluator:
+class Evaluator(Operations):
     """The state of one evaluation; `facts` are what is known of arguments, `sites` the nodes whose lists are residual,
     or the places of lists that are given. Where it `unrolls`, no list is: loops are written out. Where it `inlines`, so
     are all calls.
 
     The operations that transfer functions share are methods, each defined where its subject is (`operation`).
     """
-    all_items: Callable[..., Any]
-    answered: Callable[..., Any]
-    assign_attribute: Callable[..., Any]
-    assign_to: Callable[..., Any]
-    attribute_of: Callable[..., Any]
-    binary: Callable[..., Any]
-    bind: Callable[..., Any]
-    bind_arguments: Callable[..., Any]
-    bound: Callable[..., Any]
-    body_of: Callable[..., Any]
-    branch: Callable[..., Any]
-    call: Callable[..., Any]
-    called_factors: Callable[..., Any]
-    class_item: Callable[..., Any]
-    class_of: Callable[..., Any]
-    compared: Callable[..., Any]
-    compared_fields: Callable[..., Any]
-    compares_fields: Callable[..., Any]
-    constant_array: Callable[..., Any]
-    constructed: Callable[..., Any]
-    container_method: Callable[..., Any]
-    container_operator: Callable[..., Any]
-    cursor_of: Callable[..., Any]
-    declares_layout: Callable[..., Any]
-    default_of: Callable[..., Any]
-    defined: Callable[..., Any]
-    dict_items: Callable[..., Any]
-    each_item: Callable[..., Any]
-    enumeration: Callable[..., Any]
-    file_class: Callable[..., Any]
-    file_default: Callable[..., Any]
-    file_function: Callable[..., Any]
-    first_item: Callable[..., Any]
-    first_of: Callable[..., Any]
-    for_lazy: Callable[..., Any]
-    frame_of: Callable[..., Any]
-    generate: Callable[..., Any]
-    has_attribute: Callable[..., Any]
-    in_order: Callable[..., Any]
-    indexed: Callable[..., Any]
-    inner_frame: Callable[..., Any]
-    is_instance: Callable[..., Any]
-    is_spelled_out: Callable[..., Any]
-    is_sequence: Callable[..., Any]
-    item_key: Callable[..., Any]
-    item_of: Callable[..., Any]
-    items_of: Callable[..., Any]
-    iterator: Callable[..., Any]
-    key_of: Callable[..., Any]
-    kind_of: Callable[..., Any]
-    known_place: Callable[..., Any]
-    lay_out: Callable[..., Any]
-    layout_of: Callable[..., Any]
-    leave: Callable[..., Any]
-    leave_function: Callable[..., Any]
-    length: Callable[..., Any]
-    library_call: Callable[..., Any]
-    library_member: Callable[..., Any]
-    list_method: Callable[..., Any]
-    list_of: Callable[..., Any]
-    listed: Callable[..., Any]
-    live_function: Callable[..., Any]
-    matrix_attribute: Callable[..., Any]
-    matrix_in_place: Callable[..., Any]
-    matrix_method: Callable[..., Any]
-    matrix_operator: Callable[..., Any]
-    meaning_value: Callable[..., Any]
-    member: Callable[..., Any]
-    met_in_advance: Callable[..., Any]
-    method_named: Callable[..., Any]
-    mro: Callable[..., Any]
-    new_dict: Callable[..., Any]
-    new_set: Callable[..., Any]
-    none_here: Callable[..., Any]
-    outside_matrix: Callable[..., Any]
-    outside_name: Callable[..., Any]
-    outside_value: Callable[..., Any]
-    picked: Callable[..., Any]
-    refuse_element: Callable[..., Any]
-    refuse_no_number: Callable[..., Any]
-    refuse_whole: Callable[..., Any]
-    refused_sparse: Callable[..., Any]
-    replace_items: Callable[..., Any]
-    reshape_in_place: Callable[..., Any]
-    residual_call: Callable[..., Any]
-    residual_function: Callable[..., Any]
-    residual_loop: Callable[..., Any]
-    residual_object: Callable[..., Any]
-    return_from_entry: Callable[..., Any]
-    scope_value: Callable[..., Any]
-    separate_call: Callable[..., Any]
-    sequence_items: Callable[..., Any]
-    shape_of: Callable[..., Any]
-    sorted_items: Callable[..., Any]
-    special_method: Callable[..., Any]
-    spelled: Callable[..., Any]
-    statements: Callable[..., Any]
-    stays_one: Callable[..., Any]
-    store: Callable[..., Any]
-    subject: Callable[..., Any]
-    subscripted: Callable[..., Any]
-    test_of: Callable[..., Any]
-    tests_of: Callable[..., Any]
-    truth: Callable[..., Any]
-    tuple_method: Callable[..., Any]
-    unrolled: Callable[..., Any]
-    used: Callable[..., Any]
 
     def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int | str],
                  unrolls: bool = False, inlines: bool = False, cells: frozenset[str] = frozenset()):

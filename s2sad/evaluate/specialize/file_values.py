@@ -14,7 +14,9 @@ from s2sad import tree
 from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.classes.class_layout import ClassField
 from s2sad.evaluate.specialize.definitions import class_of_definition
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Reached, Unbound, Unevaluated, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.signals import Leave, Reached, Unbound, Unevaluated
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.live_values import load, placed
 from s2sad.evaluate.specialize.values import (

@@ -9,7 +9,9 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.displays import flat
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, expression, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
+from s2sad.evaluate.specialize.signals import Leave, Unevaluated
 from s2sad.evaluate.specialize.sequences.generators import is_generator
 from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse

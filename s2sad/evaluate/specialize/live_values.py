@@ -19,7 +19,9 @@ import numpy
 from s2sad import tree
 from s2sad.diagnostics import Source
 from s2sad.evaluate.specialize.classes.class_lookup import class_value
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Reached, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.signals import Reached
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import (
     ClassValue, Data, FunctionValue, LibraryValue, ObjectValue, TupleValue, Value, constant,

@@ -10,7 +10,8 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.classes.class_lookup import class_value
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.values import Data, FunctionValue, LibraryValue, ObjectValue, ScopeValue, Value, constant
 from s2sad.evaluate.specialize.live_values import STANDARD
 from s2sad.live_objects.guards import ABSENT, taken

@@ -8,7 +8,8 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.diagnostics import S2sadError
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, expression, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (

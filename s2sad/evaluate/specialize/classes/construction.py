@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from enum import Enum
 
 from s2sad.evaluate.specialize.classes.class_layout import Layout
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import ClassValue, Reference, TupleValue, Value
 from s2sad.tree import AST

@@ -6,9 +6,11 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.branches import NOWHERE
+from s2sad.evaluate.specialize.control.branches import NOWHERE
 from s2sad.evaluate.specialize.classes.class_lookup import NONE_TYPE
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.signals import Leave, Unevaluated
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins

@@ -9,7 +9,9 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Unevaluated, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.sequences.known_shapes import of_call, origins, shape
 from s2sad.evaluate.specialize.sequences.generators import LAZY
 from s2sad.evaluate.specialize.values import Data, Iteration, Reference, TupleValue, Value, constant

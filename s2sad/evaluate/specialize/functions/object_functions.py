@@ -7,7 +7,8 @@ from types import SimpleNamespace
 
 from s2sad import tree
 from s2sad.evaluate.specialize.classes.class_layout import ClassField, Layout, always
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Known, Options, function
 from s2sad.evaluate.specialize.functions.standard_library import copied
 from s2sad.evaluate.specialize.heap import Object

@@ -9,7 +9,8 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.numeric_operators import OPERATORS
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Options, function
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import Data, FunctionValue, LibraryValue, Reference, TupleValue, Value

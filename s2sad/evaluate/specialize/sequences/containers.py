@@ -7,7 +7,8 @@ from enum import Enum
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import (
     FACTORY, ClassValue, Data, FunctionValue, Iteration, ObjectValue, Reference, SliceValue, TupleValue, Value,

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.values import (
     FACTORY, Data, Iteration, Reference, TupleValue, Value, constant, value_of_key,
 )

@@ -14,7 +14,9 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, expression, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
+from s2sad.evaluate.specialize.signals import Leave
 from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.values import NONE, Data, Iteration, TupleValue, Value, constant
 from s2sad.tree import AST

@@ -8,7 +8,8 @@ from enum import Enum
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.sequences.gathering import Gathered
 from s2sad.evaluate.specialize.sequences.generators import LAZY
 from s2sad.evaluate.specialize.heap import Object

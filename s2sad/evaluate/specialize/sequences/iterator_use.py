@@ -10,7 +10,9 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.signals import Leave
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.gathering import frame_inside, loops_of
 from s2sad.evaluate.specialize.sequences.generators import ITEM, LAZY

@@ -11,7 +11,8 @@ from collections.abc import Callable
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
 from s2sad.evaluate.specialize.sparse.matrix_values import (
     FORMATS, emitted, in_format, is_matrix, is_sparse, laid_out, matrix, places,

@@ -12,7 +12,8 @@ from dataclasses import replace
 from typing import NoReturn
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options
 from s2sad.evaluate.specialize.sparse.matrix_values import (
     FACTORS, FORMATS, emitted, entries, in_format, is_matrix, is_sparse, matrix, said, same_places, shape_of, sizes,

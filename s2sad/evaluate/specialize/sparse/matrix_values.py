@@ -16,7 +16,9 @@ from typing import Any, TypeGuard
 
 from s2sad import tree
 from s2sad.evaluate.effects import fresh_value
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Reached, operation
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.signals import Reached
 from s2sad.evaluate.specialize.heap import Heap, Object
 from s2sad.evaluate.specialize.sparse.place_writes import COPIED, SHARED
 from s2sad.evaluate.specialize.values import Data, Reference, TupleValue, Value, alike

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.values import Data, Iteration, TupleValue, Value, constant
 from s2sad.program import Fact
 from s2sad.tree import AST

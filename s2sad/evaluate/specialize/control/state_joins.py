@@ -18,7 +18,7 @@ from s2sad.evaluate.specialize.heap import Object, Temporary, uses
 from s2sad.evaluate.specialize.values import (
     UNKNOWN, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike, count, renamed,
 )
-from s2sad.evaluate.specialize.joined_names import Merged, Objects, Way, settled_names
+from s2sad.evaluate.specialize.control.joined_names import Merged, Objects, Way, settled_names
 from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
 from s2sad.program import Fact
 from s2sad.tree import AST

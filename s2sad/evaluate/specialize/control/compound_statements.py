@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, statement
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, statement
 from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.values import (
     NONE, ClassValue, Data, Iteration, LibraryValue, Reference, TupleValue, Value, constant,

@@ -6,7 +6,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, expression
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, expression
+from s2sad.evaluate.specialize.signals import Leave
 from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.values import Data, Value, constant, demands_of
 from s2sad.tree import AST

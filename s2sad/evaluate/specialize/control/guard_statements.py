@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.branches import NOWHERE
-from s2sad.evaluate.specialize.evaluator import Evaluator, Frame, Leave, Unevaluated, statement
+from s2sad.evaluate.specialize.control.branches import NOWHERE
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, statement
+from s2sad.evaluate.specialize.signals import Leave, Unevaluated
 from s2sad.evaluate.specialize.values import Data, LibraryValue
 from s2sad.tree import AST
 
