@@ -61,7 +61,8 @@ def summary(program: Program, types: tuple[Type, ...], forms: Forms | None = Non
     returned = {k: hidden_name(name, units.program) for k, name in unit.summary.returned.items()}
     return EntrySummary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, returned,
                    any(u.guarded for u in units.made.values()), result_structure(program.entry, program),
-                   tuple(parameters[k] for k in unit.contiguous))
+                   tuple(parameters[k] for k in unit.contiguous),
+                   tuple(sorted(units.program.changed_outside)))
 
 
 @deep_stack

@@ -72,6 +72,7 @@ class Program:
     refused: S2sadError | None = field(default=None, compare=False, repr=False)
     function: Any = field(default=None, compare=False, repr=False)
     replaced: frozenset[str] = field(default=frozenset(), compare=False, repr=False)    # parameters that objects lose
+    changed_outside: frozenset[str] = field(default=frozenset(), compare=False, repr=False)     # objects of a bound one
     evaluated: dict[tuple[Type, ...], S2sadError] = field(default_factory=dict, compare=False, repr=False)
     evaluation: Evaluation | None = field(default=None, compare=False, repr=False)
     _tables: dict[Any, tuple[int, Any]] = field(default_factory=dict, init=False, compare=False, repr=False)
@@ -113,14 +114,15 @@ def _lines(kernel: Kernel) -> int:
 @dataclass(frozen=True)
 class EntrySummary:
     """What an entry writes and returns: names of parameters, types of results, results that are written arguments;
-    whether it holds guards that arrays have one shape, how results are put into tuples, and which parameters must be
-    contiguous."""
+    whether it holds guards that arrays have one shape, how results are put into tuples, which parameters must be
+    contiguous, and which objects from outside hold something else in the end."""
     written: tuple[str, ...]
     results: tuple[Type, ...]
     returned: dict[int, str]
     guarded: bool = False
     structure: Structure = None
     contiguous: tuple[str, ...] = ()
+    changed_outside: tuple[str, ...] = ()
 
 
 Fact = tuple[str, str]      # a path of an argument, and what of it: "value", "shape", "is PATH"

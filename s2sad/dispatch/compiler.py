@@ -69,7 +69,7 @@ def residual_program(function: FunctionType, varying: Collection[Path]) -> Progr
         made = read.of_captured(residual, function)
     entry = replace(made.kernels[made.entry], defaults=kernel.defaults, annotations=kernel.annotations)
     return replace(made, kernels={**made.kernels, made.entry: entry}, guards=guards, replaced=residual.replaced,
-                   function=function, evaluation=_evaluation(residual, {}))
+                   function=function, evaluation=_evaluation(residual, {}), changed_outside=residual.changed_outside)
 
 
 def waiting(function: FunctionType, refused: S2sadError, varying: Collection[Path]) -> Program:
@@ -164,7 +164,8 @@ def _evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Pa
             lines = set() if inside and not isinstance(error, OutsideError) else set(map(_line, error.diagnostics))
             there = [d for d in refused.diagnostics if _line(d) in lines - {None}]
             raise (S2sadError(*there) if there else error) from None
-    made = replace(made, guards=guards, replaced=residual.replaced, evaluation=_evaluation(residual, facts))
+    made = replace(made, guards=guards, replaced=residual.replaced, evaluation=_evaluation(residual, facts),
+                   changed_outside=residual.changed_outside)
     return FlatProgram(made, residual.paths, residual.cells, residual.result, residual.changed, residual.live)
 
 

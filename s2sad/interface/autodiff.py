@@ -38,6 +38,10 @@ class AnnotatedCall:
         values = self._values(primals)
         self.types = state.types(values)
         self.summary = state.summary(self.types)
+        for changed in self.summary.changed_outside:
+            raise S2sadError(Diagnostic("S402", f"'{state.kernel.name}' leaves something else in '{changed}' than was "
+                                        "there, which autodiff does not do", help="use s2sad.vjp or s2sad.gradient, "
+                                        "which change no argument, or write arrays in place"))
         self.results = ReturnedValues.of(self.summary)
         self.written = [k for k, n in enumerate(names)
                         if n in self.summary.written and isinstance(values[k], np.ndarray)]

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from s2sad import (Const, Duplicated, Reverse, S2sadError, autodiff, differentiate, gradient, jvp, value_and_gradient,
-                   vjp)
+from s2sad import (
+    Const, Duplicated, Reverse, ReverseWithPrimal, S2sadError, autodiff, differentiate, gradient, jvp,
+    value_and_gradient, vjp,
+)
 from tests.evaluate.objects.solvers import Grid, Solver, given_object, subclass
 from tests.harness.engines import running, one_line
 
@@ -161,3 +163,32 @@ def test_autodiff_refuses_to_leave_another_array_where_one_was():
             "'multiplied' leaves something else in 'state' than was there, which autodiff does not do: use s2sad.vjp "
             "or s2sad.gradient, which change no argument, or write arrays in place")
     np.testing.assert_allclose(gradient(differentiate(multiplied), wrt="x")(State(X.copy()), X), 2.0 * X * X)
+
+
+class Rebinding(Model):
+    def loss(self, x):
+        self.work = 2.0 * x
+        return np.sum(self.work ** 2)
+
+
+class Writing(Model):
+    def loss(self, x):
+        self.work[:] = 2.0 * x
+        return np.sum(self.work ** 2)
+
+
+@pytest.mark.parametrize("model", [Model(4), Rebinding(4)], ids=["counted", "rebound"])
+def test_autodiff_refuses_to_leave_a_bound_object_half_done(model):
+    with pytest.raises(S2sadError) as caught:
+        autodiff(Reverse, model.loss, Duplicated(X.copy(), np.zeros(4)))
+    assert one_line(caught.value) == (
+        "'loss' leaves something else in 'self' than was there, which autodiff does not do: use s2sad.vjp or "
+        "s2sad.gradient, which change no argument, or write arrays in place")
+    assert model.calls == 0 and not model.work.any()
+
+
+def test_autodiff_writes_the_arrays_of_a_bound_object():
+    model, shadow = Writing(4), np.zeros(4)
+    autodiff(ReverseWithPrimal, model.loss, Duplicated(X.copy(), shadow))
+    np.testing.assert_allclose(shadow, 8.0 * X)
+    np.testing.assert_array_equal(model.work, 2.0 * X)

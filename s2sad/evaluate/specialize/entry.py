@@ -24,7 +24,9 @@ from s2sad.evaluate.specialize.classes.class_lookup import class_value
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import Leave, Reached, Unevaluated
-from s2sad.evaluate.specialize.entry_arguments import argument_value, assigned_numbers, changes_of, store_cells
+from s2sad.evaluate.specialize.entry_arguments import (
+    argument_value, assigned_numbers, changed_outside, changes_of, store_cells,
+)
 from s2sad.evaluate.specialize.entry_results import result_structure_of
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.separate.separate_functions import title_functions
@@ -54,7 +56,7 @@ class Residual:
     `cells` are those that are arrays of one element: numbers in objects, which are assigned; `result` is the structure
     that is returned; `changed` are the paths of objects that are given and changed otherwise, `replaced` the parameters
     in whose place these hold something else in the end, `live` the objects from outside, `unrolled` the loops that are
-    written out, with their rounds.
+    written out, with their rounds, `changed_outside` what the objects from outside are called that are changed.
     One that is `given` has that function's own derivative, and perhaps its `residual`."""
     made: Captured
     paths: dict[str, str]
@@ -64,6 +66,7 @@ class Residual:
     replaced: frozenset[str]
     live: frozenset[int]
     unrolled: tuple[tuple[SourcePlace, int], ...] = ()
+    changed_outside: frozenset[str] = frozenset()
     given: Any = None
     residual: UserFunctionValue | None = None
 
@@ -168,7 +171,7 @@ def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[
     changed, replaced = changes_of(ev)
     unrolled = tuple((SourcePlace.of(ev.source, s), rounds) for s, rounds in ev.unrolled_loops.items())
     return Residual(made, names, frozenset(c.parameter for c in ev.cells), result, changed, replaced,
-                    frozenset(ev.live), unrolled)
+                    frozenset(ev.live), unrolled, changed_outside(ev))
 
 
 def _call_of_it(ev: Evaluator, function: FunctionValue, names: Sequence[str], f: Frame) -> None:

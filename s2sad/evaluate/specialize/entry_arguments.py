@@ -136,6 +136,18 @@ def changes_of(ev: Evaluator) -> tuple[frozenset[str], frozenset[str]]:
     return frozenset(changed), frozenset(replaced)
 
 
+def changed_outside(ev: Evaluator) -> frozenset[str]:
+    """What the objects from outside are called that hold something else in the end: those that a bound object has."""
+    found: set[str] = set()
+    for objects in (ev.heap.objects, *(objects for _, _, objects in ev.returned)):
+        for number, before in ev.outset.items():
+            after = objects.get(number, before)
+            if not all(alike(v, after.items.get(k)) for k, v in before.items.items()) or {*after.items} != {
+                    *before.items}:
+                found.add(before.label)
+    return frozenset(found)
+
+
 def _names(ev: Evaluator, value: Value) -> list[str]:
     """The parameters of which a value was made when it was given."""
     if isinstance(value, Data):
