@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from s2sad import differentiate, gradient
+from s2sad import S2sadError, differentiate, gradient
 from tests.harness.engines import running
 from tests.corpus.branches.type_tests import X
 
@@ -26,3 +26,23 @@ def test_nothing_in_a_structure(engine):
         for m, expected in ((None, 2.0 * X), (0.5, 0.5 * np.ones(3)), (X[::-1] * 1.0, X[::-1])):
             found = gradient(differentiate(nothing_in_a_structure, engine=under))(Given(X.copy(), m))
             np.testing.assert_allclose(found.u, expected, rtol=1e-14)
+
+
+def lengthy(x):
+    if hasattr(x, "__len__"):
+        return np.sum(x ** 2)
+    return x ** 3
+
+
+def shaped(x):
+    return np.sum(x * 2.0) if hasattr(x, "shape") else x * 3.0
+
+
+def test_what_a_number_has_and_an_array_does_not():
+    f = gradient(differentiate(lengthy, engine="numpy"))
+    assert f(2.0) == 12.0 and f(3.0) == 27.0
+    np.testing.assert_array_equal(f(np.array([1.0, 2.0])), [2.0, 4.0])
+    f = gradient(differentiate(shaped, engine="numpy"))
+    np.testing.assert_array_equal(f(np.ones(2)), 2.0)
+    with pytest.raises(S2sadError, match="whether this has 'shape' must be known before the run"):
+        f(2.0)      # a float of Python's has none, one of NumPy's has

@@ -148,7 +148,13 @@ def has_attribute(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) ->
         own = held.live is not None and taken(held.live, "own", name) is not ABSENT
         return own or name in held.items or ev.class_item(held.made, name, node, f) is not None
     if isinstance(base, Data) and not base.is_known:
-        return hasattr(np.ndarray, name)
+        numbers = (float, np.float64)
+        kinds = (np.ndarray,) if base.shape else numbers if base.shape == () else (np.ndarray, *numbers)
+        found = {hasattr(kind, name) for kind in kinds}
+        if len(found) > 1:      # it depends on what it is, or on whose number it is
+            raise ev.unknown(node, f"whether this has '{name}' must be known before the run", base,
+                             help="test it with isinstance")
+        return found.pop()
     if isinstance(base, TupleValue) and base.made is not None:
         return name in ev.layout_of(base.made).names or hasattr(tuple, name) or (
             ev.class_item(base.made, name, node, f) is not None)
