@@ -44,7 +44,9 @@ def bound(value: Value) -> Value:
 
 @expression("Tuple")
 def tuple_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
-    return TupleValue(tuple(starred(ev, node.elts, f)))
+    items = starred(ev, node.elts, f)
+    ev.counted(items, node)
+    return TupleValue(tuple(items))
 
 
 @expression("List")

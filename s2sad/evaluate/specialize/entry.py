@@ -11,7 +11,6 @@ derivatives of their own apart.
 from __future__ import annotations
 
 import inspect
-import re
 import types
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -47,7 +46,6 @@ from s2sad.read.outside_values import Captured, UserFunctionValue
 from s2sad.tree import AST
 
 
-_SPARSE = re.compile(r"an? (bsr|coo|csc|csr|dia|dok|lil)_(matrix|array)")       # what is said of a sparse matrix
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,7 @@
 """The entry's results: its returns, and what structure they give."""
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from s2sad import tree
@@ -11,18 +10,14 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.entry_arguments import store_cells
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
-from s2sad.evaluate.specialize.values import (
-    Data, Reference, TupleValue, Value,
-)
+from s2sad.evaluate.specialize.values import Data, Reference, TupleValue, Value
 from s2sad.infer.types import UNKNOWN
 from s2sad.infer.types import NONE as NONE_TYPE
 from s2sad.pytree import PyTree
 from s2sad.tree import AST
 
 
-_SPARSE = re.compile(r"an? (bsr|coo|csc|csr|dia|dok|lil)_(matrix|array)")       # what is said of a sparse matrix
-
-
+_DEEPEST = 64       # structures within structures
 
 @operation
 def return_from_entry(ev: Evaluator, s: AST, value: Value, f: Frame) -> None:
@@ -44,16 +39,19 @@ def return_from_entry(ev: Evaluator, s: AST, value: Value, f: Frame) -> None:
     ev.returned.append((s, value, ev.heap.fork()))
 
 
-def _leaves(ev: Evaluator, value: Value, node: AST) -> Any:
+def _leaves(ev: Evaluator, value: Value, node: AST, depth: int = 0) -> Iterator[Data]:
+    """The arrays and numbers of what is returned."""
+    if depth > _DEEPEST:
+        raise ev.refusal(node, f"a structure that holds itself, or is nested more than {_DEEPEST} deep, is returned")
     if isinstance(value, Data):
         if not (value.is_known and value.known is None):
             yield value
     elif isinstance(value, TupleValue):
         for v in value.items:
-            yield from _leaves(ev, v, node)
+            yield from _leaves(ev, v, node, depth + 1)
     elif isinstance(value, Reference) and ev.heap[value].kind in ("list", "dict", "record"):
         for v in ev.heap[value].items.values():
-            yield from _leaves(ev, v, node)
+            yield from _leaves(ev, v, node, depth + 1)
     else:
         sparse = "return its entries, and build it of them outside"
         raise ev.refusal(node, f"{ev.kind_of(value)} is returned",

@@ -25,7 +25,8 @@ class Object:
 
     `items` go by position, key or attribute; `label` begins the names of what it holds; `site` is the node that made
     it; `path` is what a user calls it, of an argument's object; `live` is the object from outside that it is, which may
-    be changed if it is reached from the object whose method is evaluated (`is_owned`). A deque holds `most` items.
+    be changed if it is reached from the object whose method is evaluated (`is_owned`). A deque holds `most` items;
+    `count` says how many values a list had when it was made, those of sequences in it counted one by one.
     """
     kind: str
     items: Mapping[Hashable, Value] = field(default_factory=dict)
@@ -36,6 +37,7 @@ class Object:
     live: Any = None
     is_owned: bool = True
     most: int | None = None
+    count: int = 1
 
     def name_of(self, key: Hashable) -> str:
         """What a residual name for the content of a slot is called."""

@@ -29,6 +29,7 @@ class Operations:
     constructed: Callable[..., Any]
     container_method: Callable[..., Any]
     container_operator: Callable[..., Any]
+    counted: Callable[..., Any]
     cursor_of: Callable[..., Any]
     declares_layout: Callable[..., Any]
     default_of: Callable[..., Any]

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 from s2sad.live_objects.guards import same
@@ -29,6 +30,7 @@ def value_of_key(key: Hashable) -> Value:
     return TupleValue(tuple(map(value_of_key, key))) if isinstance(key, tuple) else constant(key)
 
 
+LARGEST_SEQUENCE = 2 ** 14      # values of a tuple or a list, those in sequences within it counted one by one
 FACTORY = "a key of our own: what makes missing values of a defaultdict"
 
 
@@ -76,6 +78,11 @@ class Data:
 class TupleValue:
     items: tuple[Value, ...]
     made: ClassValue | None = None
+
+    @cached_property
+    def count(self) -> int:
+        """How many values are in it, those of tuples within tuples counted one by one."""
+        return sum(i.count if isinstance(i, TupleValue) else 1 for i in self.items)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from s2sad.evaluate.specialize.control.branches import NOWHERE
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import Leave
-from s2sad.evaluate.specialize.values import NONE, Data, Value
+from s2sad.evaluate.specialize.values import LARGEST_SEQUENCE, NONE, Data, Value
 
 
 # -- loops that are written out --------------------------------------------------------------------------------------
@@ -34,6 +34,9 @@ def unrolled(ev: Evaluator, s: Any, cursor: Any, f: Frame, bind: Callable[[Value
                 return
             item, cursor = found
             count += 1
+            if count > LARGEST_SEQUENCE:
+                raise ev.refusal(s, f"a loop of more than {LARGEST_SEQUENCE} rounds, of which something must be known "
+                                 "before the run", help="let it run over arrays")
             ev.loops[-1] = (after, NOWHERE)
             ev.later(lambda cursor=cursor: rounds(cursor))
             ev.pending.append(None)

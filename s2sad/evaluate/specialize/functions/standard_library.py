@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -13,8 +14,12 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Options, function
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
-from s2sad.evaluate.specialize.values import Data, FunctionValue, LibraryValue, Reference, TupleValue, Value
+from s2sad.evaluate.specialize.values import (
+    LARGEST_SEQUENCE, Data, FunctionValue, LibraryValue, Reference, TupleValue, Value,
+)
 from s2sad.tree import AST
+
+_LONGEST_ROW = 64       # values of one combination
 
 
 @function("functools.reduce")
@@ -60,18 +65,29 @@ def _itertools(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame)
     if name == "product":
         sequences = [list(enumerate(ev.items_of(a, node, f))) for a in args]
         times = {k: ev.known(v, node, "repeat=") for k, v in options.items()}
-        return TupleValue(tuple(TupleValue(tuple(v for _, v in row)) for row in made(*sequences, **times)))
+        if len(sequences) * max(times.values(), default=1) > _LONGEST_ROW:
+            raise ev.refusal(node, f"combinations of more than {_LONGEST_ROW} sequences", help="write nested loops")
+        return _rows(ev, made(*sequences, **times), node)
     if name in ("combinations", "permutations", "combinations_with_replacement", "pairwise"):
         items = list(enumerate(ev.items_of(args[0], node, f)))
         rows = made(items, *(ev.known(a, node, "how many are taken") for a in args[1:]))
-        return TupleValue(tuple(TupleValue(tuple(v for _, v in row)) for row in rows))
+        return _rows(ev, rows, node)
     if name in ("repeat", "islice"):
         numbers = [ev.known(a, node, "how many are taken") for a in args[1:]]
         items = [args[0]] if name == "repeat" else ev.items_of(args[0], node, f)
         if not numbers:
             raise ev.refusal(node, "itertools.repeat without an end")
+        if name == "repeat":
+            ev.counted(items, node, max(numbers[0], 0))
         return TupleValue(tuple(items * numbers[0] if name == "repeat" else itertools.islice(items, *numbers)))
     return None
+
+
+def _rows(ev: Evaluator, rows: Iterator[Any], node: AST) -> TupleValue:
+    """Rows of numbered values as tuples; refuses many."""
+    found = [TupleValue(tuple(v for _, v in row)) for row in itertools.islice(rows, LARGEST_SEQUENCE + 1)]
+    ev.counted(found, node)
+    return TupleValue(tuple(found))
 
 
 def _operators() -> None:

@@ -110,6 +110,7 @@ def container_operator(ev: Evaluator, op: AST, left: Value, right: Value, node: 
     """`+`, `*`, `|`, `%` of sequences, dicts, sets and texts; None where neither operand is one."""
     kinds = [_kind(ev, v) for v in (left, right)]
     if isinstance(op, tree.Add) and kinds == ["tuple", "tuple"]:
+        ev.counted((*left.items, *right.items), node)  # pyright: ignore
         return TupleValue((*left.items, *right.items))  # pyright: ignore
     if isinstance(op, tree.Add) and kinds == ["list", "list"]:
         return ev.list_of([*sequence_items(ev, left), *sequence_items(ev, right)], node)
@@ -118,6 +119,7 @@ def container_operator(ev: Evaluator, op: AST, left: Value, right: Value, node: 
         if isinstance(times, Data) and (not times.is_known and not times.shape or type(times.known) is int):
             n = ev.known(times, node, "how often a list is repeated")
             items = [ev.atoms(i, "item", node) for i in sequence_items(ev, sequence)]
+            ev.counted(items, node, max(n, 0))
             return ev.list_of(items * n, node) if isinstance(sequence, Reference) else TupleValue(tuple(items * n))
     if isinstance(op, tree.BitOr) and kinds == ["dict", "dict"]:
         return new_dict(ev, {**ev.heap[left].items, **ev.heap[right].items}, node)  # pyright: ignore

@@ -11,7 +11,7 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
 from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.heap import Temporary
-from s2sad.evaluate.specialize.values import Data, Iteration, TupleValue, Value
+from s2sad.evaluate.specialize.values import LARGEST_SEQUENCE, Data, Iteration, TupleValue, Value
 from s2sad.tree import AST
 
 FILLED, ITERATED = ".filled", ".iterated"
@@ -55,6 +55,9 @@ class Gathered:
 
     def add(self, value: Value, wanted: str = "item") -> None:
         items = self._there(self.ev.heap[self.holder].items[self.slot])
+        if len(items.items) >= LARGEST_SEQUENCE:
+            raise self.ev.refusal(self.node, f"a tuple or list of more than {LARGEST_SEQUENCE} items",
+                                  help="allocate an array before and fill it in a for loop")
         self.ev.heap.put(self.holder, self.slot, TupleValue((*items.items, self.ev.atoms(value, wanted, self.node))))
 
     def done(self) -> tuple[Value, ...]:

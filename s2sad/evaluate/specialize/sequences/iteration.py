@@ -15,7 +15,8 @@ from s2sad.evaluate.specialize.sequences.generators import LAZY
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    FACTORY, UNKNOWN, ClassValue, Data, Iteration, MethodValue, Reference, TupleValue, Value, constant, value_of_key,
+    FACTORY, LARGEST_SEQUENCE, UNKNOWN, ClassValue, Data, Iteration, MethodValue, Reference, TupleValue, Value,
+    constant, value_of_key,
 )
 from s2sad.tree import AST
 
@@ -29,8 +30,20 @@ def list_of(ev: Evaluator, items: Sequence[Value], origin: AST) -> Value:
         made = tree.at(tree.List([ev.spelled(i, origin) for i in items], tree.Load()), origin)
         wanted, statement = ev.wanted[1:] if ev.wanted is not None and ev.wanted[0] is origin else ("items", origin)
         return ev.named(Data(made, is_list=True), wanted, statement)
+    count = ev.counted(items, origin)
     held: dict[Hashable, Value] = {k: ev.atoms(v, "item", origin) for k, v in enumerate(items)}
-    return ev.heap.new(Object("list", held, site=origin))
+    return ev.heap.new(Object("list", held, site=origin, count=count))
+
+
+@operation
+def counted(ev: Evaluator, items: Sequence[Value], origin: AST, times: int = 1) -> int:
+    """How many values a sequence of these items, so many times, has in it; refuses a large one before it is made."""
+    count = times * sum(i.count if isinstance(i, TupleValue) else ev.heap[i].count if isinstance(i, Reference) else 1
+                        for i in items)
+    if count > LARGEST_SEQUENCE:
+        raise ev.refusal(origin, f"a tuple or list of more than {LARGEST_SEQUENCE} items",
+                         help="allocate an array before and fill it in a for loop")
+    return count
 
 
 @operation
@@ -64,7 +77,11 @@ def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
     if not isinstance(value, Iteration):
         return _of_data(ev, value, node)
     if value.kind == "range":
-        return [constant(k) for k in range(*(ev.known(p, node, "the range of a loop") for p in value.parts))]
+        span = range(*(ev.known(p, node, "the range of a loop") for p in value.parts))
+        if len(span) > LARGEST_SEQUENCE:
+            raise ev.refusal(node, f"a range of more than {LARGEST_SEQUENCE} numbers, each of which must be known "
+                             "before the run", help="let it run over arrays")
+        return [constant(k) for k in span]
     if value.kind in ("keys", "values", "items"):
         return _views(ev, value.parts[0], value.kind)
     if value.kind == "reversed":
