@@ -90,8 +90,9 @@ def test_structures_and_the_command(arguments, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "k.py").write_text(STRUCTURED)
     assert main(["explain", "k.py:step", "--arguments", arguments]) == 0
-    assert capsys.readouterr().out.splitlines()[:6] == [
+    assert capsys.readouterr().out.splitlines()[:10] == [
         "Adjoint of step: d(state_u, state_t) / d(state_u, state_t, dt), engine numpy", "records 2.40 MB", "",
+        "computed before the run", "  state.u is the parameter state_u", "  state.t is the parameter state_t", "",
         "step_adjoint", "  recorded", "    state_u_stack: 2.40 MB = 8 * len(range(n)) * state_u.size bytes, state_u "
         "before `state.u[i] += dt * state.u[i] ** 2`"]
     assert main(["explain", "k.py:step", "--types", "state: {u: float64[:], t: float}", "--arguments", "n=3"]) == 0
