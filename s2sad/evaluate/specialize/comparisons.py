@@ -45,10 +45,10 @@ def _one_by_one(ev: Evaluator, node: Any, f: Frame) -> Value | None:
     other."""
     before = ev.snapshot()
     ev.values([node.left, node.comparators[0]], f)
-    at = len(ev.block)
+    first = ev.snapshot()
     for operand in node.comparators[1:]:
         ev.value(operand, f)
-    plain = len(ev.block) == at
+    plain = not ev.has_acted(first)
     ev.restore(before)
     if plain:
         return None

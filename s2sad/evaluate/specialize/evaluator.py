@@ -278,6 +278,11 @@ class Evaluator(Operations):
         return Snapshot(self.heap.fork(), tuple(self.block), self.names.copy(), self.effects, len(self.rebound),
                         self.emitted, dict(self.unrolled_loops))
 
+    def has_acted(self, before: Snapshot) -> bool:
+        """Whether something was emitted since, or an object that was there holds something else."""
+        return len(self.block) > len(before.block) or any(
+            self.heap.objects.get(n) is not held for n, held in before.objects.items())
+
     def restore(self, before: Snapshot) -> None:
         self.heap.objects = {**self.outset, **before.objects}
         self.block[:] = before.block

@@ -23,7 +23,7 @@ def conditional(ev: Evaluator, node: Any, f: Frame) -> Value:
     before = ev.snapshot()
     both = [_unless_left(ev, part, f, test.demands) for part in (node.body, node.orelse)]
     plain = [v for v in both if isinstance(v, Data) and not is_structural(v)]
-    if len(ev.block) == len(before.block) and len(plain) == len(both):
+    if not ev.has_acted(before) and len(plain) == len(both):
         body, orelse = (ev.spelled(v, node) for v in plain)
         return Data(tree.at(tree.IfExp(test.node, body, orelse), node), demands=demands_of(*plain))
     ev.restore(before)
@@ -71,9 +71,10 @@ def boolean_of(ev: Evaluator, node: Any, operands: Sequence[Any], f: Frame, is_t
     for k, operand in enumerate(operands):
         before, is_last = ev.snapshot(), k == len(operands) - 1
         value, test = _operand(ev, operand, found, is_test, is_last, f)
-        if isinstance(test, bool) and test is not stops and not (is_last and not is_test):
+        if isinstance(test, bool) and test is not stops and not (is_last and not is_test) and not (
+                found and ev.has_acted(before)):
             continue
-        if found and (len(ev.block) > len(before.block) or not isinstance(value, Data) or is_structural(value)):
+        if found and (ev.has_acted(before) or not isinstance(value, Data) or is_structural(value)):
             ev.restore(before)
             kept = ev.named(_joined(ev, node, found), "test", node)
             decided = constant(stops) if is_test else kept

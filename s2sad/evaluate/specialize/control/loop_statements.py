@@ -26,10 +26,11 @@ from s2sad.tree import AST
 def while_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     def stays() -> None:
         def once() -> Callable[[list[AST]], AST]:
+            before = ev.snapshot()
             test = ev.test_of(s.test, f)
             if isinstance(test, bool) and not test:
                 raise ev.unknown(s.test, "a loop ends here")
-            plain = not ev.block
+            plain = not ev.has_acted(before)
             node = test.node if isinstance(test, Data) else tree.const(True)
             loop = ev.loops[-1]
             if not plain and isinstance(test, Data):        # the test has statements of its own

@@ -97,7 +97,7 @@ def _residual(ev: Evaluator, node: Any, f: Frame) -> Value | None:
     try:
         for one in node.generators:
             through = ev.value(one.iter, frame)
-            if not ev.stays_one(through) or len(ev.block) != len(before.block):
+            if not ev.stays_one(through) or ev.has_acted(before):
                 raise ev.unknown(node, "a comprehension of structures")
             names = {n.id: ev.fresh(n.id) for n in tree.walk(one.target) if isinstance(n, tree.Name)}
             iterated = ev.spelled(through, one.iter)
@@ -108,7 +108,7 @@ def _residual(ev: Evaluator, node: Any, f: Frame) -> Value | None:
             tests = [ev.spelled(ev.value(t, frame), t) for t in one.ifs]
             generators.append(type(one)(target, iterated, tests, 0))
         element = ev.spelled(ev.value(node.elt, frame), node.elt)
-        if len(ev.block) != len(before.block):
+        if ev.has_acted(before):
             raise ev.unknown(node, "a comprehension whose items are computed by statements")
     except Unevaluated:
         ev.restore(before)
