@@ -15,7 +15,7 @@ class Counter:
 
 def conditional(x):
     c = Counter()
-    y = 0.25 if x > 1.0 else c.set(2.0)
+    y = 0.25 if x > 1.0 else 0.5 * c.set(2.0)
     return x * c.k + y
 
 
