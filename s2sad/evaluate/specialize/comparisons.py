@@ -12,6 +12,7 @@ from s2sad.evaluate.specialize.control.choices import chosen, is_structural
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
 from s2sad.evaluate.specialize.signals import Unevaluated
+from s2sad.evaluate.specialize.sequences.iterator_use import DEFAULT
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
@@ -230,19 +231,43 @@ def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Fr
         return constant((ev.known(a, node, "a part of a text") in b.known) is wanted)
     if isinstance(b, Data):
         raise ev.refusal(node, "whether an array has an element is asked", help="write np.any(a == x)")
-    equal = tree.Eq() if wanted else tree.NotEq()
+    before = ev.snapshot()
+    found = _any_equal(ev, a, b, node, f)
+    if ev.has_acted(before):        # Python asks no further than the first that is equal
+        ev.restore(before)
+        found = ev.truth(ev.first_item(b, node, f, lambda item: tree.If(
+            _is_or_equals(item, isinstance(a, Reference)), [tree.Return(tree.const(True))], []),
+            tree.Return(tree.const(False)), a), node, f)
+    if isinstance(found, bool):
+        return constant(found is wanted)
+    return found if wanted else Data(tree.at(_negated(found.node), node), demands=found.demands)
+
+
+def _is_or_equals(item: AST, may_be: bool) -> AST:
+    tests = [tree.Compare(item, [op], [tree.name(DEFAULT)]) for op in (tree.Is(), tree.Eq())]
+    return tree.BoolOp(tree.Or(), tests) if may_be else tests[1]
+
+
+def _any_equal(ev: Evaluator, a: Value, b: Value, node: AST, f: Frame) -> bool | Data:
+    """Whether one of the items is, or is equal to, a value."""
     tests: list[AST] = []
-    effects = ev.effects
     for item in b.items if isinstance(b, TupleValue) else ev.items_of(b, node, f):
-        found = compared(ev, equal, a, item, node, f)
-        if ev.effects > effects:
-            raise ev.refusal(node, "'in' of what changes something with each item", help="write a loop")
-        if isinstance(found, Data) and found.is_known:
-            if bool(found.known) is wanted:
-                return constant(wanted)
-            continue
-        tests.append(ev.spelled(found, node))
+        found = constant(True) if isinstance(item, Reference) and item == a else compared(
+            ev, tree.Eq(), item, a, node, f)
+        test = ev.truth(found, node, f)
+        if test is True:
+            return True
+        if isinstance(test, Data):
+            tests.append(ev.spelled(test, node))
     if not tests:
-        return constant(not wanted)
-    op = tree.Or() if wanted else tree.And()
-    return Data(tree.at(tests[0] if len(tests) == 1 else tree.BoolOp(op, tests), node), demands=demands_of(a))
+        return False
+    return Data(tree.at(tests[0] if len(tests) == 1 else tree.BoolOp(tree.Or(), tests), node), demands=demands_of(a))
+
+
+def _negated(test: AST) -> AST:
+    """A test that holds where one does not: comparisons of their own are turned around."""
+    if isinstance(test, tree.BoolOp) and isinstance(test.op, tree.Or):
+        return tree.BoolOp(tree.And(), [_negated(v) for v in test.values])
+    if isinstance(test, tree.Compare) and len(test.ops) == 1 and isinstance(test.ops[0], tree.Eq):
+        return tree.Compare(test.left, [tree.NotEq()], test.comparators)
+    return tree.UnaryOp(tree.Not(), test)

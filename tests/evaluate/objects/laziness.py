@@ -120,9 +120,46 @@ def complex_constants(z):
     return f.u
 
 
+class Ticks:
+    """How often it was asked, which no statement of a kernel's own counts."""
+
+    def __init__(self):
+        self.n = 0
+
+    def next(self, _=0):
+        self.n += 1
+        return self.n
+
+    def __bool__(self):
+        return self.next() > 1
+
+    def __eq__(self, other):
+        return self.next() == 2
+
+
+def no_further_than_the_first_that_decides(x):
+    a, b, c, d = Ticks(), Ticks(), Ticks(), Ticks()
+    found = any(a.next() > 1 for _ in range(5)), all(b.next() < 3 for _ in range(5) if b.next() < 4)
+    found = found, 2 in (c.next() for _ in range(5)), any([d, d, d, d]), any(k > x[1] for k in map(d.next, range(9)))
+    return a.n * x[0] + b.n * x[1] + c.n * x[2] + d.n * x[3]
+
+
+def membership_asks_items_in_turn(x):
+    a, b, c = Ticks(), Ticks(), Ticks()
+    s = (2.0 if b in [a, a, b] else 3.0) + (5.0 if 7 not in (c, x[0], c.next()) else 7.0)
+    return s * x[0] + a.n * x[1] + b.n * x[2] + c.n * x[3]
+
+
+def a_key_is_asked_for_once(x):
+    a, b = Ticks(), Ticks()
+    most, least = max([1, 2, 3], key=a.next), min((1, 2, 3), key=lambda k: -b.next(k))
+    return a.n * x[0] + b.n * x[1] + most * x[2] + least * x[3] + max([], key=a.next, default=x[0])
+
+
 def cases():
     for kernel in (values_of_or_and_and, operands_with_statements, value_before_its_place, any_of_methods,
                    items_as_far_as_asked, next_of_a_generator, chained_comparisons, starred_arguments,
-                   generator_of_what_was_there, sum_is_another_array, true_counts_as_one):
+                   generator_of_what_was_there, sum_is_another_array, true_counts_as_one,
+                   no_further_than_the_first_that_decides, membership_asks_items_in_turn, a_key_is_asked_for_once):
         yield Case(kernel, (X,), "x")
     yield Case(complex_constants, (Z,), "z")

@@ -2,6 +2,7 @@
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -111,14 +112,23 @@ def _set(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 @operation
 def sorted_items(ev: Evaluator, items: list[Value], options: Options, node: AST, f: Frame) -> list[Value]:
     """Items in the order of keys that are known."""
+    back = bool(ev.known(options["reverse"], node, "reverse=")) if "reverse" in options else False
+    return [items[k] for k in _by_keys(ev, items, options, node, f, lambda at, key: sorted(at, key=key, reverse=back))]
+
+
+def _by_keys(ev: Evaluator, items: Sequence[Value], options: Options, node: AST, f: Frame,
+             does: Callable[[range, Callable[[int], Any]], Any]) -> Any:
+    """What a function gives of the places of items whose keys are known; each key is asked for once."""
     key = options.get("key")
     plain = key is None or isinstance(key, Data) and key.known is None
     keys = [_sort_key(ev, i if plain else ev.call(key, [i], {}, node, f), node) for i in items]
+    unknown = ev.refusal(node, "a list is sorted by what is not known before the run")
     if len({str(k) for k in keys}) < len(keys) and any(type(k) is tuple and k[-1:] == (...,) for k in keys):
-        raise ev.refusal(node, "a list is sorted by what is not known before the run")
-    back = bool(ev.known(options["reverse"], node, "reverse=")) if "reverse" in options else False
-    order = sorted(range(len(items)), key=keys.__getitem__, reverse=back)
-    return [items[k] for k in order]
+        raise unknown
+    try:
+        return does(range(len(items)), keys.__getitem__)
+    except TypeError:
+        raise unknown from None
 
 
 def _sort_key(ev: Evaluator, value: Value, node: AST) -> Any:
@@ -274,9 +284,10 @@ def _extreme(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -
     name = ev.called
     if "key" in options:
         items = ev.items_of(args[0], node, f) if len(args) == 1 else args
-        order = sorted_items(ev, items, {"key": options["key"]}, node, f)
-        keys = [ev.known(ev.call(options["key"], [i], {}, node, f), node, "what is compared") for i in order]
-        return order[0] if name == "min" else order[keys.index(keys[-1])]
+        if not items and "default" in options:
+            return options["default"]
+        does = min if name == "min" else max
+        return items[_by_keys(ev, items, options, node, f, lambda at, key: does(at, key=key))]
     if len(args) == 1 and not isinstance(args[0], Data):
         items = ev.items_of(args[0], node, f)
         return items[0] if len(items) == 1 else ev.library_call(f"builtins.{name}", items, options, node, f)

@@ -55,29 +55,31 @@ def used(ev: Evaluator, value: Value, node: AST) -> None:
 
 @operation
 def tests_of(ev: Evaluator, through: Value, stops: bool, node: AST, f: Frame) -> list[bool | Data] | None:
-    """Whether each item is true, up to the first that decides; None where that takes statements, of which Python does
-    no more than it needs to."""
-    if not isinstance(through, Iteration):
-        return [ev.truth(item, node, f) for item in ev.items_of(through, node, f)]
-    if through.kind in LAZY:
-        return _of_generator(ev, through, node) if through.kind == "generator" else None
-    used(ev, through, node)
+    """Whether each item is true, up to the first that decides; None where that takes statements or changes what an
+    object holds, of which Python does no more than it needs to: go back, then."""
     found: list[bool | Data] = []
-    at, cursor = len(ev.block), ev.cursor_of(through, node, f)
+    if isinstance(through, Iteration):
+        if through.kind in LAZY and through.kind != "generator":
+            return None
+        used(ev, through, node)
+    before = ev.snapshot()
+    try:
+        _find_tests(ev, through, stops, found, node, f)
+    except Leave:       # raised by what Python may not come to
+        return None
+    return None if ev.has_acted(before) else found
+
+
+def _find_tests(ev: Evaluator, through: Value, stops: bool, found: list[bool | Data], node: AST, f: Frame) -> None:
+    if isinstance(through, Iteration) and through.kind == "generator":
+        comprehension, frame = through.more
+        ev.generate(comprehension.generators, frame, lambda g: found.append(
+            stops if stops in found else ev.test_of(comprehension.elt, g)), first_of(ev, through))
+        return
+    cursor = ev.cursor_of(through, node, f)
     while stops not in found and (step := cursor.next()) is not None:
         item, cursor = step
         found.append(ev.truth(item, node, f))
-    return found if len(ev.block) == at else None
-
-
-def _of_generator(ev: Evaluator, through: Iteration, node: AST) -> list[bool | Data] | None:
-    used(ev, through, node)
-    comprehension, frame = through.more
-    found: list[bool | Data] = []
-    at = len(ev.block)
-    ev.generate(comprehension.generators, frame, lambda g: found.append(ev.test_of(comprehension.elt, g)),
-                first_of(ev, through))
-    return found if len(ev.block) == at else None
 
 
 @operation
