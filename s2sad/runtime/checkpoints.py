@@ -1,0 +1,38 @@
+"""Which states of a loop are kept when it is run again from them: Revolve, and thinning where its length is not known.
+
+Revolve: Griewank and Walther, ACM Transactions on Mathematical Software 26, 2000.
+"""
+from __future__ import annotations
+
+
+def revolve(step, end, free):
+    """The step before which the next state is kept on the way from one that is held, that before `step`, to the last
+    one in front of `end`, with `free` places left; `end` if none is.
+
+    The steps between are run again as few times as can be: with s places n steps are run t n - C(s + t, s + 1) times
+    before their turn, where C(s + t - 1, s) < n <= C(s + t, s).
+
+    >>> revolve(0, 10, 2), revolve(4, 10, 1), revolve(6, 10, 0)
+    (4, 7, 10)
+    """
+    steps, places = end - step, free + 1
+    if free < 1 or steps < 2:
+        return end
+    repeats, before, less, most = 0, 0, 0, 1
+    while most < steps:  # C(places + repeats, places) steps can be reversed
+        repeats += 1
+        before, less, most = less, most, most * (places + repeats) // repeats
+    return step + max(before, steps - (most - less), min(less, steps - (less - before)), 1)
+
+
+def thin(kept, count):
+    """The number of states that are left where every second one of the first `count` is kept, moved to the front.
+
+    >>> import numpy as np
+    >>> kept = np.array([0.0, 1.0, 2.0, 3.0, 4.0])
+    >>> thin(kept, 4), kept[:2]
+    (2, array([0., 2.]))
+    """
+    for place in range((count + 1) // 2):
+        kept[place] = kept[2 * place]
+    return (count + 1) // 2

@@ -1,0 +1,96 @@
+"""The states that are kept of a loop, and how often its steps run: as derivatives use them."""
+from __future__ import annotations
+
+from math import comb
+
+import numpy as np
+import pytest
+
+from s2sad.runtime import revolve, thin
+
+
+def _optimum(steps: int, places: int) -> int:
+    """The least number of runs of steps, those that are taped included (Griewank and Walther 2000, and the steps)."""
+    repeats = 0
+    while comb(places + repeats, places) < steps:
+        repeats += 1
+    return repeats * steps - comb(places + repeats, places + 1) + steps
+
+
+def _revolved(steps: int, places: int) -> tuple[int, list[int]]:
+    """The runs of a loop of which the length is known, and the steps in the order in which they are reversed."""
+    held: list[int] = []
+    runs = following = 0
+    for step in range(steps):
+        if step in (following, steps - 1):
+            held.append(step)
+            following = revolve(step, steps, places - len(held))
+        runs += 1
+    again, order = _reversed(steps, places, held)
+    return runs + again, order
+
+
+def _reversed(steps: int, places: int, held: list[int]) -> tuple[int, list[int]]:
+    """The runs of the reverse sweep, from the states that the forward sweep holds in the end."""
+    runs, order = 0, []
+    for step in range(steps - 1, -1, -1):
+        following = revolve(held[-1], step + 1, places - len(held))
+        here = held[-1]
+        for again in range(held[-1], step):
+            if again == following:
+                held.append(again)
+                assert len(held) <= max(places, 1)
+                following = revolve(again, step + 1, places - len(held))
+            runs, here = runs + 1, again + 1
+        assert here == step
+        runs += 1
+        order.append(step)
+        if held[-1] == step:
+            held.pop()
+    assert not held
+    return runs, order
+
+
+@pytest.mark.parametrize("places", range(1, 13))
+def test_revolve_runs_steps_as_few_times_as_can_be(places):
+    """All are run once forwards, the last one too, for what stands behind the loop: one more than the optimum."""
+    for steps in range(1, 301):
+        runs, order = _revolved(steps, places)
+        assert runs == _optimum(steps, places) + 1, steps
+        assert order == list(range(steps))[::-1]
+
+
+def test_published_ratios():
+    """Of a thousand steps (Griewank and Walther 2000), to the digits that are printed."""
+    for places, ratio in {5: 7.28, 10: 4.62, 20: 3.74, 40: 3.09, 60: 2.94}.items():
+        assert (_revolved(1000, places)[0] - 1) / 1000 == pytest.approx(ratio, abs=0.02)
+
+
+def test_a_million_steps_are_counted_without_overflow():
+    compiled = pytest.importorskip("numba").njit(revolve)
+    for places in (1, 2, 100, 10**6):
+        assert compiled(0, 10**6, places) == revolve(0, 10**6, places)
+    assert compiled(5, 10**12, 3) == revolve(5, 10**12, 3)
+
+
+def _thinned(steps: int, places: int) -> list[int]:
+    held, count, gap = np.empty(places, int), 0, 1
+    most = max(1, 3 * places // 4)
+    for step in range(steps):
+        if step % gap == 0 and count == most:
+            count, gap = thin(held, count), 2 * gap
+        if step % gap == 0:
+            held[count] = step
+            count += 1
+    assert count <= places
+    return held[:count].tolist()
+
+
+@pytest.mark.parametrize("places", [1, 2, 3, 8, 20, 50])
+def test_thinning_costs_little_more_than_knowing_the_length(places):
+    ratios = []
+    for steps in range(1, 400, 7):
+        runs, order = _reversed(steps, places, _thinned(steps, places))
+        assert order == list(range(steps))[::-1]
+        ratios.append((runs + steps) / (_optimum(steps, places) + 1))
+    assert max(ratios) <= 1.34 and np.mean(ratios) < 1.1
